@@ -1,0 +1,90 @@
+#include "mesh/align.h"
+
+#include <Eigen/Dense>
+
+namespace pliant {
+
+namespace {
+
+using RowPoints = Eigen::Map<const Positions>;
+
+RowPoints rows(const Shape& shape) { return RowPoints(shape.data(), shape.size() / 3, 3); }
+
+Eigen::Vector3d centroid(const Shape& shape, const Eigen::VectorXd& masses)
+{
+    return rows(shape).transpose() * masses / masses.sum();
+}
+
+} // namespace
+
+RigidMotion best_rigid_motion(const Shape& from, const Shape& to, const Eigen::VectorXd& masses)
+{
+    const Eigen::Vector3d from_centre = centroid(from, masses), to_centre = centroid(to, masses);
+    const Positions a = rows(from).rowwise() - from_centre.transpose();
+    const Positions b = rows(to).rowwise() - to_centre.transpose();
+    const Eigen::Matrix3d covariance = b.transpose() * masses.asDiagonal() * a;
+    const Eigen::JacobiSVD<Eigen::Matrix3d> svd(covariance, Eigen::ComputeFullU | Eigen::ComputeFullV);
+    Eigen::Vector3d signs(1, 1, 1);
+    if ((svd.matrixU() * svd.matrixV().transpose()).determinant() < 0) signs[2] = -1;
+    RigidMotion motion;
+    motion.rotation = svd.matrixU() * signs.asDiagonal() * svd.matrixV().transpose();
+    motion.translation = to_centre - motion.rotation * from_centre;
+    return motion;
+}
+
+void apply(const RigidMotion& motion, Shape& shape)
+{
+    for (Eigen::Index i = 0; i < shape.size(); i += 3)
+        shape.segment<3>(i) = (motion.rotation * shape.segment<3>(i) + motion.translation).eval();
+}
+
+ShapeSet normalise(const PoseSet& poses, bool keep_placement)
+{
+    ShapeSet set;
+    set.triangles = poses.triangles;
+    const Eigen::Index n = Eigen::Index(poses.vertex_count());
+
+    // Shapes relative to the middle of pose 0, so that a far-away origin costs no digits in what follows.
+    const Eigen::Vector3d middle
+        = 0.5 * (poses.positions[0].colwise().minCoeff() + poses.positions[0].colwise().maxCoeff()).transpose();
+    double area = 0;
+    set.masses = Eigen::VectorXd::Zero(n);
+    for (const Positions& positions : poses.positions) {
+        const Eigen::Vector3d pose_middle = keep_placement
+            ? middle
+            : Eigen::Vector3d(0.5 * (positions.colwise().minCoeff() + positions.colwise().maxCoeff()).transpose());
+        const Positions centred = positions.rowwise() - pose_middle.transpose();
+        set.shapes.emplace_back(Eigen::Map<const Shape>(centred.data(), 3 * n));
+        set.motions.emplace_back();
+        set.motions.back().translation = -pose_middle;
+        set.masses += lumped_masses(set.shapes.back(), set.triangles) / double(poses.pose_count());
+        area += triangle_areas(set.shapes.back(), set.triangles).sum() / double(poses.pose_count());
+    }
+    set.length = std::sqrt(area);
+    set.masses /= area;
+
+    // The runtime adds the origin in single precision: round it once, here, so that both sides mean the same point.
+    const Eigen::Vector3d centre = centroid(set.shapes[0], set.masses);
+    set.origin = (middle + centre).cast<float>().cast<double>();
+    const Eigen::Vector3d shift = middle - set.origin;
+    for (std::size_t k = 0; k < set.pose_count(); ++k) {
+        RigidMotion fit;
+        if (!keep_placement && k > 0) fit = best_rigid_motion(set.shapes[k], set.shapes[0], set.masses);
+        apply(fit, set.shapes[k]);
+        set.motions[k].rotation = fit.rotation;
+        set.motions[k].translation = fit.rotation * set.motions[k].translation + fit.translation + middle;
+        for (Eigen::Index i = 0; i < 3 * n; i += 3) set.shapes[k].segment<3>(i) = (set.shapes[k].segment<3>(i) + shift) / set.length;
+    }
+    const auto rest = rows(set.shapes[0]);
+    set.diagonal = (rest.colwise().maxCoeff() - rest.colwise().minCoeff()).norm();
+    return set;
+}
+
+Positions to_input_units(const ShapeSet& set, const Shape& shape)
+{
+    Positions positions = set.length * rows(shape);
+    positions.rowwise() += set.origin.transpose();
+    return positions;
+}
+
+} // namespace pliant

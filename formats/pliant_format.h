@@ -1,0 +1,130 @@
+/* The structures of a .pliant asset, as SPEC.md (format 1.0) defines them. C99 and C++11. Shared by the runtime, which
+   reads them, and the baker, which writes them. Plain little-endian data: no pointers, no padding. */
+#ifndef PLIANT_FORMAT_H
+#define PLIANT_FORMAT_H
+
+#include <stdint.h>
+
+#define PLIANT_FORMAT_MAJOR 1
+#define PLIANT_FORMAT_MINOR 0
+
+/* "«PLIANT»" with CR LF EOF LF behind it: a transfer in text mode breaks it visibly. */
+#define PLIANT_FORMAT_IDENTIFIER \
+    { 0xAB, 0x50, 0x4C, 0x49, 0x41, 0x4E, 0x54, 0xBB, 0x0D, 0x0A, 0x1A, 0x0A }
+
+/* Chunk tags: four letters, the first in the lowest byte. */
+#define PLIANT_FORMAT_TAG(a, b, c, d) \
+    ((uint32_t)(a) | ((uint32_t)(b) << 8) | ((uint32_t)(c) << 16) | ((uint32_t)(d) << 24))
+#define PLIANT_CHUNK_SOLVER PLIANT_FORMAT_TAG('S', 'O', 'L', 'V')
+#define PLIANT_CHUNK_ELEMENTS PLIANT_FORMAT_TAG('E', 'L', 'E', 'M')
+#define PLIANT_CHUNK_PREDICTOR PLIANT_FORMAT_TAG('P', 'R', 'E', 'D')
+#define PLIANT_CHUNK_REST PLIANT_FORMAT_TAG('R', 'E', 'S', 'T')
+#define PLIANT_CHUNK_TRIANGLES PLIANT_FORMAT_TAG('T', 'R', 'I', 'S')
+#define PLIANT_CHUNK_POLYGONS PLIANT_FORMAT_TAG('P', 'O', 'L', 'Y')
+#define PLIANT_CHUNK_NAMES PLIANT_FORMAT_TAG('N', 'A', 'M', 'E')
+#define PLIANT_CHUNK_ANSWERS PLIANT_FORMAT_TAG('A', 'N', 'S', 'W')
+#define PLIANT_CHUNK_CERTIFICATE PLIANT_FORMAT_TAG('C', 'E', 'R', 'T')
+#define PLIANT_CHUNK_BASIS PLIANT_FORMAT_TAG('B', 'A', 'S', 'I')
+
+#define PLIANT_CHUNK_FLAG_REQUIRED 1u
+
+/* Limits that a reader checks before it multiplies (SPEC.md section 3 and 4). */
+#define PLIANT_FORMAT_MAX_VERTICES (1u << 26)
+#define PLIANT_FORMAT_MAX_TRIANGLES (1u << 27)
+#define PLIANT_FORMAT_MAX_DIMENSION 256u
+#define PLIANT_FORMAT_MAX_POSES 64u
+#define PLIANT_FORMAT_MAX_CHUNKS 64u
+#define PLIANT_FORMAT_MAX_BATCHES 64u
+#define PLIANT_FORMAT_MAX_ELEMENTS (1u << 22)
+#define PLIANT_FORMAT_MAX_VALENCE 32u
+#define PLIANT_FORMAT_MAX_CENTRES 4096u
+#define PLIANT_FORMAT_MAX_ANSWERS 64u
+
+#define PLIANT_FORMAT_BLOB_ALIGNMENT 16u
+#define PLIANT_FORMAT_CHUNK_ALIGNMENT 64u
+#define PLIANT_FORMAT_BASIS_ALIGNMENT 4096u
+#define PLIANT_FORMAT_LANES 16u         /* element lanes and vector padding, in floats */
+#define PLIANT_FORMAT_TILE_VERTICES 16u /* vertices of a REST or BASI tile */
+#define PLIANT_FORMAT_TILE_FLOATS 48u
+
+typedef struct pliant_format_header {
+    uint8_t identifier[12];
+    uint16_t format_major;
+    uint16_t format_minor;
+    uint64_t file_size;
+    uint32_t chunk_count;
+    uint32_t header_crc32;
+    uint32_t vertex_count;
+    uint32_t triangle_count;
+    uint32_t dimension;
+    uint32_t pose_count;
+    float origin[3];
+    uint32_t reserved;
+} pliant_format_header; /* 64 bytes */
+
+typedef struct pliant_format_chunk {
+    uint32_t tag;
+    uint32_t flags;
+    uint64_t offset;
+    uint64_t size;
+    uint32_t crc32;
+    uint32_t reserved;
+} pliant_format_chunk; /* 32 bytes */
+
+/* First 64 bytes of SOLV. */
+typedef struct pliant_format_solver {
+    float energy_scale;
+    uint32_t reserved[15];
+} pliant_format_solver;
+
+/* First 64 bytes of ELEM, PRED and ANSW: how many records, centres or answers follow. */
+typedef struct pliant_format_count {
+    uint32_t count;
+    uint32_t reserved[15];
+} pliant_format_count;
+
+typedef enum pliant_element_kind {
+    PLIANT_ELEMENT_HINGE = 1,
+    PLIANT_ELEMENT_FACE_NEO_HOOKEAN = 2,
+    PLIANT_ELEMENT_FACE_STVK = 3,
+    PLIANT_ELEMENT_FACE_EDGE = 4,
+    PLIANT_ELEMENT_ARAP_CELL = 5
+} pliant_element_kind;
+
+typedef struct pliant_format_batch {
+    uint32_t kind;
+    uint32_t element_count;
+    uint32_t valence;
+    uint32_t is_closed;
+    uint64_t rows_offset;
+    uint64_t fixed_offset;
+    uint64_t pose_offset;
+    uint8_t reserved[24];
+} pliant_format_batch; /* 64 bytes */
+
+/* How many arrays a batch has: R rows of differences, F fixed numbers, K numbers per pose (SPEC.md, table of kinds).
+   All zero for an unknown kind. */
+typedef struct pliant_format_shape {
+    uint32_t row_count;
+    uint32_t fixed_count;
+    uint32_t pose_number_count;
+} pliant_format_shape;
+
+static inline pliant_format_shape pliant_format_batch_shape(uint32_t kind, uint32_t valence, uint32_t is_closed)
+{
+    pliant_format_shape shape = { 0, 0, 0 };
+    switch (kind) {
+    case PLIANT_ELEMENT_HINGE: shape.row_count = 9; shape.fixed_count = 2; shape.pose_number_count = 2; break;
+    case PLIANT_ELEMENT_FACE_NEO_HOOKEAN: shape.row_count = 6; shape.fixed_count = 4; shape.pose_number_count = 5; break;
+    case PLIANT_ELEMENT_FACE_STVK: shape.row_count = 6; shape.fixed_count = 0; shape.pose_number_count = 9; break;
+    case PLIANT_ELEMENT_FACE_EDGE: shape.row_count = 6; shape.fixed_count = 4; shape.pose_number_count = 8; break;
+    case PLIANT_ELEMENT_ARAP_CELL:
+        shape.row_count = 3 * valence;
+        shape.pose_number_count = 4 * (valence + (is_closed ? valence : valence - 1)) + 1;
+        break;
+    default: break;
+    }
+    return shape;
+}
+
+#endif

@@ -1,0 +1,188 @@
+/* Pliant runtime: nonlinear blending of whole shapes, in real time.
+
+   This header is the manual. C99, needs libc and libm only, compiles as C++11.
+
+   What it does
+     Opens a baked .pliant asset in place, finds for given weights the elastic blend of the asset's poses (a small
+     minimisation, microseconds), and rebuilds vertex positions from it.
+   What it does not do
+     Allocate, read files, log, keep globals, start threads, call back, read a clock. It also does not bake: that is the
+     `pliant` tool.
+
+   Step by step
+     1. Get the file into memory, at an address that is a multiple of 16 (malloc and mmap give that).
+     2. pliant_asset_open         once per asset; the view points into your memory, which must outlive it.
+     3. pliant_solver_memory      how many bytes one character needs; allocate them where you like.
+     4. pliant_solver_init        once per character.
+     5. pliant_solve              once per frame and character: weights in, q out.
+     6. pliant_reconstruct        q in, positions out, any range of vertices, any stride; split it over threads at will.
+
+   Threads
+     A pliant_asset is read-only after opening and may be shared. A pliant_solver belongs to one thread at a time. Calls
+     on different solvers never touch the same memory.
+   Determinism
+     Compiled without floating-point contraction and fast-math (the CMake project sees to that), the same asset, weights
+     and call history give the same bits.
+   Hostile input
+     pliant_asset_open accepts any bytes: it returns a result code or an asset that later calls cannot leave, whatever
+     its numbers say. Weights may be anything: bad ones get a result code and change nothing. */
+#ifndef PLIANT_H
+#define PLIANT_H
+
+#include <stddef.h>
+#include <stdint.h>
+
+#define PLIANT_VERSION_MAJOR 0
+#define PLIANT_VERSION_MINOR 1
+#define PLIANT_VERSION_PATCH 0
+
+#ifndef PLIANT_API
+#define PLIANT_API
+#endif
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/* What a call answers. Numbered with gaps per family; numbers never change meaning. */
+typedef enum pliant_result {
+    PLIANT_OK = 0,
+
+    /* the call itself */
+    PLIANT_ERROR_ARGUMENT = 10,   /* a null pointer, an index out of range, a desc not made by its _default function */
+    PLIANT_ERROR_MEMORY_SIZE = 11,/* the memory given is smaller than pliant_solver_memory says */
+    PLIANT_ERROR_ALIGNMENT = 12,  /* the blob is not at a multiple of 16 */
+
+    /* the asset (rule numbers of formats/SPEC.md) */
+    PLIANT_ERROR_TRUNCATED = 20,  /* R01, R04: smaller than a header, or not of the size that it states */
+    PLIANT_ERROR_NOT_PLIANT = 21, /* R02: not a .pliant file */
+    PLIANT_ERROR_VERSION = 22,    /* R03, R07: made for another major version or needs a chunk unknown here */
+    PLIANT_ERROR_LIMIT = 23,      /* R05: a count outside its range */
+    PLIANT_ERROR_LAYOUT = 24,     /* R06, R07, R09, R14: chunks missing, overlapping, of wrong size; a reserved field set */
+    PLIANT_ERROR_NUMBER = 25,     /* R10, R13: a number that is not finite or not in its range */
+    PLIANT_ERROR_INDEX = 26,      /* R11: an index past the last vertex; names or polygons that do not add up */
+    PLIANT_ERROR_CHECKSUM = 27,   /* R08, R12: damaged in transit */
+
+    /* the weights */
+    PLIANT_ERROR_WEIGHT_NOT_FINITE = 40,
+    PLIANT_ERROR_WEIGHT_NEGATIVE = 41,
+    PLIANT_ERROR_WEIGHT_SUM = 42  /* all weights are zero */
+} pliant_result;
+
+/* One English line for a result, never null. */
+PLIANT_API const char* pliant_result_text(pliant_result result);
+
+/* Version of the library as major * 10000 + minor * 100 + patch. */
+PLIANT_API uint32_t pliant_version(void);
+
+/* ---------------------------------------------------------------------------------------------------- asset ---- */
+
+/* A view of an asset. It owns nothing and holds pointers into the blob: copy it freely, drop it any time, but keep the
+   blob where it is. The fields up to `triangles` are for you to read, the others are internal. */
+typedef struct pliant_asset {
+    uint32_t vertex_count;
+    uint32_t triangle_count;
+    uint32_t dimension;             /* d: how many reduced coordinates q has */
+    uint32_t pose_count;            /* m: how many weights a blend has */
+    float origin[3];                /* added to every position, in units of the input meshes */
+    const uint32_t* triangles;      /* triangle_count x 3 vertex indices */
+
+    const unsigned char* blob;
+    uint64_t blob_size;
+    const float* mean;              /* dimension, padded */
+    const float* whitening;         /* dimension columns, padded */
+    const float* pose_coordinates;  /* pose_count rows, padded */
+    const void* batches;
+    const unsigned char* elements;  /* start of the ELEM chunk */
+    const float* predictor_centres; /* null without a predictor */
+    const float* predictor_coefficients;
+    const float* rest;
+    const float* basis;
+    uint32_t batch_count;
+    uint32_t predictor_count;
+    uint32_t padded_dimension;
+    float energy_scale;
+} pliant_asset;
+
+/* Flags of pliant_asset_open. */
+#define PLIANT_OPEN_DEFAULT 0u
+#define PLIANT_OPEN_VERIFY_CHECKSUMS 1u /* also compare all checksums: reads the whole blob */
+
+/* Opens the asset at `blob`, `blob_size` bytes. Structure, sizes, indices and the numbers that a frame reads are always
+   checked. On an error `*out` is all zero. Cost: linear in the size of the blob without its basis, milliseconds at most. */
+PLIANT_API pliant_result pliant_asset_open(pliant_asset* out, const void* blob, size_t blob_size, uint32_t flags);
+
+/* Name of pose `pose` (UTF-8, zero-terminated, in the blob), or null if there is no such pose. */
+PLIANT_API const char* pliant_asset_pose_name(const pliant_asset* asset, uint32_t pose);
+
+/* The reduced coordinates (dimension floats) that reproduce pose `pose`, or null if there is no such pose. A weighted sum of
+   them with weights of sum 1 is the linear blend: useful to show the difference. */
+PLIANT_API const float* pliant_asset_pose_coordinates(const pliant_asset* asset, uint32_t pose);
+
+/* The bytes of a chunk by its tag (formats/pliant_format.h), or null (and *size = 0) if the asset has none. For tools. */
+PLIANT_API const void* pliant_asset_chunk(const pliant_asset* asset, uint32_t tag, size_t* size);
+
+/* --------------------------------------------------------------------------------------------------- solver ---- */
+
+/* How to solve. Make it with pliant_solver_desc_default, then change what you like. */
+typedef struct pliant_solver_desc {
+    uint32_t struct_size;         /* set by pliant_solver_desc_default, do not change */
+    uint32_t max_iterations;      /* per frame, default 60. 0: the predictor's answer, no iteration */
+    uint32_t max_evaluations;     /* per frame, default 120, at least 1: together with pliant_solve_info a time bound */
+    float tolerance;              /* stop when the gradient, measured in the metric of the inverse Hessian, is below
+                                     tolerance * sqrt(energy scale). Default 1e-3, useful range 1e-4 .. 1e-2: finer is
+                                     below the noise of single precision */
+    float continuity;             /* weights whose sum of absolute changes (after normalisation) is at most this since the
+                                     last frame start from that frame; else from the predictor. Default 0.1; 0: always
+                                     from the predictor */
+} pliant_solver_desc;
+
+PLIANT_API pliant_solver_desc pliant_solver_desc_default(void);
+
+/* State of one character: lives in memory that you gave. */
+typedef struct pliant_solver pliant_solver;
+
+/* Bytes that pliant_solver_init needs; 0 if an argument is bad. Typically 20 to 200 KiB. */
+PLIANT_API size_t pliant_solver_memory(const pliant_asset* asset, const pliant_solver_desc* desc);
+
+/* Makes a solver in `memory` (any alignment, `memory_size` bytes). The solver keeps pointers into the asset's blob and copies
+   the view itself. There is nothing to free: drop the memory when you are done. */
+PLIANT_API pliant_result pliant_solver_init(pliant_solver** out, const pliant_asset* asset, const pliant_solver_desc* desc,
+                                            void* memory, size_t memory_size);
+
+/* Forgets the past: the next frame is solved as from a new solver, to the same bits. For cuts and teleports. */
+PLIANT_API void pliant_solver_reset(pliant_solver* solver);
+
+/* How a frame ended. Every one of them gives a finite q that is not worse than its start. */
+typedef enum pliant_status {
+    PLIANT_STATUS_CONVERGED = 0,
+    PLIANT_STATUS_LIMIT = 1,  /* stopped by max_iterations or max_evaluations; the next frame goes on from here */
+    PLIANT_STATUS_STALLED = 2 /* no step improves any more in single precision, but the gradient is above the tolerance */
+} pliant_status;
+
+typedef struct pliant_solve_info {
+    pliant_status status;
+    uint32_t iterations;
+    uint32_t evaluations;
+    float energy;   /* of the stand-in, relative to the equal-weight average (so it may be negative) */
+    float gradient; /* norm as in desc.tolerance, in units of sqrt(energy scale) */
+} pliant_solve_info;
+
+/* Blends: `weights` (pose_count floats, each >= 0, any positive sum) in, `q` (dimension floats) out, `info` may be null.
+   Only the ratios of the weights matter. Bad weights: a result code; q, info and the solver stay as they are, to the bit.
+   Cost: (iterations + a few) evaluations of the stand-in; no allocation, no system call. */
+PLIANT_API pliant_result pliant_solve(pliant_solver* solver, const float* weights, float* q, pliant_solve_info* info);
+
+/* ------------------------------------------------------------------------------------------- reconstruction ---- */
+
+/* Positions of vertices first .. first+count-1 for the coordinates `q`: position i is written as three floats at
+   (char*)positions + i * stride (stride in bytes, at least 12, a multiple of 4), in units of the input meshes. Vertices past the last one are not written.
+   Ranges that start at multiples of 16 are fastest; ranges may run on different threads. Cost: reads count * 12 * (dimension + 1)
+   bytes of the basis, once, forwards. */
+PLIANT_API void pliant_reconstruct(const pliant_asset* asset, const float* q, uint32_t first, uint32_t count,
+                                   float* positions, size_t stride);
+
+#ifdef __cplusplus
+}
+#endif
+#endif

@@ -1,0 +1,173 @@
+// Discrete Shells and ARAP against independent numbers, finite differences and their own symmetries.
+#define DOCTEST_CONFIG_IMPLEMENT_WITH_MAIN
+#include "average/newton.h"
+#include "average/rigid_modes.h"
+#include "energy/arap.h"
+#include "energy/discrete_shells.h"
+#include "golden_shells.h"
+
+#include <Eigen/Eigenvalues>
+#include <doctest/doctest.h>
+#include <memory>
+#include <string>
+
+using namespace pliant;
+
+namespace {
+
+// The set as the golden numbers mean it: no alignment, no normalisation.
+ShapeSet raw_set(const golden::Case& c)
+{
+    ShapeSet set;
+    for (std::size_t i = 0; i < c.faces.size(); i += 3) set.triangles.push_back({c.faces[i], c.faces[i + 1], c.faces[i + 2]});
+    for (const auto& pose : c.poses) set.shapes.push_back(Eigen::Map<const Shape>(pose.data(), Eigen::Index(pose.size())));
+    set.masses = Eigen::VectorXd::Zero(set.dof_count() / 3);
+    for (const Shape& shape : set.shapes) set.masses += lumped_masses(shape, set.triangles) / double(set.pose_count());
+    return set;
+}
+
+std::unique_ptr<Energy> make(const std::string& name, const ShapeSet& set)
+{
+    if (name == "arap") return std::make_unique<Arap>(set);
+    ShellOptions options;
+    options.thickness = 0.1;
+    options.foldover_damping = 1;
+    options.membrane = name == "edge" ? Membrane::edge : name == "stvk" ? Membrane::stvk : Membrane::neo_hookean;
+    return std::make_unique<DiscreteShells>(set, options);
+}
+
+Eigen::VectorXd vector(const std::vector<double>& v) { return Eigen::Map<const Eigen::VectorXd>(v.data(), Eigen::Index(v.size())); }
+
+double relative(const Eigen::VectorXd& a, const Eigen::VectorXd& b) { return (a - b).norm() / b.norm(); }
+
+template <class Test>
+void for_all_models(Test test)
+{
+    for (const golden::Case& c : golden::cases()) {
+        const ShapeSet set = raw_set(c);
+        for (const golden::Model& model : c.models) {
+            CAPTURE(c.name);
+            CAPTURE(model.name);
+            test(c, model, set, *make(model.name, set));
+        }
+    }
+}
+
+} // namespace
+
+TEST_CASE("energies equal the independent numbers to 1e-12")
+{
+    for_all_models([](const golden::Case& c, const golden::Model& model, const ShapeSet& set, const Energy& energy) {
+        for (std::size_t k = 0; k < set.pose_count(); ++k) {
+            const double value = energy_value(energy, corner_weights(set.pose_count(), k), vector(c.config));
+            CHECK(std::abs(value - model.energies[k]) <= 1e-12 * std::abs(model.energies[k]));
+            for (std::size_t j = 0; j < set.pose_count(); ++j) {
+                const double cross = energy_value(energy, corner_weights(set.pose_count(), k), set.shapes[j]);
+                CHECK(std::abs(cross - model.pose_to_pose[k][j]) <= 1e-12 * std::abs(model.pose_to_pose[k][j]) + 1e-14);
+            }
+        }
+    });
+}
+
+TEST_CASE("gradients equal the independent numbers to 1e-10, Hessian products to 1e-9")
+{
+    for_all_models([](const golden::Case& c, const golden::Model& model, const ShapeSet&, const Energy& energy) {
+        Shape gradient = Shape::Zero(energy.dof_count());
+        add_gradient(energy, vector(c.weights), vector(c.config), gradient);
+        CHECK(relative(gradient, vector(model.gradient)) < 1e-10);
+        HessianAssembler assembler(energy);
+        assembler.assemble(vector(c.weights), vector(c.config), HessianKind::exact);
+        const Shape product = assembler.matrix().selfadjointView<Eigen::Lower>() * vector(c.direction);
+        CHECK(relative(product, vector(model.hessian_product)) < 1e-9);
+    });
+}
+
+TEST_CASE("averages equal the independent ones to 1e-8 after rigid alignment")
+{
+    for_all_models([](const golden::Case& c, const golden::Model& model, const ShapeSet& set, const Energy& energy) {
+        if (model.average.empty()) return;
+        for (SolverKind kind : {SolverKind::cholmod, SolverKind::eigen}) {
+            NewtonSolver solver(energy, set, kind);
+            NewtonOptions options;
+            options.decrement = 1e-14;
+            const NewtonResult result = solver.minimise(vector(c.weights), set.shapes[0], options);
+            CHECK(result.has_converged);
+            Shape aligned = result.y;
+            const Shape truth = vector(model.average);
+            apply(best_rigid_motion(aligned, truth, set.masses), aligned);
+            CHECK(relative(aligned, truth) < 1e-8);
+            CHECK(std::abs(result.energy - model.average_energy) <= 1e-10 * std::abs(model.average_energy));
+        }
+    });
+}
+
+TEST_CASE("rigid motions do no work at a pose: the Hessian has exactly six null modes and is positive semidefinite")
+{
+    for_all_models([](const golden::Case& c, const golden::Model& model, const ShapeSet& set, const Energy& energy) {
+        if (set.dof_count() < 18 && std::string(model.name) == "arap") return; // too few edges for a stiff ARAP
+        HessianAssembler assembler(energy);
+        const Weights w = corner_weights(c.poses.size(), 0);
+        assembler.assemble(w, set.shapes[0], HessianKind::exact);
+        const Eigen::MatrixXd dense = Eigen::MatrixXd(assembler.matrix()).selfadjointView<Eigen::Lower>();
+        const Eigen::MatrixXd modes = rigid_modes(set.shapes[0], set.masses);
+        CHECK((dense * modes).norm() < 1e-9 * dense.norm() * modes.norm());
+        const Eigen::VectorXd eigenvalues = Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(dense).eigenvalues();
+        CHECK(eigenvalues[0] > -1e-10 * eigenvalues[eigenvalues.size() - 1]);
+        CHECK(eigenvalues[5] < 1e-10 * eigenvalues[eigenvalues.size() - 1]);
+        CHECK(eigenvalues[6] > 1e-8 * eigenvalues[eigenvalues.size() - 1]);
+    });
+}
+
+TEST_CASE("projected Hessians are positive semidefinite everywhere")
+{
+    for_all_models([](const golden::Case& c, const golden::Model&, const ShapeSet&, const Energy& energy) {
+        HessianAssembler assembler(energy);
+        const Shape far = vector(c.config) + 0.2 * vector(c.direction);
+        assembler.assemble(vector(c.weights), far, HessianKind::projected);
+        const Eigen::MatrixXd dense = Eigen::MatrixXd(assembler.matrix()).selfadjointView<Eigen::Lower>();
+        const Eigen::VectorXd eigenvalues = Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(dense).eigenvalues();
+        CHECK(eigenvalues[0] > -1e-12 * eigenvalues[eigenvalues.size() - 1]);
+    });
+}
+
+TEST_CASE("exact Hessians are the finite differences of gradients")
+{
+    for_all_models([](const golden::Case& c, const golden::Model&, const ShapeSet&, const Energy& energy) {
+        const Shape x = vector(c.config), direction = vector(c.direction);
+        const double step = 1e-6;
+        Shape plus = Shape::Zero(x.size()), minus = plus;
+        add_gradient(energy, vector(c.weights), x + step * direction, plus);
+        add_gradient(energy, vector(c.weights), x - step * direction, minus);
+        HessianAssembler assembler(energy);
+        assembler.assemble(vector(c.weights), x, HessianKind::exact);
+        const Shape product = assembler.matrix().selfadjointView<Eigen::Lower>() * direction;
+        CHECK(relative(product, (plus - minus) / (2 * step)) < 1e-6);
+    });
+}
+
+TEST_CASE("fold-over hinges are found and damped")
+{
+    const golden::Case c = golden::cases()[1]; // a single hinge
+    ShapeSet set = raw_set(c);
+    ShellOptions options;
+    options.thickness = 0.1;
+    CHECK(DiscreteShells(set, options).foldover_hinges().empty());
+    // Fold the free vertex over by 2.5 radians in pose 0.
+    const double angle = 2.5;
+    set.shapes[0].segment<3>(9) = point(set.shapes[0], 1) + point(set.shapes[0], 2);
+    const Eigen::Vector3d origin = point(set.shapes[0], 1), axis = (point(set.shapes[0], 2) - origin).normalized();
+    set.shapes[0].segment<3>(9)
+        = origin + Eigen::AngleAxisd(angle, axis) * (point(set.shapes[0], 3) - origin);
+    const DiscreteShells damped(set, options);
+    CHECK(damped.foldover_hinges().size() == 1);
+    options.foldover_damping = 1;
+    const DiscreteShells undamped(set, options);
+    ElementResult a, b;
+    double x[12];
+    std::size_t count = 0;
+    gather(damped.element_vertices(0, count), 4, set.shapes[1], x);
+    const Weights w = corner_weights(2, 0);
+    damped.evaluate(0, w.data(), x, Order::value, HessianKind::exact, a);
+    undamped.evaluate(0, w.data(), x, Order::value, HessianKind::exact, b);
+    CHECK(a.value == doctest::Approx(1e-3 * b.value));
+}
