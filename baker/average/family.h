@@ -7,7 +7,8 @@
 
 namespace pliant {
 
-// a(w) is reached along the straight line in weight space from the equal-weight average, which itself is reached from pose 0.
+// a(w) is reached along the straight line in weight space from the equal-weight average, which itself is reached from the pose
+// whose energy under equal weights is least.
 // An elastic average need not be unique; one definition of it is needed where snapshots, truths and measurements are compared.
 class AverageFamily {
 public:

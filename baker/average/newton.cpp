@@ -42,8 +42,8 @@ void NewtonSolver::factorize_shifted(const Weights& w, const Shape& y, HessianKi
         if (cholesky_.factorize(matrix)) return;
     }
     throw Failure(ExitCode::failed,
-                  {Finding::Severity::error, 4302, "", "the elastic energy has no positive definite model here",
-                   "the poses may contain triangles without area; try another --membrane or a larger --thickness"});
+                  error_at(4302, "", "the elastic energy has no positive definite model here",
+                           "the poses may contain nearly collapsed triangles; try another --membrane or a larger --thickness"));
 }
 
 bool NewtonSolver::factorize_model(const Weights& w, const Shape& y)

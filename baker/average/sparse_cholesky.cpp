@@ -19,9 +19,8 @@ namespace {
 [[noreturn]] void throw_out_of_memory(Eigen::Index unknowns)
 {
     throw Failure(ExitCode::failed,
-                  {Finding::Severity::error, 4301, "",
-                   "memory ran out while factoring a system of " + std::to_string(unknowns) + " unknowns",
-                   "bake a coarser mesh or use a machine with more memory (about 6 KiB per unknown with CHOLMOD)"});
+                  error_at(4301, "", "memory ran out while factoring a system of " + std::to_string(unknowns) + " unknowns",
+                           "bake a coarser mesh or use a machine with more memory (about 6 KiB per unknown with CHOLMOD)"));
 }
 
 } // namespace

@@ -85,9 +85,8 @@ std::vector<Fan> find_fans(const std::vector<Triangle>& triangles, std::size_t v
         const std::size_t faces_in_fan = fan.is_closed ? fan.ring.size() : fan.ring.size() - 1;
         if (faces_in_fan != next[v].size())
             throw Failure(ExitCode::bad_input,
-                          {Finding::Severity::error, 2402, "",
-                           fmt::format("the faces at vertex {} form more than one fan (a bow-tie vertex)", v),
-                           "split the vertex in the modelling program, or use --material discrete-shells"});
+                          error_at(4502, "", fmt::format("the faces at vertex {} form more than one fan (a bow-tie vertex)", v),
+                                   "split the vertex in the modelling program, or use --material discrete-shells"));
     }
     return fans;
 }

@@ -26,7 +26,7 @@ struct Fan {
     bool is_closed = false;
 };
 
-// One fan per vertex. Throws Failure (P2402) at a vertex whose faces form more than one fan (a bow-tie), since a cell needs one.
+// One fan per vertex. Throws Failure (P4502) at a vertex whose faces form more than one fan (a bow-tie), since a cell needs one.
 std::vector<Fan> find_fans(const std::vector<Triangle>& triangles, std::size_t vertex_count);
 
 // Twice the area vector (face normal times twice the area) of a triangle.

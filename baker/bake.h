@@ -1,0 +1,85 @@
+// The baker's pipeline: poses in, asset out. Each stage is a function from plain structs to a plain struct.
+#pragma once
+
+#include "average/newton.h"
+#include "energy/discrete_shells.h"
+#include "reduce/cubature.h"
+
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <vector>
+
+namespace pliant {
+
+enum class Material { discrete_shells, arap };
+enum class StandInKind { cubature, ghost };
+
+// What an elastic energy is made of: shared by all verbs that need one.
+struct EnergyOptions {
+    Material material = Material::discrete_shells;
+    ShellOptions shell;
+    bool keep_placement = false; // do not align the poses
+    SolverKind solver = default_solver();
+};
+
+struct BakeOptions {
+    EnergyOptions energy;
+    int ritz_count = 2;
+    Eigen::Index dimension = 0;        // 0: what ritz_count gives, at most max_dimension
+    Eigen::Index max_dimension = 256;
+    StandInKind stand_in = StandInKind::cubature;
+    std::size_t element_count = 0;     // cubature elements; 0: six per dimension
+    std::size_t ghost_vertex_count = 800;
+    std::uint64_t seed = 1;
+    int check_count = 3;               // weights at which the written asset is compared with the unreduced average
+};
+
+// Relative errors of blended shapes against the unreduced averages.
+struct ShapeError {
+    double relative_l2 = 0;       // mass-weighted, after rigid alignment, relative to the distance from the centroid
+    double largest_distance = 0;  // over the bounding-box diagonal of pose 0
+    double energy_excess = 0;     // (W(blend) - W(average)) / W(average)
+};
+
+ShapeError shape_error(const Energy& energy, const ShapeSet& set, const Weights& w, const Shape& blend, const Shape& truth);
+
+struct StageTime {
+    std::string stage;
+    double seconds;
+};
+
+struct BakeReport {
+    std::size_t vertex_count = 0, pose_count = 0, element_count = 0, foldover_count = 0;
+    Eigen::Index dimension = 0;
+    std::vector<StageTime> stages;
+    int factorization_count = 0;
+    int unconverged_training_count = 0;
+    CubatureReport cubature;
+    double stand_in_error = 0;                  // largest relative distance of runtime and double-precision stand-in, relative L2
+    std::vector<std::pair<Weights, ShapeError>> checks;
+    int unconverged_check_count = 0;
+    std::string certificate;                    // the JSON that went into the asset
+};
+
+struct BakedAsset {
+    std::vector<std::uint8_t> bytes;
+    BakeReport report;
+};
+
+// The energy of a shape set. The set must outlive it.
+std::unique_ptr<Energy> make_energy(const ShapeSet& set, const EnergyOptions& options);
+
+// Bakes. Throws Failure, or Interrupted through progress. Cost: about a minute for 20,000 vertices and 5 poses.
+BakedAsset bake(const PoseSet& poses, const BakeOptions& options, Progress& progress);
+
+// What a bake would cost, from counts alone: dimension, seconds on one core, bytes of working memory.
+struct BakeEstimate {
+    Eigen::Index dimension;
+    double seconds;
+    double memory;
+    double asset_size;
+};
+BakeEstimate estimate_bake(std::size_t vertex_count, std::size_t pose_count, const BakeOptions& options);
+
+} // namespace pliant

@@ -1,0 +1,104 @@
+#include "cli/console.h"
+
+#include "io/write_file.h"
+
+#include <cmath>
+#include <csignal>
+#include <cstdio>
+#include <fmt/core.h>
+#include <unistd.h>
+
+namespace pliant {
+
+namespace {
+
+// Only async-signal-safe calls: nothing is unwound, since nothing half-done can be seen from outside.
+void end_interrupted(int)
+{
+    const char text[] = "\npliant: interrupted, nothing was written\n";
+    const ssize_t ignored = ::write(STDERR_FILENO, text, sizeof text - 1);
+    (void)ignored;
+    ::_exit(int(ExitCode::interrupted));
+}
+
+std::string duration_text(double seconds)
+{
+    if (seconds < 60) return fmt::format("{:.0f} s", seconds);
+    return fmt::format("{:.0f} min {:02.0f} s", std::floor(seconds / 60), std::fmod(seconds, 60));
+}
+
+} // namespace
+
+ConsoleProgress::ConsoleProgress(std::string verb, bool is_quiet)
+    : verb_(std::move(verb)), is_quiet_(is_quiet), is_terminal_(::isatty(STDERR_FILENO) != 0)
+{
+}
+
+ConsoleProgress::~ConsoleProgress() { clear_line(); }
+
+void ConsoleProgress::clear_line()
+{
+    if (has_line_) std::fputs("\r\033[K", stderr);
+    has_line_ = false;
+}
+
+void ConsoleProgress::update(const std::string& stage, double fraction, const std::string& detail)
+{
+    if (is_quiet_) return;
+    const Clock::time_point now = Clock::now();
+    if (stage != stage_) {
+        stage_ = stage;
+        stage_start_ = now;
+        last_draw_ = {};
+        if (!is_terminal_) fmt::print(stderr, "pliant {}: {}\n", verb_, stage);
+    }
+    // Ten times a second is enough for the eye and costs nothing.
+    if (!is_terminal_ || now - last_draw_ < std::chrono::milliseconds(100)) return;
+    last_draw_ = now;
+    const double elapsed = std::chrono::duration<double>(now - stage_start_).count();
+    std::string line = fmt::format("\r\033[Kpliant {}: {} {:.0f} %", verb_, stage, 100 * fraction);
+    if (fraction > 0.05 && elapsed > 1) line += ", " + duration_text(elapsed * (1 - fraction) / fraction) + " left";
+    if (!detail.empty()) line += " (" + detail + ")";
+    std::fputs(line.c_str(), stderr);
+    std::fflush(stderr);
+    has_line_ = true;
+}
+
+void ConsoleProgress::warn(int number, const std::string& what, const std::string& hint)
+{
+    clear_line();
+    print_finding(verb_, warning_at(number, "", what, hint));
+}
+
+void print_finding(const std::string& verb, const Finding& finding)
+{
+    fmt::print(stderr, "pliant {}: {}\n", verb, to_text(finding));
+}
+
+void install_signal_handlers()
+{
+    struct sigaction action {};
+    action.sa_handler = end_interrupted;
+    sigemptyset(&action.sa_mask);
+    sigaction(SIGINT, &action, nullptr);
+    sigaction(SIGTERM, &action, nullptr);
+    signal(SIGXFSZ, SIG_IGN); // a file-size limit is then an error of write(), which we report
+}
+
+void write_output(const std::string& path, std::string_view bytes)
+{
+    sigset_t held, before;
+    sigemptyset(&held);
+    sigaddset(&held, SIGINT);
+    sigaddset(&held, SIGTERM);
+    sigprocmask(SIG_BLOCK, &held, &before);
+    try {
+        write_file_atomically(path, bytes);
+    } catch (...) {
+        sigprocmask(SIG_SETMASK, &before, nullptr);
+        throw;
+    }
+    sigprocmask(SIG_SETMASK, &before, nullptr);
+}
+
+} // namespace pliant

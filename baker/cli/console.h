@@ -1,0 +1,40 @@
+// What the command line says while it works, and how it ends.
+#pragma once
+
+#include "report/diagnostics.h"
+#include "report/progress.h"
+
+#include <chrono>
+#include <string>
+
+namespace pliant {
+
+// Prints progress to stderr: one line redrawn with stage, percentage and remaining time on a terminal, a plain line per stage
+// elsewhere, nothing but warnings when quiet.
+class ConsoleProgress final : public Progress {
+public:
+    ConsoleProgress(std::string verb, bool is_quiet);
+    ~ConsoleProgress() override;
+
+    void update(const std::string& stage, double fraction, const std::string& detail = {}) override;
+    void warn(int number, const std::string& what, const std::string& hint = {}) override;
+    void clear_line();
+
+private:
+    using Clock = std::chrono::steady_clock;
+    std::string verb_, stage_;
+    bool is_quiet_, is_terminal_, has_line_ = false;
+    Clock::time_point stage_start_, last_draw_;
+};
+
+// "pliant bake: error P2103: ..." with its hint, to stderr.
+void print_finding(const std::string& verb, const Finding& finding);
+
+// Ctrl-C and SIGTERM end the process with exit code 130 at once. That is safe: outputs exist under their own name only when they are
+// whole, and while one is written the signal waits until its temporary file is gone or has its name.
+void install_signal_handlers();
+
+// write_file_atomically, with the signals held back meanwhile.
+void write_output(const std::string& path, std::string_view bytes);
+
+} // namespace pliant

@@ -1,0 +1,63 @@
+// The `pliant` tool: one program, one verb per task.
+#include "cli/verbs.h"
+
+#include <cstdio>
+#include <fmt/core.h>
+#include <new>
+
+namespace {
+
+using namespace pliant;
+
+// Runs the chosen verb and turns everything that can go wrong into messages and an exit code.
+ExitCode guarded(const std::string& name, const Verb& verb)
+{
+    try {
+        return verb();
+    } catch (const Failure& failure) {
+        for (const Finding& finding : failure.findings()) print_finding(name, finding);
+        return failure.code();
+    } catch (const Interrupted&) {
+        return ExitCode::interrupted;
+    } catch (const std::bad_alloc&) {
+        print_finding(name, error_at(4901, "", "memory ran out", "`pliant check` says how much a bake needs"));
+    } catch (const std::exception& e) {
+        print_finding(name, error_at(4902, "", fmt::format("unexpected: {}", e.what()), "please report this with the command line"));
+    }
+    return ExitCode::failed;
+}
+
+} // namespace
+
+int main(int argc, char** argv)
+{
+    install_signal_handlers();
+    CLI::App app("Pliant: bake poses of a character into an asset that games blend elastically.", "pliant");
+    app.set_version_flag("--version", "pliant 0.1.0");
+    app.require_subcommand(1);
+    app.failure_message(CLI::FailureMessage::help);
+    app.footer("Exit codes: 0 done, 1 failed while working, 2 wrong usage, 3 bad input file, 4 misses the tolerance, 130 interrupted.\n"
+               "`pliant VERB --help` teaches each verb with an example.");
+    const std::vector<std::pair<std::string, Verb>> verbs = {
+        {"bake", add_bake(app)},       {"check", add_check(app)}, {"average", add_average(app)},   {"blend", add_blend(app)},
+        {"measure", add_measure(app)}, {"info", add_info(app)},   {"validate", add_validate(app)},
+    };
+    try {
+        app.parse(argc, argv);
+    } catch (const CLI::ParseError& e) {
+        if (e.get_exit_code() == 0) return app.exit(e); // --help, --version
+        const std::string name = app.get_subcommands().empty() ? "" : " " + app.get_subcommands()[0]->get_name();
+        fmt::print(stderr, "pliant{}: error P1101: {}\n  hint: `pliant{} --help` shows how\n", name, e.what(), name);
+        return int(pliant::ExitCode::usage);
+    }
+    for (const auto& [name, verb] : verbs) {
+        if (!app.got_subcommand(name)) continue;
+        const ExitCode code = guarded(name, verb);
+        if (std::fflush(stdout) != 0 || std::ferror(stdout)) {
+            print_finding(name, error_at(4903, "", "standard output could not be written"));
+            return int(ExitCode::failed);
+        }
+        return int(code);
+    }
+    return int(ExitCode::usage);
+}

@@ -1,0 +1,91 @@
+#include "cli/verbs.h"
+
+#include "io/write_file.h"
+#include "report/certificate.h"
+
+#include <fmt/core.h>
+#include <memory>
+
+namespace pliant {
+
+namespace {
+
+struct Arguments {
+    std::vector<std::string> poses;
+    std::string output, report;
+    std::string subspace = "krylov", stand_in = "cubature";
+    BakeOptions bake;
+    bool is_quiet = false;
+};
+
+void print_summary(const Arguments& a, const BakedAsset& baked)
+{
+    const BakeReport& r = baked.report;
+    fmt::print("{}: {} poses, {} vertices, d = {}, {} elements, {:.1f} MiB\n", a.output, r.pose_count, r.vertex_count, r.dimension,
+               r.element_count, double(baked.bytes.size()) / 1048576.0);
+    double mean = 0, worst = 0;
+    for (const auto& check : r.checks) {
+        mean += check.second.relative_l2 / double(r.checks.size());
+        worst = std::max(worst, check.second.largest_distance);
+    }
+    if (!r.checks.empty())
+        fmt::print("against the unreduced average at {} fresh weights: relative L2 {:.2e} (mean), farthest vertex {:.2f} % of the "
+                   "diagonal{}\n",
+                   r.checks.size(), mean, 100 * worst,
+                   r.unconverged_check_count ? fmt::format(" ({} did not converge)", r.unconverged_check_count) : "");
+    for (const StageTime& stage : r.stages) fmt::print("  {:<18} {:8.1f} s\n", stage.stage, stage.seconds);
+}
+
+ExitCode run(Arguments& a)
+{
+    probe_output(a.output, a.poses);
+    if (!a.report.empty()) probe_output(a.report, a.poses);
+    a.bake.stand_in = a.stand_in == "ghost" ? StandInKind::ghost : StandInKind::cubature;
+    ConsoleProgress progress("bake", a.is_quiet);
+    const PoseSet poses = load_with_warnings("bake", a.poses, a.bake.energy);
+    const BakedAsset baked = bake(poses, a.bake, progress);
+    write_output(a.output, {reinterpret_cast<const char*>(baked.bytes.data()), baked.bytes.size()});
+    if (!a.report.empty()) write_output(a.report, write_report(baked.report));
+    progress.clear_line();
+    if (!a.is_quiet) print_summary(a, baked);
+    return ExitCode::done;
+}
+
+} // namespace
+
+Verb add_bake(CLI::App& app)
+{
+    auto a = std::make_shared<Arguments>();
+    CLI::App* verb = app.add_subcommand("bake", "Turn poses into an asset for the runtime");
+    verb->footer("Example:\n  pliant bake rest.ply run.ply jump.ply -o hero.pliant\n"
+                 "Bakes the three poses of one mesh (same vertices, same faces) into hero.pliant, then checks it with the real runtime\n"
+                 "against the unreduced average. Try `pliant check` first: it is quick and writes nothing.");
+    add_pose_arguments(*verb, a->poses);
+    verb->add_option("-o,--output", a->output, "Asset to write")->required()->type_name("OUT.pliant");
+    add_energy_options(*verb, a->bake.energy);
+    verb->add_option("--subspace", a->subspace, "How the reduced space is built: krylov (Algorithm 1 of von Tycowicz et al. 2015)")
+        ->check(CLI::IsMember({"krylov"}))
+        ->capture_default_str()
+        ->type_name("NAME");
+    verb->add_option("--ritz", a->bake.ritz_count, "Krylov-Ritz vectors per tangent: more dimensions, less error")
+        ->check(CLI::Range(0, 32))
+        ->capture_default_str();
+    verb->add_option("--dim", a->bake.dimension, "Dimension of the reduced space (default: what --ritz gives)")->check(CLI::Range(1, 256));
+    verb->add_option("--energy", a->stand_in, "Stand-in for the energy: cubature (few elements, accurate) or ghost (coarse mesh)")
+        ->check(CLI::IsMember({"cubature", "ghost"}))
+        ->capture_default_str()
+        ->type_name("NAME");
+    verb->add_option("--elements", a->bake.element_count, "Cubature elements (default: six per dimension)")->check(CLI::Range(1, 1000000));
+    verb->add_option("--ghost-vertices", a->bake.ghost_vertex_count, "Vertices of the ghost")
+        ->check(CLI::Range(4, 1000000))
+        ->capture_default_str();
+    verb->add_option("--check-samples", a->bake.check_count, "Fresh weights at which the asset is compared with the unreduced average")
+        ->check(CLI::Range(0, 1000))
+        ->capture_default_str();
+    verb->add_option("--seed", a->bake.seed, "Seed of everything random")->capture_default_str();
+    verb->add_option("--report", a->report, "Also write a report with errors and times")->type_name("OUT.json");
+    add_quiet(*verb, a->is_quiet);
+    return [a] { return run(*a); };
+}
+
+} // namespace pliant

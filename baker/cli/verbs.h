@@ -1,0 +1,38 @@
+// The verbs of `pliant`. Each registers its options with the parser and returns what to run when it is chosen.
+#pragma once
+
+#include "bake.h"
+#include "cli/console.h"
+
+#include <CLI/CLI.hpp>
+#include <functional>
+#include <string>
+#include <vector>
+
+namespace pliant {
+
+using Verb = std::function<ExitCode()>;
+
+Verb add_bake(CLI::App& app);
+Verb add_check(CLI::App& app);
+Verb add_average(CLI::App& app);
+Verb add_blend(CLI::App& app);
+Verb add_measure(CLI::App& app);
+Verb add_info(CLI::App& app);
+Verb add_validate(CLI::App& app);
+
+// Options that several verbs share.
+void add_pose_arguments(CLI::App& verb, std::vector<std::string>& poses);
+void add_energy_options(CLI::App& verb, EnergyOptions& options);
+void add_quiet(CLI::App& verb, bool& is_quiet);
+
+// Loads and checks poses; prints warnings under the verb's name.
+PoseSet load_with_warnings(const std::string& verb, const std::vector<std::string>& paths, const EnergyOptions& options);
+
+// "1,0.5,2" as numbers. Throws Failure (usage, P1201) quoting what is not one.
+std::vector<double> parse_weights(const std::string& text);
+
+// Checks count and values (P1203, P1204) and divides by the sum.
+Weights normalised_weights(const std::vector<double>& values, std::size_t pose_count);
+
+} // namespace pliant

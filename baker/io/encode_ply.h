@@ -1,0 +1,18 @@
+// PLY as Pliant writes it.
+#pragma once
+
+#include "mesh/pose_set.h"
+
+#include <string>
+
+namespace pliant {
+
+// A binary little-endian PLY file in memory: float32 positions, vertices in the order given, faces as given. Lists are counted
+// by uchar unless a face has more than 255 corners, indices are int. The same input gives the same bytes on every machine.
+// positions: vertex_count times x y z, densely.
+std::string encode_ply(const float* positions, std::size_t vertex_count, const Polygons& faces);
+
+// The same, rounding to float32.
+std::string encode_ply(const Positions& positions, const Polygons& faces);
+
+} // namespace pliant

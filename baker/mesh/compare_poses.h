@@ -1,0 +1,23 @@
+// Do several meshes show the same character? Pose k against pose 0.
+#pragma once
+
+#include "mesh/triangulate.h"
+#include "report/diagnostics.h"
+
+namespace pliant {
+
+// Same number of vertices and the same faces in the same order; a face may start at another corner. Errors: P3003 other number of
+// vertices, P3004 other faces, P3005 the same surface with its vertices renumbered. True if the faces are the same.
+bool check_same_faces(const MeshFile& first, const MeshFile& other, FindingList& findings);
+
+// Do vertices of equal number lie on equal places of the character? Errors: P3006 they do not, P3007 mirror image, P3008 another
+// unit of length. Warning: P3011 perhaps a mirror image. The faces must be the same and have areas.
+void check_correspondence(const MeshFile& first, const MeshFile& other, const Triangulation& triangulation,
+                          FindingList& findings);
+
+// Poses that differ by nothing but rounding; with `align` also by nothing but a rigid motion. Error P3009 if all are the same,
+// warning P3010 for every pose that repeats an earlier one.
+void check_distinct(const std::vector<MeshFile>& poses, const Triangulation& triangulation, bool align,
+                    FindingList& findings);
+
+} // namespace pliant

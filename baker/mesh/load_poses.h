@@ -1,0 +1,26 @@
+// From files to a checked set of poses.
+#pragma once
+
+#include "mesh/pose_set.h"
+#include "report/diagnostics.h"
+
+namespace pliant {
+
+struct LoadOptions {
+    bool align = true;                 // poses will be aligned rigidly, so those that differ by a motion only are the same
+    std::size_t lines_per_number = 10; // findings of one kind that are told one by one
+};
+
+constexpr std::size_t pose_count_limit = 12;
+
+// Reads 2 to 12 mesh files and checks that an elastic average of them exists: each file on its own (P2xxx) and against the first
+// (P3xxx). All findings of all files are gathered before anything is thrown.
+//
+// Result: positions as they are in the files, vertices in their order; the faces of the first file; their triangles. All positions
+// are finite, all triangles have an area in every pose, the surface is manifold, oriented, connected, and uses every vertex.
+// Throws Failure (bad_input) with errors and warnings. Without errors, warnings are appended to `warnings` if it is not null.
+// Time and memory: proportional to the size of the files, plus sorting the edges.
+PoseSet load_poses(const std::vector<std::string>& paths, const LoadOptions& options = {},
+                   std::vector<Finding>* warnings = nullptr);
+
+} // namespace pliant

@@ -1,0 +1,25 @@
+// Non-negative least squares for cubature: few columns out of many.
+#pragma once
+
+#include <Eigen/Core>
+#include <functional>
+#include <vector>
+
+namespace pliant {
+
+// min |A x - b|, x >= 0, given only the normal equations: gram = A^T A, right = A^T b (Lawson, Hanson 1974; the Gram form of Bro, de
+// Jong 1997). `start` (may be empty) is a feasible first guess whose positive entries are tried as the first passive set.
+Eigen::VectorXd nnls(const Eigen::MatrixXd& gram, const Eigen::VectorXd& right, const Eigen::VectorXd& start = {});
+
+struct SparseFit {
+    std::vector<std::size_t> columns;
+    Eigen::VectorXd weights; // positive
+    double residual = 0;     // |A x - b| / |b|
+};
+
+// Columns of A added greedily in batches by how much of the residual they explain (An, Kim, James 2008), all weights refitted by
+// nnls after every batch, until `count` are positive. `keep_going` is asked between batches with the number found.
+SparseFit greedy_nnls(const Eigen::MatrixXf& a, const Eigen::VectorXd& b, std::size_t count,
+                      const std::function<void(std::size_t)>& keep_going);
+
+} // namespace pliant

@@ -1,0 +1,49 @@
+// Where the stand-in is trained and the predictor fitted: weights, and the reduced averages at them.
+#pragma once
+
+#include "reduce/stand_in.h"
+#include "report/progress.h"
+
+#include <random>
+
+namespace pliant {
+
+// Uniform numbers that are the same on every platform (the standard fixes the generator, not its distributions).
+class Random {
+public:
+    explicit Random(std::uint64_t seed)
+        : engine_(seed)
+    {
+    }
+    double uniform() { return double(engine_() >> 11) * 0x1p-53; } // [0, 1)
+    double normal();
+    std::size_t below(std::size_t count) { return std::size_t(uniform() * double(count)); }
+    // A point of the simplex: Dirichlet with parameter 1 (uniform), or, with `skew`, uniform numbers cubed and normalised, which
+    // gathers near edges and corners.
+    Weights weights(std::size_t count, bool skew);
+
+private:
+    std::mt19937_64 engine_;
+};
+
+// The equal weights first, then edge mid-points (all, or as many random ones as fit), then uniform and corner-heavy random weights;
+// for two poses evenly spaced interior weights instead. `count` in all. No corners: poses are reproduced anyway.
+std::vector<Weights> training_weights(std::size_t pose_count, std::size_t count, std::uint64_t seed);
+
+struct TrainingSet {
+    std::vector<Weights> weights;
+    std::vector<Eigen::VectorXd> averages; // reduced averages for them, in q
+    Eigen::MatrixXd root;                  // S with S S^T = inverse reduced Hessian at the mean: the metric of all fits
+    double energy_scale = 1;               // mean energy over the averages
+    int unconverged_count = 0;
+};
+
+// Solves the exact reduced problem at all training weights, each from the nearest solution known. Throws Failure (P4401) if the mean
+// does not converge.
+TrainingSet solve_training_set(const ReducedEnergy& reduced, std::vector<Weights> weights, Progress* progress);
+
+// Eigenvalues of the reduced Hessian below this fraction of the largest are treated as this: rigid motions that the subspace holds
+// almost exactly have none, and without a floor they would be amplified without bound.
+constexpr double metric_floor = 1e-9;
+
+} // namespace pliant

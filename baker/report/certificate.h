@@ -1,0 +1,27 @@
+// The certificate: JSON inside every asset that says how it was baked and what was measured (chunk CERT).
+#pragma once
+
+#include "bake.h"
+
+#include <string>
+
+namespace pliant {
+
+// No times, no paths: the same input and options give the same text.
+std::string write_certificate(const BakeReport& report, const BakeOptions& options,
+                              const std::vector<std::string>& pose_names);
+
+// Reads back the options that define the energy, so that a measurement uses the one that was baked. Throws Failure (bad_input,
+// P5103) naming `path` if the text is not a certificate of ours.
+EnergyOptions read_energy_options(const std::string& certificate, const std::string& path);
+
+// The report for people and build systems (`--report`): the certificate plus times.
+std::string write_report(const BakeReport& report);
+
+// Names used on the command line and in JSON.
+const char* name_of(Material material);
+const char* name_of(Membrane membrane);
+const char* name_of(StandInKind kind);
+const char* name_of(SolverKind kind);
+
+} // namespace pliant

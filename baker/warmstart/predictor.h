@@ -1,0 +1,20 @@
+// Where the runtime starts: a smooth guess of the average as a function of the weights.
+#pragma once
+
+#include "energy/energy.h"
+
+namespace pliant {
+
+// z0(w) = sum_i |w - centre_i|^3 coefficients.row(i) + sum_k w_k coefficients.row(N + k): a cubic radial basis function with a linear
+// tail (on the simplex the w_k span constants and linear functions). Interpolates its data.
+struct Predictor {
+    std::vector<Weights> centres;
+    Eigen::MatrixXd coefficients; // (N + m) x d
+
+    Eigen::VectorXd operator()(const Weights& w) const;
+};
+
+// Fits the values (columns of `values`, d x N) at distinct centres.
+Predictor fit_predictor(const std::vector<Weights>& centres, const Eigen::MatrixXd& values);
+
+} // namespace pliant

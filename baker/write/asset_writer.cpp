@@ -1,0 +1,274 @@
+#include "write/asset_writer.h"
+
+#include "pliant_format.h"
+#include "report/diagnostics.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+#include <fmt/core.h>
+#include <map>
+#include <tuple>
+#include <zlib.h>
+
+namespace pliant {
+
+namespace {
+
+// Growing little-endian bytes. (The baker runs on little-endian machines; the format is.)
+class Bytes {
+public:
+    template <class T>
+    void put(const T& value)
+    {
+        const auto* p = reinterpret_cast<const std::uint8_t*>(&value);
+        data.insert(data.end(), p, p + sizeof(T));
+    }
+    void put_float(double value) { put(float(value)); }
+    void align(std::size_t alignment) { data.resize((data.size() + alignment - 1) / alignment * alignment, 0); }
+    std::vector<std::uint8_t> data;
+};
+
+constexpr std::size_t pad16(std::size_t count) { return (count + 15) / 16 * 16; }
+
+template <class Vector>
+void put_padded(Bytes& out, const Vector& values)
+{
+    for (Eigen::Index i = 0; i < values.size(); ++i) out.put_float(values[i]);
+    for (std::size_t i = std::size_t(values.size()); i < pad16(std::size_t(values.size())); ++i) out.put_float(0);
+}
+
+pliant_format_count count_record(std::size_t count)
+{
+    pliant_format_count record {};
+    record.count = std::uint32_t(count);
+    return record;
+}
+
+Bytes encode_solver(const AssetModel& model)
+{
+    Bytes out;
+    pliant_format_solver head {};
+    head.energy_scale = float(model.energy_scale);
+    out.put(head);
+    put_padded(out, model.mean);
+    for (Eigen::Index j = 0; j < model.root.cols(); ++j) put_padded(out, model.root.col(j));
+    for (Eigen::Index k = 0; k < model.subspace->pose_coordinates.cols(); ++k) put_padded(out, model.subspace->pose_coordinates.col(k));
+    return out;
+}
+
+// An element ready for the runtime: its numbers, and its difference rows at z = 0 (column 0) and along each z_j.
+struct BakedElement {
+    RuntimeElement element;
+    Eigen::MatrixXd rows; // R x (1 + d)
+    double weight;
+};
+
+BakedElement bake_element(const AssetModel& model, std::size_t i)
+{
+    const StandIn& stand_in = *model.stand_in;
+    const std::size_t id = stand_in.elements()[i];
+    BakedElement baked;
+    baked.element = stand_in.energy().runtime_element(id, model.stand_in_reference);
+    baked.weight = stand_in.weights()[Eigen::Index(i)];
+    std::size_t count = 0;
+    const std::uint32_t* vertices = stand_in.energy().element_vertices(id, count);
+    Eigen::MatrixXd local(stand_in.rows(i).rows(), 1 + model.root.cols());
+    local.col(0) = stand_in.origin_rows(i) + stand_in.rows(i) * model.mean;
+    local.rightCols(model.root.cols()) = stand_in.rows(i) * model.root;
+    const auto place = [&](std::uint32_t vertex) { return 3 * Eigen::Index(std::find(vertices, vertices + count, vertex) - vertices); };
+    const auto& differences = baked.element.differences;
+    baked.rows.resize(3 * Eigen::Index(differences.size()), local.cols());
+    for (std::size_t r = 0; r < differences.size(); ++r)
+        baked.rows.middleRows<3>(3 * Eigen::Index(r))
+            = local.middleRows<3>(place(differences[r][1])) - local.middleRows<3>(place(differences[r][0]));
+    return baked;
+}
+
+using Batch = std::vector<BakedElement>;
+
+// Arrays of one batch, lane by lane; lanes past the last element repeat it without stiffness.
+void put_batch(Bytes& out, pliant_format_batch& record, const Batch& batch)
+{
+    const std::size_t lanes = pad16(batch.size());
+    const auto lane = [&](std::size_t i) -> const BakedElement& { return batch[std::min(i, batch.size() - 1)]; };
+    record.rows_offset = out.data.size();
+    for (Eigen::Index j = 0; j < batch[0].rows.cols(); ++j)
+        for (Eigen::Index r = 0; r < batch[0].rows.rows(); ++r)
+            for (std::size_t i = 0; i < lanes; ++i) out.put_float(lane(i).rows(r, j));
+    out.align(PLIANT_FORMAT_CHUNK_ALIGNMENT);
+    record.fixed_offset = out.data.size();
+    for (std::size_t f = 0; f < batch[0].element.fixed.size(); ++f)
+        for (std::size_t i = 0; i < lanes; ++i) out.put_float(lane(i).element.fixed[f]);
+    out.align(PLIANT_FORMAT_CHUNK_ALIGNMENT);
+    record.pose_offset = out.data.size();
+    const Eigen::MatrixXd& numbers = batch[0].element.pose_numbers;
+    for (Eigen::Index k = 0; k < numbers.rows(); ++k)
+        for (Eigen::Index c = 0; c < numbers.cols(); ++c)
+            for (std::size_t i = 0; i < lanes; ++i)
+                out.put_float(i < batch.size() ? batch[i].weight * batch[i].element.pose_numbers(k, c) : 0.0);
+    out.align(PLIANT_FORMAT_CHUNK_ALIGNMENT);
+}
+
+Bytes encode_elements(const AssetModel& model)
+{
+    std::map<std::tuple<std::uint32_t, std::uint32_t, bool>, Batch> batches;
+    for (std::size_t i = 0; i < model.stand_in->element_count(); ++i) {
+        BakedElement baked = bake_element(model, i);
+        const auto key = std::make_tuple(baked.element.kind, baked.element.valence, baked.element.is_closed);
+        batches[key].push_back(std::move(baked));
+    }
+    for (const auto& [key, batch] : batches)
+        if (std::get<1>(key) > PLIANT_FORMAT_MAX_VALENCE)
+            throw Failure(ExitCode::bad_input,
+                          error_at(4501, "",
+                                   fmt::format("a vertex has {} neighbours, an ARAP cell can have {}", std::get<1>(key),
+                                               PLIANT_FORMAT_MAX_VALENCE),
+                                   "remesh around that vertex, or use --material discrete-shells"));
+    Bytes out;
+    out.put(count_record(batches.size()));
+    std::vector<pliant_format_batch> records;
+    for (const auto& [key, batch] : batches) {
+        pliant_format_batch record {};
+        record.kind = std::get<0>(key);
+        record.valence = std::get<1>(key);
+        record.is_closed = std::get<2>(key);
+        record.element_count = std::uint32_t(batch.size());
+        records.push_back(record);
+        out.put(record);
+    }
+    std::size_t i = 0;
+    for (const auto& entry : batches) put_batch(out, records[i++], entry.second);
+    std::memcpy(out.data.data() + sizeof(pliant_format_count), records.data(), records.size() * sizeof(records[0]));
+    return out;
+}
+
+Bytes encode_predictor(const AssetModel& model)
+{
+    Bytes out;
+    out.put(count_record(model.predictor.centres.size()));
+    for (const Weights& centre : model.predictor.centres)
+        for (Eigen::Index k = 0; k < centre.size(); ++k) out.put_float(centre[k]);
+    out.align(PLIANT_FORMAT_CHUNK_ALIGNMENT);
+    for (Eigen::Index i = 0; i < model.predictor.coefficients.rows(); ++i) put_padded(out, model.predictor.coefficients.row(i));
+    return out;
+}
+
+// Tiles of 16 vertices: `columns` (3n x c) in input units, column after column inside a tile.
+Bytes encode_tiles(const Eigen::Ref<const Eigen::MatrixXd>& columns, double length)
+{
+    Bytes out;
+    const Eigen::Index tile = PLIANT_FORMAT_TILE_FLOATS, tiles = (columns.rows() + tile - 1) / tile;
+    out.data.reserve(std::size_t(tiles * tile * columns.cols()) * sizeof(float));
+    for (Eigen::Index t = 0; t < tiles; ++t)
+        for (Eigen::Index j = 0; j < columns.cols(); ++j)
+            for (Eigen::Index i = t * tile; i < (t + 1) * tile; ++i) out.put_float(i < columns.rows() ? length * columns(i, j) : 0.0);
+    return out;
+}
+
+Bytes encode_triangles(const std::vector<Triangle>& triangles)
+{
+    Bytes out;
+    for (const Triangle& t : triangles)
+        for (std::uint32_t v : t) out.put(v);
+    return out;
+}
+
+Bytes encode_polygons(const Polygons& polygons)
+{
+    Bytes out;
+    out.put(std::uint32_t(polygons.count()));
+    out.put(std::uint32_t(polygons.indices.size()));
+    for (std::size_t f = 0; f < polygons.count(); ++f) out.put(std::uint32_t(polygons.size(f)));
+    for (std::uint32_t v : polygons.indices) out.put(v);
+    return out;
+}
+
+bool is_all_triangles(const Polygons& polygons)
+{
+    for (std::size_t f = 0; f < polygons.count(); ++f)
+        if (polygons.size(f) != 3) return false;
+    return true;
+}
+
+Bytes encode_text(const std::string& text)
+{
+    Bytes out;
+    out.data.assign(text.begin(), text.end());
+    return out;
+}
+
+Bytes encode_names(const std::vector<std::string>& names)
+{
+    Bytes out;
+    for (const std::string& name : names) {
+        out.data.insert(out.data.end(), name.begin(), name.end());
+        out.data.push_back(0);
+    }
+    return out;
+}
+
+Bytes encode_answers(const AssetModel& model)
+{
+    Bytes out;
+    out.put(count_record(model.answers.size()));
+    for (const auto& [weights, q] : model.answers) {
+        for (Eigen::Index k = 0; k < weights.size(); ++k) out.put_float(weights[k]);
+        for (Eigen::Index j = 0; j < q.size(); ++j) out.put(q[j]);
+    }
+    return out;
+}
+
+struct Chunk {
+    std::uint32_t tag;
+    std::uint32_t flags;
+    Bytes bytes;
+};
+
+std::uint32_t crc_of(const std::uint8_t* data, std::size_t size) { return std::uint32_t(crc32_z(0, data, size)); }
+
+} // namespace
+
+std::vector<std::uint8_t> encode_asset(const AssetModel& model)
+{
+    constexpr std::uint32_t required = PLIANT_CHUNK_FLAG_REQUIRED;
+    std::vector<Chunk> chunks;
+    chunks.push_back({PLIANT_CHUNK_SOLVER, required, encode_solver(model)});
+    chunks.push_back({PLIANT_CHUNK_ELEMENTS, required, encode_elements(model)});
+    if (!model.predictor.centres.empty()) chunks.push_back({PLIANT_CHUNK_PREDICTOR, 0, encode_predictor(model)});
+    chunks.push_back({PLIANT_CHUNK_REST, required, encode_tiles(model.subspace->origin, model.set->length)});
+    chunks.push_back({PLIANT_CHUNK_TRIANGLES, required, encode_triangles(model.set->triangles)});
+    if (model.polygons && !is_all_triangles(*model.polygons))
+        chunks.push_back({PLIANT_CHUNK_POLYGONS, 0, encode_polygons(*model.polygons)});
+    chunks.push_back({PLIANT_CHUNK_NAMES, required, encode_names(model.names)});
+    chunks.push_back({PLIANT_CHUNK_ANSWERS, required, encode_answers(model)});
+    chunks.push_back({PLIANT_CHUNK_CERTIFICATE, required, encode_text(model.certificate)});
+    chunks.push_back({PLIANT_CHUNK_BASIS, required, encode_tiles(model.subspace->basis, model.set->length)});
+
+    const pliant_format_header blank = {PLIANT_FORMAT_IDENTIFIER, PLIANT_FORMAT_MAJOR, PLIANT_FORMAT_MINOR, 0,
+                                        std::uint32_t(chunks.size()), 0, std::uint32_t(model.set->dof_count() / 3),
+                                        std::uint32_t(model.set->triangles.size()), std::uint32_t(model.subspace->dimension()),
+                                        std::uint32_t(model.set->pose_count()),
+                                        {float(model.set->origin[0]), float(model.set->origin[1]), float(model.set->origin[2])}, 0};
+    pliant_format_header header = blank;
+    Bytes out;
+    out.data.resize(sizeof(header) + chunks.size() * sizeof(pliant_format_chunk), 0);
+    std::vector<pliant_format_chunk> table;
+    for (const Chunk& chunk : chunks) {
+        out.align(chunk.tag == PLIANT_CHUNK_BASIS ? PLIANT_FORMAT_BASIS_ALIGNMENT : PLIANT_FORMAT_CHUNK_ALIGNMENT);
+        const auto& bytes = chunk.bytes.data;
+        table.push_back({chunk.tag, chunk.flags, out.data.size(), bytes.size(), crc_of(bytes.data(), bytes.size()), 0});
+        out.data.insert(out.data.end(), bytes.begin(), bytes.end());
+    }
+    header.file_size = out.data.size();
+    const auto place_head = [&] {
+        std::memcpy(out.data.data(), &header, sizeof(header));
+        std::memcpy(out.data.data() + sizeof(header), table.data(), table.size() * sizeof(table[0]));
+    };
+    place_head();
+    header.header_crc32 = crc_of(out.data.data(), sizeof(header) + table.size() * sizeof(table[0]));
+    place_head();
+    return std::move(out.data);
+}
+
+} // namespace pliant

@@ -1,0 +1,32 @@
+// A baked character as bytes: formats/SPEC.md, format 1.0.
+#pragma once
+
+#include "reduce/stand_in.h"
+#include "warmstart/predictor.h"
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+namespace pliant {
+
+// Everything an asset holds. Borrowed parts must outlive the call of encode_asset.
+struct AssetModel {
+    const ShapeSet* set = nullptr;
+    const Subspace* subspace = nullptr;
+    const StandIn* stand_in = nullptr;
+    Shape stand_in_reference;           // the shape of the stand-in's mesh at q = mean
+    Eigen::VectorXd mean;               // q of the stand-in's equal-weight average
+    Eigen::MatrixXd root;               // S: q = mean + S z
+    double energy_scale = 1;
+    Predictor predictor;                // of z
+    std::vector<std::string> names;
+    const Polygons* polygons = nullptr; // faces as given
+    std::string certificate;            // JSON text
+    std::vector<std::pair<Weights, Eigen::VectorXf>> answers; // weights and the q that the runtime found
+};
+
+// The bytes of the asset. Throws Failure (P4501) if a number does not fit the format.
+std::vector<std::uint8_t> encode_asset(const AssetModel& model);
+
+} // namespace pliant

@@ -1,0 +1,455 @@
+/* Opening an asset: every rule of formats/SPEC.md section 5, in place, without allocating. Hostile bytes are the normal case
+   here: sizes go through fits() before anything is multiplied or added, and nothing is read before its range was checked.
+
+   On a big-endian machine format_major reads as 256 and open answers PLIANT_ERROR_VERSION: assets are used in place, so a
+   byte-swapped one would have to be converted offline. */
+#include "internal.h"
+
+typedef struct open_context {
+    const unsigned char* blob;
+    uint64_t blob_size;
+    pliant_format_header header;
+    uint64_t dimension; /* padded */
+    const pliant_format_chunk* chunks;
+} open_context;
+
+/* The only place that multiplies and adds sizes: *end = start + count * stride if that is at most limit, else 0 is returned.
+   No intermediate result can wrap around. */
+static int fits(uint64_t start, uint64_t count, uint64_t stride, uint64_t limit, uint64_t* end)
+{
+    if (start > limit) return 0;
+    if (stride != 0 && count > (limit - start) / stride) return 0;
+    *end = start + count * stride;
+    return 1;
+}
+
+static int is_zero(const void* bytes, size_t size)
+{
+    const unsigned char* p = (const unsigned char*)bytes;
+    unsigned char any = 0;
+    for (size_t i = 0; i < size; ++i) any |= p[i];
+    return any == 0;
+}
+
+static int all_finite(const void* bytes, uint64_t count)
+{
+    const float* values = (const float*)bytes;
+    uint32_t bad = 0;
+    for (uint64_t i = 0; i < count; ++i) bad |= (uint32_t)!pliant_is_finite(values[i]);
+    return bad == 0;
+}
+
+/* ---------------------------------------------------------------------------------------- header and chunk table ---- */
+
+static pliant_result check_header(open_context* context)
+{
+    static const uint8_t identifier[12] = PLIANT_FORMAT_IDENTIFIER;
+    pliant_format_header* h = &context->header;
+    memcpy(h, context->blob, sizeof *h);
+    if (memcmp(h->identifier, identifier, sizeof identifier) != 0) return PLIANT_ERROR_NOT_PLIANT; /* R02 */
+    if (h->format_major != PLIANT_FORMAT_MAJOR) return PLIANT_ERROR_VERSION;                       /* R03 */
+    if (h->file_size != context->blob_size) return PLIANT_ERROR_TRUNCATED;                         /* R04 */
+    if (h->chunk_count < 1 || h->chunk_count > PLIANT_FORMAT_MAX_CHUNKS) return PLIANT_ERROR_LIMIT; /* R05, the rest too */
+    if (h->vertex_count < 1 || h->vertex_count > PLIANT_FORMAT_MAX_VERTICES) return PLIANT_ERROR_LIMIT;
+    if (h->triangle_count < 1 || h->triangle_count > PLIANT_FORMAT_MAX_TRIANGLES) return PLIANT_ERROR_LIMIT;
+    if (h->dimension < 1 || h->dimension > PLIANT_FORMAT_MAX_DIMENSION) return PLIANT_ERROR_LIMIT;
+    if (h->pose_count < 2 || h->pose_count > PLIANT_FORMAT_MAX_POSES) return PLIANT_ERROR_LIMIT;
+    if (h->reserved != 0) return PLIANT_ERROR_LAYOUT;                      /* R14 */
+    if (!all_finite(h->origin, 3)) return PLIANT_ERROR_NUMBER;             /* R10 */
+    context->dimension = pliant_pad_lanes(h->dimension);
+    return PLIANT_OK;
+}
+
+static int is_known_tag(uint32_t tag)
+{
+    switch (tag) {
+    case PLIANT_CHUNK_SOLVER:
+    case PLIANT_CHUNK_ELEMENTS:
+    case PLIANT_CHUNK_PREDICTOR:
+    case PLIANT_CHUNK_REST:
+    case PLIANT_CHUNK_TRIANGLES:
+    case PLIANT_CHUNK_POLYGONS:
+    case PLIANT_CHUNK_NAMES:
+    case PLIANT_CHUNK_ANSWERS:
+    case PLIANT_CHUNK_CERTIFICATE:
+    case PLIANT_CHUNK_BASIS: return 1;
+    default: return 0;
+    }
+}
+
+static const pliant_format_chunk* find_chunk(const pliant_format_chunk* chunks, uint32_t count, uint32_t tag)
+{
+    for (uint32_t i = 0; i < count; ++i)
+        if (chunks[i].tag == tag) return &chunks[i];
+    return NULL;
+}
+
+static const pliant_format_chunk* chunk_of(const open_context* context, uint32_t tag)
+{
+    return find_chunk(context->chunks, context->header.chunk_count, tag);
+}
+
+/* R06, R07, and R14 of the table. */
+static pliant_result check_chunk_table(open_context* context)
+{
+    const uint32_t count = context->header.chunk_count;
+    uint64_t end;
+    if (!fits(sizeof(pliant_format_header), count, sizeof(pliant_format_chunk), context->blob_size, &end))
+        return PLIANT_ERROR_LAYOUT;
+    context->chunks = (const pliant_format_chunk*)(const void*)(context->blob + sizeof(pliant_format_header));
+    for (uint32_t i = 0; i < count; ++i) {
+        const pliant_format_chunk* chunk = &context->chunks[i];
+        const uint32_t alignment
+            = chunk->tag == PLIANT_CHUNK_BASIS ? PLIANT_FORMAT_BASIS_ALIGNMENT : PLIANT_FORMAT_CHUNK_ALIGNMENT;
+        if (chunk->offset % alignment != 0 || chunk->offset < end) return PLIANT_ERROR_LAYOUT;
+        if (!fits(chunk->offset, chunk->size, 1, context->blob_size, &end)) return PLIANT_ERROR_LAYOUT;
+        if (find_chunk(context->chunks, i, chunk->tag)) return PLIANT_ERROR_LAYOUT;
+        if (chunk->reserved != 0 || (chunk->flags & ~PLIANT_CHUNK_FLAG_REQUIRED) != 0) return PLIANT_ERROR_LAYOUT;
+    }
+    for (uint32_t i = 0; i < count; ++i)
+        if (!is_known_tag(context->chunks[i].tag) && (context->chunks[i].flags & PLIANT_CHUNK_FLAG_REQUIRED))
+            return PLIANT_ERROR_VERSION;
+    return PLIANT_OK;
+}
+
+static pliant_result check_presence(const open_context* context)
+{
+    static const uint32_t required[] = { PLIANT_CHUNK_SOLVER,    PLIANT_CHUNK_ELEMENTS, PLIANT_CHUNK_REST,
+                                         PLIANT_CHUNK_TRIANGLES, PLIANT_CHUNK_NAMES,    PLIANT_CHUNK_ANSWERS,
+                                         PLIANT_CHUNK_CERTIFICATE, PLIANT_CHUNK_BASIS };
+    for (size_t i = 0; i < sizeof required / sizeof *required; ++i)
+        if (!chunk_of(context, required[i])) return PLIANT_ERROR_LAYOUT;
+    return PLIANT_OK;
+}
+
+/* ------------------------------------------------------------------------------------------------------ checksums ---- */
+
+/* One step of CRC-32 for each byte value, made on the caller's stack: 1 KiB, and no table to be initialised by anyone. */
+static void make_crc32_table(uint32_t table[256])
+{
+    for (uint32_t i = 0; i < 256; ++i) {
+        uint32_t value = i;
+        for (int bit = 0; bit < 8; ++bit) value = (value >> 1) ^ (0xEDB88320u & (0u - (value & 1u)));
+        table[i] = value;
+    }
+}
+
+static uint32_t update_crc32(const uint32_t table[256], uint32_t crc, const unsigned char* bytes, uint64_t size)
+{
+    for (uint64_t i = 0; i < size; ++i) crc = (crc >> 8) ^ table[(crc ^ bytes[i]) & 0xFFu];
+    return crc;
+}
+
+/* R08, R12 */
+static pliant_result check_checksums(const open_context* context)
+{
+    uint32_t table[256];
+    pliant_format_header header = context->header;
+    const uint64_t table_size = (uint64_t)header.chunk_count * sizeof(pliant_format_chunk);
+    make_crc32_table(table);
+    header.header_crc32 = 0;
+    uint32_t crc = update_crc32(table, 0xFFFFFFFFu, (const unsigned char*)&header, sizeof header);
+    crc = update_crc32(table, crc, context->blob + sizeof header, table_size);
+    if ((crc ^ 0xFFFFFFFFu) != context->header.header_crc32) return PLIANT_ERROR_CHECKSUM;
+    for (uint32_t i = 0; i < context->header.chunk_count; ++i) {
+        const pliant_format_chunk* chunk = &context->chunks[i];
+        crc = update_crc32(table, 0xFFFFFFFFu, context->blob + chunk->offset, chunk->size);
+        if ((crc ^ 0xFFFFFFFFu) != chunk->crc32) return PLIANT_ERROR_CHECKSUM;
+    }
+    return PLIANT_OK;
+}
+
+/* --------------------------------------------------------------------------------------------------- single chunks ---- */
+
+/* The reserved words behind the count that starts ELEM, PRED and ANSW, and the count's range. */
+static pliant_result check_count(const open_context* context, const pliant_format_chunk* chunk, uint32_t limit, uint32_t* count)
+{
+    pliant_format_count head;
+    if (chunk->size < sizeof head) return PLIANT_ERROR_LAYOUT;
+    memcpy(&head, context->blob + chunk->offset, sizeof head);
+    if (head.count < 1 || head.count > limit) return PLIANT_ERROR_LIMIT;
+    if (!is_zero(head.reserved, sizeof head.reserved)) return PLIANT_ERROR_LAYOUT;
+    *count = head.count;
+    return PLIANT_OK;
+}
+
+static pliant_result open_solver(const open_context* context, pliant_asset* asset)
+{
+    const pliant_format_chunk* chunk = chunk_of(context, PLIANT_CHUNK_SOLVER);
+    const unsigned char* start = context->blob + chunk->offset;
+    const uint64_t vectors = 1 + (uint64_t)context->header.dimension + context->header.pose_count;
+    pliant_format_solver head;
+    uint64_t end;
+    if (!fits(sizeof head, vectors, context->dimension * sizeof(float), chunk->size, &end) || end != chunk->size)
+        return PLIANT_ERROR_LAYOUT;
+    memcpy(&head, start, sizeof head);
+    if (!is_zero(head.reserved, sizeof head.reserved)) return PLIANT_ERROR_LAYOUT;
+    if (!pliant_is_finite(head.energy_scale) || !(head.energy_scale > 0.0f)) return PLIANT_ERROR_NUMBER;
+    asset->energy_scale = head.energy_scale;
+    asset->mean = (const float*)(const void*)(start + sizeof head);
+    asset->whitening = asset->mean + context->dimension;
+    asset->pose_coordinates = asset->whitening + context->header.dimension * context->dimension;
+    return all_finite(asset->mean, vectors * context->dimension) ? PLIANT_OK : PLIANT_ERROR_NUMBER;
+}
+
+/* `count` rows of `lanes` floats at `offset` of the chunk: inside it, aligned, finite. */
+static pliant_result check_lanes(const open_context* context, const pliant_format_chunk* chunk, uint64_t data_start,
+                                 uint64_t offset, uint64_t count, uint64_t lanes)
+{
+    uint64_t end;
+    if (offset % PLIANT_FORMAT_CHUNK_ALIGNMENT != 0 || offset < data_start) return PLIANT_ERROR_LAYOUT;
+    if (!fits(offset, count, lanes * sizeof(float), chunk->size, &end)) return PLIANT_ERROR_LAYOUT;
+    return all_finite(context->blob + chunk->offset + offset, count * lanes) ? PLIANT_OK : PLIANT_ERROR_NUMBER;
+}
+
+static pliant_result check_batch(const open_context* context, const pliant_format_chunk* chunk, uint64_t data_start,
+                                 const pliant_format_batch* batch)
+{
+    const pliant_format_header* h = &context->header;
+    const int is_arap = batch->kind == PLIANT_ELEMENT_ARAP_CELL;
+    if (batch->kind < PLIANT_ELEMENT_HINGE || batch->kind > PLIANT_ELEMENT_ARAP_CELL) return PLIANT_ERROR_LAYOUT;
+    if (batch->element_count < 1 || batch->element_count > PLIANT_FORMAT_MAX_ELEMENTS) return PLIANT_ERROR_LIMIT;
+    if (is_arap && (batch->valence < 2 || batch->valence > PLIANT_FORMAT_MAX_VALENCE)) return PLIANT_ERROR_LIMIT;
+    if (!is_arap && (batch->valence != 0 || batch->is_closed != 0)) return PLIANT_ERROR_LAYOUT;
+    if (batch->is_closed > 1 || (batch->is_closed == 1 && batch->valence < 3)) return PLIANT_ERROR_LAYOUT;
+    if (!is_zero(batch->reserved, sizeof batch->reserved)) return PLIANT_ERROR_LAYOUT;
+
+    /* From here the counts are small (at most 257 * 96 rows of 2^22 lanes): their products fit in 64 bits easily. */
+    const pliant_format_shape shape = pliant_format_batch_shape(batch->kind, batch->valence, batch->is_closed);
+    const uint64_t lanes = pliant_pad_lanes(batch->element_count);
+    const uint64_t rows = (1 + (uint64_t)h->dimension) * shape.row_count;
+    const uint64_t numbers = (uint64_t)h->pose_count * shape.pose_number_count;
+    pliant_result result = check_lanes(context, chunk, data_start, batch->rows_offset, rows, lanes);
+    if (result == PLIANT_OK)
+        result = check_lanes(context, chunk, data_start, batch->fixed_offset, shape.fixed_count, lanes);
+    if (result == PLIANT_OK) result = check_lanes(context, chunk, data_start, batch->pose_offset, numbers, lanes);
+    return result;
+}
+
+static pliant_result open_elements(const open_context* context, pliant_asset* asset)
+{
+    const pliant_format_chunk* chunk = chunk_of(context, PLIANT_CHUNK_ELEMENTS);
+    uint32_t count;
+    uint64_t data_start;
+    pliant_result result = check_count(context, chunk, PLIANT_FORMAT_MAX_BATCHES, &count);
+    if (result != PLIANT_OK) return result;
+    if (!fits(sizeof(pliant_format_count), count, sizeof(pliant_format_batch), chunk->size, &data_start))
+        return PLIANT_ERROR_LAYOUT;
+    asset->elements = context->blob + chunk->offset;
+    asset->batches = asset->elements + sizeof(pliant_format_count);
+    asset->batch_count = count;
+    for (uint32_t i = 0; i < count; ++i) {
+        result = check_batch(context, chunk, data_start, (const pliant_format_batch*)asset->batches + i);
+        if (result != PLIANT_OK) return result;
+    }
+    return PLIANT_OK;
+}
+
+static pliant_result open_predictor(const open_context* context, pliant_asset* asset)
+{
+    const pliant_format_chunk* chunk = chunk_of(context, PLIANT_CHUNK_PREDICTOR);
+    const uint64_t m = context->header.pose_count;
+    uint32_t count;
+    uint64_t centres_end, end;
+    if (!chunk) return PLIANT_OK;
+    const pliant_result result = check_count(context, chunk, PLIANT_FORMAT_MAX_CENTRES, &count);
+    if (result != PLIANT_OK) return result;
+    if (!fits(sizeof(pliant_format_count), count, m * sizeof(float), chunk->size, &centres_end)) return PLIANT_ERROR_LAYOUT;
+    const uint64_t coefficients_start = (centres_end + 63) & ~(uint64_t)63;
+    if (!fits(coefficients_start, count + m, context->dimension * sizeof(float), chunk->size, &end) || end != chunk->size)
+        return PLIANT_ERROR_LAYOUT;
+    const unsigned char* start = context->blob + chunk->offset;
+    if (!is_zero(start + centres_end, (size_t)(coefficients_start - centres_end))) return PLIANT_ERROR_LAYOUT;
+    asset->predictor_count = count;
+    asset->predictor_centres = (const float*)(const void*)(start + sizeof(pliant_format_count));
+    asset->predictor_coefficients = (const float*)(const void*)(start + coefficients_start);
+    if (!all_finite(asset->predictor_centres, count * m)) return PLIANT_ERROR_NUMBER;
+    return all_finite(asset->predictor_coefficients, (count + m) * context->dimension) ? PLIANT_OK : PLIANT_ERROR_NUMBER;
+}
+
+static int all_below(const uint32_t* indices, uint64_t count, uint32_t limit)
+{
+    uint32_t bad = 0;
+    for (uint64_t i = 0; i < count; ++i) bad |= (uint32_t)(indices[i] >= limit);
+    return bad == 0;
+}
+
+static pliant_result open_triangles(const open_context* context, pliant_asset* asset)
+{
+    const pliant_format_chunk* chunk = chunk_of(context, PLIANT_CHUNK_TRIANGLES);
+    const uint64_t corners = 3 * (uint64_t)context->header.triangle_count;
+    uint64_t end;
+    if (!fits(0, corners, sizeof(uint32_t), chunk->size, &end) || end != chunk->size) return PLIANT_ERROR_LAYOUT;
+    asset->triangles = (const uint32_t*)(const void*)(context->blob + chunk->offset);
+    return all_below(asset->triangles, corners, context->header.vertex_count) ? PLIANT_OK : PLIANT_ERROR_INDEX;
+}
+
+static pliant_result check_polygons(const open_context* context)
+{
+    const pliant_format_chunk* chunk = chunk_of(context, PLIANT_CHUNK_POLYGONS);
+    uint64_t sizes_end, end;
+    if (!chunk) return PLIANT_OK;
+    if (chunk->size < 2 * sizeof(uint32_t)) return PLIANT_ERROR_LAYOUT;
+    const uint32_t* words = (const uint32_t*)(const void*)(context->blob + chunk->offset);
+    if (!fits(2 * sizeof(uint32_t), words[0], sizeof(uint32_t), chunk->size, &sizes_end)) return PLIANT_ERROR_LAYOUT;
+    if (!fits(sizes_end, words[1], sizeof(uint32_t), chunk->size, &end) || end != chunk->size) return PLIANT_ERROR_LAYOUT;
+    uint64_t sum = 0; /* of fewer than 2^32 numbers below 2^32 */
+    for (uint32_t i = 0; i < words[0]; ++i) {
+        if (words[2 + (size_t)i] < 3) return PLIANT_ERROR_INDEX;
+        sum += words[2 + (size_t)i];
+    }
+    if (sum != words[1]) return PLIANT_ERROR_INDEX;
+    return all_below(words + 2 + (size_t)words[0], words[1], context->header.vertex_count) ? PLIANT_OK : PLIANT_ERROR_INDEX;
+}
+
+static pliant_result check_names(const open_context* context)
+{
+    const pliant_format_chunk* chunk = chunk_of(context, PLIANT_CHUNK_NAMES);
+    const unsigned char* names = context->blob + chunk->offset;
+    uint64_t ends = 0;
+    for (uint64_t i = 0; i < chunk->size; ++i) ends += names[i] == 0;
+    if (ends != context->header.pose_count || names[chunk->size - 1] != 0) return PLIANT_ERROR_INDEX;
+    return PLIANT_OK;
+}
+
+static pliant_result check_answers(const open_context* context)
+{
+    const pliant_format_chunk* chunk = chunk_of(context, PLIANT_CHUNK_ANSWERS);
+    const uint32_t m = context->header.pose_count;
+    const uint64_t width = (uint64_t)m + context->header.dimension;
+    uint32_t count;
+    uint64_t end;
+    const pliant_result result = check_count(context, chunk, PLIANT_FORMAT_MAX_ANSWERS, &count);
+    if (result != PLIANT_OK) return result;
+    if (!fits(sizeof(pliant_format_count), count, width * sizeof(float), chunk->size, &end) || end != chunk->size)
+        return PLIANT_ERROR_LAYOUT;
+    const float* answer = (const float*)(const void*)(context->blob + chunk->offset + sizeof(pliant_format_count));
+    if (!all_finite(answer, count * width)) return PLIANT_ERROR_NUMBER;
+    for (uint32_t i = 0; i < count; ++i, answer += width) {
+        double sum = 0.0;
+        for (uint32_t k = 0; k < m; ++k) {
+            if (answer[k] < 0.0f) return PLIANT_ERROR_NUMBER;
+            sum += (double)answer[k];
+        }
+        if (sum < 1.0 - 1e-3 || sum > 1.0 + 1e-3) return PLIANT_ERROR_NUMBER;
+    }
+    return PLIANT_OK;
+}
+
+/* REST and BASI are read by reconstruction alone: their numbers move vertices and no pointers, so only sizes are checked. */
+static pliant_result open_shape(const open_context* context, pliant_asset* asset)
+{
+    const pliant_format_chunk* rest = chunk_of(context, PLIANT_CHUNK_REST);
+    const pliant_format_chunk* basis = chunk_of(context, PLIANT_CHUNK_BASIS);
+    const uint64_t tiles = ((uint64_t)context->header.vertex_count + PLIANT_FORMAT_TILE_VERTICES - 1) / PLIANT_FORMAT_TILE_VERTICES;
+    const uint64_t tile_size = PLIANT_FORMAT_TILE_FLOATS * sizeof(float);
+    uint64_t end;
+    if (!fits(0, tiles, tile_size, rest->size, &end) || end != rest->size) return PLIANT_ERROR_LAYOUT;
+    if (!fits(0, tiles, tile_size * context->header.dimension, basis->size, &end) || end != basis->size)
+        return PLIANT_ERROR_LAYOUT;
+    asset->rest = (const float*)(const void*)(context->blob + rest->offset);
+    asset->basis = (const float*)(const void*)(context->blob + basis->offset);
+    return PLIANT_OK;
+}
+
+/* ------------------------------------------------------------------------------------------------------------ API ---- */
+
+static pliant_result open_checked(open_context* context, pliant_asset* asset, uint32_t flags)
+{
+    pliant_result result = check_header(context);
+    if (result == PLIANT_OK) result = check_chunk_table(context);
+    if (result == PLIANT_OK) result = check_presence(context);
+    if (result == PLIANT_OK && (flags & PLIANT_OPEN_VERIFY_CHECKSUMS)) result = check_checksums(context);
+    if (result == PLIANT_OK) result = open_solver(context, asset);
+    if (result == PLIANT_OK) result = open_elements(context, asset);
+    if (result == PLIANT_OK) result = open_predictor(context, asset);
+    if (result == PLIANT_OK) result = open_shape(context, asset);
+    if (result == PLIANT_OK) result = open_triangles(context, asset);
+    if (result == PLIANT_OK) result = check_polygons(context);
+    if (result == PLIANT_OK) result = check_names(context);
+    if (result == PLIANT_OK) result = check_answers(context);
+    return result;
+}
+
+pliant_result pliant_asset_open(pliant_asset* out, const void* blob, size_t blob_size, uint32_t flags)
+{
+    pliant_asset asset;
+    open_context context;
+    if (!out) return PLIANT_ERROR_ARGUMENT;
+    memset(out, 0, sizeof *out);
+    if (!blob || (flags & ~PLIANT_OPEN_VERIFY_CHECKSUMS) != 0) return PLIANT_ERROR_ARGUMENT;
+    if ((uintptr_t)blob % PLIANT_FORMAT_BLOB_ALIGNMENT != 0) return PLIANT_ERROR_ALIGNMENT; /* R01 */
+    if (blob_size < sizeof(pliant_format_header)) return PLIANT_ERROR_TRUNCATED;            /* R01 */
+
+    memset(&asset, 0, sizeof asset);
+    memset(&context, 0, sizeof context);
+    context.blob = (const unsigned char*)blob;
+    context.blob_size = blob_size;
+    const pliant_result result = open_checked(&context, &asset, flags);
+    if (result != PLIANT_OK) return result;
+
+    asset.vertex_count = context.header.vertex_count;
+    asset.triangle_count = context.header.triangle_count;
+    asset.dimension = context.header.dimension;
+    asset.pose_count = context.header.pose_count;
+    memcpy(asset.origin, context.header.origin, sizeof asset.origin);
+    asset.blob = context.blob;
+    asset.blob_size = context.blob_size;
+    asset.padded_dimension = (uint32_t)context.dimension;
+    *out = asset;
+    return PLIANT_OK;
+}
+
+const void* pliant_asset_chunk(const pliant_asset* asset, uint32_t tag, size_t* size)
+{
+    if (size) *size = 0;
+    if (!asset || !asset->blob) return NULL;
+    pliant_format_header header;
+    memcpy(&header, asset->blob, sizeof header);
+    const pliant_format_chunk* chunks = (const pliant_format_chunk*)(const void*)(asset->blob + sizeof header);
+    const pliant_format_chunk* chunk = find_chunk(chunks, header.chunk_count, tag);
+    if (!chunk) return NULL;
+    if (size) *size = (size_t)chunk->size;
+    return asset->blob + chunk->offset;
+}
+
+const char* pliant_asset_pose_name(const pliant_asset* asset, uint32_t pose)
+{
+    const char* name = (const char*)pliant_asset_chunk(asset, PLIANT_CHUNK_NAMES, NULL);
+    if (!name || pose >= asset->pose_count) return NULL;
+    for (uint32_t k = 0; k < pose; ++k) name += strlen(name) + 1; /* check_names counted the zero bytes */
+    return name;
+}
+
+const float* pliant_asset_pose_coordinates(const pliant_asset* asset, uint32_t pose)
+{
+    if (!asset || !asset->pose_coordinates || pose >= asset->pose_count) return NULL;
+    return asset->pose_coordinates + (size_t)pose * asset->padded_dimension;
+}
+
+uint32_t pliant_version(void)
+{
+    return PLIANT_VERSION_MAJOR * 10000u + PLIANT_VERSION_MINOR * 100u + PLIANT_VERSION_PATCH;
+}
+
+const char* pliant_result_text(pliant_result result)
+{
+    switch (result) {
+    case PLIANT_OK: return "success";
+    case PLIANT_ERROR_ARGUMENT: return "bad argument: a null pointer, an unknown flag, or a desc not made by its _default function";
+    case PLIANT_ERROR_MEMORY_SIZE: return "the memory given is smaller than pliant_solver_memory says";
+    case PLIANT_ERROR_ALIGNMENT: return "the asset does not lie at an address that is a multiple of 16";
+    case PLIANT_ERROR_TRUNCATED: return "the asset is not as long as it says: cut off, or more than one file";
+    case PLIANT_ERROR_NOT_PLIANT: return "not a .pliant asset, or damaged by a transfer in text mode";
+    case PLIANT_ERROR_VERSION: return "the asset needs another version of the runtime";
+    case PLIANT_ERROR_LIMIT: return "a count in the asset is outside its range";
+    case PLIANT_ERROR_LAYOUT: return "a chunk of the asset is missing, misplaced or of the wrong size";
+    case PLIANT_ERROR_NUMBER: return "a number in the asset is not finite or outside its range";
+    case PLIANT_ERROR_INDEX: return "the topology or the names of the asset do not add up";
+    case PLIANT_ERROR_CHECKSUM: return "a checksum of the asset does not match: it was damaged";
+    case PLIANT_ERROR_WEIGHT_NOT_FINITE: return "a weight is infinite or not a number";
+    case PLIANT_ERROR_WEIGHT_NEGATIVE: return "a weight is negative";
+    case PLIANT_ERROR_WEIGHT_SUM: return "all weights are zero";
+    }
+    return "unknown result code";
+}
