@@ -46,16 +46,16 @@ static pliant_result check_header(open_context* context)
     static const uint8_t identifier[12] = PLIANT_FORMAT_IDENTIFIER;
     pliant_format_header* h = &context->header;
     memcpy(h, context->blob, sizeof *h);
-    if (memcmp(h->identifier, identifier, sizeof identifier) != 0) return PLIANT_ERROR_NOT_PLIANT; /* R02 */
-    if (h->format_major != PLIANT_FORMAT_MAJOR) return PLIANT_ERROR_VERSION;                       /* R03 */
-    if (h->file_size != context->blob_size) return PLIANT_ERROR_TRUNCATED;                         /* R04 */
+    if (memcmp(h->identifier, identifier, sizeof identifier) != 0) return PLIANT_ERROR_NOT_PLIANT;  /* R02 */
+    if (h->format_major != PLIANT_FORMAT_MAJOR) return PLIANT_ERROR_VERSION;                        /* R03 */
+    if (h->file_size != context->blob_size) return PLIANT_ERROR_TRUNCATED;                          /* R04 */
     if (h->chunk_count < 1 || h->chunk_count > PLIANT_FORMAT_MAX_CHUNKS) return PLIANT_ERROR_LIMIT; /* R05, the rest too */
     if (h->vertex_count < 1 || h->vertex_count > PLIANT_FORMAT_MAX_VERTICES) return PLIANT_ERROR_LIMIT;
     if (h->triangle_count < 1 || h->triangle_count > PLIANT_FORMAT_MAX_TRIANGLES) return PLIANT_ERROR_LIMIT;
     if (h->dimension < 1 || h->dimension > PLIANT_FORMAT_MAX_DIMENSION) return PLIANT_ERROR_LIMIT;
     if (h->pose_count < 2 || h->pose_count > PLIANT_FORMAT_MAX_POSES) return PLIANT_ERROR_LIMIT;
-    if (h->reserved != 0) return PLIANT_ERROR_LAYOUT;                      /* R14 */
-    if (!all_finite(h->origin, 3)) return PLIANT_ERROR_NUMBER;             /* R10 */
+    if (h->reserved != 0) return PLIANT_ERROR_LAYOUT;          /* R14 */
+    if (!all_finite(h->origin, 3)) return PLIANT_ERROR_NUMBER; /* R10 */
     context->dimension = pliant_pad_lanes(h->dimension);
     return PLIANT_OK;
 }
@@ -114,9 +114,9 @@ static pliant_result check_chunk_table(open_context* context)
 
 static pliant_result check_presence(const open_context* context)
 {
-    static const uint32_t required[] = { PLIANT_CHUNK_SOLVER,    PLIANT_CHUNK_ELEMENTS, PLIANT_CHUNK_REST,
-                                         PLIANT_CHUNK_TRIANGLES, PLIANT_CHUNK_NAMES,    PLIANT_CHUNK_ANSWERS,
-                                         PLIANT_CHUNK_CERTIFICATE, PLIANT_CHUNK_BASIS };
+    static const uint32_t required[]
+        = { PLIANT_CHUNK_SOLVER, PLIANT_CHUNK_ELEMENTS, PLIANT_CHUNK_REST,        PLIANT_CHUNK_TRIANGLES,
+            PLIANT_CHUNK_NAMES,  PLIANT_CHUNK_ANSWERS,  PLIANT_CHUNK_CERTIFICATE, PLIANT_CHUNK_BASIS };
     for (size_t i = 0; i < sizeof required / sizeof *required; ++i)
         if (!chunk_of(context, required[i])) return PLIANT_ERROR_LAYOUT;
     return PLIANT_OK;
@@ -162,7 +162,8 @@ static pliant_result check_checksums(const open_context* context)
 /* --------------------------------------------------------------------------------------------------- single chunks ---- */
 
 /* The reserved words behind the count that starts ELEM, PRED and ANSW, and the count's range. */
-static pliant_result check_count(const open_context* context, const pliant_format_chunk* chunk, uint32_t limit, uint32_t* count)
+static pliant_result check_count(const open_context* context, const pliant_format_chunk* chunk, uint32_t limit,
+                                 uint32_t* count)
 {
     pliant_format_count head;
     if (chunk->size < sizeof head) return PLIANT_ERROR_LAYOUT;
@@ -220,8 +221,7 @@ static pliant_result check_batch(const open_context* context, const pliant_forma
     const uint64_t rows = (1 + (uint64_t)h->dimension) * shape.row_count;
     const uint64_t numbers = (uint64_t)h->pose_count * shape.pose_number_count;
     pliant_result result = check_lanes(context, chunk, data_start, batch->rows_offset, rows, lanes);
-    if (result == PLIANT_OK)
-        result = check_lanes(context, chunk, data_start, batch->fixed_offset, shape.fixed_count, lanes);
+    if (result == PLIANT_OK) result = check_lanes(context, chunk, data_start, batch->fixed_offset, shape.fixed_count, lanes);
     if (result == PLIANT_OK) result = check_lanes(context, chunk, data_start, batch->pose_offset, numbers, lanes);
     return result;
 }
@@ -341,7 +341,8 @@ static pliant_result open_shape(const open_context* context, pliant_asset* asset
 {
     const pliant_format_chunk* rest = chunk_of(context, PLIANT_CHUNK_REST);
     const pliant_format_chunk* basis = chunk_of(context, PLIANT_CHUNK_BASIS);
-    const uint64_t tiles = ((uint64_t)context->header.vertex_count + PLIANT_FORMAT_TILE_VERTICES - 1) / PLIANT_FORMAT_TILE_VERTICES;
+    const uint64_t tiles
+        = ((uint64_t)context->header.vertex_count + PLIANT_FORMAT_TILE_VERTICES - 1) / PLIANT_FORMAT_TILE_VERTICES;
     const uint64_t tile_size = PLIANT_FORMAT_TILE_FLOATS * sizeof(float);
     uint64_t end;
     if (!fits(0, tiles, tile_size, rest->size, &end) || end != rest->size) return PLIANT_ERROR_LAYOUT;
@@ -427,16 +428,14 @@ const float* pliant_asset_pose_coordinates(const pliant_asset* asset, uint32_t p
     return asset->pose_coordinates + (size_t)pose * asset->padded_dimension;
 }
 
-uint32_t pliant_version(void)
-{
-    return PLIANT_VERSION_MAJOR * 10000u + PLIANT_VERSION_MINOR * 100u + PLIANT_VERSION_PATCH;
-}
+uint32_t pliant_version(void) { return PLIANT_VERSION_MAJOR * 10000u + PLIANT_VERSION_MINOR * 100u + PLIANT_VERSION_PATCH; }
 
 const char* pliant_result_text(pliant_result result)
 {
     switch (result) {
     case PLIANT_OK: return "success";
-    case PLIANT_ERROR_ARGUMENT: return "bad argument: a null pointer, an unknown flag, or a desc not made by its _default function";
+    case PLIANT_ERROR_ARGUMENT:
+        return "bad argument: a null pointer, an unknown flag, or a desc not made by its _default function";
     case PLIANT_ERROR_MEMORY_SIZE: return "the memory given is smaller than pliant_solver_memory says";
     case PLIANT_ERROR_ALIGNMENT: return "the asset does not lie at an address that is a multiple of 16";
     case PLIANT_ERROR_TRUNCATED: return "the asset is not as long as it says: cut off, or more than one file";

@@ -13,16 +13,16 @@
 /* Sufficient decrease (Armijo): the usual value, small enough to accept every reasonable step. */
 #define ARMIJO 1e-4
 
-/* Below this part of the energy scale differences of energies are rounding: a sum of some hundred single-precision terms of the
-   size of the scale is known to about 1e-5 of it. A step whose predicted decrease is smaller is judged by its slope,
-   which keeps relative accuracy; its energy may not rise by more than this. */
+/* Below this part of the energy scale differences of energies are rounding: a sum of some hundred single-precision terms
+   of the size of the scale is known to about 1e-5 of it. A step whose predicted decrease is smaller is judged by its
+   slope, which keeps relative accuracy; its energy may not rise by more than this. */
 #define ENERGY_NOISE 2e-5
 
 /* A slope step is taken if it brings the slope down to this part (the curvature condition of quasi-Newton practice). */
 #define SLOPE_REDUCTION 0.9
 
-/* Updates need s.y > this * |s||y|. For a quadratic of condition c the ratio is at least about 2/sqrt(c): what is below belongs
-   to a condition number above 4e6, which single precision cannot tell from a flat or a concave direction. */
+/* Updates need s.y > this * |s||y|. For a quadratic of condition c the ratio is at least about 2/sqrt(c): what is below
+   belongs to a condition number above 4e6, which single precision cannot tell from a flat or a concave direction. */
 #define CURVATURE_FLOOR 1e-3f
 
 /* Trials of one line search. Each shortens the step by 2 to 10: 2^-20 of a step is nothing in single precision. */
@@ -77,8 +77,8 @@ static void accept_trial(pliant_solver* solver, double energy)
     solver->energy = energy;
 }
 
-/* Where to try next after a step of length t failed: the minimum of the parabola through what is known, kept within a tenth and
-   a half of t. Below the noise the parabola is that of the slopes. */
+/* Where to try next after a step of length t failed: the minimum of the parabola through what is known, kept within a
+   tenth and a half of t. Below the noise the parabola is that of the slopes. */
 static float shorten(float t, double slope, int is_finite, double rise, int by_slope, double new_slope)
 {
     if (!is_finite) return 0.25f * t;
@@ -87,8 +87,8 @@ static float shorten(float t, double slope, int is_finite, double rise, int by_s
     return t * (float)(part < 0.1 ? 0.1 : part > 0.5 ? 0.5 : part);
 }
 
-/* Walks along solver->direction, whose slope is negative. 1 and a new point, or 0: no step improves. `ceiling` is the energy that
-   the frame must not exceed. */
+/* Walks along solver->direction, whose slope is negative. 1 and a new point, or 0: no step improves. `ceiling` is the
+   energy that the frame must not exceed. */
 static int search_line(pliant_solver* solver, double slope, double ceiling)
 {
     const size_t d = solver->asset.padded_dimension;

@@ -41,10 +41,7 @@ static batch_view view_batch(const pliant_asset* asset, uint32_t index)
 }
 
 /* ARAP takes the best rotation per pose: its numbers cannot be combined. */
-static int is_combined(const batch_view* batch)
-{
-    return batch->kind != PLIANT_ELEMENT_ARAP_CELL;
-}
+static int is_combined(const batch_view* batch) { return batch->kind != PLIANT_ELEMENT_ARAP_CELL; }
 
 static size_t block_lanes(size_t row_count)
 {
@@ -75,8 +72,8 @@ void pliant_elements_combine(const pliant_asset* asset, const float* weights, fl
     }
 }
 
-/* change = sum over j of z[j] * rows[1+j], for `lanes` lanes. Without rows[0]: the elements want the change by itself, free of
-   cancellation. Four columns at a time, so that four loads share one trip of the sum to the cache. */
+/* change = sum over j of z[j] * rows[1+j], for `lanes` lanes. Without rows[0]: the elements want the change by itself,
+   free of cancellation. Four columns at a time, so that four loads share one trip of the sum to the cache. */
 static void add_four_columns(float* PLIANT_RESTRICT change, const float* PLIANT_RESTRICT columns, size_t column_floats,
                              const float* z, size_t row_count, size_t stride, size_t lanes)
 {
@@ -97,7 +94,8 @@ static void add_column(float* PLIANT_RESTRICT change, const float* PLIANT_RESTRI
     for (size_t r = 0; r < row_count; ++r) pliant_add_scaled(change + r * lanes, z, column + r * stride, lanes);
 }
 
-static void pass_forward(const batch_view* batch, size_t first, size_t lanes, const float* z, size_t dimension, float* change)
+static void pass_forward(const batch_view* batch, size_t first, size_t lanes, const float* z, size_t dimension,
+                         float* change)
 {
     const size_t column_floats = batch->row_count * batch->stride;
     const float* column = batch->rows + column_floats + first;
@@ -105,8 +103,7 @@ static void pass_forward(const batch_view* batch, size_t first, size_t lanes, co
     memset(change, 0, batch->row_count * lanes * sizeof *change);
     for (; j + 4 <= dimension; j += 4)
         add_four_columns(change, column + j * column_floats, column_floats, z + j, batch->row_count, batch->stride, lanes);
-    for (; j < dimension; ++j)
-        add_column(change, column + j * column_floats, z[j], batch->row_count, batch->stride, lanes);
+    for (; j < dimension; ++j) add_column(change, column + j * column_floats, z[j], batch->row_count, batch->stride, lanes);
 }
 
 /* gradient[0..1] += <force, two columns>: two share the loads of the force. */
@@ -181,8 +178,8 @@ double pliant_elements_evaluate(const pliant_asset* asset, const float* weights,
         const batch_view batch = view_batch(asset, i);
         const size_t block = block_lanes(batch.row_count);
         const float* numbers = is_combined(&batch) ? combined : batch.pose_numbers;
-        const pliant_arap_poses poses = { batch.valence, batch.edge_count, weights, asset->pose_count,
-                                          batch.pose_number_count * batch.stride };
+        const pliant_arap_poses poses
+            = { batch.valence, batch.edge_count, weights, asset->pose_count, batch.pose_number_count * batch.stride };
         for (size_t first = 0; first < batch.stride; first += block) {
             const size_t lanes = batch.stride - first < block ? batch.stride - first : block;
             float* change = scratch;
@@ -190,8 +187,9 @@ double pliant_elements_evaluate(const pliant_asset* asset, const float* weights,
             float energy[PLIANT_LANES] = { 0 };
             pass_forward(&batch, first, lanes, z, asset->dimension, change);
             for (size_t l = 0; l < lanes; l += PLIANT_LANES) {
-                const pliant_element_group group = { batch.rows + first + l, batch.fixed + first + l, numbers + first + l,
-                                                     batch.stride, change + l, lanes };
+                const pliant_element_group group = {
+                    batch.rows + first + l, batch.fixed + first + l, numbers + first + l, batch.stride, change + l, lanes
+                };
                 evaluate_group(&batch, &group, &poses, force + l, energy);
             }
             total += sum_energy(energy);

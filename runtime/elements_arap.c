@@ -1,12 +1,12 @@
 /* The ARAP cell (spokes and rims), 16 at a time. Formula: formats/SPEC.md, kind 5.
 
    The largest tr(R^T M) over rotations R is the largest eigenvalue of Horn's symmetric 4x4 matrix of M, its eigenvector
-   the quaternion of R: the sign of det M, repeated and vanishing singular values need no cases, and the error is that of the
-   problem itself (Horn, "Closed-form solution of absolute orientation using unit quaternions", JOSA A 1987). The eigenvector
-   comes from a fixed number of cyclic Jacobi sweeps, branch-free over the lanes.
+   the quaternion of R: the sign of det M, repeated and vanishing singular values need no cases, and the error is that of
+   the problem itself (Horn, "Closed-form solution of absolute orientation using unit quaternions", JOSA A 1987). The
+   eigenvector comes from a fixed number of cyclic Jacobi sweeps, branch-free over the lanes.
 
-   Energy: Sorkine, Alexa, "As-Rigid-As-Possible Surface Modeling", SGP 2007; spokes and rims: Chao, Pinkall, Sanan, Schroeder,
-   "A Simple Geometric Model for Elastic Deformations", SIGGRAPH 2010. */
+   Energy: Sorkine, Alexa, "As-Rigid-As-Possible Surface Modeling", SGP 2007; spokes and rims: Chao, Pinkall, Sanan,
+   Schroeder, "A Simple Geometric Model for Elastic Deformations", SIGGRAPH 2010. */
 #include "internal.h"
 #include "lane_math.h"
 
@@ -18,12 +18,12 @@
 
 typedef float lanes_t[PLIANT_LANES];
 
-/* Energies of a cell are differences of numbers of the size of c |edge|^2, a hundred to ten thousand times larger. What enters
-   them (moments, rotations, sums) is therefore formed in double precision; forces do not cancel and stay single. */
+/* Energies of a cell are differences of numbers of the size of c |edge|^2, a hundred to ten thousand times larger. What
+   enters them (moments, rotations, sums) is therefore formed in double precision; forces do not cancel and stay single. */
 typedef double wide_t[PLIANT_LANES];
 
-/* Turns the plane (p, q) so that k[p][q] vanishes, and the rows of `vectors` alike; r and t are the other two indices. k holds
-   the whole symmetric matrix. Inlined with constants, or compilers could not tell the rows apart. */
+/* Turns the plane (p, q) so that k[p][q] vanishes, and the rows of `vectors` alike; r and t are the other two indices. k
+   holds the whole symmetric matrix. Inlined with constants, or compilers could not tell the rows apart. */
 static inline void rotate_plane(lanes_t k[4][4], lanes_t vectors[4][4], int p, int q, int r, int t)
 {
     lanes_t cosine, sine;
@@ -214,7 +214,8 @@ static void sum_moments(const pliant_element_group* group, const pliant_arap_pos
             read_edge(group, rows, c, start, grown);
             for (size_t column = 0; column < 3; ++column)
                 for (size_t l = 0; l < PLIANT_LANES; ++l)
-                    moments[3 * c + column][l] += ((double)start[l] + (double)grown[l]) * (double)p[column * group->stride + l];
+                    moments[3 * c + column][l]
+                        += ((double)start[l] + (double)grown[l]) * (double)p[column * group->stride + l];
         }
     }
 }
@@ -243,8 +244,9 @@ static void add_rotated_pose(const pliant_element_group* group, const pliant_ara
         for (size_t c = 0; c < 3; ++c) {
             lanes_t edge_force;
             for (size_t l = 0; l < PLIANT_LANES; ++l)
-                edge_force[l] = factor * (turn[3 * c][l] * p[l] + turn[3 * c + 1][l] * p[group->stride + l]
-                                          + turn[3 * c + 2][l] * p[2 * group->stride + l]);
+                edge_force[l] = factor
+                    * (turn[3 * c][l] * p[l] + turn[3 * c + 1][l] * p[group->stride + l]
+                       + turn[3 * c + 2][l] * p[2 * group->stride + l]);
             add_edge_force(group, rows, c, edge_force, force);
         }
     }

@@ -137,7 +137,8 @@ void pliant_face_neo_hookean_evaluate(const pliant_element_group* group, float* 
 }
 
 /* St. Venant-Kirchhoff membrane: a quadratic form in the metric. */
-void pliant_face_stvk_evaluate(const pliant_element_group* group, float* PLIANT_RESTRICT force, float* PLIANT_RESTRICT energy)
+void pliant_face_stvk_evaluate(const pliant_element_group* group, float* PLIANT_RESTRICT force,
+                               float* PLIANT_RESTRICT energy)
 {
     const float* numbers = group->numbers;
     const float* rows = group->rows;
@@ -168,7 +169,8 @@ static inline float evaluate_length(float square, float grown, float start, floa
 }
 
 /* Edge lengths and areas as springs. */
-void pliant_face_edge_evaluate(const pliant_element_group* group, float* PLIANT_RESTRICT force, float* PLIANT_RESTRICT energy)
+void pliant_face_edge_evaluate(const pliant_element_group* group, float* PLIANT_RESTRICT force,
+                               float* PLIANT_RESTRICT energy)
 {
     const float* fixed = group->fixed;
     const float* numbers = group->numbers;
@@ -195,8 +197,7 @@ void pliant_face_edge_evaluate(const pliant_element_group* group, float* PLIANT_
         const float h4 = evaluate_length(0.25f * (nx * nx + ny * ny + nz * nz), 0.25f * det_grown, fixed[3 * s + l],
                                          numbers[6 * s + l], numbers[7 * s + l], &sum);
         energy[l] += sum;
-        write_face_force(out, l, m, h1 + h3 + 0.25f * h4 * g22, -2.0f * h3 - 0.5f * h4 * g12,
-                         h2 + h3 + 0.25f * h4 * g11);
+        write_face_force(out, l, m, h1 + h3 + 0.25f * h4 * g22, -2.0f * h3 - 0.5f * h4 * g12, h2 + h3 + 0.25f * h4 * g11);
     }
     store_rows(force, b, out, 6);
 }

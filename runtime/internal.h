@@ -18,10 +18,7 @@
 #define PLIANT_RESTRICT
 #endif
 
-static inline size_t pliant_pad_lanes(size_t count)
-{
-    return (count + (PLIANT_LANES - 1)) & ~(size_t)(PLIANT_LANES - 1);
-}
+static inline size_t pliant_pad_lanes(size_t count) { return (count + (PLIANT_LANES - 1)) & ~(size_t)(PLIANT_LANES - 1); }
 
 /* True unless `value` is an infinity or not a number. By its bits, so that a host that compiles us with finite-math
    assumptions does not lose the check. */
@@ -45,14 +42,14 @@ pliant_elements_layout pliant_elements_measure(const pliant_asset* asset);
 /* Combines the per-pose numbers of all batches (those of ARAP excepted, which are not linear) for normalised weights. */
 void pliant_elements_combine(const pliant_asset* asset, const float* weights, float* combined);
 
-/* Value and gradient of the stand-in at z. Arrays of z and gradient have padded_dimension floats; the padding of the gradient
-   comes back as zero. The value may come back as infinity or not-a-number: the caller decides. */
+/* Value and gradient of the stand-in at z. Arrays of z and gradient have padded_dimension floats; the padding of the
+   gradient comes back as zero. The value may come back as infinity or not-a-number: the caller decides. */
 double pliant_elements_evaluate(const pliant_asset* asset, const float* weights, const float* combined, const float* z,
                                 float* gradient, float* scratch);
 
 /* One group of PLIANT_LANES elements. Row r of an array lies at `r * its stride`. */
 typedef struct pliant_element_group {
-    const float* rows;    /* differences at z = 0 */
+    const float* rows; /* differences at z = 0 */
     const float* fixed;
     const float* numbers; /* combined pose numbers; for ARAP those of pose 0 as stored */
     size_t stride;        /* of rows, fixed and numbers: the padded element count of the batch */
@@ -64,8 +61,10 @@ typedef struct pliant_element_group {
 void pliant_hinge_evaluate(const pliant_element_group* group, float* PLIANT_RESTRICT force, float* PLIANT_RESTRICT energy);
 void pliant_face_neo_hookean_evaluate(const pliant_element_group* group, float* PLIANT_RESTRICT force,
                                       float* PLIANT_RESTRICT energy);
-void pliant_face_stvk_evaluate(const pliant_element_group* group, float* PLIANT_RESTRICT force, float* PLIANT_RESTRICT energy);
-void pliant_face_edge_evaluate(const pliant_element_group* group, float* PLIANT_RESTRICT force, float* PLIANT_RESTRICT energy);
+void pliant_face_stvk_evaluate(const pliant_element_group* group, float* PLIANT_RESTRICT force,
+                               float* PLIANT_RESTRICT energy);
+void pliant_face_edge_evaluate(const pliant_element_group* group, float* PLIANT_RESTRICT force,
+                               float* PLIANT_RESTRICT energy);
 
 /* What an ARAP cell needs beside its group. The numbers of pose k lie pose_stride floats behind those of pose k-1. */
 typedef struct pliant_arap_poses {
@@ -86,16 +85,16 @@ struct pliant_solver {
     pliant_solver_desc desc;
     pliant_asset asset;
 
-    int history;                  /* how many frames before this one are known: 0, 1, 2 (then both steps were small) */
-    float* weights;               /* of this frame, normalised; padded pose count */
-    float* previous_weights;      /* of the last frame */
-    float* earlier_weights;       /* of the frame before it */
+    int history;             /* how many frames before this one are known: 0, 1, 2 (then both steps were small) */
+    float* weights;          /* of this frame, normalised; padded pose count */
+    float* previous_weights; /* of the last frame */
+    float* earlier_weights;  /* of the frame before it */
 
     /* padded_dimension floats each, padding zero */
     float* z;
     float* gradient;
-    float* previous_z;            /* answer of the last frame */
-    float* earlier_z;             /* answer of the frame before it */
+    float* previous_z; /* answer of the last frame */
+    float* earlier_z;  /* answer of the frame before it */
     float* trial;
     float* trial_gradient;
     float* direction;
@@ -103,11 +102,11 @@ struct pliant_solver {
     float* change;
     float* product;
 
-    float* inverse_hessian;       /* padded_dimension squared, symmetric to the bit */
-    int is_identity;              /* whether inverse_hessian is the identity */
+    float* inverse_hessian; /* padded_dimension squared, symmetric to the bit */
+    int is_identity;        /* whether inverse_hessian is the identity */
     float* combined;
     float* scratch;
-    double energy;                /* at z */
+    double energy; /* at z */
     uint32_t iterations;
     uint32_t evaluations;
 };

@@ -1,6 +1,6 @@
 /* Elementary functions for vector loops: no branches, no tables, plain IEEE single precision. Ours and not libm's so that
-   loops vectorise and a blend does not depend on whose libm the platform has. tests/runtime/test_lane_math.c holds them against
-   double precision. */
+   loops vectorise and a blend does not depend on whose libm the platform has. tests/runtime/test_lane_math.c holds them
+   against double precision. */
 #ifndef PLIANT_LANE_MATH_H
 #define PLIANT_LANE_MATH_H
 
@@ -40,15 +40,16 @@ static inline float pliant_atan2(float y, float x)
     const float denominator = upper ? small + large : large;
     const float t = numerator / denominator;
     const float s = t * t;
-    float angle = (((8.05374449538e-2f * s - 1.38776856032e-1f) * s + 1.99777106478e-1f) * s - 3.33329491539e-1f) * s * t + t;
+    float angle
+        = (((8.05374449538e-2f * s - 1.38776856032e-1f) * s + 1.99777106478e-1f) * s - 3.33329491539e-1f) * s * t + t;
     angle = upper ? PLIANT_QUARTER_PI + angle : angle;
     angle = ay > ax ? PLIANT_HALF_PI - angle : angle;
     angle = x < 0.0f ? 2.0f * PLIANT_HALF_PI - angle : angle;
     return y < 0.0f ? -angle : angle;
 }
 
-/* angle minus the multiple of 2 pi that brings it nearest to 0. Exact reduction (Cody and Waite) for the few turns that occur;
-   beyond 2^22 turns the answer is finite and meaningless. */
+/* angle minus the multiple of 2 pi that brings it nearest to 0. Exact reduction (Cody and Waite) for the few turns that
+   occur; beyond 2^22 turns the answer is finite and meaningless. */
 static inline float pliant_wrap_angle(float angle)
 {
     /* Adding and subtracting 1.5 * 2^23 rounds to the nearest integer, without the library call that SSE2 lacks. */
@@ -56,8 +57,9 @@ static inline float pliant_wrap_angle(float angle)
     return (angle - turns * 6.28125f) - turns * 1.93530717958e-3f; /* the sum is 2 pi; the first product is exact */
 }
 
-/* log(1 + u) - u for u > -1, to 8 ulp (3 for |u| < 0.29) also where it is tiny: near 0 the value is -u^2/2 and no leading digits are subtracted.
-   For u <= -1 the answer is finite and meaningless; callers test. Polynomial: Cephes logf, log(1+x) - x on sqrt(1/2)-1 .. sqrt(2)-1. */
+/* log(1 + u) - u for u > -1, to 8 ulp (3 for |u| < 0.29) also where it is tiny: near 0 the value is -u^2/2 and no leading
+   digits are subtracted. For u <= -1 the answer is finite and meaningless; callers test. Polynomial: Cephes logf,
+   log(1+x) - x on sqrt(1/2)-1 .. sqrt(2)-1. */
 static inline float pliant_log1p_minus(float u)
 {
     /* 1 + u = 2^exponent * m with m in [sqrt(1/2), sqrt(2)): the exponent is read where the bits of sqrt(1/2) carry over. */

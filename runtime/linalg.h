@@ -42,8 +42,8 @@ static inline void pliant_combine_columns(float* PLIANT_RESTRICT y, const float*
     for (size_t j = 0; j < columns; ++j) pliant_add_scaled(y, x[j], matrix + j * count, count);
 }
 
-/* matrix += u v^T + v u^T. Both triangles get the same two products in the same order up to commutation, which floating point
-   respects: a symmetric matrix stays symmetric to the bit. */
+/* matrix += u v^T + v u^T. Both triangles get the same two products in the same order up to commutation, which floating
+   point respects: a symmetric matrix stays symmetric to the bit. */
 static inline void pliant_add_symmetric(float* PLIANT_RESTRICT matrix, const float* PLIANT_RESTRICT u,
                                         const float* PLIANT_RESTRICT v, size_t count)
 {

@@ -22,7 +22,10 @@
      on different solvers never touch the same memory.
    Determinism
      Compiled without floating-point contraction and fast-math (the CMake project sees to that), the same asset, weights
-     and call history give the same bits.
+     and call history give the same bits, whatever the compiler, its optimisation and the width of the processor's vectors.
+   Machines
+     Little-endian with IEEE single and double precision. On a big-endian machine pliant_asset_open answers
+     PLIANT_ERROR_VERSION: assets are used in place and would have to be converted first.
    Hostile input
      pliant_asset_open accepts any bytes: it returns a result code or an asset that later calls cannot leave, whatever
      its numbers say. Weights may be anything: bad ones get a result code and change nothing. */
@@ -49,9 +52,9 @@ typedef enum pliant_result {
     PLIANT_OK = 0,
 
     /* the call itself */
-    PLIANT_ERROR_ARGUMENT = 10,   /* a null pointer, an index out of range, a desc not made by its _default function */
-    PLIANT_ERROR_MEMORY_SIZE = 11,/* the memory given is smaller than pliant_solver_memory says */
-    PLIANT_ERROR_ALIGNMENT = 12,  /* the blob is not at a multiple of 16 */
+    PLIANT_ERROR_ARGUMENT = 10,    /* a null pointer, an index out of range, a desc not made by its _default function */
+    PLIANT_ERROR_MEMORY_SIZE = 11, /* the memory given is smaller than pliant_solver_memory says */
+    PLIANT_ERROR_ALIGNMENT = 12,   /* the blob is not at a multiple of 16 */
 
     /* the asset (rule numbers of formats/SPEC.md) */
     PLIANT_ERROR_TRUNCATED = 20,  /* R01, R04: smaller than a header, or not of the size that it states */
@@ -66,7 +69,7 @@ typedef enum pliant_result {
     /* the weights */
     PLIANT_ERROR_WEIGHT_NOT_FINITE = 40,
     PLIANT_ERROR_WEIGHT_NEGATIVE = 41,
-    PLIANT_ERROR_WEIGHT_SUM = 42  /* all weights are zero */
+    PLIANT_ERROR_WEIGHT_SUM = 42 /* all weights are zero */
 } pliant_result;
 
 /* One English line for a result, never null. */
@@ -82,16 +85,16 @@ PLIANT_API uint32_t pliant_version(void);
 typedef struct pliant_asset {
     uint32_t vertex_count;
     uint32_t triangle_count;
-    uint32_t dimension;             /* d: how many reduced coordinates q has */
-    uint32_t pose_count;            /* m: how many weights a blend has */
-    float origin[3];                /* added to every position, in units of the input meshes */
-    const uint32_t* triangles;      /* triangle_count x 3 vertex indices */
+    uint32_t dimension;        /* d: how many reduced coordinates q has */
+    uint32_t pose_count;       /* m: how many weights a blend has */
+    float origin[3];           /* added to every position, in units of the input meshes */
+    const uint32_t* triangles; /* triangle_count x 3 vertex indices */
 
     const unsigned char* blob;
     uint64_t blob_size;
-    const float* mean;              /* dimension, padded */
-    const float* whitening;         /* dimension columns, padded */
-    const float* pose_coordinates;  /* pose_count rows, padded */
+    const float* mean;             /* dimension, padded */
+    const float* whitening;        /* dimension columns, padded */
+    const float* pose_coordinates; /* pose_count rows, padded */
     const void* batches;
     const unsigned char* elements;  /* start of the ELEM chunk */
     const float* predictor_centres; /* null without a predictor */
@@ -126,15 +129,16 @@ PLIANT_API const void* pliant_asset_chunk(const pliant_asset* asset, uint32_t ta
 
 /* How to solve. Make it with pliant_solver_desc_default, then change what you like. */
 typedef struct pliant_solver_desc {
-    uint32_t struct_size;         /* set by pliant_solver_desc_default, do not change */
-    uint32_t max_iterations;      /* per frame, default 60. 0: the predictor's answer, no iteration */
-    uint32_t max_evaluations;     /* per frame, default 120, at least 1: together with pliant_solve_info a time bound */
-    float tolerance;              /* stop when the gradient, measured in the metric of the inverse Hessian, is below
-                                     tolerance * sqrt(energy scale). Default 1e-3, useful range 1e-4 .. 1e-2: finer is
-                                     below the noise of single precision */
-    float continuity;             /* weights whose sum of absolute changes (after normalisation) is at most this since the
-                                     last frame start from that frame; else from the predictor. Default 0.1; 0: always
-                                     from the predictor */
+    uint32_t struct_size;     /* set by pliant_solver_desc_default, do not change */
+    uint32_t max_iterations;  /* per frame, default 60. 0: the predictor's answer, no iteration */
+    uint32_t max_evaluations; /* per frame, default 120, at least 1, never exceeded: times the cost of one evaluation
+                                 (runtime/README.md) it bounds the time of a frame */
+    float tolerance;          /* stop when the gradient, measured in the metric of the inverse Hessian, is below
+                                 tolerance * sqrt(energy scale). Default 1e-3, useful range 1e-4 .. 1e-2: finer is
+                                 below the noise of single precision */
+    float continuity;         /* weights whose sum of absolute changes (after normalisation) is at most this since the
+                                 last frame start from that frame, or further along its path; else from the predictor.
+                                 Default 0.1; 0: always from the predictor */
 } pliant_solver_desc;
 
 PLIANT_API pliant_solver_desc pliant_solver_desc_default(void);
@@ -142,18 +146,19 @@ PLIANT_API pliant_solver_desc pliant_solver_desc_default(void);
 /* State of one character: lives in memory that you gave. */
 typedef struct pliant_solver pliant_solver;
 
-/* Bytes that pliant_solver_init needs; 0 if an argument is bad. Typically 20 to 200 KiB. */
+/* Bytes that pliant_solver_init needs; 0 if an argument is bad. Typically 16 to 100 KiB. */
 PLIANT_API size_t pliant_solver_memory(const pliant_asset* asset, const pliant_solver_desc* desc);
 
-/* Makes a solver in `memory` (any alignment, `memory_size` bytes). The solver keeps pointers into the asset's blob and copies
-   the view itself. There is nothing to free: drop the memory when you are done. */
+/* Makes a solver in `memory` (any alignment, `memory_size` bytes). The solver keeps pointers into the asset's blob and
+   copies the view itself. There is nothing to free: drop the memory when you are done. */
 PLIANT_API pliant_result pliant_solver_init(pliant_solver** out, const pliant_asset* asset, const pliant_solver_desc* desc,
                                             void* memory, size_t memory_size);
 
 /* Forgets the past: the next frame is solved as from a new solver, to the same bits. For cuts and teleports. */
 PLIANT_API void pliant_solver_reset(pliant_solver* solver);
 
-/* How a frame ended. Every one of them gives a finite q that is not worse than its start. */
+/* How a frame ended. Every one of them gives a finite q that is not worse than its start: its energy is not above that of
+   the start by more than single precision can tell (2e-5 of the asset's energy scale). */
 typedef enum pliant_status {
     PLIANT_STATUS_CONVERGED = 0,
     PLIANT_STATUS_LIMIT = 1,  /* stopped by max_iterations or max_evaluations; the next frame goes on from here */
@@ -176,9 +181,9 @@ PLIANT_API pliant_result pliant_solve(pliant_solver* solver, const float* weight
 /* ------------------------------------------------------------------------------------------- reconstruction ---- */
 
 /* Positions of vertices first .. first+count-1 for the coordinates `q`: position i is written as three floats at
-   (char*)positions + i * stride (stride in bytes, at least 12, a multiple of 4), in units of the input meshes. Vertices past the last one are not written.
-   Ranges that start at multiples of 16 are fastest; ranges may run on different threads. Cost: reads count * 12 * (dimension + 1)
-   bytes of the basis, once, forwards. */
+   (char*)positions + i * stride (stride in bytes, at least 12, a multiple of 4), in units of the input meshes. Vertices
+   past the last one are not written. Ranges that start at multiples of 16 are fastest; ranges may run on different
+   threads. Cost: reads count * 12 * (dimension + 1) bytes of the basis, once, forwards. */
 PLIANT_API void pliant_reconstruct(const pliant_asset* asset, const float* q, uint32_t first, uint32_t count,
                                    float* positions, size_t stride);
 

@@ -1,5 +1,5 @@
-/* One character's solver: carving its memory, judging weights, choosing where a frame starts, turning z into q. The minimisation
-   itself is in bfgs.c. */
+/* One character's solver: carving its memory, judging weights, choosing where a frame starts, turning z into q. The
+   minimisation itself is in bfgs.c. */
 #include "internal.h"
 #include "linalg.h"
 
@@ -47,10 +47,7 @@ static void* carve(carver* c, uint64_t size)
     return piece;
 }
 
-static float* carve_floats(carver* c, uint64_t count)
-{
-    return (float*)carve(c, count * sizeof(float));
-}
+static float* carve_floats(carver* c, uint64_t count) { return (float*)carve(c, count * sizeof(float)); }
 
 /* The one layout: counts (solver null) and carves. */
 static void lay_out(carver* c, const pliant_asset* asset, pliant_solver* solver)
@@ -93,8 +90,8 @@ size_t pliant_solver_memory(const pliant_asset* asset, const pliant_solver_desc*
     return size <= SIZE_MAX ? (size_t)size : 0;
 }
 
-pliant_result pliant_solver_init(pliant_solver** out, const pliant_asset* asset, const pliant_solver_desc* desc, void* memory,
-                                 size_t memory_size)
+pliant_result pliant_solver_init(pliant_solver** out, const pliant_asset* asset, const pliant_solver_desc* desc,
+                                 void* memory, size_t memory_size)
 {
     if (!out) return PLIANT_ERROR_ARGUMENT;
     *out = NULL;
@@ -194,10 +191,7 @@ static int try_start(pliant_solver* solver, const float* z)
     return 1;
 }
 
-static int may_evaluate(const pliant_solver* solver)
-{
-    return solver->evaluations < solver->desc.max_evaluations;
-}
+static int may_evaluate(const pliant_solver* solver) { return solver->evaluations < solver->desc.max_evaluations; }
 
 /* From the predictor, with a fresh matrix. 0 if not even z = 0 can be evaluated, or not any more. */
 static int start_afresh(pliant_solver* solver)
@@ -310,7 +304,7 @@ pliant_result pliant_solve(pliant_solver* solver, const float* weights, float* q
     solver->iterations = 0;
     solver->evaluations = 0;
 
-    int is_continued = solver->history > 0
+    int is_continued = solver->history > 0 && solver->desc.continuity > 0.0f
         && distance_of_weights(solver->weights, solver->previous_weights, m) <= solver->desc.continuity;
     if (is_continued) is_continued = start_from_last(solver);
     if (!is_continued && !start_afresh(solver)) {

@@ -177,7 +177,8 @@ class Asset:
         require(len(data) == start + 4 * (count + m) * wide, "R09", "size of PRED")
         require(not any(data[end:start]), "R14", "bytes behind the centres")
         self.centres = np.frombuffer(data, "<f4", count * m, 64).reshape(count, m).astype(float)
-        self.coefficients = np.frombuffer(data, "<f4", offset=start).reshape(count + m, wide)[:, :self.dimension].astype(float)
+        table = np.frombuffer(data, "<f4", offset=start).reshape(count + m, wide)
+        self.coefficients = table[:, :self.dimension].astype(float)
         require(np.isfinite(self.centres).all() and np.isfinite(self.coefficients).all(), "R10", "PRED")
 
     def read_shape(self):

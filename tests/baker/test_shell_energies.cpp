@@ -1,5 +1,4 @@
 // Discrete Shells and ARAP against independent numbers, finite differences and their own symmetries.
-#define DOCTEST_CONFIG_IMPLEMENT_WITH_MAIN
 #include "average/newton.h"
 #include "average/rigid_modes.h"
 #include "energy/arap.h"

@@ -1,0 +1,106 @@
+#!/usr/bin/env bash
+# From a fresh clone to a character on the screen: bash samples/demo.sh
+#
+#   (no option)   installs what is missing, builds, makes the example poses, bakes them, opens the player
+#   --headless    draws build/demo/*.png instead of opening a window; so do CI=true and a machine without a display
+#   --no-install  does not touch the system's packages
+#
+# On Debian 12, as root or with sudo; the first run takes some minutes, the next ones seconds. Everything lands in build/.
+# Exit code: 0 done, 1 something failed (the last lines say what), 2 wrong option.
+set -euo pipefail
+cd "$(dirname "${BASH_SOURCE[0]}")/.."
+source samples/install_packages.sh
+
+headless=0 install=1
+[[ ${CI:-} == true || (-z ${DISPLAY:-} && -z ${WAYLAND_DISPLAY:-}) ]] && headless=1
+while (($#)); do
+    case $1 in
+        --headless) headless=1 ;;
+        --no-install) install=0 ;;
+        -h | --help)
+            sed -n '2,9s/^#  \{0,1\}//p' "${BASH_SOURCE[0]}"
+            exit 0
+            ;;
+        *)
+            echo "samples/demo.sh: error: unknown option '$1'" >&2
+            echo "hint: bash samples/demo.sh --help" >&2
+            exit 2
+            ;;
+    esac
+    shift
+done
+
+readonly build=build/release demo=build/demo
+readonly player=$build/samples/player/pliant-player asset=$demo/creature.pliant
+# The first pose is the one that the others are compared with, so rest leads.
+readonly poses=($demo/poses/creature_{rest,reach,curl,leap,twist}.ply)
+
+step() { printf '\n== %s\n' "$*"; }
+
+# newer_than FILE OTHER...: FILE exists and none of the others is newer.
+newer_than() {
+    local file=$1 other
+    shift
+    [[ -e $file ]] || return 1
+    for other in "$@"; do [[ ! $other -nt $file ]] || return 1; done
+}
+
+build_tools() {
+    [[ -e $build/build.ninja ]] || cmake --preset release -DPLIANT_BUILD_TESTS=OFF > "$demo/configure.log" || {
+        tail -n 20 "$demo/configure.log" >&2
+        return 1
+    }
+    cmake --build --preset release --parallel "$(nproc)" --target pliant creature pliant-player
+}
+
+make_poses() {
+    mkdir -p "$demo/poses"
+    "$build/samples/creature/creature" -o "$demo/poses"
+}
+
+# The player draws without any display where the driver can; xvfb-run serves the machines where it cannot.
+draw() {
+    echo "drawing $demo/$1"
+    local out=$demo/$1
+    shift
+    xvfb-run -a -s "-screen 0 1280x1024x24" "$player" "$asset" --up z "$@" "$out"
+}
+
+draw_pictures() {
+    draw sheet.png --sheet
+    draw player.png --weights 0,1,0.7,0,0 --hud --screenshot
+    draw both.png --weights 0,1,1,0,1 --both --size 1600x800 --screenshot
+    draw elastic.png --weights 0,1,1,0,1 --screenshot
+    draw linear.png --weights 0,1,1,0,1 --linear --screenshot
+}
+
+mkdir -p "$demo"
+if ((install)); then
+    step "packages"
+    pliant_install_packages build player
+    echo "all there"
+fi
+step "building the tool, the player and the generator of the example character"
+build_tools
+step "the example character: five poses of one mesh"
+if newer_than "${poses[4]}" "$build/samples/creature/creature"; then
+    echo "already there: $demo/poses"
+else
+    make_poses
+fi
+step "baking the poses into $asset (once; a few minutes at most)"
+if newer_than "$asset" "${poses[@]}" "$build/baker/pliant"; then
+    echo "already there"
+else
+    "$build/baker/pliant" bake "${poses[@]}" -o "$asset"
+fi
+step "measuring a thousand blends"
+"$player" "$asset" --frames 1000
+if ((headless)); then
+    step "pictures"
+    draw_pictures
+    step "done: look at $demo/*.png"
+else
+    step "the player: drag the point in the polygon, H lists the keys, Esc quits"
+    exec "$player" "$asset" --up z
+fi

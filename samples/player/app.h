@@ -1,0 +1,11 @@
+// The window.
+#pragma once
+
+#include "options.h"
+
+namespace pliant::player {
+
+// Runs until the user quits. Throws Error if there is no display or OpenGL is too old.
+void run_window(const Options& options, const AssetFile& file);
+
+} // namespace pliant::player

@@ -1,0 +1,43 @@
+// The command line.
+#pragma once
+
+#include "character.h"
+
+#include <glm/mat3x3.hpp>
+#include <glm/vec2.hpp>
+
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace pliant::player {
+
+struct Options {
+    std::string asset;
+    std::string screenshot; // path; empty: none
+    std::string sheet;      // path; empty: none
+    int benchmark_frames = 0;
+    bool json = false;
+    std::vector<double> weights; // empty: equal
+    bool linear = false;
+    bool both = false;
+    bool hud = false;
+    bool up_is_z = false;
+    int width = 0, height = 0;     // 0: the mode's own default
+    std::optional<glm::vec2> view; // yaw and pitch in degrees
+    double exit_after = 0.0;       // seconds; 0: never
+
+    glm::mat3 to_world() const;
+};
+
+// Returns the options, or an exit code if there is nothing left to do (--help, --version). Throws Error for wrong usage.
+struct ParsedLine {
+    Options options;
+    std::optional<int> exit_code;
+};
+ParsedLine parse_command_line(int argc, char** argv);
+
+// The weights to show for an asset: as given, or equal. Throws Error if their number is not that of the poses.
+std::vector<double> weights_for(const Options& options, const AssetFile& file);
+
+} // namespace pliant::player

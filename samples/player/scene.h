@@ -1,0 +1,72 @@
+// Draws characters in a studio: backdrop, floor with soft shadows, lights that turn with the camera.
+#pragma once
+
+#include "camera.h"
+#include "character.h"
+#include "gl_objects.h"
+
+#include <glm/vec3.hpp>
+
+#include <vector>
+
+namespace pliant::player {
+
+// low: windows of drivers that draw on the processor. medium: windows. high: pictures.
+enum class Quality { low, medium, high };
+
+struct Actor {
+    const std::vector<Vertex>* vertices = nullptr;
+    glm::vec3 offset { 0.0f };
+    glm::vec3 colour { 0.5f }; // linear, not sRGB
+};
+
+// The colours of the two blends, everywhere the same.
+inline const glm::vec3 kElasticColour { 0.76f, 0.20f, 0.085f };
+inline const glm::vec3 kLinearColour { 0.20f, 0.29f, 0.42f };
+inline const glm::vec3 kPoseColour { 0.62f, 0.56f, 0.48f };
+
+class Scene {
+public:
+    // All actors are blends of `asset`; `extent` holds every pose.
+    Scene(const pliant_asset& asset, const Extent& extent, Quality quality);
+
+    // Draws into the part `area` of the canvas, between its begin() and resolve(). glow: the part of the canvas that the
+    // characters stand in the middle of.
+    void draw(const Canvas& canvas, const Area& area, const Area& glow, const Camera::Matrices& camera,
+              const std::vector<Actor>& actors);
+
+private:
+    struct Stage {
+        glm::vec3 centre { 0.0f };
+        float radius = 1.0f;
+    };
+
+    Stage stage_for(const std::vector<Actor>& actors) const;
+    void place_lights(const Stage& stage, const glm::vec3& eye);
+    void upload(const std::vector<Actor>& actors);
+    void draw_shadow_maps(const std::vector<Actor>& actors);
+    void draw_backdrop(const Area& area, const Area& glow);
+    void draw_floor(const Stage& stage, const Camera::Matrices& camera);
+    void draw_actors(const Camera::Matrices& camera, const std::vector<Actor>& actors);
+    void set_lights(const Program& program) const;
+    void draw_mesh(size_t actor) const;
+
+    struct Mesh {
+        GlName vertices, array;
+    };
+
+    Extent extent_;
+    GLsizei index_count_;
+    int shadow_size_, light_count_;
+    float dome_lowest_;
+    Program backdrop_, depth_, floor_, body_;
+    GlName indices_, empty_array_, shadow_texture_, shadow_target_;
+    std::vector<Mesh> meshes_;
+    std::vector<glm::mat4> light_clips_;    // world to clip space, for drawing the maps
+    std::vector<glm::mat4> light_matrices_; // world to the unit cube, for looking up
+    std::vector<glm::vec4> lights_;
+
+    Scene(const pliant_asset& asset, const Extent& extent, Quality quality, const struct ShaderSources& sources);
+};
+
+} // namespace pliant::player

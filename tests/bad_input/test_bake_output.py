@@ -1,0 +1,85 @@
+"""test_bake_output.py PLIANT: bakes that do not end well. Interrupted: exit code 130, nothing new, the old file untouched. Cut short
+by a limit on the size of files: exit code 1, the same. Two at once to one output: both succeed, one whole asset stays."""
+import os
+import pathlib
+import resource
+import signal
+import subprocess
+import sys
+import tempfile
+import time
+
+import generate
+
+TOOL = sys.argv[1]
+failures = []
+
+
+def check(condition, text):
+    print(("ok      " if condition else "FAILED  ") + text)
+    if not condition:
+        failures.append(text)
+
+
+def bake(poses, output, *options, **keywords):
+    return subprocess.Popen([TOOL, "bake", *map(str, poses), "-o", str(output), "--quiet", *options], stdin=subprocess.DEVNULL,
+                            stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True, **keywords)
+
+
+def test_interrupt(folder, poses, number, name):
+    (folder / "out").mkdir(exist_ok=True)
+    target = folder / "out" / "a.pliant"
+    target.write_bytes(b"old")
+    process = bake(poses, target)
+    time.sleep(1) # long enough to be at work; a bake of this mesh takes many seconds
+    is_working = process.poll() is None
+    process.send_signal(number)
+    process.communicate(timeout=60)
+    if not is_working:
+        print(f"skipped {name}: the bake was done too soon")
+        return
+    check(process.returncode == 130, f"{name}: exit code {process.returncode}, wanted 130")
+    check(target.read_bytes() == b"old" and os.listdir(folder / "out") == ["a.pliant"], f"{name}: the old file alone is there")
+
+
+def limit_file_size():
+    resource.setrlimit(resource.RLIMIT_FSIZE, (1000, 1000))
+
+
+def test_cut_short(folder, poses):
+    (folder / "limited").mkdir()
+    target = folder / "limited" / "a.pliant"
+    target.write_bytes(b"old")
+    process = bake(poses, target, preexec_fn=limit_file_size)
+    _, errors = process.communicate(timeout=300)
+    check(process.returncode == 1 and "error P4005" in errors, f"cut short: exit code {process.returncode}, {errors.strip()}")
+    check(target.read_bytes() == b"old" and os.listdir(folder / "limited") == ["a.pliant"], "cut short: the old file alone is there")
+
+
+def test_two_bakes(folder, poses):
+    (folder / "two").mkdir()
+    target = folder / "two" / "a.pliant"
+    processes = [bake(poses, target) for _ in range(2)]
+    errors = [process.communicate(timeout=300)[1] for process in processes]
+    check(all(process.returncode == 0 for process in processes), f"two bakes at once succeed {errors}")
+    check(os.listdir(folder / "two") == ["a.pliant"], "two bakes: one file is there")
+    valid = subprocess.run([TOOL, "validate", str(target)], stdin=subprocess.DEVNULL, capture_output=True, text=True, timeout=300)
+    check(valid.returncode == 0, f"two bakes: it is valid {valid.stderr}")
+
+
+def main():
+    with tempfile.TemporaryDirectory(prefix="pliant-test-") as name:
+        folder = pathlib.Path(name)
+        small = [folder / "good.obj", folder / "bent.obj"]
+        generate.generate("good", folder)
+        large = [folder / "large.obj", folder / "large_bent.obj"]
+        generate.write_mesh(large[0], generate.sheet(generate.saddle, n=120))
+        generate.write_mesh(large[1], generate.sheet(generate.roof, n=120))
+        test_interrupt(folder, large, signal.SIGINT, "SIGINT")
+        test_interrupt(folder, large, signal.SIGTERM, "SIGTERM")
+        test_cut_short(folder, small)
+        test_two_bakes(folder, small)
+    return 1 if failures else 0
+
+
+sys.exit(main())

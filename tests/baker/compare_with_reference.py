@@ -1,0 +1,28 @@
+"""The third opinion: blends by the C runtime (tube_*.txt, written by test_bake) against the numpy reference, to 1e-5 relative."""
+import glob
+import os
+import sys
+
+import numpy
+
+sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "..", "formats", "reference"))
+from pliant_reference import Asset  # noqa: E402
+
+TOLERANCE = 1e-5
+
+assets = sorted(glob.glob("tube_*.pliant"))
+if len(assets) < 5:
+    sys.exit("expected the five assets that test_bake writes, found %d: run test_bake first" % len(assets))
+failed = 0
+for path in assets:
+    with open(path, "rb") as file:
+        asset = Asset(file.read())
+    for line in open(path[: -len(".pliant")] + ".txt"):
+        numbers = numpy.array(line.split(), dtype=float)
+        weights, runtime = numbers[:3], numbers[3:].reshape(-1, 3)
+        z, _ = asset.minimise(weights)
+        reference = asset.reconstruct(asset.coordinates(z))
+        error = numpy.linalg.norm(runtime - reference) / numpy.linalg.norm(reference)
+        print("%-28s weights %s: relative difference %.1e" % (path, weights, error))
+        failed += not error < TOLERANCE
+sys.exit("%d blends differ by more than %g" % (failed, TOLERANCE) if failed else 0)

@@ -1,0 +1,58 @@
+// Findings: their text, and that thousands of them do not flood.
+#include <doctest/doctest.h>
+
+#include "report/diagnostics.h"
+#include "report/progress.h"
+
+using namespace pliant;
+
+TEST_CASE("text of a finding")
+{
+    CHECK(to_text(error_at(2103, "run_04.obj:812", "face 377 uses vertex 9001, the file has 6890", "export it again"))
+          == "error P2103: run_04.obj:812: face 377 uses vertex 9001, the file has 6890\n  hint: export it again");
+    CHECK(to_text(warning_at(3010, "", "something")) == "warning P3010: something");
+    const Failure failure(ExitCode::failed, { error_at(4001, "a", "b"), error_at(4002, "c", "d") });
+    CHECK(std::string(failure.what()) == "error P4001: a: b\nerror P4002: c: d");
+}
+
+TEST_CASE("at most ten lines of a kind, then the number of the others and where they are")
+{
+    FindingList list;
+    for (int i = 0; i < 1000; ++i) {
+        const std::string file = i < 500 ? "a.obj" : "c:b.obj";
+        list.add(error_at(2103, file + ":" + std::to_string(i), "face", "hint"));
+        if (i % 300 == 0) list.add(warning_at(2206, "a.obj", "vertex", "other hint"));
+    }
+    CHECK(list.error_count() == 1000);
+    const std::vector<Finding> findings = list.findings();
+    REQUIRE(findings.size() == 11 + 4);
+    std::size_t lines = 0, hints = 0;
+    for (const Finding& finding : findings) {
+        lines += finding.number == 2103;
+        hints += !finding.hint.empty();
+    }
+    CHECK(lines == 11);
+    CHECK(hints == 2); // once a kind, behind its last line
+    bool has_overflow = false;
+    for (const Finding& finding : findings)
+        has_overflow |= finding.what == "... and 990 more in a.obj, c:b.obj" && finding.hint == "hint";
+    CHECK(has_overflow);
+}
+
+TEST_CASE("warnings alone are no errors; different advice is all given")
+{
+    FindingList list(2);
+    list.add(warning_at(2206, "a", "one", "x"));
+    list.add(warning_at(2206, "a", "two", "y"));
+    CHECK(!list.has_errors());
+    REQUIRE(list.findings().size() == 2);
+    CHECK(list.findings()[0].hint == "x");
+    CHECK(list.findings()[1].hint == "y");
+}
+
+TEST_CASE("the silent progress")
+{
+    Progress progress;
+    progress.update("stage", 0.5);
+    progress.warn(1, "nothing");
+}

@@ -1,0 +1,141 @@
+// Whole bakes of a small tube, looked at through the C runtime.
+#include "tube.h"
+
+#include "average/family.h"
+#include "bake.h"
+#include "io/write_file.h"
+#include "report/certificate.h"
+#include "write/runtime_blender.h"
+
+#include <doctest/doctest.h>
+#include <fmt/core.h>
+#include <string>
+
+using namespace pliant;
+
+namespace {
+
+struct Variant {
+    const char* name;
+    BakeOptions options;
+    double error; // largest relative L2 allowed against the unreduced average
+};
+
+std::vector<Variant> variants()
+{
+    BakeOptions shells;
+    shells.ritz_count = 1;
+    std::vector<Variant> out = {{"neo_hookean", shells, 0.02}, {"stvk", shells, 0.02}, {"edge", shells, 0.02}, {"arap", shells, 0.02},
+                                {"ghost", shells, 0.2}};
+    out[1].options.energy.shell.membrane = Membrane::stvk;
+    out[2].options.energy.shell.membrane = Membrane::edge;
+    out[3].options.energy.material = Material::arap;
+    out[4].options.stand_in = StandInKind::ghost;
+    out[4].options.ghost_vertex_count = 120;
+    return out;
+}
+
+double relative(const std::vector<float>& a, const Positions& b)
+{
+    double difference = 0, size = 0;
+    for (Eigen::Index v = 0; v < b.rows(); ++v) {
+        difference += (Eigen::Map<const Eigen::RowVector3f>(a.data() + 3 * v).cast<double>() - b.row(v)).squaredNorm();
+        size += b.row(v).squaredNorm();
+    }
+    return std::sqrt(difference / size);
+}
+
+// Leaves the asset and the runtime's answers for the script beside this test, which holds them against the second implementation.
+void write_for_reference(const std::string& name, const BakedAsset& baked, RuntimeBlender& blender)
+{
+    write_file_atomically("tube_" + name + ".pliant", {reinterpret_cast<const char*>(baked.bytes.data()), baked.bytes.size()});
+    pliant_solver_desc desc = pliant_solver_desc_default();
+    desc.tolerance = 1e-5f;
+    blender.configure(desc);
+    std::string text;
+    for (const std::vector<float>& w : {std::vector<float> {1, 1, 1}, {0.2f, 0.7f, 0.1f}, {0, 1, 3}}) {
+        for (float value : w) text += std::to_string(value) + " ";
+        for (float value : blender.positions(blender.solve(w, false))) text += fmt::format("{:.9g} ", value);
+        text += "\n";
+    }
+    write_file_atomically("tube_" + name + ".txt", text);
+}
+
+} // namespace
+
+TEST_CASE("every material bakes to an asset whose blends are near the unreduced average")
+{
+    const PoseSet poses = tube_poses(3);
+    for (const Variant& variant : variants()) {
+        CAPTURE(variant.name);
+        Progress silent;
+        const BakedAsset baked = bake(poses, variant.options, silent);
+        CHECK(baked.report.unconverged_check_count == 0);
+        for (const auto& check : baked.report.checks) CHECK(check.second.relative_l2 < variant.error);
+        CHECK(baked.report.stand_in_error < 1e-5); // C runtime against double precision, at the training weights
+        RuntimeBlender blender(baked.bytes, variant.name);
+        write_for_reference(variant.name, baked, blender);
+        for (std::size_t k = 0; k < 3; ++k) { // a pose alone is reproduced: aligned to pose 0, in input units
+            std::vector<float> w(3, 0.f);
+            w[k] = 1;
+            const ShapeSet set = normalise(poses);
+            CHECK(relative(blender.positions(blender.solve(w, false)), to_input_units(set, set.shapes[k])) < 2e-5);
+        }
+        const EnergyOptions read = read_energy_options(blender.certificate(), variant.name);
+        CHECK(read.material == variant.options.energy.material);
+        CHECK(read.shell.membrane == variant.options.energy.shell.membrane);
+    }
+}
+
+TEST_CASE("the same bake gives the same bytes")
+{
+    const PoseSet poses = tube_poses(2);
+    BakeOptions options;
+    options.check_count = 1;
+    Progress silent;
+    CHECK(bake(poses, options, silent).bytes == bake(poses, options, silent).bytes);
+}
+
+TEST_CASE("scale and distance from the origin do not change the map from weights to shapes")
+{
+    const PoseSet poses = tube_poses(3);
+    BakeOptions options;
+    options.ritz_count = 1;
+    options.check_count = 0;
+    Progress silent;
+    RuntimeBlender reference(bake(poses, options, silent).bytes, "reference");
+    const std::vector<float> w = {0.3f, 0.5f, 0.2f};
+    const std::vector<float> expected = reference.positions(reference.solve(w, false));
+    struct Change {
+        double scale, offset;
+    };
+    for (const Change& change : {Change {1e-3, 0}, Change {1e3, 0}, Change {1, 1200}, Change {1e3, 1.2e6}}) {
+        CAPTURE(change.scale);
+        CAPTURE(change.offset);
+        PoseSet changed = poses;
+        const Eigen::RowVector3d offset(change.offset, -change.offset, 0.5 * change.offset);
+        for (Positions& p : changed.positions) p = ((change.scale * p).rowwise() + offset).eval();
+        RuntimeBlender blender(bake(changed, options, silent).bytes, "changed");
+        const std::vector<float> q = blender.solve(w, false);
+        const std::vector<float> got = blender.positions(q);
+        double worst = 0;
+        for (std::size_t i = 0; i < got.size(); ++i)
+            worst = std::max(worst, std::abs((double(got[i]) - offset[Eigen::Index(i % 3)]) / change.scale - double(expected[i])));
+        // float32 positions far from the origin carry its spacing; the shape itself agrees to the solver's tolerance.
+        CHECK(worst < 1e-4 + 2e-7 * std::abs(change.offset) / change.scale);
+    }
+}
+
+TEST_CASE("two bakes that differ only in the rigid placement of a pose blend alike")
+{
+    PoseSet poses = tube_poses(2);
+    BakeOptions options;
+    options.check_count = 0;
+    Progress silent;
+    RuntimeBlender a(bake(poses, options, silent).bytes, "a");
+    const Eigen::Matrix3d turn = Eigen::AngleAxisd(1.0, Eigen::Vector3d(3, 1, 2).normalized()).toRotationMatrix();
+    poses.positions[1] = ((poses.positions[1] * turn.transpose()).rowwise() + Eigen::RowVector3d(5, 5, 5)).eval();
+    RuntimeBlender b(bake(poses, options, silent).bytes, "b");
+    const std::vector<float> x = a.positions(a.solve({1, 2}, false)), y = b.positions(b.solve({1, 2}, false));
+    for (std::size_t i = 0; i < x.size(); ++i) CHECK(std::abs(x[i] - y[i]) < 1e-4);
+}

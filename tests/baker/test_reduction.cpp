@@ -1,0 +1,207 @@
+// Subspaces, cubature, ghosts, predictors: the stages between the energies and the asset.
+#include "tube.h"
+
+#include "average/rigid_modes.h"
+#include "bake.h"
+#include "reduce/ghost.h"
+#include "reduce/nnls.h"
+#include "subspace/krylov.h"
+#include "warmstart/predictor.h"
+
+#include <Eigen/Dense>
+#include <doctest/doctest.h>
+
+using namespace pliant;
+
+namespace {
+
+struct Problem {
+    explicit Problem(std::size_t pose_count)
+        : set(normalise(tube_poses(pose_count))), energy(set, ShellOptions()), solver(energy, set, default_solver())
+    {
+    }
+    ShapeSet set;
+    DiscreteShells energy;
+    NewtonSolver solver;
+};
+
+} // namespace
+
+TEST_CASE("normalised poses have unit mean area, unit mass, and meet pose 0")
+{
+    PoseSet poses = tube_poses(3);
+    // Pose 1 moved away and turned: alignment must bring it back.
+    const Eigen::Matrix3d turn = Eigen::AngleAxisd(2.0, Eigen::Vector3d(1, 2, 3).normalized()).toRotationMatrix();
+    PoseSet moved = poses;
+    moved.positions[1] = ((poses.positions[1] * turn.transpose()).rowwise() + Eigen::RowVector3d(100, -20, 3)).eval();
+    const ShapeSet a = normalise(poses), b = normalise(moved);
+    CHECK(a.masses.sum() == doctest::Approx(1));
+    double area = 0;
+    for (const Shape& s : a.shapes) area += triangle_areas(s, a.triangles).sum() / 3;
+    CHECK(area == doctest::Approx(1));
+    CHECK((a.shapes[1] - b.shapes[1]).norm() < 1e-12 * a.shapes[1].norm() * 100);
+    const Positions back = to_input_units(a, a.shapes[0]);
+    CHECK((back - poses.positions[0]).norm() < 1e-12 * back.norm());
+}
+
+TEST_CASE("a subspace is mass-orthonormal and holds the poses exactly")
+{
+    Problem p(3);
+    const Subspace subspace = build_krylov_subspace(p.solver, {2, 0, 256}, nullptr);
+    CHECK(subspace.dimension() == 2 + 6 * 3);
+    const Eigen::MatrixXd gram = subspace.basis.transpose() * times_mass(subspace.basis, p.set.masses);
+    CHECK((gram - Eigen::MatrixXd::Identity(gram.rows(), gram.cols())).norm() < 1e-12);
+    for (Eigen::Index k = 0; k < 3; ++k)
+        CHECK((subspace.shape(subspace.pose_coordinates.col(k)) - p.set.shapes[std::size_t(k)]).norm() < 1e-12);
+}
+
+TEST_CASE("a wanted dimension is met exactly, with the differences kept")
+{
+    Problem p(3);
+    for (Eigen::Index d : {3, 8, 9, 15}) {
+        const Subspace subspace = build_krylov_subspace(p.solver, {0, d, 256}, nullptr);
+        CHECK(subspace.dimension() == d);
+        CHECK((subspace.shape(subspace.pose_coordinates.col(2)) - p.set.shapes[2]).norm() < 1e-12);
+    }
+}
+
+TEST_CASE("tangents of the curve of averages equal finite differences (paper, equation 6)")
+{
+    Problem p(2);
+    NewtonOptions tight;
+    tight.decrement = 1e-22; // the difference of two averages a millionth apart needs all digits
+    const double step = 1e-4;
+    Weights w(2), direction(2);
+    w << 1 - step, step;
+    direction << -1, 1;
+    Shape moved = p.solver.minimise(w, p.set.shapes[0], tight).y;
+    apply(best_rigid_motion(moved, p.set.shapes[0], p.set.masses), moved);
+    const Shape tangent = p.solver.weight_derivative(corner_weights(2, 0), p.set.shapes[0], direction);
+    const Shape difference = (moved - p.set.shapes[0]) / step;
+    CHECK((tangent - difference).norm() < 2e-3 * tangent.norm()); // first order in the step
+}
+
+TEST_CASE("CHOLMOD and Eigen find the same average")
+{
+    if (!has_cholmod()) return;
+    Problem p(3);
+    NewtonSolver other(p.energy, p.set, SolverKind::eigen);
+    NewtonOptions tight;
+    tight.decrement = 1e-12;
+    const Weights w = equal_weights(3);
+    const NewtonResult a = p.solver.minimise(w, p.set.shapes[0], tight), b = other.minimise(w, p.set.shapes[0], tight);
+    CHECK(a.has_converged);
+    CHECK(b.has_converged);
+    CHECK((a.y - b.y).norm() < 1e-7 * a.y.norm());
+}
+
+TEST_CASE("non-negative least squares satisfies its optimality conditions and equals the unconstrained solution where that is positive")
+{
+    Random random(5);
+    Eigen::MatrixXd a(30, 8);
+    for (Eigen::Index i = 0; i < a.size(); ++i) a.data()[i] = random.normal();
+    const Eigen::VectorXd positive = Eigen::VectorXd::LinSpaced(8, 0.5, 2);
+    CHECK((nnls(a.transpose() * a, a.transpose() * (a * positive)) - positive).norm() < 1e-7);
+    Eigen::VectorXd b(30);
+    for (Eigen::Index i = 0; i < b.size(); ++i) b[i] = random.normal();
+    const Eigen::VectorXd x = nnls(a.transpose() * a, a.transpose() * b);
+    const Eigen::VectorXd descent = a.transpose() * (b - a * x);
+    for (Eigen::Index i = 0; i < 8; ++i) {
+        CHECK(x[i] >= 0);
+        CHECK(descent[i] < 1e-7);
+        if (x[i] > 0) CHECK(std::abs(descent[i]) < 1e-7);
+    }
+}
+
+TEST_CASE("with all elements at weight one the stand-in is the reduced energy")
+{
+    Problem p(3);
+    const Subspace subspace = build_krylov_subspace(p.solver, {0, 6, 256}, nullptr);
+    std::vector<std::size_t> all(p.energy.element_count());
+    for (std::size_t i = 0; i < all.size(); ++i) all[i] = i;
+    const StandIn stand_in(p.energy, subspace.origin, subspace.basis, all, Eigen::VectorXd::Ones(Eigen::Index(all.size())));
+    const ReducedEnergy reduced(p.energy, subspace);
+    Weights w(3);
+    w << 0.2, 0.5, 0.3;
+    const Eigen::VectorXd q = subspace.pose_coordinates * w;
+    Eigen::VectorXd g1, g2;
+    CHECK(stand_in.gradient(w, q, g1) == doctest::Approx(reduced.gradient(w, q, g2)).epsilon(1e-12));
+    CHECK((g1 - g2).norm() < 1e-11 * g2.norm());
+    const Eigen::MatrixXd h1 = stand_in.hessian(w, q, HessianKind::exact), h2 = reduced.hessian(w, q, HessianKind::exact);
+    CHECK((h1 - h2).norm() < 1e-11 * h2.norm());
+}
+
+TEST_CASE("a few elements give the reduced average within a per cent, and the error falls with their number")
+{
+    Problem p(3);
+    const Subspace subspace = build_krylov_subspace(p.solver, {1, 0, 256}, nullptr);
+    const ReducedEnergy reduced(p.energy, subspace);
+    const TrainingSet training = solve_training_set(reduced, training_weights(3, 24, 1), nullptr);
+    CHECK(training.unconverged_count == 0);
+    const Eigen::MatrixXd metric = training.root * training.root.transpose();
+    double errors[2];
+    for (int i = 0; i < 2; ++i) {
+        CubatureOptions options;
+        options.element_count = std::size_t(i == 0 ? 3 : 8) * std::size_t(subspace.dimension());
+        CubatureReport report;
+        const StandIn stand_in = fit_cubature(reduced, training, options, nullptr, report);
+        CHECK(report.lowest_curvature > 0.05);
+        CHECK(stand_in.element_count() <= options.element_count);
+        Weights w(3);
+        w << 0.15, 0.6, 0.25;
+        MinimiseOptions minimise_options;
+        minimise_options.scale = training.energy_scale;
+        const auto exact = minimise([&](const Eigen::VectorXd& q, Eigen::VectorXd& g) { return reduced.gradient(w, q, g); },
+                                    training.averages[0], metric, minimise_options);
+        const auto fast = minimise([&](const Eigen::VectorXd& q, Eigen::VectorXd& g) { return stand_in.gradient(w, q, g); },
+                                   training.averages[0], metric, minimise_options);
+        CHECK(exact.has_converged);
+        CHECK(fast.has_converged);
+        errors[i] = (exact.q - fast.q).norm() / mass_norm(subspace.shape(exact.q), p.set.masses);
+    }
+    CHECK(errors[1] < 1e-2);
+    CHECK(errors[1] < errors[0]);
+}
+
+TEST_CASE("a ghost keeps a subset of the vertices, in all poses")
+{
+    Tube fine {60, 24};
+    const ShapeSet set = normalise(tube_poses(2, fine));
+    DiscreteShells energy(set, ShellOptions());
+    NewtonSolver solver(energy, set, default_solver());
+    const Subspace subspace = build_krylov_subspace(solver, {1, 0, 256}, nullptr);
+    const Ghost ghost = make_ghost(set, subspace, 300);
+    CHECK(ghost.vertices.size() == 300);
+    for (std::size_t v = 0; v < ghost.vertices.size(); ++v) {
+        CHECK((point(ghost.set.shapes[1], std::uint32_t(v)) - point(set.shapes[1], ghost.vertices[v])).norm() == 0);
+        CHECK((ghost.basis.middleRows<3>(3 * Eigen::Index(v)) - subspace.basis.middleRows<3>(3 * Eigen::Index(ghost.vertices[v]))).norm() == 0);
+    }
+    CHECK(DiscreteShells(ghost.set, ShellOptions()).hinge_count() * 2 == ghost.set.triangles.size() * 3); // closed
+}
+
+TEST_CASE("a predictor interpolates its data and reproduces linear functions")
+{
+    Random random(3);
+    std::vector<Weights> centres;
+    for (int i = 0; i < 30; ++i) centres.push_back(random.weights(4, i % 2 == 0));
+    Eigen::MatrixXd slope(5, 4), values(5, 30);
+    for (Eigen::Index i = 0; i < slope.size(); ++i) slope.data()[i] = random.normal();
+    for (Eigen::Index i = 0; i < 30; ++i) values.col(i) = slope * centres[std::size_t(i)];
+    const Weights w = random.weights(4, false);
+    CHECK((fit_predictor(centres, values)(w) - slope * w).norm() < 1e-10);
+    for (Eigen::Index i = 0; i < values.size(); ++i) values.data()[i] = random.normal();
+    const Predictor predictor = fit_predictor(centres, values);
+    for (std::size_t i = 0; i < centres.size(); ++i) CHECK((predictor(centres[i]) - values.col(Eigen::Index(i))).norm() < 1e-9);
+}
+
+TEST_CASE("the error of a shape does not see rigid motions, and is zero for the truth")
+{
+    Problem p(2);
+    const Weights w = equal_weights(2);
+    const Shape truth = p.solver.minimise(w, p.set.shapes[0], NewtonOptions()).y;
+    Shape moved = truth;
+    apply({Eigen::AngleAxisd(1.0, Eigen::Vector3d::UnitY()).toRotationMatrix(), {1, 2, 3}}, moved);
+    const ShapeError error = shape_error(p.energy, p.set, w, moved, truth);
+    CHECK(error.relative_l2 < 1e-12);
+    CHECK(std::abs(error.energy_excess) < 1e-9);
+}

@@ -1,0 +1,111 @@
+#!/usr/bin/env bash
+# Installs what is missing, builds, runs the tests. From a fresh clone on Debian 12: bash tests/run.sh
+#
+#   (no option)      the whole suite (preset dev) and the hostile-input and runtime part under sanitizers (preset asan)
+#   --dev            only the whole suite
+#   --asan           only the suite under address and undefined-behaviour sanitizers, all of it
+#   --filter REGEX   only tests whose name matches
+#   --only-build     configure and build, run nothing
+#   --no-install     do not touch the system's packages
+#
+# The last line reads "N passed, N failed, N skipped"; a suite that does not build counts as one failure.
+# Exit code: 0 if nothing failed and something ran, 1 if not, 2 for a wrong option.
+set -euo pipefail
+cd "$(dirname "${BASH_SOURCE[0]}")/.."
+exec < /dev/null # nothing below may wait for an answer
+
+# What runs under sanitizers by default: everything that bytes from outside reach.
+readonly asan_labels='^(runtime|fuzz|bad_input|hostile)$'
+
+usage() { sed -n '4,9s/^#  \{0,1\}//p' "${BASH_SOURCE[0]}"; }
+
+run_dev=1 run_asan=1 asan_everything=0 only_build=0 install=1
+filter=()
+while (($#)); do
+    case $1 in
+        --dev) run_asan=0 ;;
+        --asan) run_dev=0 asan_everything=1 ;;
+        --filter)
+            (($# > 1)) || { echo "tests/run.sh: --filter needs a regular expression" >&2; exit 2; }
+            filter=(-R "$2")
+            shift
+            ;;
+        --only-build) only_build=1 ;;
+        --no-install) install=0 ;;
+        -h | --help) usage; exit 0 ;;
+        *)
+            echo "tests/run.sh: unknown option '$1'" >&2
+            usage >&2
+            exit 2
+            ;;
+    esac
+    shift
+done
+
+passed=0 failed=0 skipped=0
+
+heading() { printf '\n== %s\n' "$*"; }
+
+# build_suite <preset> [<cmake option>...]
+build_suite() {
+    local preset=$1 launcher=()
+    shift
+    heading "$preset: build"
+    if command -v ccache > /dev/null; then
+        launcher=(-DCMAKE_C_COMPILER_LAUNCHER=ccache -DCMAKE_CXX_COMPILER_LAUNCHER=ccache)
+    fi
+    cmake --preset "$preset" "${launcher[@]}" "$@" && cmake --build --preset "$preset" --parallel "$(nproc)"
+}
+
+# test_suite <preset> [<ctest option>...]: runs it and adds to the counts. They come from ctest's own result file; a test that
+# could not start is a failure there, not a skip.
+test_suite() {
+    local preset=$1 results=$PWD/build/$1/results.xml counts
+    shift
+    heading "$preset: test"
+    rm -f "$results"
+    ctest --preset "$preset" --parallel 2 --no-tests=ignore --output-junit "$results" "${filter[@]}" "$@" || true
+    counts=$(python3 tests/count_results.py "$results") || counts="0 1 0"
+    read -r suite_passed suite_failed suite_skipped <<< "$counts"
+    ((passed += suite_passed, failed += suite_failed, skipped += suite_skipped)) || true
+}
+
+# suite <preset> [<cmake option>...] -- [<ctest option>...]
+suite() {
+    local preset=$1 options=()
+    shift
+    while [[ $1 != -- ]]; do
+        options+=("$1")
+        shift
+    done
+    shift
+    if ! build_suite "$preset" "${options[@]}"; then
+        echo "tests/run.sh: preset $preset does not build" >&2
+        ((failed += 1))
+    elif ((!only_build)); then
+        test_suite "$preset" "$@"
+    fi
+}
+
+if ((install)); then
+    heading "packages"
+    if ! bash samples/install_packages.sh build player tests; then
+        echo "tests/run.sh: the packages cannot be installed; if they are here by other means, use --no-install" >&2
+        run_dev=0 run_asan=0 failed=1
+    fi
+fi
+if ((run_dev)); then
+    suite dev -DPLIANT_BUILD_SAMPLES=ON --
+fi
+if ((run_asan && asan_everything)); then
+    suite asan -DPLIANT_BUILD_SAMPLES=ON --
+elif ((run_asan)); then
+    suite asan -DPLIANT_BUILD_SAMPLES=OFF -- -L "$asan_labels"
+fi
+
+if ((!only_build && passed + failed == 0)); then
+    echo "tests/run.sh: no test ran" >&2
+    failed=1
+fi
+printf '\n%d passed, %d failed, %d skipped\n' "$passed" "$failed" "$skipped"
+((failed == 0))

@@ -1,0 +1,227 @@
+"""The museum: one file for each way to break each rule of formats/SPEC.md section 5.
+
+    make_bad_assets.py GOOD.pliant FOLDER
+
+Files are named RULE_what.CODE.pliant, CODE being the pliant_result that the C runtime must answer; the script itself checks
+that the numpy reference refuses each one, naming the same rule. Every file has right checksums except those that are about
+checksums: a hostile file would have them too.
+"""
+import struct
+import sys
+import zlib
+from pathlib import Path
+
+import numpy as np
+
+import pliant_reference_path  # noqa: F401
+from pliant_reference import Asset, FormatError
+
+ALIGNMENT, TRUNCATED, NOT_PLIANT, VERSION, LIMIT, LAYOUT, NUMBER, INDEX, CHECKSUM = 12, 20, 21, 22, 23, 24, 25, 26, 27
+
+
+class Draft:
+    """A good file taken apart: edit it, then join()."""
+
+    def __init__(self, blob):
+        self.header = bytearray(blob[:64])
+        count = struct.unpack_from("<I", blob, 24)[0]
+        self.table = [list(struct.unpack_from("<4sIQQII", blob, 64 + 32 * i)) for i in range(count)]
+        self.data = {entry[0]: bytearray(blob[entry[2]:entry[2] + entry[3]]) for entry in self.table}
+        self.good = bytes(blob)
+
+    def put(self, tag, offset, form, *values):
+        struct.pack_into("<" + form, self.data[tag], offset, *values)
+
+    def join(self, lay_out=True, checksums=True, count=None):
+        """Bytes of the file. lay_out: place the chunks anew; else where the table says."""
+        at = 64 + 32 * len(self.table)
+        if lay_out:
+            for entry in self.table:
+                alignment = 4096 if entry[0] == b"BASI" else 64
+                at += -at % alignment
+                entry[2], entry[3] = at, len(self.data[entry[0]])
+                at += entry[3]
+        blob = bytearray(at if lay_out else len(self.good))
+        for entry in self.table:
+            data = self.data[entry[0]][:entry[3]]
+            if entry[2] + len(data) <= len(blob):
+                blob[entry[2]:entry[2] + len(data)] = data
+            if checksums:
+                entry[4] = zlib.crc32(bytes(data))
+        struct.pack_into("<QI", self.header, 16, len(blob), len(self.table) if count is None else count)
+        struct.pack_into("<I", self.header, 28, 0)
+        head = bytes(self.header) + b"".join(struct.pack("<4sIQQII", *entry) for entry in self.table)
+        blob[:len(head)] = head
+        if checksums:
+            struct.pack_into("<I", blob, 28, zlib.crc32(head))
+        return bytes(blob)
+
+    def entry(self, tag):
+        return next(entry for entry in self.table if entry[0] == tag)
+
+
+def bad_files(good):
+    """(name, code, bytes)"""
+    def draft():
+        return Draft(good)
+
+    def header(offset, form, *values):
+        d = draft()
+        struct.pack_into("<" + form, d.header, offset, *values)
+        return d.join()
+
+    def chunk(tag, offset, form, *values):
+        d = draft()
+        d.put(tag, offset, form, *values)
+        return d.join()
+
+    def table(tag, field, value):
+        d = draft()
+        d.join()
+        d.entry(tag)[field] = value
+        return d.join(lay_out=False)
+
+    def resized(tag, change):
+        d = draft()
+        d.data[tag] = d.data[tag][:change] if change < 0 else d.data[tag] + bytes(change)
+        return d.join()
+
+    n, t, dim, m = struct.unpack_from("<4I", good, 32)
+    wide = (dim + 15) // 16 * 16
+    nan, inf = float("nan"), float("inf")
+
+    yield "R01_empty", TRUNCATED, b""
+    yield "R01_half_a_header", TRUNCATED, good[:32]
+    yield "R02_not_pliant", NOT_PLIANT, b"\x89PNG\r\n\x1a\n" + good[8:]
+    yield "R02_text_mode", NOT_PLIANT, good[:8] + b"\n\x1a\n" + good[11:]
+    yield "R03_next_major", VERSION, header(12, "H", 2)
+    yield "R03_other_byte_order", VERSION, header(12, "H", 256)
+    yield "R04_cut", TRUNCATED, good[:-1]
+    yield "R04_longer", TRUNCATED, good + bytes(64)
+    yield "R05_no_chunks", LIMIT, draft().join(count=0)
+    yield "R05_many_chunks", LIMIT, draft().join(count=65)
+    for name, offset, low, high in (("vertices", 32, 0, (1 << 26) + 1), ("triangles", 36, 0, (1 << 27) + 1),
+                                    ("dimension", 40, 0, 257), ("poses", 44, 1, 65)):
+        yield f"R05_few_{name}", LIMIT, header(offset, "I", low)
+        yield f"R05_many_{name}", LIMIT, header(offset, "I", high)
+    yield "R05_no_batches", LIMIT, chunk(b"ELEM", 0, "I", 0)
+    yield "R05_many_batches", LIMIT, chunk(b"ELEM", 0, "I", 65)
+    yield "R05_no_elements", LIMIT, chunk(b"ELEM", 64 + 4, "I", 0)
+    yield "R05_many_elements", LIMIT, chunk(b"ELEM", 64 + 4, "I", (1 << 22) + 1)
+    yield "R05_no_centres", LIMIT, chunk(b"PRED", 0, "I", 0)
+    yield "R05_no_answers", LIMIT, chunk(b"ANSW", 0, "I", 0)
+    yield "R06_misaligned", LAYOUT, table(b"TRIS", 2, draft().entry(b"TRIS")[2] + 4)
+    yield "R06_basis_off_page", LAYOUT, table(b"BASI", 2, draft().entry(b"BASI")[2] + 64)
+    yield "R06_overlap", LAYOUT, table(b"ELEM", 2, draft().entry(b"SOLV")[2])
+    yield "R06_into_table", LAYOUT, table(b"SOLV", 2, 64)
+    yield "R06_past_end", LAYOUT, table(b"BASI", 3, len(good))
+    yield "R06_wraps_around", LAYOUT, table(b"BASI", 3, 0xFFFFFFFFFFFFF000)
+    yield "R06_offset_wraps_around", LAYOUT, table(b"BASI", 2, 0xFFFFFFFFFFFFF000)
+    d = draft()
+    d.table[-1][0], d.data[b"CERT"] = b"CERT", d.data[b"CERT"]
+    yield "R06_twice", LAYOUT, d.join()
+    d = draft()
+    d.table.insert(0, [b"NEWS", 1, 0, 0, 0, 0])
+    d.data[b"NEWS"] = bytearray(64)
+    yield "R07_unknown_required", VERSION, d.join()
+    for tag in (b"SOLV", b"ELEM", b"REST", b"TRIS", b"NAME", b"ANSW", b"CERT", b"BASI"):
+        d = draft()
+        d.table = [entry for entry in d.table if entry[0] != tag]
+        yield f"R07_without_{tag.decode()}", LAYOUT, d.join()
+    yield "R08_header_checksum", CHECKSUM, good[:28] + bytes([good[28] ^ 1]) + good[29:]
+    for tag in (b"SOLV", b"ELEM", b"PRED", b"REST", b"TRIS", b"ANSW", b"BASI"):
+        yield f"R09_{tag.decode()}_short", LAYOUT, resized(tag, -4)
+        if tag != b"ELEM":
+            yield f"R09_{tag.decode()}_long", LAYOUT, resized(tag, 4)
+    yield "R09_POLY_short", LAYOUT, resized(b"POLY", -4)
+    yield "R09_kind_0", LAYOUT, chunk(b"ELEM", 64, "I", 0)
+    yield "R09_kind_6", LAYOUT, chunk(b"ELEM", 64, "I", 6)
+    yield "R09_rows_in_records", LAYOUT, chunk(b"ELEM", 64 + 16, "Q", 0)
+    yield "R09_rows_misaligned", LAYOUT, chunk(b"ELEM", 64 + 16, "Q", 64 * 4 + 4)
+    yield "R09_numbers_past_end", LAYOUT, chunk(b"ELEM", 64 + 32, "Q", (len(draft().data[b"ELEM"]) + 63) // 64 * 64)
+    yield "R09_numbers_wrap_around", LAYOUT, chunk(b"ELEM", 64 + 32, "Q", 0xFFFFFFFFFFFFFFC0)
+    yield "R09_more_elements_than_bytes", LAYOUT, chunk(b"ELEM", 64 + 4, "I", 1 << 22)
+    yield "R10_scale_nan", NUMBER, chunk(b"SOLV", 0, "f", nan)
+    yield "R10_scale_zero", NUMBER, chunk(b"SOLV", 0, "f", 0.0)
+    yield "R10_scale_negative", NUMBER, chunk(b"SOLV", 0, "f", -1.0)
+    yield "R10_mean_inf", NUMBER, chunk(b"SOLV", 64, "f", inf)
+    yield "R10_pose_nan", NUMBER, chunk(b"SOLV", 64 + 4 * wide * (1 + dim), "f", nan)
+    for name, field in (("rows", 16), ("fixed", 24), ("numbers", 32)):
+        at = struct.unpack_from("<Q", draft().data[b"ELEM"], 64 + field)[0]
+        yield f"R10_{name}_nan", NUMBER, chunk(b"ELEM", at, "f", nan)
+    yield "R10_centre_inf", NUMBER, chunk(b"PRED", 64, "f", inf)
+    yield "R10_coefficient_nan", NUMBER, chunk(b"PRED", len(draft().data[b"PRED"]) - 4 * wide, "f", nan)
+    yield "R10_origin_nan", NUMBER, header(48, "f", nan)
+    yield "R11_triangle", INDEX, chunk(b"TRIS", 12 * t - 4, "I", n)
+    yield "R11_polygon_index", INDEX, chunk(b"POLY", len(draft().data[b"POLY"]) - 4, "I", n)
+    yield "R11_polygon_of_two", INDEX, chunk(b"POLY", 8, "I", 2)
+    yield "R11_polygon_sum", INDEX, chunk(b"POLY", 8, "I", 5)
+    yield "R11_one_name_less", INDEX, resized(b"NAME", -1)
+    yield "R11_one_name_more", INDEX, resized(b"NAME", 1)
+    d = draft()
+    d.data[b"NAME"] = bytearray()
+    yield "R11_no_names", INDEX, d.join()
+    for tag in (b"SOLV", b"BASI"):
+        offset = draft().entry(tag)[2] + 64
+        yield f"R12_{tag.decode()}_checksum", CHECKSUM, good[:offset] + bytes([good[offset] ^ 1]) + good[offset + 1:]
+    yield "R13_answer_nan", NUMBER, chunk(b"ANSW", 64, "f", nan)
+    yield "R13_answer_negative", NUMBER, chunk(b"ANSW", 64, "2f", -0.5, 1.5)
+    yield "R13_answer_sum", NUMBER, chunk(b"ANSW", 64, "2f", 0.5, 0.6)
+    yield "R13_answer_q_inf", NUMBER, chunk(b"ANSW", 64 + 4 * m, "f", inf)
+    yield "R14_header", LAYOUT, header(60, "I", 1)
+    yield "R14_table", LAYOUT, table(b"TRIS", 5, 1)
+    yield "R14_flag", LAYOUT, table(b"TRIS", 1, 3)
+    for tag in (b"SOLV", b"ELEM", b"PRED", b"ANSW"):
+        yield f"R14_{tag.decode()}", LAYOUT, chunk(tag, 60, "I", 1)
+    yield "R14_batch", LAYOUT, chunk(b"ELEM", 64 + 63, "B", 1)
+    yield "R14_valence", LAYOUT, chunk(b"ELEM", 64 + 8, "I", 3)
+    yield "R14_closed", LAYOUT, chunk(b"ELEM", 64 + 12, "I", 1)
+    padding = 64 + 4 * m * struct.unpack_from("<I", draft().data[b"PRED"])[0]
+    if padding % 64:
+        yield "R14_behind_centres", LAYOUT, chunk(b"PRED", padding, "B", 1)
+
+
+def good_variants(good):
+    """Files that differ in what a reader must tolerate."""
+    d = Draft(good)
+    d.table.insert(0, [b"NEWS", 0, 0, 0, 0, 0])
+    d.data[b"NEWS"] = bytearray(100)
+    struct.pack_into("<H", d.header, 14, 7)
+    yield "good_newer_minor_optional_chunk", d.join()
+    d = Draft(good)
+    d.table = [entry for entry in d.table if entry[0] not in (b"PRED", b"POLY")]
+    yield "good_without_optional_chunks", d.join()
+    yield "good", Draft(good).join()
+
+
+def main():
+    good, folder = Path(sys.argv[1]).read_bytes(), Path(sys.argv[2])
+    folder.mkdir(parents=True, exist_ok=True)
+    if Draft(good).join() != good:
+        raise SystemExit("taking the good file apart and joining it changes it: give one of tiny_asset.py")
+    rules, names = set(), []
+    np.seterr(invalid="ignore")
+    for name, code, blob in bad_files(good):
+        try:
+            Asset(blob)
+            raise SystemExit(f"{name}: the reference accepts it")
+        except FormatError as error:
+            if error.rule != name[:3]:
+                raise SystemExit(f"{name}: the reference says {error}") from error
+        rules.add(name[:3])
+        names.append(f"{name}.{code}")
+        (folder / f"{name}.{code}.pliant").write_bytes(blob)
+    missing = {f"R{i:02}" for i in range(1, 15)} - rules
+    if missing:
+        raise SystemExit(f"no file breaks {missing}")
+    for name, blob in good_variants(good):
+        Asset(blob)
+        names.append(f"{name}.0")
+        (folder / f"{name}.0.pliant").write_bytes(blob)
+    (folder / "museum.txt").write_text("\n".join(names) + "\n")
+    print(f"{len(names)} files, {len(rules)} rules")
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,73 @@
+"""Writes the small assets that the runtime's tests use, with numbers from the reference: make_test_assets.py FOLDER
+
+NAME.pliant and NAME.expect, a text file of lines
+    evaluate  m weights  d z  energy  d gradient
+    solve     m weights  d q
+and assets.txt, the names. Skips what is up to date with this script and its modules.
+"""
+import sys
+from pathlib import Path
+
+import numpy as np
+
+import pliant_reference_path  # noqa: F401
+from pliant_reference import Asset
+from tiny_asset import make_asset
+
+ASSETS = {
+    "line": dict(mesh="strip", size=(5, 2), poses=2, dimension=1, material="neo-hookean"),
+    "strip_neo": dict(mesh="strip", size=(7, 3), poses=2, dimension=4, material="neo-hookean", predictor=True,
+                      polygons=True),
+    "strip_stvk": dict(mesh="strip", size=(7, 3), poses=3, dimension=5, material="stvk"),
+    "strip_edge": dict(mesh="strip", size=(7, 3), poses=3, dimension=6, material="edge", predictor=True),
+    "strip_arap": dict(mesh="strip", size=(6, 3), poses=2, dimension=3, material="arap"),
+    "strip_mixed": dict(mesh="strip", size=(5, 3), poses=3, dimension=4, material="mixed", predictor=True),
+    "tube_neo": dict(mesh="tube", size=(8, 6), poses=5, dimension=17, material="neo-hookean", predictor=True),
+    "tube_stvk": dict(mesh="tube", size=(6, 6), poses=3, dimension=8, material="stvk", predictor=True),
+    "tube_edge": dict(mesh="tube", size=(6, 6), poses=4, dimension=12, material="edge"),
+    "tube_arap": dict(mesh="tube", size=(6, 5), poses=3, dimension=7, material="arap", predictor=True),
+    "twelve_poses": dict(mesh="strip", size=(8, 4), poses=12, dimension=16, material="neo-hookean", predictor=True),
+}
+
+
+def line(*parts):
+    return " ".join(part if isinstance(part, str) else " ".join(f"{x:.17g}" for x in np.atleast_1d(part)) for part in parts)
+
+
+def expectations(asset):
+    """Evaluations at random points of growing size, and blends at corners, the middle and in between."""
+    random = np.random.default_rng(7)
+    m, d = asset.pose_count, asset.dimension
+    lines = []
+    for size in (0.0, 0.01, 0.1, 0.3) * 3:
+        w = random.dirichlet(np.ones(m)).astype(np.float32).astype(float)
+        z = (size * np.sqrt(asset.energy_scale) * random.standard_normal(d)).astype(np.float32).astype(float)
+        energy, gradient = asset.evaluate(z, w)
+        if np.isfinite(energy):
+            lines.append(line("evaluate", w, z, energy, gradient))
+    weights = list(np.eye(m)[:3]) + [np.full(m, 1 / m)] + list(random.dirichlet(np.ones(m), 4))
+    for w in weights:
+        w = w.astype(np.float32).astype(float)
+        z, _ = asset.minimise(w)
+        lines.append(line("solve", w, asset.coordinates(z)))
+    return lines
+
+
+def main():
+    folder, sources = Path(sys.argv[1]), Path(__file__).parent
+    folder.mkdir(parents=True, exist_ok=True)
+    newest = max(path.stat().st_mtime for path in [*sources.glob("*.py"), Path(pliant_reference_path.FILE)])
+    for name, options in ASSETS.items():
+        target, expect = folder / f"{name}.pliant", folder / f"{name}.expect"
+        if expect.exists() and expect.stat().st_mtime > newest:
+            continue
+        blob = make_asset(**options)
+        target.write_bytes(blob)
+        expect.write_text("\n".join(expectations(Asset(blob))) + "\n")
+        print(f"{name}: {len(blob)} bytes")
+    (folder / "assets.txt").write_text("\n".join(ASSETS) + "\n")
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,188 @@
+/* The runtime against the numpy reference: energy, gradient, blends, start. And the gradient against differences of the
+   energy, which does not trust the reference. Argument: the folder of make_test_assets.py. */
+#include "internal.h"
+#include "linalg.h"
+#include "support.h"
+
+#include <math.h>
+
+static const char* folder;
+
+/* The evaluator under test, with memory of its own. */
+typedef struct evaluator {
+    const pliant_asset* asset;
+    float* memory;
+    float* weights;
+    float* z;
+    float* gradient;
+    float* combined;
+    float* scratch;
+} evaluator;
+
+static evaluator make_evaluator(const pliant_asset* asset)
+{
+    const pliant_elements_layout layout = pliant_elements_measure(asset);
+    const size_t d = asset->padded_dimension, m = pliant_pad_lanes(asset->pose_count);
+    evaluator e;
+    e.asset = asset;
+    e.memory = calloc(m + 2 * d + layout.combined_floats + layout.scratch_floats, sizeof(float));
+    if (!e.memory) exit(2);
+    e.weights = e.memory;
+    e.z = e.weights + m;
+    e.gradient = e.z + d;
+    e.combined = e.gradient + d;
+    e.scratch = e.combined + layout.combined_floats;
+    return e;
+}
+
+static double evaluate(evaluator* e)
+{
+    pliant_elements_combine(e->asset, e->weights, e->combined);
+    return pliant_elements_evaluate(e->asset, e->weights, e->combined, e->z, e->gradient, e->scratch);
+}
+
+static int read_numbers(FILE* file, float* numbers, size_t count)
+{
+    for (size_t i = 0; i < count; ++i) {
+        double value;
+        if (fscanf(file, "%lf", &value) != 1) return 0;
+        numbers[i] = (float)value;
+    }
+    return 1;
+}
+
+/* Units: energies in energy_scale, gradients in sqrt(energy_scale), as z is whitened. */
+static void check_evaluation(const opened* o, FILE* file)
+{
+    evaluator e = make_evaluator(&o->asset);
+    const uint32_t d = o->asset.dimension;
+    const double scale = (double)o->asset.energy_scale;
+    double energy, expected, error = 0.0, size = 0.0;
+    CHECK(read_numbers(file, e.weights, o->asset.pose_count) && read_numbers(file, e.z, d), "%s: bad line", o->name);
+    energy = evaluate(&e);
+    CHECK(fscanf(file, "%lf", &expected) == 1, "%s: bad line", o->name);
+    CHECK(fabs(energy - expected) <= 1e-5 * (fabs(expected) + scale), "%s: energy %.9g, reference %.9g", o->name, energy,
+          expected);
+    for (uint32_t j = 0; j < d; ++j) {
+        CHECK(fscanf(file, "%lf", &expected) == 1, "%s: bad line", o->name);
+        error += (expected - (double)e.gradient[j]) * (expected - (double)e.gradient[j]);
+        size += expected * expected;
+    }
+    CHECK(sqrt(error) <= 1e-5 * (sqrt(size) + sqrt(scale)), "%s: gradient off by %.3g of %.3g (scale %.3g)", o->name,
+          sqrt(error), sqrt(size), sqrt(scale));
+    for (uint32_t j = d; j < o->asset.padded_dimension; ++j) CHECK(e.gradient[j] == 0.0f, "%s: padding", o->name);
+    free(e.memory);
+}
+
+/* A blend from a new solver. The distance is measured against the distance between poses. */
+static void check_solve(const opened* o, FILE* file)
+{
+    pliant_solver_desc desc = pliant_solver_desc_default();
+    desc.tolerance = 1e-4f;
+    const made_solver made = make_solver(&o->asset, &desc);
+    const uint32_t d = o->asset.dimension, m = o->asset.pose_count;
+    float weights[PLIANT_FORMAT_MAX_POSES], q[PLIANT_FORMAT_MAX_DIMENSION];
+    pliant_solve_info info;
+    double error = 0.0, size = 0.0;
+    CHECK(read_numbers(file, weights, m), "%s: bad line", o->name);
+    CHECK(pliant_solve(made.solver, weights, q, &info) == PLIANT_OK, "%s", o->name);
+    const float* first = pliant_asset_pose_coordinates(&o->asset, 0);
+    const float* second = pliant_asset_pose_coordinates(&o->asset, 1);
+    for (uint32_t j = 0; j < d; ++j) {
+        double expected;
+        CHECK(fscanf(file, "%lf", &expected) == 1, "%s: bad line", o->name);
+        error += (expected - (double)q[j]) * (expected - (double)q[j]);
+        size += (double)((second[j] - first[j]) * (second[j] - first[j]));
+    }
+    CHECK(sqrt(error / size) <= 1e-4, "%s: blend off by %.3g (status %d, %u iterations, gradient %.3g)", o->name,
+          sqrt(error / size), (int)info.status, info.iterations, (double)info.gradient);
+    CHECK(info.status != PLIANT_STATUS_LIMIT, "%s: iteration limit", o->name);
+    free(made.memory);
+}
+
+static void check_against_reference(const opened* o)
+{
+    char path[1024], what[16];
+    int evaluations = 0, solves = 0;
+    snprintf(path, sizeof path, "%s/%s.expect", folder, o->name);
+    FILE* file = fopen(path, "r");
+    CHECK(file != NULL, "no %s", path);
+    while (file && fscanf(file, "%15s", what) == 1) {
+        if (strcmp(what, "evaluate") == 0) {
+            check_evaluation(o, file);
+            ++evaluations;
+        } else {
+            check_solve(o, file);
+            ++solves;
+        }
+    }
+    CHECK(evaluations >= 6 && solves >= 5, "%s: only %d evaluations and %d blends", path, evaluations, solves);
+    if (file) fclose(file);
+}
+
+/* Central differences along random directions. The step balances rounding (1e-7 / h) against curvature (h^2). */
+static void check_gradient(const opened* o)
+{
+    evaluator e = make_evaluator(&o->asset);
+    const uint32_t d = o->asset.dimension;
+    const float scale = sqrtf(o->asset.energy_scale), step = 0.02f * scale;
+    uint64_t state = 11;
+    float start[PLIANT_FORMAT_MAX_DIMENSION], direction[PLIANT_FORMAT_MAX_DIMENSION];
+    for (int round = 0; round < 20; ++round) {
+        float sum = 0.0f;
+        random_weights(&state, o->asset.pose_count, e.weights);
+        for (uint32_t k = 0; k < o->asset.pose_count; ++k) sum += e.weights[k];
+        for (uint32_t k = 0; k < o->asset.pose_count; ++k) e.weights[k] /= sum;
+        for (uint32_t j = 0; j < d; ++j) {
+            start[j] = 0.2f * scale * (random_unit(&state) - 0.5f);
+            direction[j] = (random_unit(&state) - 0.5f) / sqrtf((float)d);
+        }
+        double slope = 0.0, size = 0.0;
+        memcpy(e.z, start, d * sizeof(float));
+        evaluate(&e);
+        for (uint32_t j = 0; j < d; ++j) {
+            slope += (double)(e.gradient[j] * direction[j]);
+            size += (double)(e.gradient[j] * e.gradient[j]);
+        }
+        for (uint32_t j = 0; j < d; ++j) e.z[j] = start[j] + step * direction[j];
+        const double ahead = evaluate(&e);
+        for (uint32_t j = 0; j < d; ++j) e.z[j] = start[j] - step * direction[j];
+        const double measured = (ahead - evaluate(&e)) / (2.0 * (double)step);
+        CHECK(fabs(measured - slope) <= 2e-3 * (sqrt(size) + (double)scale), "%s: slope %.6g, differences say %.6g", o->name,
+              slope, measured);
+    }
+    free(e.memory);
+}
+
+/* Without iterations the answer is the start: the predictor's, or its clamp to z = 0. */
+static void check_start(const opened* o)
+{
+    pliant_solver_desc desc = pliant_solver_desc_default();
+    desc.max_iterations = 0;
+    const made_solver made = make_solver(&o->asset, &desc);
+    const uint32_t d = o->asset.dimension;
+    float weights[PLIANT_FORMAT_MAX_POSES] = { 0 }, q[PLIANT_FORMAT_MAX_DIMENSION];
+    pliant_solve_info info;
+    weights[0] = 1.0f;
+    CHECK(pliant_solve(made.solver, weights, q, &info) == PLIANT_OK && info.iterations == 0, "%s", o->name);
+    const float* pose = pliant_asset_pose_coordinates(&o->asset, 0);
+    const float* other = pliant_asset_pose_coordinates(&o->asset, 1);
+    double error = 0.0, size = 0.0;
+    for (uint32_t j = 0; j < d; ++j) {
+        const float expected = o->asset.predictor_centres ? pose[j] : o->asset.mean[j]; /* a corner is a centre */
+        error += (double)((q[j] - expected) * (q[j] - expected));
+        size += (double)((other[j] - pose[j]) * (other[j] - pose[j]));
+    }
+    CHECK(sqrt(error / size) < 2e-4, "%s: start off by %.3g", o->name, sqrt(error / size));
+    free(made.memory);
+}
+
+int main(int argc, char** argv)
+{
+    if (argc != 2) return 2;
+    folder = argv[1];
+    for_each_asset(folder, check_against_reference);
+    for_each_asset(folder, check_gradient);
+    for_each_asset(folder, check_start);
+    return report("reference");
+}

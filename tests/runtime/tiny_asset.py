@@ -1,0 +1,210 @@
+"""Builds small but real assets for tests, following formats/SPEC.md section 4; the baker is not needed.
+
+    python3 tiny_asset.py OUT.pliant --mesh tube --poses 3 --dim 8 --material neo-hookean --predictor
+"""
+import argparse
+import json
+import struct
+import sys
+import zlib
+from types import SimpleNamespace
+
+import numpy as np
+
+import tiny_elements
+import tiny_mesh
+from pliant_reference import IDENTIFIER, Asset, pad16
+
+
+# ---------------------------------------------------------------------------------------------------------- model --
+
+class StandIn(Asset):
+    """The evaluator of the reference without a file behind it."""
+
+    def __init__(self, batches, dimension, energy_scale=1.0):
+        self.batches, self.dimension, self.energy_scale, self.centres = batches, dimension, energy_scale, None
+
+
+def sample_weights(m):
+    """Corners, edge mid-points, the centre."""
+    corners = list(np.eye(m))
+    middles = [(corners[i] + corners[j]) / 2 for i in range(m) for j in range(i)] if m <= 5 else []
+    return np.array(corners + middles + ([np.full(m, 1 / m)] if m > 2 else []))
+
+
+def make_model(mesh, size, poses, dimension, material, predictor, seed):
+    """All numbers of an asset, in double precision."""
+    random = np.random.default_rng(seed)
+    rest, faces = getattr(tiny_mesh, mesh)(*size)
+    x = tiny_mesh.make_poses(rest, poses, random)
+    topology = tiny_elements.Topology(faces, len(rest))
+    basis = tiny_mesh.make_subspace(x, rest, dimension, random)
+    equal = np.full(poses, 1 / poses)
+
+    # The equal-weight average is z = 0, its inverse Hessian S S^T: first around pose 0, then around the average.
+    stand_in = StandIn(tiny_elements.make_batches(topology, x, material, x[0], basis), dimension)
+    mean, _ = stand_in.minimise(equal, np.tensordot(basis, x.mean(axis=0) - x[0], 2))
+    centre = x[0] + np.tensordot(mean, basis, 1)
+    stand_in = StandIn(tiny_elements.make_batches(topology, x, material, centre, basis), dimension)
+    values, vectors = np.linalg.eigh(stand_in.hessian(np.zeros(dimension), equal))
+    whitening = vectors / np.sqrt(values)
+    directions = np.tensordot(whitening.T, basis, 1)
+    stand_in = StandIn(tiny_elements.make_batches(topology, x, material, centre, directions), dimension)
+
+    def absolute(weights, y):
+        return tiny_elements.absolute_energy(topology, x, material, weights, y)
+
+    # The batches and the textbook differ by a constant, or one of them is wrong.
+    w = random.dirichlet(np.ones(poses))
+    z = 0.05 * random.standard_normal(dimension)
+    relative = stand_in.evaluate(z, w)[0]
+    textbook = absolute(w, centre + np.tensordot(z, directions, 1)) - absolute(w, centre)
+    if not abs(relative - textbook) < 1e-9 * absolute(equal, centre):
+        raise AssertionError(f"{material}: batches give {relative}, the definition {textbook}")
+
+    samples = sample_weights(poses)
+    answers = [stand_in.minimise(w, np.zeros(dimension))[0] for w in samples]
+    scale = np.mean([absolute(w, centre) + stand_in.evaluate(z, w)[0] for w, z in zip(samples, answers)])
+    model = SimpleNamespace(x=x, faces=faces, basis=basis, mean=mean, whitening=whitening, stand_in=stand_in, scale=scale,
+                            samples=samples, answers=answers, centres=None, coefficients=None,
+                            pose_coordinates=np.array([np.tensordot(basis, pose - x[0], 2) for pose in x]))
+    if predictor:
+        model.centres = samples
+        model.coefficients = fit_predictor(samples, np.array(answers))
+    return model
+
+
+def fit_predictor(centres, answers):
+    """Interpolation by |w - c|^3 and a linear part in w."""
+    kernel = np.linalg.norm(centres[:, None] - centres[None], axis=2) ** 3
+    m = centres.shape[1]
+    system = np.block([[kernel, centres], [centres.T, np.zeros((m, m))]])
+    return np.linalg.lstsq(system, np.concatenate([answers, np.zeros((m, answers.shape[1]))]), rcond=None)[0]
+
+
+# --------------------------------------------------------------------------------------------------------- writing --
+
+def floats(values):
+    return np.ascontiguousarray(values, "<f4").tobytes()
+
+
+def padded(values, width):
+    values = np.asarray(values)
+    result = np.zeros(values.shape[:-1] + (width,))
+    result[..., :values.shape[-1]] = values
+    return result
+
+
+def align(data, alignment):
+    return data + bytes(-len(data) % alignment)
+
+
+def solver_chunk(model):
+    wide = pad16(len(model.mean))
+    return (floats([model.scale]) + bytes(60) + floats(padded(model.mean, wide)) + floats(padded(model.whitening.T, wide))
+            + floats(padded(model.pose_coordinates, wide)))
+
+
+def lanes_of(values, repeat):
+    """[..., E] to [..., pad16(E)]: the last lane repeated, or zero."""
+    extra = pad16(values.shape[-1]) - values.shape[-1]
+    return np.pad(values, [(0, 0)] * (values.ndim - 1) + [(0, extra)], "edge" if repeat else "constant")
+
+
+def element_chunk(batches):
+    head, data, start = struct.pack("<I60x", len(batches)), b"", 64 + 64 * len(batches)
+    for batch in batches:
+        offsets = []
+        for values, repeat in ((batch.rows, True), (batch.fixed, True), (batch.poses, False)):
+            offsets.append(start + len(data))
+            data = align(data + floats(lanes_of(values, repeat)), 64)
+        head += struct.pack("<4I3Q24x", batch.kind, batch.rows.shape[2], batch.valence, batch.is_closed, *offsets)
+    return head + data
+
+
+def predictor_chunk(model):
+    centres = struct.pack("<I60x", len(model.centres)) + floats(model.centres)
+    return align(centres, 64) + floats(padded(model.coefficients, pad16(len(model.mean))))
+
+
+def tiles_of(fields):
+    """[..., n, 3] to [tiles, ..., 48]"""
+    fields = np.asarray(fields)
+    padding = [(0, 0)] * (fields.ndim - 2) + [(0, -fields.shape[-2] % 16), (0, 0)]
+    tiles = np.pad(fields, padding).reshape(*fields.shape[:-2], -1, 48)
+    return np.moveaxis(tiles, -2, 0)
+
+
+def polygon_chunk(faces):
+    """As if neighbouring pairs of triangles had been quads in the input; enough to test readers."""
+    sizes, corners = [], []
+    for pair in faces.reshape(-1, 2, 3):
+        polygon = list(pair[0]) + [v for v in pair[1] if v not in pair[0]]
+        sizes.append(len(polygon))
+        corners += polygon
+    return struct.pack("<2I", len(sizes), len(corners)) + np.array(sizes + corners, "<u4").tobytes()
+
+
+def chunks_of(model, polygons):
+    m, d = len(model.x), len(model.mean)
+    origin = model.x[0].mean(axis=0)
+    answers = np.array([np.concatenate([w, model.mean + model.whitening @ z])
+                        for w, z in zip(model.samples, model.answers)])[:8]
+    chunks = [("SOLV", 1, solver_chunk(model)), ("ELEM", 1, element_chunk(model.stand_in.batches))]
+    if model.centres is not None:
+        chunks.append(("PRED", 0, predictor_chunk(model)))
+    chunks += [("REST", 1, floats(tiles_of(model.x[0] - np.float32(origin)))),
+               ("TRIS", 1, np.array(model.faces, "<u4").tobytes())]
+    if polygons:
+        chunks.append(("POLY", 0, polygon_chunk(model.faces)))
+    names = "".join(f"pose {k}\0" for k in range(m)).encode()
+    certificate = json.dumps({"writer": "tests/runtime/tiny_asset.py", "dimension": d}, sort_keys=True).encode()
+    chunks += [("NAME", 1, names), ("ANSW", 1, struct.pack("<I60x", len(answers)) + floats(answers)),
+               ("CERT", 1, certificate), ("BASI", 1, floats(tiles_of(model.basis)))]
+    counts = (len(model.x[0]), len(model.faces), d, m)
+    return counts, origin, chunks
+
+
+def assemble(counts, origin, chunks):
+    """The file: header, table, chunks, checksums."""
+    table, body, at = b"", b"", 64 + 32 * len(chunks)
+    for tag, flags, data in chunks:
+        alignment = 4096 if tag == "BASI" else 64
+        body += bytes(-(at + len(body)) % alignment)
+        table += struct.pack("<4sIQQII", tag.encode(), flags, at + len(body), len(data), zlib.crc32(data), 0)
+        body += data
+    size = at + len(body)
+
+    def header(crc):
+        return (IDENTIFIER + struct.pack("<HHQII4I", 1, 0, size, len(chunks), crc, *counts) + floats(origin)
+                + bytes(4))
+
+    return header(zlib.crc32(header(0) + table)) + table + body
+
+
+def make_asset(mesh="strip", size=(7, 3), poses=2, dimension=4, material="neo-hookean", predictor=False, polygons=False,
+               seed=1):
+    return assemble(*chunks_of(make_model(mesh, size, poses, dimension, material, predictor, seed), polygons))
+
+
+def main():
+    parser = argparse.ArgumentParser(description="builds a tiny asset for tests")
+    parser.add_argument("output")
+    parser.add_argument("--mesh", choices=["strip", "tube"], default="strip")
+    parser.add_argument("--size", type=int, nargs=2, default=(7, 3), metavar=("COLUMNS", "ROWS"))
+    parser.add_argument("--poses", type=int, default=2)
+    parser.add_argument("--dim", type=int, default=4)
+    parser.add_argument("--material", choices=["neo-hookean", "stvk", "edge", "arap", "mixed"], default="neo-hookean")
+    parser.add_argument("--predictor", action="store_true")
+    parser.add_argument("--polygons", action="store_true")
+    parser.add_argument("--seed", type=int, default=1)
+    options = parser.parse_args()
+    blob = make_asset(options.mesh, options.size, options.poses, options.dim, options.material, options.predictor,
+                      options.polygons, options.seed)
+    with open(options.output, "wb") as file:
+        file.write(blob)
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
