@@ -30,7 +30,7 @@ public:
     void stage_done(const std::string& stage)
     {
         const auto now = std::chrono::steady_clock::now();
-        stages_.push_back({stage, std::chrono::duration<double>(now - last_).count()});
+        stages_.push_back({ stage, std::chrono::duration<double>(now - last_).count() });
         last_ = now;
     }
 
@@ -52,8 +52,22 @@ struct BuiltStandIn {
     }
 };
 
-BuiltStandIn build_stand_in(const ShapeSet& set, const ReducedEnergy& reduced, const TrainingSet& training, const BakeOptions& options,
-                            Progress& progress, BakeReport& report)
+// The runtime holds at most this many dimensions (formats/SPEC.md); an adaptive basis stops at a quarter of it, where frames stay cheap.
+constexpr Eigen::Index format_dimension_limit = 256;
+
+Subspace choose_subspace(NewtonSolver& solver, const BakeOptions& options, Progress& progress, BakeReport& report)
+{
+    if (options.subspace == SubspaceKind::krylov)
+        return build_krylov_subspace(solver, { options.ritz_count, options.dimension, format_dimension_limit }, &progress);
+    AdaptiveOptions adaptive;
+    adaptive.tolerance = options.tolerance;
+    adaptive.dimension = options.dimension;
+    adaptive.seed = options.seed;
+    return build_adaptive_subspace(solver, adaptive, &progress, report.adaptive);
+}
+
+BuiltStandIn build_stand_in(const ShapeSet& set, const ReducedEnergy& reduced, const TrainingSet& training,
+                            const BakeOptions& options, Progress& progress, BakeReport& report)
 {
     BuiltStandIn built;
     if (options.stand_in == StandInKind::cubature) {
@@ -76,8 +90,8 @@ BuiltStandIn build_stand_in(const ShapeSet& set, const ReducedEnergy& reduced, c
 }
 
 // The minimiser of the stand-in at w, from the training average nearest in weights.
-Eigen::VectorXd solve_stand_in(const StandIn& stand_in, const TrainingSet& training, const Weights& w, const Eigen::MatrixXd& metric,
-                               double scale)
+Eigen::VectorXd solve_stand_in(const StandIn& stand_in, const TrainingSet& training, const Weights& w,
+                               const Eigen::MatrixXd& metric, double scale)
 {
     std::size_t nearest = 0;
     for (std::size_t t = 1; t < training.weights.size(); ++t)
@@ -85,8 +99,8 @@ Eigen::VectorXd solve_stand_in(const StandIn& stand_in, const TrainingSet& train
     MinimiseOptions options;
     options.tolerance = 1e-6;
     options.scale = scale;
-    return minimise([&](const Eigen::VectorXd& q, Eigen::VectorXd& g) { return stand_in.gradient(w, q, g); }, training.averages[nearest],
-                    metric, options)
+    return minimise([&](const Eigen::VectorXd& q, Eigen::VectorXd& g) { return stand_in.gradient(w, q, g); },
+                    training.averages[nearest], metric, options)
         .q;
 }
 
@@ -106,15 +120,17 @@ Predictor fit_warm_start(const StandIn& stand_in, const TrainingSet& training, c
     Eigen::MatrixXd values(model.root.cols(), Eigen::Index(centres.size()));
     for (std::size_t i = 0; i < centres.size(); ++i) {
         progress.update("warm start", double(i) / double(centres.size()));
-        const Eigen::VectorXd q = i < inner_count ? solve_stand_in(stand_in, training, centres[i], metric, model.energy_scale)
-                                                  : Eigen::VectorXd(model.subspace->pose_coordinates.col(Eigen::Index(i - inner_count)));
+        const Eigen::VectorXd q = i < inner_count
+            ? solve_stand_in(stand_in, training, centres[i], metric, model.energy_scale)
+            : Eigen::VectorXd(model.subspace->pose_coordinates.col(Eigen::Index(i - inner_count)));
         values.col(Eigen::Index(i)) = to_z.solve(q - model.mean);
     }
     return fit_predictor(centres, values);
 }
 
 // Coordinates in which the solver works: around the stand-in's own mean, whitened by its Hessian there.
-void fit_coordinates(const BuiltStandIn& built, const TrainingSet& training, AssetModel& model, BakeReport& report, Progress& progress)
+void fit_coordinates(const BuiltStandIn& built, const TrainingSet& training, AssetModel& model, BakeReport& report,
+                     Progress& progress)
 {
     const StandIn& stand_in = *built.stand_in;
     const MinimiseResult mean = minimise_newton(stand_in, training.weights[0], training.averages[0], 1e-8, 100);
@@ -122,11 +138,13 @@ void fit_coordinates(const BuiltStandIn& built, const TrainingSet& training, Ass
     model.mean = mean.q;
     model.root = inverse_root(stand_in.hessian(training.weights[0], mean.q, HessianKind::exact), metric_floor, &lowest);
     if (!mean.has_converged || lowest <= 0 || report.cubature.lowest_curvature <= 0)
-        progress.warn(4402, fmt::format("the stand-in is not convex at all training weights (lowest curvature {:.3g})",
-                                        report.cubature.lowest_curvature),
+        progress.warn(4402,
+                      fmt::format("the stand-in is not convex at all training weights (lowest curvature {:.3g})",
+                                  report.cubature.lowest_curvature),
                       "raise --elements, or add an in-between pose");
     double energy = 0;
-    for (std::size_t t = 0; t < training.weights.size(); ++t) energy += stand_in.value(training.weights[t], training.averages[t]);
+    for (std::size_t t = 0; t < training.weights.size(); ++t)
+        energy += stand_in.value(training.weights[t], training.averages[t]);
     model.energy_scale = energy / double(training.weights.size());
     model.stand_in_reference = built.shape(*model.subspace, mean.q);
 }
@@ -141,17 +159,22 @@ std::vector<float> to_floats(const Weights& w)
 // the double-precision stand-in.
 void collect_answers(AssetModel& model, const TrainingSet& training, BakeReport& report)
 {
-    RuntimeBlender blender(encode_asset(model), "the asset just baked"), tight = RuntimeBlender(encode_asset(model), "the same");
+    RuntimeBlender blender(encode_asset(model), "the asset just baked"),
+        tight = RuntimeBlender(encode_asset(model), "the same");
     pliant_solver_desc desc = pliant_solver_desc_default();
     desc.tolerance = 1e-5f; // to compare the arithmetic, not the stopping rule
     tight.configure(desc);
     const Eigen::MatrixXd metric = model.root * model.root.transpose();
     const std::size_t count = std::min<std::size_t>(training.weights.size(), 8);
     for (std::size_t t = 0; t < count; ++t) {
-        const std::vector<float> w = to_floats(training.weights[t]), q = blender.solve(w, false), fine = tight.solve(w, false);
-        model.answers.push_back({training.weights[t], Eigen::Map<const Eigen::VectorXf>(q.data(), Eigen::Index(q.size()))});
-        const Eigen::VectorXd exact = solve_stand_in(*model.stand_in, training, training.weights[t], metric, model.energy_scale);
-        const Eigen::VectorXd found = Eigen::Map<const Eigen::VectorXf>(fine.data(), Eigen::Index(fine.size())).cast<double>();
+        const std::vector<float> w = to_floats(training.weights[t]), q = blender.solve(w, false),
+                                 fine = tight.solve(w, false);
+        model.answers.push_back(
+            { training.weights[t], Eigen::Map<const Eigen::VectorXf>(q.data(), Eigen::Index(q.size())) });
+        const Eigen::VectorXd exact
+            = solve_stand_in(*model.stand_in, training, training.weights[t], metric, model.energy_scale);
+        const Eigen::VectorXd found
+            = Eigen::Map<const Eigen::VectorXf>(fine.data(), Eigen::Index(fine.size())).cast<double>();
         // U is mass-orthonormal and the mass is 1: distances in q are distances of shapes.
         const double size = mass_norm(model.subspace->shape(exact), model.set->masses);
         report.stand_in_error = std::max(report.stand_in_error, (found - exact).norm() / size);
@@ -161,23 +184,25 @@ void collect_answers(AssetModel& model, const TrainingSet& training, BakeReport&
 Shape from_input_units(const ShapeSet& set, const std::vector<float>& positions)
 {
     Shape shape(Eigen::Index(positions.size()));
-    for (Eigen::Index i = 0; i < shape.size(); ++i) shape[i] = (double(positions[std::size_t(i)]) - set.origin[i % 3]) / set.length;
+    for (Eigen::Index i = 0; i < shape.size(); ++i)
+        shape[i] = (double(positions[std::size_t(i)]) - set.origin[i % 3]) / set.length;
     return shape;
 }
 
 // Blends of the finished asset against the unreduced average that Newton finds from them.
-void check_against_unreduced(const std::vector<std::uint8_t>& bytes, NewtonSolver& solver, const BakeOptions& options, Progress& progress,
-                             BakeReport& report)
+void check_against_unreduced(const std::vector<std::uint8_t>& bytes, NewtonSolver& solver, const BakeOptions& options,
+                             Progress& progress, BakeReport& report)
 {
     RuntimeBlender blender(bytes, "the asset just baked");
     Random random(options.seed + 1000003); // other weights than the ones trained on
     for (int i = 0; i < options.check_count; ++i) {
-        progress.update("check", double(i) / options.check_count, fmt::format("unreduced average {} of {}", i + 1, options.check_count));
+        progress.update("check", double(i) / options.check_count,
+                        fmt::format("unreduced average {} of {}", i + 1, options.check_count));
         const Weights w = random.weights(solver.set().pose_count(), i % 3 == 2);
         const Shape blend = from_input_units(solver.set(), blender.positions(blender.solve(to_floats(w), false)));
         const NewtonResult truth = solver.minimise(w, blend, NewtonOptions());
         if (!truth.has_converged) ++report.unconverged_check_count;
-        report.checks.push_back({w, shape_error(solver.energy(), solver.set(), w, blend, truth.y)});
+        report.checks.push_back({ w, shape_error(solver.energy(), solver.set(), w, blend, truth.y) });
     }
 }
 
@@ -185,7 +210,8 @@ void describe(BakeReport& report, const ShapeSet& set, const Energy& energy)
 {
     report.vertex_count = std::size_t(set.dof_count() / 3);
     report.pose_count = set.pose_count();
-    if (const auto* shells = dynamic_cast<const DiscreteShells*>(&energy)) report.foldover_count = shells->foldover_hinges().size();
+    if (const auto* shells = dynamic_cast<const DiscreteShells*>(&energy))
+        report.foldover_count = shells->foldover_hinges().size();
 }
 
 } // namespace
@@ -194,26 +220,6 @@ std::unique_ptr<Energy> make_energy(const ShapeSet& set, const EnergyOptions& op
 {
     if (options.material == Material::arap) return std::make_unique<Arap>(set);
     return std::make_unique<DiscreteShells>(set, options.shell);
-}
-
-ShapeError shape_error(const Energy& energy, const ShapeSet& set, const Weights& w, const Shape& blend, const Shape& truth)
-{
-    Shape aligned = truth;
-    apply(best_rigid_motion(truth, blend, set.masses), aligned);
-    Eigen::Vector3d centroid = Eigen::Vector3d::Zero();
-    for (Eigen::Index v = 0; v < set.masses.size(); ++v) centroid += set.masses[v] * aligned.segment<3>(3 * v);
-    centroid /= set.masses.sum();
-    Shape centred = aligned;
-    for (Eigen::Index v = 0; v < set.masses.size(); ++v) centred.segment<3>(3 * v) -= centroid;
-
-    ShapeError error;
-    const Shape off = aligned - blend;
-    error.relative_l2 = mass_norm(off, set.masses) / mass_norm(centred, set.masses);
-    for (Eigen::Index v = 0; v < set.masses.size(); ++v)
-        error.largest_distance = std::max(error.largest_distance, off.segment<3>(3 * v).norm() / set.diagonal);
-    const double least = energy_value(energy, w, truth);
-    error.energy_excess = (energy_value(energy, w, blend) - least) / std::max(least, 1e-13); // a pose itself has no energy
-    return error;
 }
 
 BakedAsset bake(const PoseSet& poses, const BakeOptions& options, Progress& progress)
@@ -226,14 +232,15 @@ BakedAsset bake(const PoseSet& poses, const BakeOptions& options, Progress& prog
     const std::unique_ptr<Energy> energy = make_energy(set, options.energy);
     describe(report, set, *energy);
     if (report.foldover_count)
-        progress.warn(4403, fmt::format("{} hinges are folded over or fold strongly between poses; their bending is multiplied by {}",
-                                        report.foldover_count, options.energy.shell.foldover_damping),
-                      "smooth the creases there, or set --foldover-damping (1 = off)");
+        progress.warn(
+            4403,
+            fmt::format("{} hinges are folded over or fold strongly between poses; their bending is multiplied by {}",
+                        report.foldover_count, options.energy.shell.foldover_damping),
+            "smooth the creases there, or set --foldover-damping (1 = off)");
     NewtonSolver solver(*energy, set, options.energy.solver);
     watch.stage_done("poses");
 
-    const KrylovOptions krylov = {options.ritz_count, options.dimension, options.max_dimension};
-    const Subspace subspace = build_krylov_subspace(solver, krylov, &progress);
+    const Subspace subspace = choose_subspace(solver, options, progress, report);
     report.dimension = subspace.dimension();
     watch.stage_done("subspace");
 
@@ -260,7 +267,7 @@ BakedAsset bake(const PoseSet& poses, const BakeOptions& options, Progress& prog
 
     // A first encoding to let the real runtime answer; answers and certificate are written last.
     model.certificate = "{}";
-    model.answers.push_back({training.weights[0], model.mean.cast<float>()});
+    model.answers.push_back({ training.weights[0], model.mean.cast<float>() });
     collect_answers(model, training, report);
     model.answers.erase(model.answers.begin());
     check_against_unreduced(encode_asset(model), solver, options, progress, report);
@@ -276,14 +283,19 @@ BakedAsset bake(const PoseSet& poses, const BakeOptions& options, Progress& prog
 BakeEstimate estimate_bake(std::size_t vertex_count, std::size_t pose_count, const BakeOptions& options)
 {
     const double n = double(vertex_count), m = double(pose_count);
+    const bool is_adaptive = options.subspace == SubspaceKind::adaptive;
     BakeEstimate estimate {};
-    const double full = (m - 1) + m * (m - 1) * (1 + options.ritz_count);
-    estimate.dimension = Eigen::Index(std::min(options.dimension ? double(options.dimension) : full, double(options.max_dimension)));
+    // The adaptive dimension depends on the poses: about four per pair, found on bodies in very different poses (fewer when they are alike).
+    const double expected
+        = is_adaptive ? std::min(64.0, 4 * m * (m - 1) / 2) : (m - 1) + m * (m - 1) * (1 + options.ritz_count);
+    estimate.dimension = Eigen::Index(options.dimension ? double(options.dimension) : std::min(expected, 256.0));
     const double d = double(estimate.dimension);
-    // Fitted to measured bakes (tests/bench): a factorisation costs n^1.3, a reduced gradient n (1 + d / 60).
-    const double factorisation = 0.5 * std::pow(n / 1e4, 1.3), gradient = 1.5e-6 * n * (1 + d / 60);
-    estimate.seconds = (m + 5.0 * options.check_count) * factorisation + 32 * 20 * gradient + d * d * 2e-2;
-    estimate.memory = 18e3 * n + 4 * 24 * n * d; // factor and Hessian, a few copies of the basis
+    // Orders of magnitude from the runs in tests/bench: seconds of a factorisation with its Hessian, and of a reduced gradient.
+    const double factorisation = 0.6 * std::pow(n / 1e4, 1.3), gradient = 1.5e-6 * n * (1 + d / 60);
+    const double factorisations = is_adaptive ? 20 + 5 * 1.5 * d : m;
+    const double solves = 32 + (is_adaptive ? 2.5 * d : 0);
+    estimate.seconds = (factorisations + 6.0 * options.check_count) * factorisation + solves * 20 * gradient + d * d * 1e-2;
+    estimate.memory = 18e3 * n + 5 * 24 * n * d; // factor and Hessian, a few copies of the basis
     estimate.asset_size = 12 * n * (d + 1) + 24 * n;
     return estimate;
 }

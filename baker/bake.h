@@ -2,8 +2,10 @@
 #pragma once
 
 #include "average/newton.h"
+#include "average/shape_error.h"
 #include "energy/discrete_shells.h"
 #include "reduce/cubature.h"
+#include "subspace/adaptive.h"
 
 #include <cstdint>
 #include <memory>
@@ -13,6 +15,7 @@
 namespace pliant {
 
 enum class Material { discrete_shells, arap };
+enum class SubspaceKind { adaptive, krylov };
 enum class StandInKind { cubature, ghost };
 
 // What an elastic energy is made of: shared by all verbs that need one.
@@ -25,24 +28,16 @@ struct EnergyOptions {
 
 struct BakeOptions {
     EnergyOptions energy;
-    int ritz_count = 2;
-    Eigen::Index dimension = 0;        // 0: what ritz_count gives, at most max_dimension
-    Eigen::Index max_dimension = 256;
+    SubspaceKind subspace = SubspaceKind::adaptive;
+    double tolerance = 1e-3;    // adaptive: mean relative L2 of the subspace over check weights
+    int ritz_count = 2;         // krylov: vectors per tangent
+    Eigen::Index dimension = 0; // 0: what the tolerance or ritz_count asks for; else exactly this
     StandInKind stand_in = StandInKind::cubature;
-    std::size_t element_count = 0;     // cubature elements; 0: six per dimension
+    std::size_t element_count = 0; // cubature elements; 0: six per dimension
     std::size_t ghost_vertex_count = 800;
     std::uint64_t seed = 1;
-    int check_count = 3;               // weights at which the written asset is compared with the unreduced average
+    int check_count = 3; // weights at which the written asset is compared with the unreduced average
 };
-
-// Relative errors of blended shapes against the unreduced averages.
-struct ShapeError {
-    double relative_l2 = 0;       // mass-weighted, after rigid alignment, relative to the distance from the centroid
-    double largest_distance = 0;  // over the bounding-box diagonal of pose 0
-    double energy_excess = 0;     // (W(blend) - W(average)) / W(average)
-};
-
-ShapeError shape_error(const Energy& energy, const ShapeSet& set, const Weights& w, const Shape& blend, const Shape& truth);
 
 struct StageTime {
     std::string stage;
@@ -55,11 +50,12 @@ struct BakeReport {
     std::vector<StageTime> stages;
     int factorization_count = 0;
     int unconverged_training_count = 0;
+    AdaptiveReport adaptive; // empty for krylov
     CubatureReport cubature;
-    double stand_in_error = 0;                  // largest relative distance of runtime and double-precision stand-in, relative L2
+    double stand_in_error = 0; // largest relative distance of runtime and double-precision stand-in, relative L2
     std::vector<std::pair<Weights, ShapeError>> checks;
     int unconverged_check_count = 0;
-    std::string certificate;                    // the JSON that went into the asset
+    std::string certificate; // the JSON that went into the asset
 };
 
 struct BakedAsset {

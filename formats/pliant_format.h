@@ -9,12 +9,13 @@
 #define PLIANT_FORMAT_MINOR 0
 
 /* "«PLIANT»" with CR LF EOF LF behind it: a transfer in text mode breaks it visibly. */
-#define PLIANT_FORMAT_IDENTIFIER \
-    { 0xAB, 0x50, 0x4C, 0x49, 0x41, 0x4E, 0x54, 0xBB, 0x0D, 0x0A, 0x1A, 0x0A }
+#define PLIANT_FORMAT_IDENTIFIER                                               \
+    {                                                                          \
+        0xAB, 0x50, 0x4C, 0x49, 0x41, 0x4E, 0x54, 0xBB, 0x0D, 0x0A, 0x1A, 0x0A \
+    }
 
 /* Chunk tags: four letters, the first in the lowest byte. */
-#define PLIANT_FORMAT_TAG(a, b, c, d) \
-    ((uint32_t)(a) | ((uint32_t)(b) << 8) | ((uint32_t)(c) << 16) | ((uint32_t)(d) << 24))
+#define PLIANT_FORMAT_TAG(a, b, c, d) ((uint32_t)(a) | ((uint32_t)(b) << 8) | ((uint32_t)(c) << 16) | ((uint32_t)(d) << 24))
 #define PLIANT_CHUNK_SOLVER PLIANT_FORMAT_TAG('S', 'O', 'L', 'V')
 #define PLIANT_CHUNK_ELEMENTS PLIANT_FORMAT_TAG('E', 'L', 'E', 'M')
 #define PLIANT_CHUNK_PREDICTOR PLIANT_FORMAT_TAG('P', 'R', 'E', 'D')
@@ -110,6 +111,7 @@ typedef struct pliant_format_shape {
     uint32_t pose_number_count;
 } pliant_format_shape;
 
+/* clang-format off */
 static inline pliant_format_shape pliant_format_batch_shape(uint32_t kind, uint32_t valence, uint32_t is_closed)
 {
     pliant_format_shape shape = { 0, 0, 0 };
@@ -126,5 +128,6 @@ static inline pliant_format_shape pliant_format_batch_shape(uint32_t kind, uint3
     }
     return shape;
 }
+/* clang-format on */
 
 #endif

@@ -5,7 +5,9 @@
 namespace pliant {
 
 AverageFamily::AverageFamily(NewtonSolver& solver, NewtonOptions options, Progress* progress)
-    : solver_(solver), options_(options), progress_(progress)
+    : solver_(solver)
+    , options_(options)
+    , progress_(progress)
 {
 }
 
@@ -22,7 +24,8 @@ NewtonResult AverageFamily::follow(const Weights& from, const Shape& start, cons
         const Weights next = from + (to - from) * (double(step) / step_count);
         Shape guess = result.y + solver_.weight_derivative(here, result.y, next - here);
         // A tangent step that goes too far is worse than none.
-        if (!(energy_value(solver_.energy(), next, guess) < energy_value(solver_.energy(), next, result.y))) guess = result.y;
+        if (!(energy_value(solver_.energy(), next, guess) < energy_value(solver_.energy(), next, result.y)))
+            guess = result.y;
         result = solver_.minimise(next, guess, step == step_count ? options_ : rough, progress_);
         iterations += result.iterations;
     }

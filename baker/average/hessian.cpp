@@ -44,8 +44,7 @@ double* HessianAssembler::block(std::uint32_t row_vertex, std::uint32_t column_v
 {
     const auto first = rows_.begin() + starts_[column_vertex], last = rows_.begin() + starts_[column_vertex + 1];
     const std::int64_t place = std::lower_bound(first, last, row_vertex) - first;
-    for (int c = 0; c < 3; ++c)
-        stride[c] = matrix_.outerIndexPtr()[3 * std::int64_t(column_vertex) + c] + 3 * place - c;
+    for (int c = 0; c < 3; ++c) stride[c] = matrix_.outerIndexPtr()[3 * std::int64_t(column_vertex) + c] + 3 * place - c;
     return matrix_.valuePtr();
 }
 

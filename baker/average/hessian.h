@@ -23,8 +23,8 @@ public:
 private:
     double* block(std::uint32_t row_vertex, std::uint32_t column_vertex, std::int64_t stride[3]);
     const Energy& energy_;
-    std::vector<std::int64_t> starts_;       // per vertex column: where its row vertices start in rows_
-    std::vector<std::uint32_t> rows_;        // row vertices >= column vertex, ascending, the diagonal first
+    std::vector<std::int64_t> starts_; // per vertex column: where its row vertices start in rows_
+    std::vector<std::uint32_t> rows_;  // row vertices >= column vertex, ascending, the diagonal first
     SparseLower matrix_;
 };
 

@@ -22,7 +22,10 @@ double scale_of(double energy) { return std::max(std::abs(energy), energy_floor)
 } // namespace
 
 NewtonSolver::NewtonSolver(const Energy& energy, const ShapeSet& set, SolverKind kind)
-    : energy_(energy), set_(set), assembler_(energy), cholesky_(kind)
+    : energy_(energy)
+    , set_(set)
+    , assembler_(energy)
+    , cholesky_(kind)
 {
 }
 
@@ -41,9 +44,10 @@ void NewtonSolver::factorize_shifted(const Weights& w, const Shape& y, HessianKi
         pin(matrix, pins_);
         if (cholesky_.factorize(matrix)) return;
     }
-    throw Failure(ExitCode::failed,
-                  error_at(4302, "", "the elastic energy has no positive definite model here",
-                           "the poses may contain nearly collapsed triangles; try another --membrane or a larger --thickness"));
+    throw Failure(
+        ExitCode::failed,
+        error_at(4302, "", "the elastic energy has no positive definite model here",
+                 "the poses may contain nearly collapsed triangles; try another --membrane or a larger --thickness"));
 }
 
 bool NewtonSolver::factorize_model(const Weights& w, const Shape& y)

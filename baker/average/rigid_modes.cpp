@@ -39,7 +39,8 @@ Eigen::MatrixXd rigid_modes(const Shape& y, const Eigen::VectorXd& masses)
     return factor.triangularView<Eigen::Lower>().solve(modes.transpose()).transpose();
 }
 
-void remove_rigid_motion(Eigen::Ref<Eigen::MatrixXd> displacements, const Eigen::MatrixXd& modes, const Eigen::VectorXd& masses)
+void remove_rigid_motion(Eigen::Ref<Eigen::MatrixXd> displacements, const Eigen::MatrixXd& modes,
+                         const Eigen::VectorXd& masses)
 {
     displacements -= (modes * (times_mass(modes, masses).transpose() * displacements)).eval();
 }
@@ -71,12 +72,13 @@ std::vector<Eigen::Index> statically_determinate_pins(const Shape& y)
             const int b1 = (free_b + 1) % 3, b2 = (free_b + 2) % 3;
             Eigen::Matrix3d work;
             for (int r = 0; r < 3; ++r) {
-                const Eigen::Vector3d at_b = Eigen::Vector3d::Unit(r).cross(to_b), at_c = Eigen::Vector3d::Unit(r).cross(to_c);
+                const Eigen::Vector3d at_b = Eigen::Vector3d::Unit(r).cross(to_b),
+                                      at_c = Eigen::Vector3d::Unit(r).cross(to_c);
                 work.col(r) << at_b[b1], at_b[b2], at_c[pinned_c];
             }
             if (std::abs(work.determinant()) <= best_determinant) continue;
             best_determinant = std::abs(work.determinant());
-            best = {3 * a, 3 * a + 1, 3 * a + 2, 3 * b + b1, 3 * b + b2, 3 * c + pinned_c};
+            best = { 3 * a, 3 * a + 1, 3 * a + 2, 3 * b + b1, 3 * b + b2, 3 * c + pinned_c };
         }
     return best;
 }

@@ -14,7 +14,8 @@ double mass_norm(const Shape& a, const Eigen::VectorXd& masses);
 Eigen::MatrixXd times_mass(const Eigen::MatrixXd& vectors, const Eigen::VectorXd& masses);
 
 // Removes the rigid part from displacements (columns): x - R R^T M x.
-void remove_rigid_motion(Eigen::Ref<Eigen::MatrixXd> displacements, const Eigen::MatrixXd& modes, const Eigen::VectorXd& masses);
+void remove_rigid_motion(Eigen::Ref<Eigen::MatrixXd> displacements, const Eigen::MatrixXd& modes,
+                         const Eigen::VectorXd& masses);
 
 // Makes loads (columns) orthogonal to the rigid modes, so that they do no work on them: f - M R R^T f.
 void balance_load(Eigen::Ref<Eigen::MatrixXd> loads, const Eigen::MatrixXd& modes, const Eigen::VectorXd& masses);

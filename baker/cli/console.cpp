@@ -30,7 +30,9 @@ std::string duration_text(double seconds)
 } // namespace
 
 ConsoleProgress::ConsoleProgress(std::string verb, bool is_quiet)
-    : verb_(std::move(verb)), is_quiet_(is_quiet), is_terminal_(::isatty(STDERR_FILENO) != 0)
+    : verb_(std::move(verb))
+    , is_quiet_(is_quiet)
+    , is_terminal_(::isatty(STDERR_FILENO) != 0)
 {
 }
 

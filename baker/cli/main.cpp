@@ -22,7 +22,8 @@ ExitCode guarded(const std::string& name, const Verb& verb)
     } catch (const std::bad_alloc&) {
         print_finding(name, error_at(4901, "", "memory ran out", "`pliant check` says how much a bake needs"));
     } catch (const std::exception& e) {
-        print_finding(name, error_at(4902, "", fmt::format("unexpected: {}", e.what()), "please report this with the command line"));
+        print_finding(
+            name, error_at(4902, "", fmt::format("unexpected: {}", e.what()), "please report this with the command line"));
     }
     return ExitCode::failed;
 }
@@ -36,11 +37,13 @@ int main(int argc, char** argv)
     app.set_version_flag("--version", "pliant 0.1.0");
     app.require_subcommand(1);
     app.failure_message(CLI::FailureMessage::help);
-    app.footer("Exit codes: 0 done, 1 failed while working, 2 wrong usage, 3 bad input file, 4 misses the tolerance, 130 interrupted.\n"
+    app.footer("Exit codes: 0 done, 1 failed while working, 2 wrong usage, 3 bad input file, 4 misses the tolerance, 130 "
+               "interrupted.\n"
                "`pliant VERB --help` teaches each verb with an example.");
     const std::vector<std::pair<std::string, Verb>> verbs = {
-        {"bake", add_bake(app)},       {"check", add_check(app)}, {"average", add_average(app)},   {"blend", add_blend(app)},
-        {"measure", add_measure(app)}, {"info", add_info(app)},   {"validate", add_validate(app)},
+        { "bake", add_bake(app) },         { "check", add_check(app) },     { "average", add_average(app) },
+        { "blend", add_blend(app) },       { "measure", add_measure(app) }, { "info", add_info(app) },
+        { "validate", add_validate(app) },
     };
     try {
         app.parse(argc, argv);

@@ -41,9 +41,10 @@ void add_pose_arguments(CLI::App& verb, std::vector<std::string>& poses)
 
 void add_energy_options(CLI::App& verb, EnergyOptions& options)
 {
-    add_choice(verb, "--material", options.material, {Material::discrete_shells, Material::arap},
-               "Elastic energy: discrete-shells (thin shell, the best choice for characters) or arap (as rigid as possible)");
-    add_choice(verb, "--membrane", options.shell.membrane, {Membrane::neo_hookean, Membrane::stvk, Membrane::edge},
+    add_choice(
+        verb, "--material", options.material, { Material::discrete_shells, Material::arap },
+        "Elastic energy: discrete-shells (thin shell, the best choice for characters) or arap (as rigid as possible)");
+    add_choice(verb, "--membrane", options.shell.membrane, { Membrane::neo_hookean, Membrane::stvk, Membrane::edge },
                "How a shell resists stretching; neo-hookean cannot collapse a triangle");
     verb.add_option("--thickness", options.shell.thickness,
                     "Shell thickness relative to the root of the surface area: more bends less sharply")
@@ -53,13 +54,18 @@ void add_energy_options(CLI::App& verb, EnergyOptions& options)
                     "Factor on the bending of hinges that are folded over in some pose; 1 = off")
         ->capture_default_str()
         ->check(CLI::Range(0.0, 1.0));
-    std::vector<SolverKind> solvers = {SolverKind::eigen};
+    std::vector<SolverKind> solvers = { SolverKind::eigen };
     if (has_cholmod()) solvers.insert(solvers.begin(), SolverKind::cholmod);
-    add_choice(verb, "--solver", options.solver, solvers, "Sparse factorisation: cholmod (fast) or eigen (portable, bit-stable)");
-    verb.add_flag("--no-align", options.keep_placement, "Take the poses where they stand instead of moving them rigidly onto the first");
+    add_choice(verb, "--solver", options.solver, solvers,
+               "Sparse factorisation: cholmod (fast) or eigen (portable, bit-stable)");
+    verb.add_flag("--no-align", options.keep_placement,
+                  "Take the poses where they stand instead of moving them rigidly onto the first");
 }
 
-void add_quiet(CLI::App& verb, bool& is_quiet) { verb.add_flag("-q,--quiet", is_quiet, "No progress, only warnings and errors"); }
+void add_quiet(CLI::App& verb, bool& is_quiet)
+{
+    verb.add_flag("-q,--quiet", is_quiet, "No progress, only warnings and errors");
+}
 
 PoseSet load_with_warnings(const std::string& verb, const std::vector<std::string>& paths, const EnergyOptions& options)
 {
@@ -83,8 +89,9 @@ std::vector<double> parse_weights(const std::string& text)
         double value = 0;
         const auto [rest, error] = std::from_chars(word.data(), word.data() + word.size(), value);
         if (error != std::errc() || rest != word.data() + word.size())
-            throw Failure(ExitCode::usage, error_at(1201, "", fmt::format("weight '{}' in '{}' is not a number", word, text),
-                                                    "write weights as 0.5,0.25,0.25 with a decimal point"));
+            throw Failure(ExitCode::usage,
+                          error_at(1201, "", fmt::format("weight '{}' in '{}' is not a number", word, text),
+                                   "write weights as 0.5,0.25,0.25 with a decimal point"));
         values.push_back(value);
         start = end + 1;
     }
@@ -94,13 +101,15 @@ std::vector<double> parse_weights(const std::string& text)
 Weights normalised_weights(const std::vector<double>& values, std::size_t pose_count)
 {
     if (values.size() != pose_count)
-        throw Failure(ExitCode::usage, error_at(1203, "", fmt::format("{} weights given for {} poses", values.size(), pose_count),
-                                                "give one weight per pose, separated by commas"));
+        throw Failure(ExitCode::usage,
+                      error_at(1203, "", fmt::format("{} weights given for {} poses", values.size(), pose_count),
+                               "give one weight per pose, separated by commas"));
     Weights w = Eigen::Map<const Weights>(values.data(), Eigen::Index(values.size()));
     const double largest = w.maxCoeff();
     if (!w.allFinite() || w.minCoeff() < 0 || !(largest > 0))
-        throw Failure(ExitCode::usage, error_at(1204, "", "the weights are not all finite and non-negative with a positive sum",
-                                                "only their ratios matter; use 0 for poses that take no part"));
+        throw Failure(ExitCode::usage,
+                      error_at(1204, "", "the weights are not all finite and non-negative with a positive sum",
+                               "only their ratios matter; use 0 for poses that take no part"));
     w /= largest; // first, so that the sum of very large ones does not overflow
     return w / w.sum();
 }

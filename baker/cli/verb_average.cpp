@@ -32,12 +32,14 @@ ExitCode run(const Arguments& a)
     AverageFamily family(solver, a.newton, &progress);
     const NewtonResult result = family.at(w);
     if (!result.has_converged)
-        throw Failure(ExitCode::failed,
-                      error_at(4303, "", fmt::format("the average did not converge: relative decrement {:.1e} (wanted {:.1e}), unbalanced "
-                                                     "force {:.1e} (wanted {:.1e}) after {} iterations",
-                                                     result.decrement, a.newton.decrement, result.residual, a.newton.residual,
-                                                     result.iterations),
-                               "add an in-between pose, or try another --thickness or a smaller --foldover-damping"));
+        throw Failure(
+            ExitCode::failed,
+            error_at(4303, "",
+                     fmt::format("the average did not converge: relative decrement {:.1e} (wanted {:.1e}), unbalanced "
+                                 "force {:.1e} (wanted {:.1e}) after {} iterations",
+                                 result.decrement, a.newton.decrement, result.residual, a.newton.residual,
+                                 result.iterations),
+                     "add an in-between pose, or try another --thickness or a smaller --foldover-damping"));
     write_output(a.output, encode_ply(to_input_units(set, result.y), poses.polygons));
     progress.clear_line();
     if (!a.is_quiet)
@@ -54,7 +56,9 @@ Verb add_average(CLI::App& app)
     CLI::App* verb = app.add_subcommand("average", "Compute the unreduced elastic average: the truth, slowly");
     verb->footer("Example:\n  pliant average rest.ply run.ply --weights 1,1 -o between.ply");
     add_pose_arguments(*verb, a->poses);
-    verb->add_option("-w,--weights", a->weights, "One weight per pose, separated by commas")->required()->type_name("W1,W2,...");
+    verb->add_option("-w,--weights", a->weights, "One weight per pose, separated by commas")
+        ->required()
+        ->type_name("W1,W2,...");
     verb->add_option("-o,--output", a->output, "Mesh to write")->required()->type_name("OUT.ply");
     add_energy_options(*verb, a->energy);
     add_quiet(*verb, a->is_quiet);

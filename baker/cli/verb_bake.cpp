@@ -13,42 +13,76 @@ namespace {
 struct Arguments {
     std::vector<std::string> poses;
     std::string output, report;
-    std::string subspace = "krylov", stand_in = "cubature";
+    std::string subspace = "adaptive", stand_in = "cubature";
     BakeOptions bake;
-    bool is_quiet = false;
+    bool has_tolerance = false, is_best_effort = false, is_quiet = false;
 };
 
 void print_summary(const Arguments& a, const BakedAsset& baked)
 {
     const BakeReport& r = baked.report;
-    fmt::print("{}: {} poses, {} vertices, d = {}, {} elements, {:.1f} MiB\n", a.output, r.pose_count, r.vertex_count, r.dimension,
-               r.element_count, double(baked.bytes.size()) / 1048576.0);
+    if (a.bake.subspace == SubspaceKind::adaptive)
+        fmt::print(
+            "subspace: relative L2 {:.2e} (mean), {:.2e} (largest) over held-out weights, {} snapshots, {} factorisations\n",
+            r.adaptive.mean_error, r.adaptive.largest_error, r.adaptive.snapshot_count, r.factorization_count);
+    fmt::print("{}: {} poses, {} vertices, d = {}, {} elements, {:.1f} MiB\n", a.output, r.pose_count, r.vertex_count,
+               r.dimension, r.element_count, double(baked.bytes.size()) / 1048576.0);
     double mean = 0, worst = 0;
     for (const auto& check : r.checks) {
         mean += check.second.relative_l2 / double(r.checks.size());
         worst = std::max(worst, check.second.largest_distance);
     }
     if (!r.checks.empty())
-        fmt::print("against the unreduced average at {} fresh weights: relative L2 {:.2e} (mean), farthest vertex {:.2f} % of the "
-                   "diagonal{}\n",
-                   r.checks.size(), mean, 100 * worst,
-                   r.unconverged_check_count ? fmt::format(" ({} did not converge)", r.unconverged_check_count) : "");
+        fmt::print(
+            "against the unreduced average at {} fresh weights: relative L2 {:.2e} (mean), farthest vertex {:.2f} % of the "
+            "diagonal{}\n",
+            r.checks.size(), mean, 100 * worst,
+            r.unconverged_check_count ? fmt::format(" ({} did not converge)", r.unconverged_check_count) : "");
     for (const StageTime& stage : r.stages) fmt::print("  {:<18} {:8.1f} s\n", stage.stage, stage.seconds);
+}
+
+std::string weights_text(const Weights& w)
+{
+    std::string text;
+    for (double value : w) text += fmt::format("{}{:.3g}", text.empty() ? "" : ",", value);
+    return text;
+}
+
+// A tolerance that was asked for is a condition; the default one is an aim.
+ExitCode judge_tolerance(const Arguments& a, const BakedAsset& baked, Progress& progress)
+{
+    const AdaptiveReport& r = baked.report.adaptive;
+    if (a.bake.subspace != SubspaceKind::adaptive || a.bake.dimension || r.meets_tolerance) return ExitCode::done;
+    const std::string what = fmt::format(
+        "the subspace misses the tolerance {:.3g}: mean error {:.2e} at d = {}, largest {:.2e} at weights {}",
+        a.bake.tolerance, r.mean_error, baked.report.dimension, r.largest_error, weights_text(r.worst_weights));
+    const char* hint = "add an in-between pose near those weights, leave a pose out, or ask for less with --tolerance";
+    if (!a.has_tolerance) {
+        progress.warn(4404, what, hint);
+        return ExitCode::done;
+    }
+    if (!a.is_best_effort)
+        throw Failure(ExitCode::misses_tolerance,
+                      error_at(4405, "", what, std::string(hint) + "; --best-effort writes it all the same"));
+    progress.warn(4404, what, hint);
+    return ExitCode::misses_tolerance;
 }
 
 ExitCode run(Arguments& a)
 {
+    a.bake.subspace = a.subspace == "krylov" ? SubspaceKind::krylov : SubspaceKind::adaptive;
     probe_output(a.output, a.poses);
     if (!a.report.empty()) probe_output(a.report, a.poses);
     a.bake.stand_in = a.stand_in == "ghost" ? StandInKind::ghost : StandInKind::cubature;
     ConsoleProgress progress("bake", a.is_quiet);
     const PoseSet poses = load_with_warnings("bake", a.poses, a.bake.energy);
     const BakedAsset baked = bake(poses, a.bake, progress);
-    write_output(a.output, {reinterpret_cast<const char*>(baked.bytes.data()), baked.bytes.size()});
+    const ExitCode verdict = judge_tolerance(a, baked, progress);
+    write_output(a.output, { reinterpret_cast<const char*>(baked.bytes.data()), baked.bytes.size() });
     if (!a.report.empty()) write_output(a.report, write_report(baked.report));
     progress.clear_line();
     if (!a.is_quiet) print_summary(a, baked);
-    return ExitCode::done;
+    return verdict;
 }
 
 } // namespace
@@ -58,28 +92,46 @@ Verb add_bake(CLI::App& app)
     auto a = std::make_shared<Arguments>();
     CLI::App* verb = app.add_subcommand("bake", "Turn poses into an asset for the runtime");
     verb->footer("Example:\n  pliant bake rest.ply run.ply jump.ply -o hero.pliant\n"
-                 "Bakes the three poses of one mesh (same vertices, same faces) into hero.pliant, then checks it with the real runtime\n"
+                 "Bakes the three poses of one mesh (same vertices, same faces) into hero.pliant, then checks it with the "
+                 "real runtime\n"
                  "against the unreduced average. Try `pliant check` first: it is quick and writes nothing.");
     add_pose_arguments(*verb, a->poses);
     verb->add_option("-o,--output", a->output, "Asset to write")->required()->type_name("OUT.pliant");
     add_energy_options(*verb, a->bake.energy);
-    verb->add_option("--subspace", a->subspace, "How the reduced space is built: krylov (Algorithm 1 of von Tycowicz et al. 2015)")
-        ->check(CLI::IsMember({"krylov"}))
+    verb->add_option(
+            "--subspace", a->subspace,
+            "How the reduced space is built: adaptive (snapshots of true averages until --tolerance is met) or krylov "
+            "(Algorithm 1 of von Tycowicz et al. 2015: quicker to bake, far less accurate)")
+        ->check(CLI::IsMember({ "adaptive", "krylov" }))
         ->capture_default_str()
         ->type_name("NAME");
-    verb->add_option("--ritz", a->bake.ritz_count, "Krylov-Ritz vectors per tangent: more dimensions, less error")
+    verb->add_option("--tolerance", a->bake.tolerance,
+                     "adaptive: wanted relative L2 error of the subspace, mean over held-out weights; if you give it and it "
+                     "is missed, nothing is "
+                     "written and the exit code is 4")
+        ->each([a](const std::string&) { a->has_tolerance = true; })
+        ->check(CLI::Range(1e-8, 1.0))
+        ->capture_default_str();
+    verb->add_flag("--best-effort", a->is_best_effort,
+                   "Write the asset even if it misses --tolerance (exit code 4 all the same)");
+    verb->add_option("--ritz", a->bake.ritz_count, "krylov: Ritz vectors per tangent")
         ->check(CLI::Range(0, 32))
         ->capture_default_str();
-    verb->add_option("--dim", a->bake.dimension, "Dimension of the reduced space (default: what --ritz gives)")->check(CLI::Range(1, 256));
-    verb->add_option("--energy", a->stand_in, "Stand-in for the energy: cubature (few elements, accurate) or ghost (coarse mesh)")
-        ->check(CLI::IsMember({"cubature", "ghost"}))
+    verb->add_option("--dim", a->bake.dimension,
+                     "Dimension of the reduced space (default: what the tolerance or --ritz asks for)")
+        ->check(CLI::Range(1, 256));
+    verb->add_option("--energy", a->stand_in,
+                     "Stand-in for the energy: cubature (few elements, accurate) or ghost (coarse mesh)")
+        ->check(CLI::IsMember({ "cubature", "ghost" }))
         ->capture_default_str()
         ->type_name("NAME");
-    verb->add_option("--elements", a->bake.element_count, "Cubature elements (default: six per dimension)")->check(CLI::Range(1, 1000000));
+    verb->add_option("--elements", a->bake.element_count, "Cubature elements (default: six per dimension)")
+        ->check(CLI::Range(1, 1000000));
     verb->add_option("--ghost-vertices", a->bake.ghost_vertex_count, "Vertices of the ghost")
         ->check(CLI::Range(4, 1000000))
         ->capture_default_str();
-    verb->add_option("--check-samples", a->bake.check_count, "Fresh weights at which the asset is compared with the unreduced average")
+    verb->add_option("--check-samples", a->bake.check_count,
+                     "Fresh weights at which the asset is compared with the unreduced average")
         ->check(CLI::Range(0, 1000))
         ->capture_default_str();
     verb->add_option("--seed", a->bake.seed, "Seed of everything random")->capture_default_str();

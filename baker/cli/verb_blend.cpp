@@ -26,8 +26,9 @@ std::string frame_name(const std::string& pattern, std::size_t frame)
     const std::size_t percent = pattern.find('%');
     std::size_t end = percent == std::string::npos ? percent : pattern.find_first_not_of("0123456789", percent + 1);
     if (end == std::string::npos || pattern[end] != 'd' || pattern.find('%', end) != std::string::npos)
-        throw Failure(ExitCode::usage, error_at(1205, "", fmt::format("'{}' does not say where the frame number goes", pattern),
-                                                "write it as frame_%04d.ply: one %d or %04d"));
+        throw Failure(ExitCode::usage,
+                      error_at(1205, "", fmt::format("'{}' does not say where the frame number goes", pattern),
+                               "write it as frame_%04d.ply: one %d or %04d"));
     const std::string digits = pattern.substr(percent + 1, end - percent - 1);
     const std::size_t width = digits.empty() ? 0 : std::min<std::size_t>(std::stoul("0" + digits.substr(0, 4)), 20);
     std::string number = std::to_string(frame);
@@ -50,8 +51,9 @@ std::vector<std::vector<double>> read_path(const std::string& path)
         try {
             rows.push_back(parse_weights(row));
         } catch (const Failure& failure) {
-            throw Failure(ExitCode::bad_input, error_at(2601, path + ":" + std::to_string(line), failure.findings()[0].what,
-                                                        "one line per frame, one weight per pose, separated by commas; # starts a comment"));
+            throw Failure(ExitCode::bad_input,
+                          error_at(2601, path + ":" + std::to_string(line), failure.findings()[0].what,
+                                   "one line per frame, one weight per pose, separated by commas; # starts a comment"));
         }
     }
     return rows;
@@ -72,13 +74,13 @@ ExitCode run(const Arguments& a)
     const Polygons faces = blender.faces();
     pliant_solve_info info {};
     if (a.path.empty()) {
-        probe_output(a.output, {a.asset});
+        probe_output(a.output, { a.asset });
         write_frame(blender, blender.solve(to_floats(values), false, &info), faces, a.output);
         if (!a.is_quiet) fmt::print("{}: {} iterations, {} evaluations\n", a.output, info.iterations, info.evaluations);
         return ExitCode::done;
     }
     const auto rows = read_path(a.path);
-    for (std::size_t frame = 0; frame < rows.size(); ++frame) probe_output(frame_name(a.output, frame), {a.asset, a.path});
+    for (std::size_t frame = 0; frame < rows.size(); ++frame) probe_output(frame_name(a.output, frame), { a.asset, a.path });
     ConsoleProgress progress("blend", a.is_quiet);
     for (std::size_t frame = 0; frame < rows.size(); ++frame) {
         progress.update("frames", double(frame) / double(rows.size()));
@@ -98,9 +100,12 @@ Verb add_blend(CLI::App& app)
     verb->footer("Examples:\n  pliant blend hero.pliant --weights 0.5,0.25,0.25 -o blend.ply\n"
                  "  pliant blend hero.pliant --path weights.csv -o frame_%04d.ply");
     verb->add_option("asset", a->asset, "Asset")->required()->type_name("ASSET");
-    verb->add_option("-w,--weights", a->weights, "One weight per pose, separated by commas; only ratios matter")->type_name("W1,W2,...");
+    verb->add_option("-w,--weights", a->weights, "One weight per pose, separated by commas; only ratios matter")
+        ->type_name("W1,W2,...");
     verb->add_option("--path", a->path, "File with one line of weights per frame")->type_name("FILE.csv");
-    verb->add_option("-o,--output", a->output, "Mesh to write; with --path a pattern like frame_%04d.ply")->required()->type_name("OUT.ply");
+    verb->add_option("-o,--output", a->output, "Mesh to write; with --path a pattern like frame_%04d.ply")
+        ->required()
+        ->type_name("OUT.ply");
     add_quiet(*verb, a->is_quiet);
     return [a] { return run(*a); };
 }

@@ -30,8 +30,8 @@ ExitCode run(const Arguments& a)
                        shells.foldover_hinges().size(), shells.hinge_count());
     }
     const BakeEstimate e = estimate_bake(poses.vertex_count(), poses.pose_count(), a.bake);
-    fmt::print("a bake would have d = {}, take roughly {:.0f} s and {:.1f} GiB, and write {:.1f} MiB\n", e.dimension, e.seconds,
-               e.memory / 1073741824.0, e.asset_size / 1048576.0);
+    fmt::print("a bake would have d = {}, take roughly {:.0f} s and {:.1f} GiB, and write {:.1f} MiB\n", e.dimension,
+               e.seconds, e.memory / 1073741824.0, e.asset_size / 1048576.0);
     return ExitCode::done;
 }
 
@@ -41,10 +41,10 @@ Verb add_check(CLI::App& app)
 {
     auto a = std::make_shared<Arguments>();
     CLI::App* verb = app.add_subcommand("check", "Check poses and say what a bake would cost; writes nothing");
-    verb->footer("Example:\n  pliant check rest.ply run.ply jump.ply\nReports everything that is wrong with all files in one run.");
+    verb->footer(
+        "Example:\n  pliant check rest.ply run.ply jump.ply\nReports everything that is wrong with all files in one run.");
     add_pose_arguments(*verb, a->poses);
     add_energy_options(*verb, a->bake.energy);
-    verb->add_option("--ritz", a->bake.ritz_count, "As for bake")->check(CLI::Range(0, 32))->capture_default_str();
     verb->add_option("--dim", a->bake.dimension, "As for bake")->check(CLI::Range(1, 256));
     return [a] { return run(*a); };
 }

@@ -32,7 +32,7 @@ Json chunk_table(const pliant_asset& asset)
         std::string tag(reinterpret_cast<const char*>(&chunk.tag), 4);
         for (char& c : tag)
             if (c < ' ' || c > '~') c = '?'; // an unknown optional chunk may be called anything
-        table.push_back({{"tag", tag}, {"offset", chunk.offset}, {"size", chunk.size}});
+        table.push_back({ { "tag", tag }, { "offset", chunk.offset }, { "size", chunk.size } });
     }
     return table;
 }
@@ -41,17 +41,18 @@ Json describe(const RuntimeBlender& blender)
 {
     const pliant_asset& asset = blender.asset();
     const pliant_solver_desc desc = pliant_solver_desc_default();
-    Json info = {{"format", fmt::format("{}.{}", PLIANT_FORMAT_MAJOR, PLIANT_FORMAT_MINOR)},
-                 {"vertices", asset.vertex_count},
-                 {"triangles", asset.triangle_count},
-                 {"dimension", asset.dimension},
-                 {"poses", Json::array()},
-                 {"file_size", asset.blob_size},
-                 {"solver_memory", pliant_solver_memory(&asset, &desc)},
-                 {"chunks", chunk_table(asset)}};
+    Json info = { { "format", fmt::format("{}.{}", PLIANT_FORMAT_MAJOR, PLIANT_FORMAT_MINOR) },
+                  { "vertices", asset.vertex_count },
+                  { "triangles", asset.triangle_count },
+                  { "dimension", asset.dimension },
+                  { "poses", Json::array() },
+                  { "file_size", asset.blob_size },
+                  { "solver_memory", pliant_solver_memory(&asset, &desc) },
+                  { "chunks", chunk_table(asset) } };
     for (std::uint32_t k = 0; k < asset.pose_count; ++k) info["poses"].push_back(blender.pose_name(k));
     // Nested deeper than any certificate of ours, a text is not one: do not let it eat the stack.
-    const Json certificate = Json::parse(blender.certificate(), [](int depth, Json::parse_event_t, Json&) { return depth < 32; }, false);
+    const Json certificate = Json::parse(
+        blender.certificate(), [](int depth, Json::parse_event_t, Json&) { return depth < 32; }, false);
     info["certificate"] = certificate.is_discarded() ? Json() : certificate;
     return info;
 }
@@ -69,7 +70,8 @@ ExitCode run_info(const Arguments& a)
                info["file_size"].get<double>() / 1048576.0, info["solver_memory"].get<double>() / 1024.0);
     for (const Json& pose : info["poses"]) fmt::print("  pose {}\n", pose.get<std::string>());
     for (const Json& chunk : info["chunks"])
-        fmt::print("  {}  {:>12} bytes at {}\n", chunk["tag"].get<std::string>(), chunk["size"].dump(), chunk["offset"].dump());
+        fmt::print("  {}  {:>12} bytes at {}\n", chunk["tag"].get<std::string>(), chunk["size"].dump(),
+                   chunk["offset"].dump());
     fmt::print("certificate: {}\n", info["certificate"].dump(2, ' ', false, Json::error_handler_t::replace));
     return ExitCode::done;
 }
@@ -114,17 +116,25 @@ ExitCode run_validate(const Arguments& a)
     const Verdict verdict = solve_answers(blender);
     const bool is_good = verdict.largest_difference <= answer_tolerance;
     if (a.is_json)
-        fmt::print("{}\n", Json({{"valid", is_good}, {"answers", verdict.answer_count}, {"largest_difference", verdict.largest_difference}}).dump(1));
+        fmt::print("{}\n",
+                   Json({ { "valid", is_good },
+                          { "answers", verdict.answer_count },
+                          { "largest_difference", verdict.largest_difference } })
+                       .dump(1));
     else if (is_good)
-        fmt::print("{}: valid; {} stored answers reproduced within {:.1e}\n", a.asset, verdict.answer_count, verdict.largest_difference);
+        fmt::print("{}: valid; {} stored answers reproduced within {:.1e}\n", a.asset, verdict.answer_count,
+                   verdict.largest_difference);
     if (!is_good)
-        throw Failure(ExitCode::bad_input, error_at(5105, a.asset, fmt::format("stored answers are not reproduced: off by {:.1e}, allowed {:.1e}",
-                                                                               verdict.largest_difference, answer_tolerance),
-                                                    "the file is damaged or was baked for another solver: bake it again"));
+        throw Failure(ExitCode::bad_input,
+                      error_at(5105, a.asset,
+                               fmt::format("stored answers are not reproduced: off by {:.1e}, allowed {:.1e}",
+                                           verdict.largest_difference, answer_tolerance),
+                               "the file is damaged or was baked for another solver: bake it again"));
     return ExitCode::done;
 }
 
-CLI::App* add_asset_verb(CLI::App& app, const char* name, const char* help, const char* example, const std::shared_ptr<Arguments>& a)
+CLI::App* add_asset_verb(CLI::App& app, const char* name, const char* help, const char* example,
+                         const std::shared_ptr<Arguments>& a)
 {
     CLI::App* verb = app.add_subcommand(name, help);
     verb->footer(example);

@@ -51,7 +51,8 @@ Sample draw(Random& random, std::size_t pose_count, int index)
 Shape to_shape(const ShapeSet& set, const std::vector<float>& positions)
 {
     Shape shape(Eigen::Index(positions.size()));
-    for (Eigen::Index i = 0; i < shape.size(); ++i) shape[i] = (double(positions[std::size_t(i)]) - set.origin[i % 3]) / set.length;
+    for (Eigen::Index i = 0; i < shape.size(); ++i)
+        shape[i] = (double(positions[std::size_t(i)]) - set.origin[i % 3]) / set.length;
     return shape;
 }
 
@@ -66,8 +67,9 @@ void check_same_poses(const RuntimeBlender& blender, const ShapeSet& set, const 
         is_same = (shape - set.shapes[k]).norm() <= 1e-4 * set.shapes[k].norm(); // float32 reproduces a pose to 1e-6
     }
     if (!is_same)
-        throw Failure(ExitCode::bad_input, error_at(5104, path, "was baked from other poses, or in another order",
-                                                    "give the poses in the order of the bake; `pliant info` lists their names"));
+        throw Failure(ExitCode::bad_input,
+                      error_at(5104, path, "was baked from other poses, or in another order",
+                               "give the poses in the order of the bake; `pliant info` lists their names"));
 }
 
 double median(std::vector<double> values)
@@ -90,16 +92,22 @@ void time_solve(RuntimeBlender& blender, const std::vector<float>& w, Sample& sa
 
 nlohmann::ordered_json to_json(const Sample& s)
 {
-    return {{"kind", s.kind}, {"weights", std::vector<double>(s.weights.data(), s.weights.data() + s.weights.size())},
-            {"relative_l2", s.error.relative_l2}, {"largest_distance", s.error.largest_distance}, {"energy_excess", s.error.energy_excess},
-            {"linear_relative_l2", s.linear.relative_l2}, {"iterations", s.info.iterations}, {"evaluations", s.info.evaluations},
-            {"microseconds", s.microseconds}, {"truth_converged", s.has_converged}};
+    return { { "kind", s.kind },
+             { "weights", std::vector<double>(s.weights.data(), s.weights.data() + s.weights.size()) },
+             { "relative_l2", s.error.relative_l2 },
+             { "largest_distance", s.error.largest_distance },
+             { "energy_excess", s.error.energy_excess },
+             { "linear_relative_l2", s.linear.relative_l2 },
+             { "iterations", s.info.iterations },
+             { "evaluations", s.info.evaluations },
+             { "microseconds", s.microseconds },
+             { "truth_converged", s.has_converged } };
 }
 
 void print_table(const std::vector<Sample>& samples)
 {
-    fmt::print("{:<8} {:>11} {:>10} {:>10} {:>11} {:>5} {:>6} {:>7}  weights\n", "kind", "relative L2", "farthest %", "energy +%",
-               "linear L2", "iter", "eval", "us");
+    fmt::print("{:<8} {:>11} {:>10} {:>10} {:>11} {:>5} {:>6} {:>7}  weights\n", "kind", "relative L2", "farthest %",
+               "energy +%", "linear L2", "iter", "eval", "us");
     double mean = 0, worst = 0, farthest = 0;
     int unconverged = 0;
     std::vector<double> times;
@@ -115,9 +123,12 @@ void print_table(const std::vector<Sample>& samples)
         unconverged += !s.has_converged;
         times.push_back(s.microseconds);
     }
-    fmt::print("relative L2: mean {:.2e}, largest {:.2e}; farthest vertex {:.3f} % of the diagonal; solve {:.1f} us (median, cold)\n", mean,
-               worst, 100 * farthest, median(times));
-    if (unconverged) fmt::print("{} of {} unreduced averages did not converge: their rows are upper bounds at best\n", unconverged, samples.size());
+    fmt::print("relative L2: mean {:.2e}, largest {:.2e}; farthest vertex {:.3f} % of the diagonal; solve {:.1f} us "
+               "(median, cold)\n",
+               mean, worst, 100 * farthest, median(times));
+    if (unconverged)
+        fmt::print("{} of {} unreduced averages did not converge: their rows are upper bounds at best\n", unconverged,
+                   samples.size());
 }
 
 ExitCode run(const Arguments& a)
@@ -151,7 +162,8 @@ ExitCode run(const Arguments& a)
     }
     progress.clear_line();
     if (a.is_json) {
-        nlohmann::ordered_json json = {{"asset", a.asset}, {"dimension", blender.asset().dimension}, {"seed", a.seed}};
+        nlohmann::ordered_json json
+            = { { "asset", a.asset }, { "dimension", blender.asset().dimension }, { "seed", a.seed } };
         for (const Sample& s : samples) json["samples"].push_back(to_json(s));
         fmt::print("{}\n", json.dump(1));
     } else {
@@ -167,11 +179,16 @@ Verb add_measure(CLI::App& app)
     auto a = std::make_shared<Arguments>();
     CLI::App* verb = app.add_subcommand("measure", "Compare an asset's blends with unreduced averages at fresh weights");
     verb->footer("Example:\n  pliant measure hero.pliant rest.ply run.ply jump.ply --samples 30\n"
-                 "Relative L2 is mass-weighted, after rigid alignment, relative to the distance from the centroid; the farthest vertex is in\n"
-                 "per cent of the bounding-box diagonal; energy +% is the elastic energy above the least possible; linear L2 is the error\n"
+                 "Relative L2 is mass-weighted, after rigid alignment, relative to the distance from the centroid; the "
+                 "farthest vertex is in\n"
+                 "per cent of the bounding-box diagonal; energy +% is the elastic energy above the least possible; linear "
+                 "L2 is the error\n"
                  "of the linear blend; times are medians of cold solves on this machine.");
     verb->add_option("asset", a->asset, "Asset")->required()->type_name("ASSET");
-    verb->add_option("poses", a->poses, "The poses it was baked from, in the same order")->required()->type_name("POSE")->expected(1, -1);
+    verb->add_option("poses", a->poses, "The poses it was baked from, in the same order")
+        ->required()
+        ->type_name("POSE")
+        ->expected(1, -1);
     verb->add_option("--samples", a->sample_count, "How many weights")->check(CLI::Range(1, 100000))->capture_default_str();
     verb->add_option("--seed", a->seed, "Seed of the weights")->capture_default_str();
     verb->add_flag("--json", a->is_json, "JSON to standard output");

@@ -49,13 +49,15 @@ BestRotation best_rotation(const Matrix3d& m)
     const Matrix3d u = svd.matrixU(), v = svd.matrixV();
     const double sign = (u * v.transpose()).determinant() < 0 ? -1 : 1;
     const Vector3d signs(1, 1, sign);
-    return {u * signs.asDiagonal() * v.transpose(), svd.singularValues().dot(signs)};
+    return { u * signs.asDiagonal() * v.transpose(), svd.singularValues().dot(signs) };
 }
 
 } // namespace
 
 Arap::Arap(const ShapeSet& set)
-    : pose_count_(Eigen::Index(set.pose_count())), dof_count_(set.dof_count()), cells_(std::size_t(set.dof_count() / 3))
+    : pose_count_(Eigen::Index(set.pose_count()))
+    , dof_count_(set.dof_count())
+    , cells_(std::size_t(set.dof_count() / 3))
 {
     const std::vector<Fan> fans = find_fans(set.triangles, cells_.size());
     std::vector<std::unordered_map<std::uint64_t, double>> cotangents;
@@ -68,9 +70,9 @@ Arap::Arap(const ShapeSet& set)
         cell.is_closed = fan.is_closed;
         cell.vertices.push_back(std::uint32_t(i));
         cell.vertices.insert(cell.vertices.end(), fan.ring.begin(), fan.ring.end());
-        for (int j = 0; j < valence; ++j) cell.edges.push_back({0, 1 + j});
-        for (int j = 0; j + 1 < valence; ++j) cell.edges.push_back({1 + j, 2 + j});
-        if (fan.is_closed) cell.edges.push_back({valence, 1});
+        for (int j = 0; j < valence; ++j) cell.edges.push_back({ 0, 1 + j });
+        for (int j = 0; j + 1 < valence; ++j) cell.edges.push_back({ 1 + j, 2 + j });
+        if (fan.is_closed) cell.edges.push_back({ valence, 1 });
         cell.cotangents.resize(pose_count_, Eigen::Index(cell.edges.size()));
         cell.rest_edges.resize(3 * pose_count_, Eigen::Index(cell.edges.size()));
         for (Eigen::Index k = 0; k < pose_count_; ++k)
@@ -152,7 +154,7 @@ RuntimeElement Arap::runtime_element(std::size_t element, const Shape& reference
     out.kind = PLIANT_ELEMENT_ARAP_CELL;
     out.valence = std::uint32_t(cell.vertices.size() - 1);
     out.is_closed = cell.is_closed;
-    for (std::size_t i = 1; i < cell.vertices.size(); ++i) out.differences.push_back({cell.vertices[0], cell.vertices[i]});
+    for (std::size_t i = 1; i < cell.vertices.size(); ++i) out.differences.push_back({ cell.vertices[0], cell.vertices[i] });
     out.pose_numbers.resize(pose_count_, 4 * edge_count + 1);
     Eigen::Matrix3Xd edges(3, edge_count);
     for (Eigen::Index e = 0; e < edge_count; ++e)

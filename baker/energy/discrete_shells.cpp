@@ -14,7 +14,10 @@ constexpr double pi = 3.14159265358979323846;
 // The angle modulo a full turn that lies within half a turn of zero.
 double wrap(double angle) { return angle - 2 * pi * std::round(angle / (2 * pi)); }
 
-Metric metric_of(const Eigen::Vector3d& e, const Eigen::Vector3d& a) { return {e.squaredNorm(), e.dot(a), a.squaredNorm()}; }
+Metric metric_of(const Eigen::Vector3d& e, const Eigen::Vector3d& a)
+{
+    return { e.squaredNorm(), e.dot(a), a.squaredNorm() };
+}
 
 Metric metric_of(const Shape& shape, const Triangle& t)
 {
@@ -30,8 +33,11 @@ double angle_of(const Shape& shape, const std::array<std::uint32_t, 4>& v)
 } // namespace
 
 DiscreteShells::DiscreteShells(const ShapeSet& set, const ShellOptions& options)
-    : options_(options), pose_count_(Eigen::Index(set.pose_count())), dof_count_(set.dof_count()),
-      hinges_(find_hinges(set.triangles)), triangles_(set.triangles)
+    : options_(options)
+    , pose_count_(Eigen::Index(set.pose_count()))
+    , dof_count_(set.dof_count())
+    , hinges_(find_hinges(set.triangles))
+    , triangles_(set.triangles)
 {
     rest_metrics_.resize(3 * pose_count_, Eigen::Index(triangles_.size()));
     for (Eigen::Index k = 0; k < pose_count_; ++k)
@@ -83,7 +89,10 @@ const std::uint32_t* DiscreteShells::element_vertices(std::size_t element, std::
     return triangles_[element - hinges_.size()].data();
 }
 
-double DiscreteShells::relative_angle(std::size_t hinge, double theta) const { return wrap(theta - centres_[Eigen::Index(hinge)]); }
+double DiscreteShells::relative_angle(std::size_t hinge, double theta) const
+{
+    return wrap(theta - centres_[Eigen::Index(hinge)]);
+}
 
 void DiscreteShells::evaluate(std::size_t element, const double* weights, const double* x, Order order, HessianKind kind,
                               ElementResult& result) const
@@ -102,8 +111,8 @@ void DiscreteShells::evaluate_hinge(std::size_t hinge, const double* weights, co
     Vector12 gradient;
     Matrix12 hessian;
     const bool want_curvature = order == Order::hessian && kind == HessianKind::exact;
-    const double theta = hinge_angle(x0, x1, x2, x3, order >= Order::gradient ? &gradient : nullptr,
-                                     want_curvature ? &hessian : nullptr);
+    const double theta
+        = hinge_angle(x0, x1, x2, x3, order >= Order::gradient ? &gradient : nullptr, want_curvature ? &hessian : nullptr);
     const double t = relative_angle(hinge, theta);
     double value = 0, slope = 0, stiffness = 0;
     for (Eigen::Index k = 0; k < pose_count_; ++k) {
@@ -169,8 +178,8 @@ RuntimeElement DiscreteShells::runtime_hinge(std::size_t hinge, const Shape& ref
     const auto& v = hinges_[hinge].vertices;
     RuntimeElement out;
     out.kind = PLIANT_ELEMENT_HINGE;
-    out.differences = {{v[0], v[1]}, {v[0], v[2]}, {v[0], v[3]}};
-    out.fixed = {centres_[h], relative_angle(hinge, angle_of(reference, v))};
+    out.differences = { { v[0], v[1] }, { v[0], v[2] }, { v[0], v[3] } };
+    out.fixed = { centres_[h], relative_angle(hinge, angle_of(reference, v)) };
     out.pose_numbers.resize(pose_count_, 2);
     out.pose_numbers.col(0) = stiffness_.col(h);
     out.pose_numbers.col(1) = stiffness_.col(h).cwiseProduct(rest_angles_.col(h));
@@ -185,12 +194,12 @@ RuntimeElement DiscreteShells::runtime_face(std::size_t face, const Shape& refer
     const double det0 = determinant(g0);
     const MembraneModuli& m = options_.moduli;
     RuntimeElement out;
-    out.differences = {{t[0], t[1]}, {t[0], t[2]}};
+    out.differences = { { t[0], t[1] }, { t[0], t[2] } };
     const Metric lengths2(g0[0], g0[2], g0[0] - 2 * g0[1] + g0[2]);
     switch (options_.membrane) {
     case Membrane::neo_hookean:
         out.kind = PLIANT_ELEMENT_FACE_NEO_HOOKEAN;
-        out.fixed = {g0[2] / det0, -g0[1] / det0, g0[0] / det0, 1 / det0};
+        out.fixed = { g0[2] / det0, -g0[1] / det0, g0[0] / det0, 1 / det0 };
         break;
     case Membrane::stvk: out.kind = PLIANT_ELEMENT_FACE_STVK; break;
     case Membrane::edge:
@@ -221,7 +230,7 @@ RuntimeElement DiscreteShells::runtime_face(std::size_t face, const Shape& refer
                 curvature(1, 2), curvature(2, 2);
             break;
         case Membrane::edge: {
-            const double edges2[3] = {rest[0], rest[2], rest[0] - 2 * rest[1] + rest[2]};
+            const double edges2[3] = { rest[0], rest[2], rest[0] - 2 * rest[1] + rest[2] };
             for (int i = 0; i < 3; ++i) {
                 row[2 * i] = m.edge_stiffness * area / 3 / edges2[i];
                 row[2 * i + 1] = row[2 * i] * std::sqrt(edges2[i]);

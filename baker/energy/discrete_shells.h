@@ -12,10 +12,10 @@ namespace pliant {
 struct ShellOptions {
     Membrane membrane = Membrane::neo_hookean;
     MembraneModuli moduli;
-    double thickness = 0.002;         // in units of the root of the mean surface area
-    double foldover_damping = 1e-3;   // factor on the bending stiffness of fold-over hinges; 1 = off
-    double foldover_angle = 2.0;      // radians: a hinge folded further than this in some pose ...
-    double foldover_range = 1.0;      // ... or whose angle differs by more than this between poses
+    double thickness = 0.002;       // in units of the root of the mean surface area
+    double foldover_damping = 1e-3; // factor on the bending stiffness of fold-over hinges; 1 = off
+    double foldover_angle = 2.0;    // radians: a hinge folded further than this in some pose ...
+    double foldover_range = 1.0;    // ... or whose angle differs by more than this between poses
 };
 
 // Elements 0 .. hinge_count-1 are hinges, then come the faces.
@@ -45,16 +45,19 @@ private:
     RuntimeElement runtime_hinge(std::size_t hinge, const Shape& reference) const;
     RuntimeElement runtime_face(std::size_t face, const Shape& reference) const;
     void measure_hinges(const ShapeSet& set);
-    Metric rest_metric(std::size_t face, Eigen::Index pose) const { return rest_metrics_.block<3, 1>(3 * pose, Eigen::Index(face)); }
+    Metric rest_metric(std::size_t face, Eigen::Index pose) const
+    {
+        return rest_metrics_.block<3, 1>(3 * pose, Eigen::Index(face));
+    }
 
     ShellOptions options_;
     Eigen::Index pose_count_, dof_count_;
     std::vector<Hinge> hinges_;
     std::vector<Triangle> triangles_;
-    Eigen::VectorXd centres_;       // per hinge
-    Eigen::MatrixXd stiffness_;     // m x hinges: beta
-    Eigen::MatrixXd rest_angles_;   // m x hinges: s, relative to the centre
-    Eigen::MatrixXd rest_metrics_;  // 3m x faces
+    Eigen::VectorXd centres_;      // per hinge
+    Eigen::MatrixXd stiffness_;    // m x hinges: beta
+    Eigen::MatrixXd rest_angles_;  // m x hinges: s, relative to the centre
+    Eigen::MatrixXd rest_metrics_; // 3m x faces
     std::vector<std::size_t> foldovers_;
 };
 

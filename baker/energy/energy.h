@@ -30,8 +30,8 @@ struct RuntimeElement {
     std::uint32_t valence = 0;
     bool is_closed = false;
     std::vector<std::array<std::uint32_t, 2>> differences;
-    std::vector<double> fixed;        // F numbers
-    Eigen::MatrixXd pose_numbers;     // m x K
+    std::vector<double> fixed;    // F numbers
+    Eigen::MatrixXd pose_numbers; // m x K
 };
 
 // The baker's only virtual interface. Immutable after construction: may be shared by threads.
@@ -49,8 +49,7 @@ public:
     // sum_k weights[k] * (part of the element in W_k) at the local coordinates x (3v). Fills `result` as far as `order` asks.
     // A collapsed element may be +infinity; its derivatives are then meaningless.
     virtual void evaluate(std::size_t element, const double* weights, const double* x, Order order, HessianKind kind,
-                          ElementResult& result) const
-        = 0;
+                          ElementResult& result) const = 0;
 
     // The element for the runtime; `reference` is the shape at z = 0, to which the runtime's energies are relative.
     virtual RuntimeElement runtime_element(std::size_t element, const Shape& reference) const = 0;

@@ -9,7 +9,7 @@ namespace pliant {
 namespace {
 
 // Gradient of the determinant g11 g22 - g12^2; its Hessian is constant.
-Metric determinant_gradient(const Metric& g) { return {g[2], -2 * g[1], g[0]}; }
+Metric determinant_gradient(const Metric& g) { return { g[2], -2 * g[1], g[0] }; }
 
 MetricHessian determinant_hessian()
 {
@@ -19,10 +19,7 @@ MetricHessian determinant_hessian()
 }
 
 // Coefficients c with tr(Gbar^-1 G) = c . g.
-Metric trace_coefficients(const Metric& rest)
-{
-    return Metric(rest[2], -2 * rest[1], rest[0]) / determinant(rest);
-}
+Metric trace_coefficients(const Metric& rest) { return Metric(rest[2], -2 * rest[1], rest[0]) / determinant(rest); }
 
 // A [ mu/2 tr C + lam/4 det C - (mu/2 + lam/4) log det C - mu - lam/4 ]
 void add_neo_hookean(const MembraneModuli& m, const Metric& rest, double area_weight, const Metric& g, double* value,
@@ -55,11 +52,9 @@ void add_stvk(const MembraneModuli& m, const Metric& rest, double area_weight, c
 {
     const Metric change = g - rest, trace = trace_coefficients(rest);
     const double tr = trace.dot(change) / 2, rest_det = determinant(rest);
-    if (value)
-        *value += area_weight * ((m.lambda / 2 + m.mu) * tr * tr - m.mu / 2 * determinant(change) / rest_det);
+    if (value) *value += area_weight * ((m.lambda / 2 + m.mu) * tr * tr - m.mu / 2 * determinant(change) / rest_det);
     if (gradient)
-        *gradient += area_weight
-            * ((m.lambda / 2 + m.mu) * tr * trace - m.mu / 2 / rest_det * determinant_gradient(change));
+        *gradient += area_weight * ((m.lambda / 2 + m.mu) * tr * trace - m.mu / 2 / rest_det * determinant_gradient(change));
     if (hessian)
         *hessian += area_weight
             * ((m.lambda / 2 + m.mu) / 2 * trace * trace.transpose() - m.mu / 2 / rest_det * determinant_hessian());
@@ -84,19 +79,19 @@ void add_relative_length(double stiffness, double rest_length, double square, co
 void add_edge(const MembraneModuli& m, const Metric& rest, double area_weight, const Metric& g, double* value,
               Metric* gradient, MetricHessian* hessian)
 {
-    static const Metric slopes[3] = {{1, 0, 0}, {0, 0, 1}, {1, -2, 1}};
+    static const Metric slopes[3] = { { 1, 0, 0 }, { 0, 0, 1 }, { 1, -2, 1 } };
     for (const Metric& slope : slopes)
-        add_relative_length(m.edge_stiffness * area_weight / 3, std::sqrt(slope.dot(rest)), slope.dot(g), slope, nullptr, value,
-                            gradient, hessian);
+        add_relative_length(m.edge_stiffness * area_weight / 3, std::sqrt(slope.dot(rest)), slope.dot(g), slope, nullptr,
+                            value, gradient, hessian);
     const MetricHessian curvature = determinant_hessian();
-    add_relative_length(m.area_stiffness * area_weight, std::sqrt(determinant(rest)), determinant(g), determinant_gradient(g),
-                        &curvature, value, gradient, hessian);
+    add_relative_length(m.area_stiffness * area_weight, std::sqrt(determinant(rest)), determinant(g),
+                        determinant_gradient(g), &curvature, value, gradient, hessian);
 }
 
 } // namespace
 
-void add_membrane(Membrane kind, const MembraneModuli& moduli, const Metric& rest, double weight, const Metric& g, double* value,
-                  Metric* gradient, MetricHessian* hessian)
+void add_membrane(Membrane kind, const MembraneModuli& moduli, const Metric& rest, double weight, const Metric& g,
+                  double* value, Metric* gradient, MetricHessian* hessian)
 {
     const double area_weight = weight * std::sqrt(determinant(rest)) / 2;
     switch (kind) {

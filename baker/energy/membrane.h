@@ -13,7 +13,7 @@ enum class Membrane { neo_hookean, stvk, edge };
 
 // Elastic moduli, dimensionless: only their ratios to the bending stiffness and to each other matter.
 struct MembraneModuli {
-    double lambda = 1, mu = 1;                // neo-Hookean, St. Venant-Kirchhoff
+    double lambda = 1, mu = 1;                     // neo-Hookean, St. Venant-Kirchhoff
     double edge_stiffness = 1, area_stiffness = 1; // edge
 };
 

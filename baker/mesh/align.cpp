@@ -73,7 +73,8 @@ ShapeSet normalise(const PoseSet& poses, bool keep_placement)
         apply(fit, set.shapes[k]);
         set.motions[k].rotation = fit.rotation;
         set.motions[k].translation = fit.rotation * set.motions[k].translation + fit.translation + middle;
-        for (Eigen::Index i = 0; i < 3 * n; i += 3) set.shapes[k].segment<3>(i) = (set.shapes[k].segment<3>(i) + shift) / set.length;
+        for (Eigen::Index i = 0; i < 3 * n; i += 3)
+            set.shapes[k].segment<3>(i) = (set.shapes[k].segment<3>(i) + shift) / set.length;
     }
     const auto rest = rows(set.shapes[0]);
     set.diagonal = (rest.colwise().maxCoeff() - rest.colwise().minCoeff()).norm();

@@ -20,12 +20,12 @@ void apply(const RigidMotion& motion, Shape& shape);
 // (the area-weighted centroid of pose 0), so that nothing depends on the units of the files or on where the character stands.
 struct ShapeSet {
     std::vector<Triangle> triangles;
-    std::vector<Shape> shapes;          // per pose, aligned to pose 0
-    Eigen::VectorXd masses;             // per vertex: lumped, mean over the poses
-    Eigen::Vector3d origin;             // input units; each coordinate is exactly a float
-    double length = 1;                  // input units
-    std::vector<RigidMotion> motions;   // what was applied to each pose, in input units
-    double diagonal = 1;                // bounding-box diagonal of pose 0, normalised units
+    std::vector<Shape> shapes;        // per pose, aligned to pose 0
+    Eigen::VectorXd masses;           // per vertex: lumped, mean over the poses
+    Eigen::Vector3d origin;           // input units; each coordinate is exactly a float
+    double length = 1;                // input units
+    std::vector<RigidMotion> motions; // what was applied to each pose, in input units
+    double diagonal = 1;              // bounding-box diagonal of pose 0, normalised units
 
     std::size_t pose_count() const { return shapes.size(); }
     Eigen::Index dof_count() const { return shapes[0].size(); }

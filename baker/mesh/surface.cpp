@@ -27,7 +27,7 @@ std::vector<Side> sorted_sides(const std::vector<Triangle>& triangles)
     sides.reserve(3 * triangles.size());
     for (std::uint32_t f = 0; f < triangles.size(); ++f)
         for (std::uint32_t c = 0; c < 3; ++c)
-            sides.push_back({undirected_key(triangles[f][c], triangles[f][(c + 1) % 3]), f, c});
+            sides.push_back({ undirected_key(triangles[f][c], triangles[f][(c + 1) % 3]), f, c });
     std::sort(sides.begin(), sides.end(), [](const Side& a, const Side& b) {
         return std::tie(a.key, a.face, a.corner) < std::tie(b.key, b.face, b.corner);
     });
@@ -41,7 +41,7 @@ std::vector<Hinge> find_hinges(const std::vector<Triangle>& triangles)
     const std::vector<Side> sides = sorted_sides(triangles);
     std::vector<std::pair<Side, Side>> pairs;
     for (std::size_t i = 0; i + 1 < sides.size(); ++i)
-        if (sides[i].key == sides[i + 1].key) pairs.push_back({sides[i], sides[i + 1]});
+        if (sides[i].key == sides[i + 1].key) pairs.push_back({ sides[i], sides[i + 1] });
     std::sort(pairs.begin(), pairs.end(), [](const auto& a, const auto& b) {
         return std::tie(a.first.face, a.first.corner) < std::tie(b.first.face, b.first.corner);
     });
@@ -51,8 +51,8 @@ std::vector<Hinge> find_hinges(const std::vector<Triangle>& triangles)
     for (const auto& [one, two] : pairs) {
         const Triangle& f = triangles[one.face];
         const Triangle& g = triangles[two.face];
-        hinges.push_back({{f[one.corner], f[(one.corner + 1) % 3], f[(one.corner + 2) % 3], g[(two.corner + 2) % 3]},
-                          {one.face, two.face}});
+        hinges.push_back({ { f[one.corner], f[(one.corner + 1) % 3], f[(one.corner + 2) % 3], g[(two.corner + 2) % 3] },
+                           { one.face, two.face } });
     }
     return hinges;
 }
@@ -85,7 +85,8 @@ std::vector<Fan> find_fans(const std::vector<Triangle>& triangles, std::size_t v
         const std::size_t faces_in_fan = fan.is_closed ? fan.ring.size() : fan.ring.size() - 1;
         if (faces_in_fan != next[v].size())
             throw Failure(ExitCode::bad_input,
-                          error_at(4502, "", fmt::format("the faces at vertex {} form more than one fan (a bow-tie vertex)", v),
+                          error_at(4502, "",
+                                   fmt::format("the faces at vertex {} form more than one fan (a bow-tie vertex)", v),
                                    "split the vertex in the modelling program, or use --material discrete-shells"));
     }
     return fans;

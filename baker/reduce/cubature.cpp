@@ -39,21 +39,22 @@ std::vector<Probe> make_probes(const TrainingSet& training, std::uint64_t seed)
     for (std::size_t t = 0; t < training.weights.size(); ++t) {
         const Weights& w = training.weights[t];
         const Eigen::VectorXd& q = training.averages[t];
-        probes.push_back({w, q, equilibrium_weight * unit * share, {}});
-        probes.push_back({corner_weights(m, random.below(m)), q, unit * share, {}});
+        probes.push_back({ w, q, equilibrium_weight * unit * share, {} });
+        probes.push_back({ corner_weights(m, random.below(m)), q, unit * share, {} });
         // Where the solver passes on its way: off the average by about the energy that the average has.
         Eigen::VectorXd z(d);
         for (Eigen::Index i = 0; i < d; ++i) z[i] = random.normal();
         z *= std::sqrt(training.energy_scale) * random.uniform() / std::max(z.norm(), 1e-30);
-        probes.push_back({w, q + training.root * z, unit * share, {}});
+        probes.push_back({ w, q + training.root * z, unit * share, {} });
     }
     // All of the Hessian at the mean, random directions of it elsewhere.
-    probes.push_back({training.weights[0], training.averages[0], 1 / std::sqrt(double(d)), Eigen::MatrixXd::Identity(d, d)});
+    probes.push_back(
+        { training.weights[0], training.averages[0], 1 / std::sqrt(double(d)), Eigen::MatrixXd::Identity(d, d) });
     for (std::size_t t = 1; t < std::min<std::size_t>(training.weights.size(), 9); ++t) {
         const Eigen::Index count = std::min<Eigen::Index>(d, 6);
         Eigen::MatrixXd directions(d, count);
         for (Eigen::Index i = 0; i < directions.size(); ++i) directions.data()[i] = random.normal() / std::sqrt(double(d));
-        probes.push_back({training.weights[t], training.averages[t], 0.5 / std::sqrt(double(count)), directions});
+        probes.push_back({ training.weights[t], training.averages[t], 0.5 / std::sqrt(double(count)), directions });
     }
     return probes;
 }
@@ -93,7 +94,8 @@ void fill_column(const Energy& energy, std::size_t element, const Eigen::VectorX
     for (const Probe& probe : probes) {
         const Eigen::VectorXd x = base + rows * probe.q;
         const bool is_hessian = probe.directions.cols() > 0;
-        energy.evaluate(element, probe.w.data(), x.data(), is_hessian ? Order::hessian : Order::gradient, HessianKind::exact, result);
+        energy.evaluate(element, probe.w.data(), x.data(), is_hessian ? Order::hessian : Order::gradient, HessianKind::exact,
+                        result);
         if (is_hessian)
             put(whitened_rows.transpose() * (result.hessian * (whitened_rows * probe.directions)), probe.scale);
         else
@@ -126,7 +128,8 @@ Eigen::VectorXd target_rows(const ReducedEnergy& reduced, const TrainingSet& tra
         if (probe.directions.cols()) {
             block = training.root.transpose() * reduced.hessian(probe.w, probe.q, HessianKind::exact) * training.root
                 * probe.directions;
-        } else if (probe.scale >= equilibrium_weight / std::sqrt(training.energy_scale * double(training.weights.size())) * 0.999) {
+        } else if (probe.scale
+                   >= equilibrium_weight / std::sqrt(training.energy_scale * double(training.weights.size())) * 0.999) {
             block = Eigen::VectorXd::Zero(probe.q.size()); // an average: forces cancel, whatever the solver left over
         } else {
             Eigen::VectorXd gradient;
@@ -146,17 +149,17 @@ void measure_curvature(const StandIn& stand_in, const TrainingSet& training, dou
     lowest = 1e300;
     highest = 0;
     for (std::size_t t = 0; t < training.weights.size(); ++t) {
-        const Eigen::MatrixXd h
-            = training.root.transpose() * stand_in.hessian(training.weights[t], training.averages[t], HessianKind::exact)
-            * training.root;
-        const Eigen::VectorXd values = Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(h, Eigen::EigenvaluesOnly).eigenvalues();
+        const Eigen::MatrixXd h = training.root.transpose()
+            * stand_in.hessian(training.weights[t], training.averages[t], HessianKind::exact) * training.root;
+        const Eigen::VectorXd values
+            = Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(h, Eigen::EigenvaluesOnly).eigenvalues();
         lowest = std::min(lowest, values[0]);
         highest = std::max(highest, values[values.size() - 1]);
     }
 }
 
-StandIn fit_cubature(const ReducedEnergy& reduced, const TrainingSet& training, const CubatureOptions& options, Progress* progress,
-                     CubatureReport& report)
+StandIn fit_cubature(const ReducedEnergy& reduced, const TrainingSet& training, const CubatureOptions& options,
+                     Progress* progress, CubatureReport& report)
 {
     const Energy& energy = reduced.energy();
     const Subspace& subspace = reduced.subspace();
@@ -166,26 +169,31 @@ StandIn fit_cubature(const ReducedEnergy& reduced, const TrainingSet& training, 
     const Sketch sketch = make_sketch(raw_rows, options.seed);
     const Eigen::VectorXd target = target_rows(reduced, training, probes, sketch, progress);
 
-    const std::vector<std::size_t> candidates = choose_candidates(energy.element_count(), options.candidate_count, options.seed);
+    const std::vector<std::size_t> candidates
+        = choose_candidates(energy.element_count(), options.candidate_count, options.seed);
     report.candidate_count = candidates.size();
-    const StandIn all(energy, subspace.origin, subspace.basis, candidates, Eigen::VectorXd::Ones(Eigen::Index(candidates.size())));
+    const StandIn all(energy, subspace.origin, subspace.basis, candidates,
+                      Eigen::VectorXd::Ones(Eigen::Index(candidates.size())));
     Eigen::MatrixXf columns(sketch.rows, Eigen::Index(candidates.size()));
     Eigen::VectorXd column(sketch.rows);
     for (std::size_t c = 0; c < candidates.size(); ++c) {
         if (progress && c % 256 == 0)
             progress->update("cubature", 0.3 + 0.4 * double(c) / double(candidates.size()), "training rows");
-        fill_column(energy, candidates[c], all.origin_rows(c), all.rows(c), all.rows(c) * training.root, probes, sketch, column);
+        fill_column(energy, candidates[c], all.origin_rows(c), all.rows(c), all.rows(c) * training.root, probes, sketch,
+                    column);
         columns.col(Eigen::Index(c)) = column.cast<float>();
     }
 
     const std::size_t wanted = options.element_count ? options.element_count : 6 * std::size_t(subspace.dimension());
     const SparseFit fit = greedy_nnls(columns, target, std::min(wanted, candidates.size()), [&](std::size_t found) {
         if (progress)
-            progress->update("cubature", 0.7 + 0.3 * double(found) / double(wanted), fmt::format("{} of {} elements", found, wanted));
+            progress->update("cubature", 0.7 + 0.3 * double(found) / double(wanted),
+                             fmt::format("{} of {} elements", found, wanted));
     });
     report.residual = fit.residual;
     std::vector<std::pair<std::size_t, double>> chosen;
-    for (std::size_t i = 0; i < fit.columns.size(); ++i) chosen.push_back({candidates[fit.columns[i]], fit.weights[Eigen::Index(i)]});
+    for (std::size_t i = 0; i < fit.columns.size(); ++i)
+        chosen.push_back({ candidates[fit.columns[i]], fit.weights[Eigen::Index(i)] });
     std::sort(chosen.begin(), chosen.end());
     std::vector<std::size_t> elements;
     Eigen::VectorXd weights(chosen.size());

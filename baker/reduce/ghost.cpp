@@ -27,7 +27,7 @@ HalfEdgeMesh to_half_edges(const ShapeSet& set)
     mesh.request_face_normals();
     for (Eigen::Index v = 0; v < set.dof_count() / 3; ++v) {
         const Eigen::Vector3d p = set.shapes[0].segment<3>(3 * v);
-        const auto handle = mesh.add_vertex({p.x(), p.y(), p.z()});
+        const auto handle = mesh.add_vertex({ p.x(), p.y(), p.z() });
         mesh.data(handle).source = std::uint32_t(v);
     }
     for (std::size_t f = 0; f < set.triangles.size(); ++f) {
@@ -35,7 +35,8 @@ HalfEdgeMesh to_half_edges(const ShapeSet& set)
         const auto handle = mesh.add_face(mesh.vertex_handle(t[0]), mesh.vertex_handle(t[1]), mesh.vertex_handle(t[2]));
         if (!handle.is_valid())
             throw Failure(ExitCode::bad_input,
-                          error_at(4503, "", "face " + std::to_string(f) + " cannot be joined to its neighbours for decimation",
+                          error_at(4503, "",
+                                   "face " + std::to_string(f) + " cannot be joined to its neighbours for decimation",
                                    "use --energy cubature, which needs no half-edges"));
     }
     mesh.update_face_normals();

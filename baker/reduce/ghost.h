@@ -8,9 +8,9 @@
 namespace pliant {
 
 struct Ghost {
-    ShapeSet set;                          // the decimated poses, in the units of the full set
-    std::vector<std::uint32_t> vertices;   // which vertices of the full mesh are left
-    Eigen::MatrixXd basis;                 // their rows of U
+    ShapeSet set;                        // the decimated poses, in the units of the full set
+    std::vector<std::uint32_t> vertices; // which vertices of the full mesh are left
+    Eigen::MatrixXd basis;               // their rows of U
 };
 
 // Decimates pose 0 to about `vertex_count` vertices by quadrics (OpenMesh). Half-edge collapse keeps a subset of the vertices, so every

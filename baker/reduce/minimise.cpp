@@ -59,7 +59,9 @@ Eigen::MatrixXd inverse_root(const Eigen::MatrixXd& hessian, double floor, doubl
     const Eigen::VectorXd values = eigen.eigenvalues();
     const double largest = values[values.size() - 1];
     if (lowest) *lowest = values[0] / largest;
-    return (eigen.eigenvectors() * values.cwiseMax(floor * largest).cwiseSqrt().cwiseInverse().asDiagonal()).rowwise().reverse();
+    return (eigen.eigenvectors() * values.cwiseMax(floor * largest).cwiseSqrt().cwiseInverse().asDiagonal())
+        .rowwise()
+        .reverse();
 }
 
 } // namespace pliant

@@ -9,7 +9,8 @@ namespace pliant {
 namespace {
 
 // Solves the normal equations of the columns in `passive`. A jitter of rounding size keeps nearly dependent columns solvable.
-Eigen::VectorXd solve_passive(const Eigen::MatrixXd& gram, const Eigen::VectorXd& right, const std::vector<Eigen::Index>& passive)
+Eigen::VectorXd solve_passive(const Eigen::MatrixXd& gram, const Eigen::VectorXd& right,
+                              const std::vector<Eigen::Index>& passive)
 {
     const Eigen::Index count = Eigen::Index(passive.size());
     Eigen::MatrixXd g(count, count);
@@ -38,7 +39,8 @@ Eigen::VectorXd nnls(const Eigen::MatrixXd& gram, const Eigen::VectorXd& right, 
             const Eigen::VectorXd target = solve_passive(gram, right, passive);
             double step = 1;
             for (std::size_t i = 0; i < passive.size(); ++i)
-                if (target[Eigen::Index(i)] <= 0) step = std::min(step, x[passive[i]] / (x[passive[i]] - target[Eigen::Index(i)]));
+                if (target[Eigen::Index(i)] <= 0)
+                    step = std::min(step, x[passive[i]] / (x[passive[i]] - target[Eigen::Index(i)]));
             std::vector<Eigen::Index> left;
             for (std::size_t i = 0; i < passive.size(); ++i) {
                 double& value = x[passive[i]];
@@ -78,10 +80,12 @@ SparseFit greedy_nnls(const Eigen::MatrixXf& a, const Eigen::VectorXd& b, std::s
         std::iota(order.begin(), order.end(), std::size_t(0));
         const std::size_t wanted = std::min(batch, count - fit.columns.size());
         const auto is_better = [&](std::size_t i, std::size_t j) {
-            const float gi = is_chosen[i] ? -1e30f : gain[Eigen::Index(i)], gj = is_chosen[j] ? -1e30f : gain[Eigen::Index(j)];
+            const float gi = is_chosen[i] ? -1e30f : gain[Eigen::Index(i)],
+                        gj = is_chosen[j] ? -1e30f : gain[Eigen::Index(j)];
             return gi != gj ? gi > gj : i < j;
         };
-        std::partial_sort(order.begin(), order.begin() + std::ptrdiff_t(std::min(wanted, order.size())), order.end(), is_better);
+        std::partial_sort(order.begin(), order.begin() + std::ptrdiff_t(std::min(wanted, order.size())), order.end(),
+                          is_better);
         std::size_t added = 0;
         for (std::size_t i = 0; i < std::min(wanted, order.size()); ++i) {
             if (is_chosen[order[i]] || gain[Eigen::Index(order[i])] <= 0) break;
@@ -93,10 +97,12 @@ SparseFit greedy_nnls(const Eigen::MatrixXf& a, const Eigen::VectorXd& b, std::s
         const Eigen::Index total = Eigen::Index(fit.columns.size());
         const Eigen::Index before = chosen.cols();
         chosen.conservativeResize(Eigen::NoChange, total);
-        for (Eigen::Index i = before; i < total; ++i) chosen.col(i) = a.col(Eigen::Index(fit.columns[std::size_t(i)])).cast<double>();
+        for (Eigen::Index i = before; i < total; ++i)
+            chosen.col(i) = a.col(Eigen::Index(fit.columns[std::size_t(i)])).cast<double>();
         Eigen::VectorXd start = Eigen::VectorXd::Zero(total);
         start.head(fit.weights.size()) = fit.weights;
-        start.tail(Eigen::Index(added)).setConstant(1e-12 * std::max(1.0, fit.weights.size() ? fit.weights.maxCoeff() : 1.0));
+        start.tail(Eigen::Index(added))
+            .setConstant(1e-12 * std::max(1.0, fit.weights.size() ? fit.weights.maxCoeff() : 1.0));
         const Eigen::VectorXd x = nnls(chosen.transpose() * chosen, chosen.transpose() * b, start);
 
         std::vector<std::size_t> kept;

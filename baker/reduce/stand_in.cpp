@@ -8,7 +8,10 @@ namespace pliant {
 
 StandIn::StandIn(const Energy& energy, const Shape& origin, const Eigen::MatrixXd& basis, std::vector<std::size_t> elements,
                  Eigen::VectorXd weights)
-    : energy_(energy), dimension_(basis.cols()), elements_(std::move(elements)), weights_(std::move(weights))
+    : energy_(energy)
+    , dimension_(basis.cols())
+    , elements_(std::move(elements))
+    , weights_(std::move(weights))
 {
     for (std::size_t element : elements_) {
         std::size_t count = 0;
@@ -63,7 +66,8 @@ Eigen::MatrixXd StandIn::hessian(const Weights& w, const Eigen::VectorXd& q, Hes
 }
 
 ReducedEnergy::ReducedEnergy(const Energy& energy, const Subspace& subspace)
-    : energy_(energy), subspace_(subspace)
+    : energy_(energy)
+    , subspace_(subspace)
 {
 }
 
@@ -85,7 +89,8 @@ Eigen::MatrixXd ReducedEnergy::hessian(const Weights& w, const Eigen::VectorXd& 
 }
 
 template <class Model>
-MinimiseResult minimise_newton(const Model& model, const Weights& w, const Eigen::VectorXd& start, double tolerance, int max_iterations)
+MinimiseResult minimise_newton(const Model& model, const Weights& w, const Eigen::VectorXd& start, double tolerance,
+                               int max_iterations)
 {
     MinimiseResult result;
     result.q = start;
@@ -96,7 +101,8 @@ MinimiseResult minimise_newton(const Model& model, const Weights& w, const Eigen
         bool is_exact = factor.info() == Eigen::Success;
         if (!is_exact) {
             Eigen::MatrixXd projected = model.hessian(w, result.q, HessianKind::projected);
-            projected.diagonal().array() += 1e-9 * projected.trace() / double(projected.rows()); // its null space has no scale of its own
+            projected.diagonal().array()
+                += 1e-9 * projected.trace() / double(projected.rows()); // its null space has no scale of its own
             factor.compute(projected);
             if (factor.info() != Eigen::Success) return result;
         }

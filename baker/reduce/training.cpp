@@ -18,13 +18,14 @@ Weights Random::weights(std::size_t count, bool skew)
 {
     Weights w(count);
     for (Eigen::Index k = 0; k < w.size(); ++k) w[k] = skew ? std::pow(uniform(), 3) : -std::log(1 - uniform());
-    if (w.sum() < 1e-12) return equal_weights(count); // all numbers were zero: practically impossible, but it must not divide
+    if (w.sum() < 1e-12)
+        return equal_weights(count); // all numbers were zero: practically impossible, but it must not divide
     return w / w.sum();
 }
 
 std::vector<Weights> training_weights(std::size_t pose_count, std::size_t count, std::uint64_t seed)
 {
-    std::vector<Weights> out = {equal_weights(pose_count)};
+    std::vector<Weights> out = { equal_weights(pose_count) };
     if (pose_count == 2) {
         for (std::size_t i = 1; out.size() < count; ++i) {
             Weights w(2);
@@ -60,13 +61,16 @@ TrainingSet solve_training_set(const ReducedEnergy& reduced, std::vector<Weights
     Eigen::Index best = 0;
     double best_energy = 0;
     for (Eigen::Index k = 0; k < subspace.pose_coordinates.cols(); ++k) {
-        const double energy = energy_value(reduced.energy(), set.weights[0], subspace.shape(subspace.pose_coordinates.col(k)));
+        const double energy
+            = energy_value(reduced.energy(), set.weights[0], subspace.shape(subspace.pose_coordinates.col(k)));
         if (k == 0 || energy < best_energy) best_energy = energy, best = k;
     }
-    const MinimiseResult mean = minimise_newton(reduced, set.weights[0], Eigen::VectorXd(subspace.pose_coordinates.col(best)), 1e-6);
+    const MinimiseResult mean
+        = minimise_newton(reduced, set.weights[0], Eigen::VectorXd(subspace.pose_coordinates.col(best)), 1e-6);
     if (!mean.has_converged && mean.iterations == 0)
-        throw Failure(ExitCode::failed, error_at(4401, "", "the reduced average of all poses does not converge",
-                                                 "add an in-between pose, or try another --thickness"));
+        throw Failure(ExitCode::failed,
+                      error_at(4401, "", "the reduced average of all poses does not converge",
+                               "add an in-between pose, or try another --thickness"));
     set.root = inverse_root(reduced.hessian(set.weights[0], mean.q, HessianKind::exact), metric_floor);
     const Eigen::MatrixXd metric = set.root * set.root.transpose();
     set.averages.push_back(mean.q);

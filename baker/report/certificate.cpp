@@ -39,8 +39,32 @@ const char* name_of(Membrane membrane)
     }
 }
 
+const char* name_of(SubspaceKind kind) { return kind == SubspaceKind::krylov ? "krylov" : "adaptive"; }
 const char* name_of(StandInKind kind) { return kind == StandInKind::ghost ? "ghost" : "cubature"; }
 const char* name_of(SolverKind kind) { return kind == SolverKind::eigen ? "eigen" : "cholmod"; }
+
+namespace {
+
+Json subspace_of(const BakeReport& report, const BakeOptions& options)
+{
+    Json subspace = { { "kind", name_of(options.subspace) }, { "dimension", report.dimension } };
+    if (options.subspace == SubspaceKind::krylov) {
+        subspace["ritz"] = options.ritz_count;
+        return subspace;
+    }
+    const AdaptiveReport& adaptive = report.adaptive;
+    subspace["tolerance"] = options.tolerance;
+    subspace["meets_tolerance"] = adaptive.meets_tolerance;
+    subspace["snapshots"] = adaptive.snapshot_count;
+    subspace["checks"] = adaptive.check_count;
+    subspace["unconverged_averages"] = adaptive.unconverged_count;
+    subspace["mean_error"] = adaptive.mean_error;
+    subspace["largest_error"] = adaptive.largest_error;
+    subspace["worst_weights"] = json_of(adaptive.worst_weights);
+    return subspace;
+}
+
+} // namespace
 
 std::string write_certificate(const BakeReport& report, const BakeOptions& options,
                               const std::vector<std::string>& pose_names)
@@ -67,7 +91,7 @@ std::string write_certificate(const BakeReport& report, const BakeOptions& optio
         { "poses", pose_names },
         { "vertices", report.vertex_count },
         { "energy", energy },
-        { "subspace", { { "kind", "krylov" }, { "ritz", options.ritz_count }, { "dimension", report.dimension } } },
+        { "subspace", subspace_of(report, options) },
         { "stand_in",
           { { "kind", name_of(options.stand_in) },
             { "elements", report.element_count },

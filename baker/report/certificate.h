@@ -21,6 +21,7 @@ std::string write_report(const BakeReport& report);
 // Names used on the command line and in JSON.
 const char* name_of(Material material);
 const char* name_of(Membrane membrane);
+const char* name_of(SubspaceKind kind);
 const char* name_of(StandInKind kind);
 const char* name_of(SolverKind kind);
 

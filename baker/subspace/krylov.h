@@ -7,8 +7,8 @@
 namespace pliant {
 
 struct KrylovOptions {
-    int ritz_count = 2;          // Krylov-Ritz vectors per tangent
-    Eigen::Index dimension = 0;  // 0: whatever ritz_count gives; else the fewest Ritz vectors that reach it, cut to it
+    int ritz_count = 2;         // Krylov-Ritz vectors per tangent
+    Eigen::Index dimension = 0; // 0: whatever ritz_count gives; else the fewest Ritz vectors that reach it, cut to it
     Eigen::Index max_dimension = 256;
 };
 

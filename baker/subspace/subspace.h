@@ -6,9 +6,9 @@
 namespace pliant {
 
 struct Subspace {
-    Shape origin;                      // tau = pose 0 (3n)
-    Eigen::MatrixXd basis;             // U (3n x d), orthonormal in the mass inner product
-    Eigen::MatrixXd pose_coordinates;  // d x m: pose k is exactly origin + basis * column k
+    Shape origin;                     // tau = pose 0 (3n)
+    Eigen::MatrixXd basis;            // U (3n x d), orthonormal in the mass inner product
+    Eigen::MatrixXd pose_coordinates; // d x m: pose k is exactly origin + basis * column k
 
     Eigen::Index dimension() const { return basis.cols(); }
     Shape shape(const Eigen::VectorXd& q) const { return origin + basis * q; }

@@ -18,8 +18,7 @@ namespace {
 // Growing little-endian bytes. (The baker runs on little-endian machines; the format is.)
 class Bytes {
 public:
-    template <class T>
-    void put(const T& value)
+    template <class T> void put(const T& value)
     {
         const auto* p = reinterpret_cast<const std::uint8_t*>(&value);
         data.insert(data.end(), p, p + sizeof(T));
@@ -31,8 +30,7 @@ public:
 
 constexpr std::size_t pad16(std::size_t count) { return (count + 15) / 16 * 16; }
 
-template <class Vector>
-void put_padded(Bytes& out, const Vector& values)
+template <class Vector> void put_padded(Bytes& out, const Vector& values)
 {
     for (Eigen::Index i = 0; i < values.size(); ++i) out.put_float(values[i]);
     for (std::size_t i = std::size_t(values.size()); i < pad16(std::size_t(values.size())); ++i) out.put_float(0);
@@ -53,7 +51,8 @@ Bytes encode_solver(const AssetModel& model)
     out.put(head);
     put_padded(out, model.mean);
     for (Eigen::Index j = 0; j < model.root.cols(); ++j) put_padded(out, model.root.col(j));
-    for (Eigen::Index k = 0; k < model.subspace->pose_coordinates.cols(); ++k) put_padded(out, model.subspace->pose_coordinates.col(k));
+    for (Eigen::Index k = 0; k < model.subspace->pose_coordinates.cols(); ++k)
+        put_padded(out, model.subspace->pose_coordinates.col(k));
     return out;
 }
 
@@ -76,7 +75,8 @@ BakedElement bake_element(const AssetModel& model, std::size_t i)
     Eigen::MatrixXd local(stand_in.rows(i).rows(), 1 + model.root.cols());
     local.col(0) = stand_in.origin_rows(i) + stand_in.rows(i) * model.mean;
     local.rightCols(model.root.cols()) = stand_in.rows(i) * model.root;
-    const auto place = [&](std::uint32_t vertex) { return 3 * Eigen::Index(std::find(vertices, vertices + count, vertex) - vertices); };
+    const auto place
+        = [&](std::uint32_t vertex) { return 3 * Eigen::Index(std::find(vertices, vertices + count, vertex) - vertices); };
     const auto& differences = baked.element.differences;
     baked.rows.resize(3 * Eigen::Index(differences.size()), local.cols());
     for (std::size_t r = 0; r < differences.size(); ++r)
@@ -150,7 +150,8 @@ Bytes encode_predictor(const AssetModel& model)
     for (const Weights& centre : model.predictor.centres)
         for (Eigen::Index k = 0; k < centre.size(); ++k) out.put_float(centre[k]);
     out.align(PLIANT_FORMAT_CHUNK_ALIGNMENT);
-    for (Eigen::Index i = 0; i < model.predictor.coefficients.rows(); ++i) put_padded(out, model.predictor.coefficients.row(i));
+    for (Eigen::Index i = 0; i < model.predictor.coefficients.rows(); ++i)
+        put_padded(out, model.predictor.coefficients.row(i));
     return out;
 }
 
@@ -162,7 +163,8 @@ Bytes encode_tiles(const Eigen::Ref<const Eigen::MatrixXd>& columns, double leng
     out.data.reserve(std::size_t(tiles * tile * columns.cols()) * sizeof(float));
     for (Eigen::Index t = 0; t < tiles; ++t)
         for (Eigen::Index j = 0; j < columns.cols(); ++j)
-            for (Eigen::Index i = t * tile; i < (t + 1) * tile; ++i) out.put_float(i < columns.rows() ? length * columns(i, j) : 0.0);
+            for (Eigen::Index i = t * tile; i < (t + 1) * tile; ++i)
+                out.put_float(i < columns.rows() ? length * columns(i, j) : 0.0);
     return out;
 }
 
@@ -233,23 +235,31 @@ std::vector<std::uint8_t> encode_asset(const AssetModel& model)
 {
     constexpr std::uint32_t required = PLIANT_CHUNK_FLAG_REQUIRED;
     std::vector<Chunk> chunks;
-    chunks.push_back({PLIANT_CHUNK_SOLVER, required, encode_solver(model)});
-    chunks.push_back({PLIANT_CHUNK_ELEMENTS, required, encode_elements(model)});
-    if (!model.predictor.centres.empty()) chunks.push_back({PLIANT_CHUNK_PREDICTOR, 0, encode_predictor(model)});
-    chunks.push_back({PLIANT_CHUNK_REST, required, encode_tiles(model.subspace->origin, model.set->length)});
-    chunks.push_back({PLIANT_CHUNK_TRIANGLES, required, encode_triangles(model.set->triangles)});
+    chunks.push_back({ PLIANT_CHUNK_SOLVER, required, encode_solver(model) });
+    chunks.push_back({ PLIANT_CHUNK_ELEMENTS, required, encode_elements(model) });
+    if (!model.predictor.centres.empty()) chunks.push_back({ PLIANT_CHUNK_PREDICTOR, 0, encode_predictor(model) });
+    chunks.push_back({ PLIANT_CHUNK_REST, required, encode_tiles(model.subspace->origin, model.set->length) });
+    chunks.push_back({ PLIANT_CHUNK_TRIANGLES, required, encode_triangles(model.set->triangles) });
     if (model.polygons && !is_all_triangles(*model.polygons))
-        chunks.push_back({PLIANT_CHUNK_POLYGONS, 0, encode_polygons(*model.polygons)});
-    chunks.push_back({PLIANT_CHUNK_NAMES, required, encode_names(model.names)});
-    chunks.push_back({PLIANT_CHUNK_ANSWERS, required, encode_answers(model)});
-    chunks.push_back({PLIANT_CHUNK_CERTIFICATE, required, encode_text(model.certificate)});
-    chunks.push_back({PLIANT_CHUNK_BASIS, required, encode_tiles(model.subspace->basis, model.set->length)});
+        chunks.push_back({ PLIANT_CHUNK_POLYGONS, 0, encode_polygons(*model.polygons) });
+    chunks.push_back({ PLIANT_CHUNK_NAMES, required, encode_names(model.names) });
+    chunks.push_back({ PLIANT_CHUNK_ANSWERS, required, encode_answers(model) });
+    chunks.push_back({ PLIANT_CHUNK_CERTIFICATE, required, encode_text(model.certificate) });
+    chunks.push_back({ PLIANT_CHUNK_BASIS, required, encode_tiles(model.subspace->basis, model.set->length) });
 
-    const pliant_format_header blank = {PLIANT_FORMAT_IDENTIFIER, PLIANT_FORMAT_MAJOR, PLIANT_FORMAT_MINOR, 0,
-                                        std::uint32_t(chunks.size()), 0, std::uint32_t(model.set->dof_count() / 3),
-                                        std::uint32_t(model.set->triangles.size()), std::uint32_t(model.subspace->dimension()),
-                                        std::uint32_t(model.set->pose_count()),
-                                        {float(model.set->origin[0]), float(model.set->origin[1]), float(model.set->origin[2])}, 0};
+    const pliant_format_header blank
+        = { PLIANT_FORMAT_IDENTIFIER,
+            PLIANT_FORMAT_MAJOR,
+            PLIANT_FORMAT_MINOR,
+            0,
+            std::uint32_t(chunks.size()),
+            0,
+            std::uint32_t(model.set->dof_count() / 3),
+            std::uint32_t(model.set->triangles.size()),
+            std::uint32_t(model.subspace->dimension()),
+            std::uint32_t(model.set->pose_count()),
+            { float(model.set->origin[0]), float(model.set->origin[1]), float(model.set->origin[2]) },
+            0 };
     pliant_format_header header = blank;
     Bytes out;
     out.data.resize(sizeof(header) + chunks.size() * sizeof(pliant_format_chunk), 0);
@@ -257,7 +267,7 @@ std::vector<std::uint8_t> encode_asset(const AssetModel& model)
     for (const Chunk& chunk : chunks) {
         out.align(chunk.tag == PLIANT_CHUNK_BASIS ? PLIANT_FORMAT_BASIS_ALIGNMENT : PLIANT_FORMAT_CHUNK_ALIGNMENT);
         const auto& bytes = chunk.bytes.data;
-        table.push_back({chunk.tag, chunk.flags, out.data.size(), bytes.size(), crc_of(bytes.data(), bytes.size()), 0});
+        table.push_back({ chunk.tag, chunk.flags, out.data.size(), bytes.size(), crc_of(bytes.data(), bytes.size()), 0 });
         out.data.insert(out.data.end(), bytes.begin(), bytes.end());
     }
     header.file_size = out.data.size();

@@ -15,14 +15,14 @@ struct AssetModel {
     const ShapeSet* set = nullptr;
     const Subspace* subspace = nullptr;
     const StandIn* stand_in = nullptr;
-    Shape stand_in_reference;           // the shape of the stand-in's mesh at q = mean
-    Eigen::VectorXd mean;               // q of the stand-in's equal-weight average
-    Eigen::MatrixXd root;               // S: q = mean + S z
+    Shape stand_in_reference; // the shape of the stand-in's mesh at q = mean
+    Eigen::VectorXd mean;     // q of the stand-in's equal-weight average
+    Eigen::MatrixXd root;     // S: q = mean + S z
     double energy_scale = 1;
-    Predictor predictor;                // of z
+    Predictor predictor; // of z
     std::vector<std::string> names;
-    const Polygons* polygons = nullptr; // faces as given
-    std::string certificate;            // JSON text
+    const Polygons* polygons = nullptr;                       // faces as given
+    std::string certificate;                                  // JSON text
     std::vector<std::pair<Weights, Eigen::VectorXf>> answers; // weights and the q that the runtime found
 };
 

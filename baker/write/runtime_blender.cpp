@@ -21,7 +21,8 @@ Finding open_error(pliant_result result, const std::string& path)
     case PLIANT_ERROR_NOT_PLIANT: hint = "a .pliant file comes out of `pliant bake`"; break;
     default: hint = "the file is damaged: copy it again (in binary mode) or bake it again"; break;
     }
-    return error_at(5102, path, fmt::format("not a usable asset: {} (result {})", pliant_result_text(result), int(result)), hint);
+    return error_at(5102, path, fmt::format("not a usable asset: {} (result {})", pliant_result_text(result), int(result)),
+                    hint);
 }
 
 } // namespace
@@ -58,16 +59,17 @@ void RuntimeBlender::configure(const pliant_solver_desc& desc)
 std::vector<float> RuntimeBlender::solve(const std::vector<float>& weights, bool continuous, pliant_solve_info* info)
 {
     if (weights.size() != asset_.pose_count)
-        throw Failure(ExitCode::usage, error_at(1203, "", fmt::format("{} weights given, the asset has {} poses", weights.size(),
-                                                                      asset_.pose_count),
-                                                "give one weight per pose, separated by commas"));
+        throw Failure(ExitCode::usage,
+                      error_at(1203, "",
+                               fmt::format("{} weights given, the asset has {} poses", weights.size(), asset_.pose_count),
+                               "give one weight per pose, separated by commas"));
     if (!continuous) pliant_solver_reset(solver_);
     std::vector<float> q(asset_.dimension);
     const pliant_result result = pliant_solve(solver_, weights.data(), q.data(), info);
     if (result != PLIANT_OK)
-        throw Failure(ExitCode::usage, error_at(1204, "", fmt::format("weights {}: {}", fmt::join(weights, ","),
-                                                                      pliant_result_text(result)),
-                                                "weights are finite, not negative, and not all zero"));
+        throw Failure(ExitCode::usage,
+                      error_at(1204, "", fmt::format("weights {}: {}", fmt::join(weights, ","), pliant_result_text(result)),
+                               "weights are finite, not negative, and not all zero"));
     return q;
 }
 

@@ -11,8 +11,8 @@ from pliant_reference import Asset  # noqa: E402
 TOLERANCE = 1e-5
 
 assets = sorted(glob.glob("tube_*.pliant"))
-if len(assets) < 5:
-    sys.exit("expected the five assets that test_bake writes, found %d: run test_bake first" % len(assets))
+if len(assets) < 6:
+    sys.exit("expected the six assets that test_bake writes, found %d: run test_bake first" % len(assets))
 failed = 0
 for path in assets:
     with open(path, "rb") as file:

@@ -7,11 +7,11 @@
 namespace golden {
 
 struct Model {
-    const char* name; // membrane of discrete shells, or "arap"
-    std::vector<double> energies; // W_k(config)
+    const char* name;                              // membrane of discrete shells, or "arap"
+    std::vector<double> energies;                  // W_k(config)
     std::vector<double> gradient, hessian_product; // of sum_k weights[k] W_k at config, and times `direction`
     std::vector<std::vector<double>> pose_to_pose; // W_k(pose j)
-    std::vector<double> average; // vertices of the average for `weights`, or empty
+    std::vector<double> average;                   // vertices of the average for `weights`, or empty
     double average_energy;
 };
 
@@ -23,6 +23,7 @@ struct Case {
     std::vector<Model> models;
 };
 
+// clang-format off
 inline std::vector<Case> cases()
 {
     return {
@@ -813,5 +814,6 @@ inline std::vector<Case> cases()
          }},
     };
 }
+// clang-format on
 
 } // namespace golden

@@ -24,9 +24,11 @@ struct Variant {
 std::vector<Variant> variants()
 {
     BakeOptions shells;
+    shells.subspace = SubspaceKind::krylov;
     shells.ritz_count = 1;
-    std::vector<Variant> out = {{"neo_hookean", shells, 0.02}, {"stvk", shells, 0.02}, {"edge", shells, 0.02}, {"arap", shells, 0.02},
-                                {"ghost", shells, 0.2}};
+    std::vector<Variant> out
+        = { { "neo_hookean", shells, 0.02 }, { "stvk", shells, 0.02 }, { "edge", shells, 0.02 },
+            { "arap", shells, 0.02 },        { "ghost", shells, 0.2 }, { "adaptive", BakeOptions(), 3e-3 } };
     out[1].options.energy.shell.membrane = Membrane::stvk;
     out[2].options.energy.shell.membrane = Membrane::edge;
     out[3].options.energy.material = Material::arap;
@@ -48,12 +50,13 @@ double relative(const std::vector<float>& a, const Positions& b)
 // Leaves the asset and the runtime's answers for the script beside this test, which holds them against the second implementation.
 void write_for_reference(const std::string& name, const BakedAsset& baked, RuntimeBlender& blender)
 {
-    write_file_atomically("tube_" + name + ".pliant", {reinterpret_cast<const char*>(baked.bytes.data()), baked.bytes.size()});
+    write_file_atomically("tube_" + name + ".pliant",
+                          { reinterpret_cast<const char*>(baked.bytes.data()), baked.bytes.size() });
     pliant_solver_desc desc = pliant_solver_desc_default();
     desc.tolerance = 1e-5f;
     blender.configure(desc);
     std::string text;
-    for (const std::vector<float>& w : {std::vector<float> {1, 1, 1}, {0.2f, 0.7f, 0.1f}, {0, 1, 3}}) {
+    for (const std::vector<float>& w : { std::vector<float> { 1, 1, 1 }, { 0.2f, 0.7f, 0.1f }, { 0, 1, 3 } }) {
         for (float value : w) text += std::to_string(value) + " ";
         for (float value : blender.positions(blender.solve(w, false))) text += fmt::format("{:.9g} ", value);
         text += "\n";
@@ -87,6 +90,27 @@ TEST_CASE("every material bakes to an asset whose blends are near the unreduced 
     }
 }
 
+TEST_CASE("the adaptive subspace meets its tolerance with fewer dimensions than Algorithm 1 at larger error")
+{
+    const ShapeSet set = normalise(tube_poses(3));
+    const DiscreteShells energy(set, ShellOptions());
+    NewtonSolver solver(energy, set, default_solver());
+    AdaptiveOptions options;
+    AdaptiveReport coarse, fine, fixed;
+    const Subspace a = build_adaptive_subspace(solver, options, nullptr, coarse);
+    options.tolerance = 1e-4;
+    const Subspace b = build_adaptive_subspace(solver, options, nullptr, fine);
+    CHECK(coarse.meets_tolerance);
+    CHECK(coarse.mean_error < 1e-3);
+    CHECK(fine.meets_tolerance);
+    CHECK(fine.mean_error < 1e-4);
+    CHECK(fine.unconverged_count == 0);
+    CHECK(a.dimension() < b.dimension());
+    CHECK(b.dimension() < 20);
+    options.dimension = 5;
+    CHECK(build_adaptive_subspace(solver, options, nullptr, fixed).dimension() == 5);
+}
+
 TEST_CASE("the same bake gives the same bytes")
 {
     const PoseSet poses = tube_poses(2);
@@ -100,16 +124,16 @@ TEST_CASE("scale and distance from the origin do not change the map from weights
 {
     const PoseSet poses = tube_poses(3);
     BakeOptions options;
-    options.ritz_count = 1;
+    options.tolerance = 1e-4;
     options.check_count = 0;
     Progress silent;
     RuntimeBlender reference(bake(poses, options, silent).bytes, "reference");
-    const std::vector<float> w = {0.3f, 0.5f, 0.2f};
+    const std::vector<float> w = { 0.3f, 0.5f, 0.2f };
     const std::vector<float> expected = reference.positions(reference.solve(w, false));
     struct Change {
         double scale, offset;
     };
-    for (const Change& change : {Change {1e-3, 0}, Change {1e3, 0}, Change {1, 1200}, Change {1e3, 1.2e6}}) {
+    for (const Change& change : { Change { 1e-3, 0 }, Change { 1e3, 0 }, Change { 1, 1200 }, Change { 1e3, 1.2e6 } }) {
         CAPTURE(change.scale);
         CAPTURE(change.offset);
         PoseSet changed = poses;
@@ -120,7 +144,8 @@ TEST_CASE("scale and distance from the origin do not change the map from weights
         const std::vector<float> got = blender.positions(q);
         double worst = 0;
         for (std::size_t i = 0; i < got.size(); ++i)
-            worst = std::max(worst, std::abs((double(got[i]) - offset[Eigen::Index(i % 3)]) / change.scale - double(expected[i])));
+            worst = std::max(worst,
+                             std::abs((double(got[i]) - offset[Eigen::Index(i % 3)]) / change.scale - double(expected[i])));
         // float32 positions far from the origin carry its spacing; the shape itself agrees to the solver's tolerance.
         CHECK(worst < 1e-4 + 2e-7 * std::abs(change.offset) / change.scale);
     }
@@ -136,6 +161,6 @@ TEST_CASE("two bakes that differ only in the rigid placement of a pose blend ali
     const Eigen::Matrix3d turn = Eigen::AngleAxisd(1.0, Eigen::Vector3d(3, 1, 2).normalized()).toRotationMatrix();
     poses.positions[1] = ((poses.positions[1] * turn.transpose()).rowwise() + Eigen::RowVector3d(5, 5, 5)).eval();
     RuntimeBlender b(bake(poses, options, silent).bytes, "b");
-    const std::vector<float> x = a.positions(a.solve({1, 2}, false)), y = b.positions(b.solve({1, 2}, false));
+    const std::vector<float> x = a.positions(a.solve({ 1, 2 }, false)), y = b.positions(b.solve({ 1, 2 }, false));
     for (std::size_t i = 0; i < x.size(); ++i) CHECK(std::abs(x[i] - y[i]) < 1e-4);
 }

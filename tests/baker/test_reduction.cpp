@@ -17,7 +17,9 @@ namespace {
 
 struct Problem {
     explicit Problem(std::size_t pose_count)
-        : set(normalise(tube_poses(pose_count))), energy(set, ShellOptions()), solver(energy, set, default_solver())
+        : set(normalise(tube_poses(pose_count)))
+        , energy(set, ShellOptions())
+        , solver(energy, set, default_solver())
     {
     }
     ShapeSet set;
@@ -47,7 +49,7 @@ TEST_CASE("normalised poses have unit mean area, unit mass, and meet pose 0")
 TEST_CASE("a subspace is mass-orthonormal and holds the poses exactly")
 {
     Problem p(3);
-    const Subspace subspace = build_krylov_subspace(p.solver, {2, 0, 256}, nullptr);
+    const Subspace subspace = build_krylov_subspace(p.solver, { 2, 0, 256 }, nullptr);
     CHECK(subspace.dimension() == 2 + 6 * 3);
     const Eigen::MatrixXd gram = subspace.basis.transpose() * times_mass(subspace.basis, p.set.masses);
     CHECK((gram - Eigen::MatrixXd::Identity(gram.rows(), gram.cols())).norm() < 1e-12);
@@ -58,8 +60,8 @@ TEST_CASE("a subspace is mass-orthonormal and holds the poses exactly")
 TEST_CASE("a wanted dimension is met exactly, with the differences kept")
 {
     Problem p(3);
-    for (Eigen::Index d : {3, 8, 9, 15}) {
-        const Subspace subspace = build_krylov_subspace(p.solver, {0, d, 256}, nullptr);
+    for (Eigen::Index d : { 3, 8, 9, 15 }) {
+        const Subspace subspace = build_krylov_subspace(p.solver, { 0, d, 256 }, nullptr);
         CHECK(subspace.dimension() == d);
         CHECK((subspace.shape(subspace.pose_coordinates.col(2)) - p.set.shapes[2]).norm() < 1e-12);
     }
@@ -95,7 +97,8 @@ TEST_CASE("CHOLMOD and Eigen find the same average")
     CHECK((a.y - b.y).norm() < 1e-7 * a.y.norm());
 }
 
-TEST_CASE("non-negative least squares satisfies its optimality conditions and equals the unconstrained solution where that is positive")
+TEST_CASE("non-negative least squares satisfies its optimality conditions and equals the unconstrained solution where that "
+          "is positive")
 {
     Random random(5);
     Eigen::MatrixXd a(30, 8);
@@ -116,7 +119,7 @@ TEST_CASE("non-negative least squares satisfies its optimality conditions and eq
 TEST_CASE("with all elements at weight one the stand-in is the reduced energy")
 {
     Problem p(3);
-    const Subspace subspace = build_krylov_subspace(p.solver, {0, 6, 256}, nullptr);
+    const Subspace subspace = build_krylov_subspace(p.solver, { 0, 6, 256 }, nullptr);
     std::vector<std::size_t> all(p.energy.element_count());
     for (std::size_t i = 0; i < all.size(); ++i) all[i] = i;
     const StandIn stand_in(p.energy, subspace.origin, subspace.basis, all, Eigen::VectorXd::Ones(Eigen::Index(all.size())));
@@ -134,7 +137,7 @@ TEST_CASE("with all elements at weight one the stand-in is the reduced energy")
 TEST_CASE("a few elements give the reduced average within a per cent, and the error falls with their number")
 {
     Problem p(3);
-    const Subspace subspace = build_krylov_subspace(p.solver, {1, 0, 256}, nullptr);
+    const Subspace subspace = build_krylov_subspace(p.solver, { 1, 0, 256 }, nullptr);
     const ReducedEnergy reduced(p.energy, subspace);
     const TrainingSet training = solve_training_set(reduced, training_weights(3, 24, 1), nullptr);
     CHECK(training.unconverged_count == 0);
@@ -165,16 +168,19 @@ TEST_CASE("a few elements give the reduced average within a per cent, and the er
 
 TEST_CASE("a ghost keeps a subset of the vertices, in all poses")
 {
-    Tube fine {60, 24};
+    Tube fine { 60, 24 };
     const ShapeSet set = normalise(tube_poses(2, fine));
     DiscreteShells energy(set, ShellOptions());
     NewtonSolver solver(energy, set, default_solver());
-    const Subspace subspace = build_krylov_subspace(solver, {1, 0, 256}, nullptr);
+    const Subspace subspace = build_krylov_subspace(solver, { 1, 0, 256 }, nullptr);
     const Ghost ghost = make_ghost(set, subspace, 300);
     CHECK(ghost.vertices.size() == 300);
     for (std::size_t v = 0; v < ghost.vertices.size(); ++v) {
         CHECK((point(ghost.set.shapes[1], std::uint32_t(v)) - point(set.shapes[1], ghost.vertices[v])).norm() == 0);
-        CHECK((ghost.basis.middleRows<3>(3 * Eigen::Index(v)) - subspace.basis.middleRows<3>(3 * Eigen::Index(ghost.vertices[v]))).norm() == 0);
+        CHECK((ghost.basis.middleRows<3>(3 * Eigen::Index(v))
+               - subspace.basis.middleRows<3>(3 * Eigen::Index(ghost.vertices[v])))
+                  .norm()
+              == 0);
     }
     CHECK(DiscreteShells(ghost.set, ShellOptions()).hinge_count() * 2 == ghost.set.triangles.size() * 3); // closed
 }
@@ -191,7 +197,8 @@ TEST_CASE("a predictor interpolates its data and reproduces linear functions")
     CHECK((fit_predictor(centres, values)(w) - slope * w).norm() < 1e-10);
     for (Eigen::Index i = 0; i < values.size(); ++i) values.data()[i] = random.normal();
     const Predictor predictor = fit_predictor(centres, values);
-    for (std::size_t i = 0; i < centres.size(); ++i) CHECK((predictor(centres[i]) - values.col(Eigen::Index(i))).norm() < 1e-9);
+    for (std::size_t i = 0; i < centres.size(); ++i)
+        CHECK((predictor(centres[i]) - values.col(Eigen::Index(i))).norm() < 1e-9);
 }
 
 TEST_CASE("the error of a shape does not see rigid motions, and is zero for the truth")
@@ -200,7 +207,7 @@ TEST_CASE("the error of a shape does not see rigid motions, and is zero for the 
     const Weights w = equal_weights(2);
     const Shape truth = p.solver.minimise(w, p.set.shapes[0], NewtonOptions()).y;
     Shape moved = truth;
-    apply({Eigen::AngleAxisd(1.0, Eigen::Vector3d::UnitY()).toRotationMatrix(), {1, 2, 3}}, moved);
+    apply({ Eigen::AngleAxisd(1.0, Eigen::Vector3d::UnitY()).toRotationMatrix(), { 1, 2, 3 } }, moved);
     const ShapeError error = shape_error(p.energy, p.set, w, moved, truth);
     CHECK(error.relative_l2 < 1e-12);
     CHECK(std::abs(error.energy_excess) < 1e-9);

@@ -18,7 +18,8 @@ namespace {
 ShapeSet raw_set(const golden::Case& c)
 {
     ShapeSet set;
-    for (std::size_t i = 0; i < c.faces.size(); i += 3) set.triangles.push_back({c.faces[i], c.faces[i + 1], c.faces[i + 2]});
+    for (std::size_t i = 0; i < c.faces.size(); i += 3)
+        set.triangles.push_back({ c.faces[i], c.faces[i + 1], c.faces[i + 2] });
     for (const auto& pose : c.poses) set.shapes.push_back(Eigen::Map<const Shape>(pose.data(), Eigen::Index(pose.size())));
     set.masses = Eigen::VectorXd::Zero(set.dof_count() / 3);
     for (const Shape& shape : set.shapes) set.masses += lumped_masses(shape, set.triangles) / double(set.pose_count());
@@ -35,12 +36,14 @@ std::unique_ptr<Energy> make(const std::string& name, const ShapeSet& set)
     return std::make_unique<DiscreteShells>(set, options);
 }
 
-Eigen::VectorXd vector(const std::vector<double>& v) { return Eigen::Map<const Eigen::VectorXd>(v.data(), Eigen::Index(v.size())); }
+Eigen::VectorXd vector(const std::vector<double>& v)
+{
+    return Eigen::Map<const Eigen::VectorXd>(v.data(), Eigen::Index(v.size()));
+}
 
 double relative(const Eigen::VectorXd& a, const Eigen::VectorXd& b) { return (a - b).norm() / b.norm(); }
 
-template <class Test>
-void for_all_models(Test test)
+template <class Test> void for_all_models(Test test)
 {
     for (const golden::Case& c : golden::cases()) {
         const ShapeSet set = raw_set(c);
@@ -85,7 +88,7 @@ TEST_CASE("averages equal the independent ones to 1e-8 after rigid alignment")
 {
     for_all_models([](const golden::Case& c, const golden::Model& model, const ShapeSet& set, const Energy& energy) {
         if (model.average.empty()) return;
-        for (SolverKind kind : {SolverKind::cholmod, SolverKind::eigen}) {
+        for (SolverKind kind : { SolverKind::cholmod, SolverKind::eigen }) {
             NewtonSolver solver(energy, set, kind);
             NewtonOptions options;
             options.decrement = 1e-14;
@@ -155,8 +158,7 @@ TEST_CASE("fold-over hinges are found and damped")
     const double angle = 2.5;
     set.shapes[0].segment<3>(9) = point(set.shapes[0], 1) + point(set.shapes[0], 2);
     const Eigen::Vector3d origin = point(set.shapes[0], 1), axis = (point(set.shapes[0], 2) - origin).normalized();
-    set.shapes[0].segment<3>(9)
-        = origin + Eigen::AngleAxisd(angle, axis) * (point(set.shapes[0], 3) - origin);
+    set.shapes[0].segment<3>(9) = origin + Eigen::AngleAxisd(angle, axis) * (point(set.shapes[0], 3) - origin);
     const DiscreteShells damped(set, options);
     CHECK(damped.foldover_hinges().size() == 1);
     options.foldover_damping = 1;

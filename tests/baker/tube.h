@@ -20,11 +20,11 @@ struct Tube {
         const std::uint32_t bottom = ring_count * side_count, top = bottom + 1;
         for (std::uint32_t s = 0; s < side_count; ++s) {
             for (std::uint32_t r = 0; r + 1 < ring_count; ++r) {
-                out.push_back({at(r, s), at(r, s + 1), at(r + 1, s + 1)});
-                out.push_back({at(r, s), at(r + 1, s + 1), at(r + 1, s)});
+                out.push_back({ at(r, s), at(r, s + 1), at(r + 1, s + 1) });
+                out.push_back({ at(r, s), at(r + 1, s + 1), at(r + 1, s) });
             }
-            out.push_back({bottom, at(0, s + 1), at(0, s)});
-            out.push_back({top, at(ring_count - 1, s), at(ring_count - 1, s + 1)});
+            out.push_back({ bottom, at(0, s + 1), at(0, s) });
+            out.push_back({ top, at(ring_count - 1, s), at(ring_count - 1, s + 1) });
         }
         return out;
     }
@@ -44,7 +44,8 @@ struct Tube {
             for (std::uint32_t s = 0; s < side_count; ++s) {
                 const double phi = 6.283185307179586 * (s + 0.3 * std::sin(1.0 + r)) / side_count;
                 const double radius = 0.5 * (1 + 0.06 * std::sin(2 * phi + 0.7 * r));
-                out.row(r * side_count + s) = place(6.0 * r / (ring_count - 1), radius * std::cos(phi), radius * std::sin(phi));
+                out.row(r * side_count + s)
+                    = place(6.0 * r / (ring_count - 1), radius * std::cos(phi), radius * std::sin(phi));
             }
         out.row(ring_count * side_count) = place(0, 0, 0);
         out.row(ring_count * side_count + 1) = place(6, 0, 0);
@@ -54,7 +55,7 @@ struct Tube {
 
 inline PoseSet tube_poses(std::size_t count, const Tube& tube = {})
 {
-    static const double bends[] = {0, 1.6, 0.4, -1.2}, twists[] = {0, 0, 1.5, 0.6};
+    static const double bends[] = { 0, 1.6, 0.4, -1.2 }, twists[] = { 0, 0, 1.5, 0.6 };
     PoseSet poses;
     poses.triangles = tube.triangles();
     for (const Triangle& t : poses.triangles) {

@@ -19,7 +19,10 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-double microseconds_since(Clock::time_point start) { return std::chrono::duration<double, std::micro>(Clock::now() - start).count(); }
+double microseconds_since(Clock::time_point start)
+{
+    return std::chrono::duration<double, std::micro>(Clock::now() - start).count();
+}
 
 double median(std::vector<double> values)
 {
@@ -33,8 +36,7 @@ struct Solves {
 };
 
 // Solves along a list of weights, as a game would call it.
-template <class NextWeights>
-Solves time_solves(RuntimeBlender& blender, int count, bool continuous, NextWeights next)
+template <class NextWeights> Solves time_solves(RuntimeBlender& blender, int count, bool continuous, NextWeights next)
 {
     std::vector<double> times;
     Solves result {};
@@ -100,7 +102,8 @@ Row measure(const std::string& name, const std::vector<std::string>& paths, cons
     // Slow drag: once around the simplex in 2,000 frames, about half a minute of a hand on the mouse.
     const auto drag = [&](int i) {
         Weights w(m);
-        for (std::size_t k = 0; k < m; ++k) w[Eigen::Index(k)] = 1.05 + std::cos(6.283185307 * (i / 2000.0 + double(k) / double(m)));
+        for (std::size_t k = 0; k < m; ++k)
+            w[Eigen::Index(k)] = 1.05 + std::cos(6.283185307 * (i / 2000.0 + double(k) / double(m)));
         return to_floats(w);
     };
     row.drag = time_solves(blender, 2000, true, drag);
@@ -133,25 +136,25 @@ std::vector<std::pair<std::string, std::string>> cells(const Row& r)
 {
     double error = 0;
     for (const auto& check : r.report.checks) error += check.second.relative_l2 / double(r.report.checks.size());
-    return {{"set", r.name},
-            {"n", std::to_string(r.report.vertex_count)},
-            {"m", std::to_string(r.report.pose_count)},
-            {"d", std::to_string(r.report.dimension)},
-            {"elements", std::to_string(r.report.element_count)},
-            {"subspace s", fmt::format("{:.1f}", seconds_of(r.report, "subspace"))},
-            {"training s", fmt::format("{:.1f}", seconds_of(r.report, "reduced averages"))},
-            {"cubature s", fmt::format("{:.1f}", seconds_of(r.report, "cubature"))},
-            {"bake s", fmt::format("{:.1f}", r.bake_seconds)},
-            {"MiB", fmt::format("{:.1f}", r.megabytes)},
-            {"us/evaluation", fmt::format("{:.2f}", r.jump.microseconds / r.jump.evaluations)},
-            {"drag it", fmt::format("{:.1f}", r.drag.iterations)},
-            {"drag us", fmt::format("{:.1f}", r.drag.microseconds)},
-            {"jump it", fmt::format("{:.1f}", r.jump.iterations)},
-            {"jump us", fmt::format("{:.1f}", r.jump.microseconds)},
-            {"not converged", std::to_string(r.drag.unconverged + r.jump.unconverged)},
-            {"reconstruct us", fmt::format("{:.0f}", r.reconstruct_us)},
-            {"of bandwidth", fmt::format("{:.0f} %", 100 * r.bandwidth_share)},
-            {"relative L2", fmt::format("{:.1e}", error)}};
+    return { { "set", r.name },
+             { "n", std::to_string(r.report.vertex_count) },
+             { "m", std::to_string(r.report.pose_count) },
+             { "d", std::to_string(r.report.dimension) },
+             { "elements", std::to_string(r.report.element_count) },
+             { "subspace s", fmt::format("{:.1f}", seconds_of(r.report, "subspace")) },
+             { "training s", fmt::format("{:.1f}", seconds_of(r.report, "reduced averages")) },
+             { "cubature s", fmt::format("{:.1f}", seconds_of(r.report, "cubature")) },
+             { "bake s", fmt::format("{:.1f}", r.bake_seconds) },
+             { "MiB", fmt::format("{:.1f}", r.megabytes) },
+             { "us/evaluation", fmt::format("{:.2f}", r.jump.microseconds / r.jump.evaluations) },
+             { "drag it", fmt::format("{:.1f}", r.drag.iterations) },
+             { "drag us", fmt::format("{:.1f}", r.drag.microseconds) },
+             { "jump it", fmt::format("{:.1f}", r.jump.iterations) },
+             { "jump us", fmt::format("{:.1f}", r.jump.microseconds) },
+             { "not converged", std::to_string(r.drag.unconverged + r.jump.unconverged) },
+             { "reconstruct us", fmt::format("{:.0f}", r.reconstruct_us) },
+             { "of bandwidth", fmt::format("{:.0f} %", 100 * r.bandwidth_share) },
+             { "relative L2", fmt::format("{:.1e}", error) } };
 }
 
 void print(const std::vector<Row>& rows, double bandwidth)
@@ -208,7 +211,7 @@ try {
             fmt::print(stderr, "usage: pliant_bench NAME POSE POSE... [-- NAME POSE POSE...]... [--csv FILE] [--ritz N]\n");
             return int(ExitCode::usage);
         }
-        rows.push_back(measure(set[0], {set.begin() + 1, set.end()}, options, bandwidth));
+        rows.push_back(measure(set[0], { set.begin() + 1, set.end() }, options, bandwidth));
     }
     print(rows, bandwidth);
     if (!csv_path.empty()) write_file_atomically(csv_path, csv(rows));

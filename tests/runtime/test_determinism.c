@@ -35,6 +35,10 @@ static void check_bits(const opened* o)
     const made_solver one = make_solver(&o->asset, &desc), two = make_solver(&o->asset, &desc);
     const uint64_t first = run(one.solver, &o->asset, 1.0f);
     CHECK(run(two.solver, &o->asset, 1.0f) == first, "%s: another solver", o->name);
+    /* Next to where run() starts: without the reset it would go on from here. */
+    float weights[64], q[256];
+    drag(o->asset.pose_count, 1, 1.0f, weights);
+    CHECK(pliant_solve(one.solver, weights, q, NULL) == PLIANT_OK, "%s", o->name);
     pliant_solver_reset(one.solver);
     CHECK(run(one.solver, &o->asset, 1.0f) == first, "%s: after a reset", o->name);
     pliant_solver_reset(one.solver);

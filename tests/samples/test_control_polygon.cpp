@@ -42,7 +42,8 @@ TEST_CASE("two weights on an edge, linear along it")
         for (uint32_t k = 0; k < count; ++k) {
             const uint32_t next = (k + 1) % count;
             for (double t : { 0.125, 0.5, 0.8 }) {
-                const std::vector<double> weights = polygon.weights((1.0 - t) * polygon.corners()[k] + t * polygon.corners()[next]);
+                const std::vector<double> weights
+                    = polygon.weights((1.0 - t) * polygon.corners()[k] + t * polygon.corners()[next]);
                 CHECK(weights[k] == doctest::Approx(1.0 - t).epsilon(1e-12));
                 CHECK(weights[next] == doctest::Approx(t).epsilon(1e-12));
                 for (uint32_t i = 0; i < count; ++i) {

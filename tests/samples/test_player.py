@@ -3,6 +3,7 @@
 Assets come from tests/runtime/tiny_asset.py: small, but solved by the real runtime.
 """
 import json
+import os
 import re
 import shutil
 import subprocess
@@ -15,6 +16,9 @@ from PIL import Image
 
 ROOT = Path(__file__).resolve().parents[2]
 PLAYER = sys.argv[2]
+# Graphics drivers leak a little, which sanitizer builds would report as ours. What does not draw is still watched.
+if sys.argv[1] not in ("help", "usage", "bad_asset", "benchmark"):
+    os.environ["ASAN_OPTIONS"] = "detect_leaks=0"
 
 
 def skip(reason):
@@ -139,7 +143,8 @@ def case_panels(folder):
     without = picture(asset, folder, "--no-hud", size="960x600")
     panels = picture(asset, folder, "--hud", size="960x600")
     both = picture(asset, folder, "--both", size="960x600")
-    assert (panels.max(axis=2) < 110).sum() > (without.max(axis=2) < 110).sum() + 300, "--hud writes no text"
+    ink = [((image.max(axis=2) < 120) & (image[..., 0] < image[..., 2])).sum() for image in (without, panels)]
+    assert ink[1] > ink[0] + 300, f"--hud writes no text: {ink} dark pixels without and with"
     half = both.shape[1] // 2
     assert cool(both[:, :half]).any() and warm(both[:, half:]).any(), "--both: linear left, elastic right"
     assert not warm(both[:, :half]).any(), "--both: the elastic character reaches into the left half"
@@ -160,7 +165,11 @@ def case_whole_or_nothing(folder):
     place = folder / "place"
     place.mkdir()
     refused(asset, "--screenshot", place, "--size", "64x64", code=1, number=5931)
-    assert sorted(p.name for p in folder.iterdir()) == ["place", "tube.pliant"], "something was left behind"
+    pipe = folder / "pipe"
+    os.mkfifo(pipe)
+    refused(asset, "--screenshot", pipe, "--size", "64x64", code=1, number=5931)
+    assert pipe.is_fifo(), "the pipe was replaced by a file"
+    assert sorted(p.name for p in folder.iterdir()) == ["pipe", "place", "tube.pliant"], "something was left behind"
 
 
 def case_benchmark(folder):
