@@ -37,6 +37,11 @@ readonly poses=($demo/poses/creature_{rest,reach,curl,leap,twist}.ply)
 
 step() { printf '\n== %s\n' "$*"; }
 
+fail() {
+    echo "samples/demo.sh: error: $*" >&2
+    exit 1
+}
+
 # newer_than FILE OTHER...: FILE exists and none of the others is newer.
 newer_than() {
     local file=$1 other
@@ -54,51 +59,54 @@ build_tools() {
 }
 
 make_poses() {
-    mkdir -p "$demo/poses"
-    "$build/samples/creature/creature" -o "$demo/poses"
+    mkdir -p "$demo/poses" && "$build/samples/creature/creature" -o "$demo/poses"
 }
 
 # The player draws without any display where the driver can; xvfb-run serves the machines where it cannot.
 draw() {
-    echo "drawing $demo/$1"
     local out=$demo/$1
     shift
+    if newer_than "$out" "$asset" "$player" samples/demo.sh; then
+        echo "already there: $out"
+        return
+    fi
+    echo "drawing $out"
     xvfb-run -a -s "-screen 0 1280x1024x24" "$player" "$asset" --up z "$@" "$out"
 }
 
 draw_pictures() {
-    draw sheet.png --sheet
-    draw player.png --weights 0,1,0.7,0,0 --hud --screenshot
-    draw both.png --weights 0,1,1,0,1 --both --size 1600x800 --screenshot
-    draw elastic.png --weights 0,1,1,0,1 --screenshot
-    draw linear.png --weights 0,1,1,0,1 --linear --screenshot
+    draw sheet.png --sheet \
+        && draw player.png --weights 0,1,1,0,1 --both --hud --size 1440x810 --screenshot \
+        && draw both.png --weights 0,1,1,0,1 --both --size 1600x800 --screenshot \
+        && draw elastic.png --weights 0,1,1,0,1 --screenshot \
+        && draw linear.png --weights 0,1,1,0,1 --linear --screenshot
 }
 
 mkdir -p "$demo"
 if ((install)); then
     step "packages"
-    pliant_install_packages build player
+    pliant_install_packages build player || fail "packages are missing"
     echo "all there"
 fi
 step "building the tool, the player and the generator of the example character"
-build_tools
+build_tools || fail "the build failed, see above"
 step "the example character: five poses of one mesh"
 if newer_than "${poses[4]}" "$build/samples/creature/creature"; then
     echo "already there: $demo/poses"
 else
-    make_poses
+    make_poses || fail "the example poses could not be made"
 fi
 step "baking the poses into $asset (once; a few minutes at most)"
 if newer_than "$asset" "${poses[@]}" "$build/baker/pliant"; then
     echo "already there"
 else
-    "$build/baker/pliant" bake "${poses[@]}" -o "$asset"
+    "$build/baker/pliant" bake "${poses[@]}" -o "$asset" || fail "the bake failed, see above"
 fi
 step "measuring a thousand blends"
-"$player" "$asset" --frames 1000
+"$player" "$asset" --frames 1000 || fail "the player cannot use $asset"
 if ((headless)); then
     step "pictures"
-    draw_pictures
+    draw_pictures || fail "a picture could not be drawn"
     step "done: look at $demo/*.png"
 else
     step "the player: drag the point in the polygon, H lists the keys, Esc quits"

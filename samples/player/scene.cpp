@@ -14,14 +14,14 @@ namespace pliant::player {
 namespace {
 
 // The key light and a dome of lights; each has its shadow map. lowest: the sine of the elevation from which the dome goes up;
-// few lights with hard shadows keep theirs near the feet, where they overlap.
+// few lights with hard shadows keep theirs near the feet, where they overlap. floor: its radius in radii of the scene.
 struct Lighting {
     int light_count, shadow_size, key_taps, dome_taps;
-    float lowest;
+    float lowest, floor;
 };
-constexpr Lighting kLow { 1 + 10, 256, 6, 1, 0.55f };
-constexpr Lighting kMedium { 1 + 16, 768, 12, 4, 0.25f };
-constexpr Lighting kHigh { 1 + 24, 768, 24, 8, 0.17f };
+constexpr Lighting kLow { 1 + 3, 320, 7, 3, 0.82f, 1.5f };
+constexpr Lighting kMedium { 1 + 16, 768, 12, 4, 0.25f, 2.4f };
+constexpr Lighting kHigh { 1 + 24, 768, 24, 8, 0.17f, 2.4f };
 
 constexpr Lighting lighting(Quality quality)
 {
@@ -56,6 +56,7 @@ Scene::Scene(const pliant_asset& asset, const Extent& extent, Quality quality, c
     , shadow_size_(lighting(quality).shadow_size)
     , light_count_(lighting(quality).light_count)
     , dome_lowest_(lighting(quality).lowest)
+    , floor_radius_(lighting(quality).floor)
     , backdrop_("backdrop", sources.backdrop_vertex, sources.backdrop_fragment)
     , depth_("depth", sources.depth_vertex, sources.depth_fragment)
     , floor_("floor", sources.floor_vertex, sources.floor_fragment)
@@ -195,7 +196,7 @@ void Scene::draw_floor(const Stage& stage, const Camera::Matrices& camera)
     set_lights(floor_);
     floor_.set("view_projection", camera.projection * camera.view);
     floor_.set("centre", stage.centre);
-    floor_.set("radius", 2.4f * stage.radius);
+    floor_.set("radius", floor_radius_ * stage.radius);
     glEnable(GL_BLEND);
     glBlendFunc(GL_SRC_ALPHA, GL_ONE_MINUS_SRC_ALPHA);
     glDepthMask(GL_FALSE); // the soles lie in the floor: they are drawn over it

@@ -58,7 +58,7 @@ private:
     Extent extent_;
     GLsizei index_count_;
     int shadow_size_, light_count_;
-    float dome_lowest_;
+    float dome_lowest_, floor_radius_;
     Program backdrop_, depth_, floor_, body_;
     GlName indices_, empty_array_, shadow_texture_, shadow_target_;
     std::vector<Mesh> meshes_;

@@ -16,7 +16,7 @@ void main()
     gl_Position = vec4(corner * 2.0 - 1.0, 0.0, 1.0);
 })";
 
-// A studio wall: brightest behind the character. Half a grey level of noise hides the steps of eight bits.
+// A studio wall: brightest behind the character. Less than a grey level of noise hides the steps of eight bits.
 constexpr char kBackdropFragment[] = R"(
 in vec2 place;
 out vec4 colour;
@@ -28,7 +28,7 @@ void main()
     float far = length((place - glow) * vec2(aspect, 1.0));
     wall = mix(vec3(0.975, 0.98, 0.985), wall, smoothstep(0.05, 0.85, far));
     float noise = fract(52.9829189 * fract(dot(gl_FragCoord.xy, vec2(0.06711056, 0.00583715))));
-    colour = vec4(wall + (noise - 0.5) / 255.0, 1.0);
+    colour = vec4(wall + (noise - 0.5) * 1.6 / 255.0, 1.0);
 })";
 
 constexpr char kDepthVertex[] = R"(
@@ -134,7 +134,7 @@ void main()
 
     float facing = dot(normal, key_direction);
     float key = visibility(0, point, normal, 0.010, KEY_TAPS) * smoothstep(-0.02, 0.12, facing);
-    float lit = key * clamp((facing + 0.15) / 1.15, 0.0, 1.0);
+    float lit = key * clamp((facing + 0.06) / 1.06, 0.0, 1.0);
 
     float sky = 0.0, whole = 0.0;
     for (int light = 1; light < LIGHTS; ++light) {
@@ -146,12 +146,12 @@ void main()
     float near_floor = smoothstep(0.0, 0.35, point.y / height);
     float bounce = (0.5 - 0.5 * normal.y) * mix(0.35, 1.0, near_floor);
 
-    vec3 light = vec3(1.00, 0.95, 0.88) * 1.45 * lit + vec3(0.80, 0.90, 1.06) * 0.62 * sky + vec3(0.95, 0.97, 1.0) * 0.30 * bounce
+    vec3 light = vec3(1.00, 0.95, 0.88) * 1.62 * lit + vec3(0.80, 0.90, 1.06) * 0.50 * sky + vec3(0.95, 0.97, 1.0) * 0.30 * bounce
         + vec3(0.055);
     vec3 shaded = base * light;
 
     vec3 halfway = normalize(key_direction + view);
-    shaded += vec3(0.16) * pow(max(dot(normal, halfway), 0.0), 34.0) * key;
+    shaded += vec3(0.20) * pow(max(dot(normal, halfway), 0.0), 34.0) * key;
     float grazing = pow(1.0 - clamp(dot(normal, view), 0.0, 1.0), 3.0);
     vec3 rim_direction = normalize(vec3(-key_direction.x, 0.55, -key_direction.z));
     float behind = clamp(0.45 + 0.55 * dot(normal, rim_direction), 0.0, 1.0);
