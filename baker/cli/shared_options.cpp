@@ -1,5 +1,6 @@
 #include "cli/verbs.h"
 
+#include "energy/parallel.h"
 #include "mesh/load_poses.h"
 #include "report/certificate.h"
 
@@ -60,6 +61,13 @@ void add_energy_options(CLI::App& verb, EnergyOptions& options)
                "Sparse factorisation: cholmod (fast) or eigen (portable, bit-stable)");
     verb.add_flag("--no-align", options.keep_placement,
                   "Take the poses where they stand instead of moving them rigidly onto the first");
+}
+
+void add_threads(CLI::App& verb)
+{
+    verb.add_option_function<unsigned>("--threads", set_thread_count,
+                                       "Threads for element loops (default: all cores); results do not depend on it")
+        ->check(CLI::Range(1u, 256u));
 }
 
 void add_quiet(CLI::App& verb, bool& is_quiet)

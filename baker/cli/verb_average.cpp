@@ -61,6 +61,7 @@ Verb add_average(CLI::App& app)
         ->type_name("W1,W2,...");
     verb->add_option("-o,--output", a->output, "Mesh to write")->required()->type_name("OUT.ply");
     add_energy_options(*verb, a->energy);
+    add_threads(*verb);
     add_quiet(*verb, a->is_quiet);
     return [a] { return run(*a); };
 }

@@ -136,6 +136,7 @@ Verb add_bake(CLI::App& app)
         ->capture_default_str();
     verb->add_option("--seed", a->bake.seed, "Seed of everything random")->capture_default_str();
     verb->add_option("--report", a->report, "Also write a report with errors and times")->type_name("OUT.json");
+    add_threads(*verb);
     add_quiet(*verb, a->is_quiet);
     return [a] { return run(*a); };
 }

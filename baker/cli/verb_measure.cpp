@@ -192,6 +192,7 @@ Verb add_measure(CLI::App& app)
     verb->add_option("--samples", a->sample_count, "How many weights")->check(CLI::Range(1, 100000))->capture_default_str();
     verb->add_option("--seed", a->seed, "Seed of the weights")->capture_default_str();
     verb->add_flag("--json", a->is_json, "JSON to standard output");
+    add_threads(*verb);
     add_quiet(*verb, a->is_quiet);
     return [a] { return run(*a); };
 }

@@ -24,6 +24,7 @@ Verb add_validate(CLI::App& app);
 // Options that several verbs share.
 void add_pose_arguments(CLI::App& verb, std::vector<std::string>& poses);
 void add_energy_options(CLI::App& verb, EnergyOptions& options);
+void add_threads(CLI::App& verb);
 void add_quiet(CLI::App& verb, bool& is_quiet);
 
 // Loads and checks poses; prints warnings under the verb's name.

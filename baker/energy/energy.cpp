@@ -1,8 +1,12 @@
 #include "energy/energy.h"
 
+#include "energy/parallel.h"
+
 #include <Eigen/Eigenvalues>
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <numeric>
 
 namespace pliant {
 
@@ -14,13 +18,14 @@ void gather(const std::uint32_t* vertices, std::size_t count, const Shape& y, do
 
 namespace {
 
-// Calls visit(result, vertices, count) for every element, in order: sums come out the same on every run.
+// Calls visit(result, vertices, count) for the elements begin .. end-1, in order.
 template <class Visit>
-void for_each_element(const Energy& energy, const Weights& w, const Shape& y, Order order, Visit visit)
+void for_elements(const Energy& energy, const Weights& w, const Shape& y, Order order, std::size_t begin, std::size_t end,
+                  Visit visit)
 {
     ElementResult result;
     std::vector<double> x;
-    for (std::size_t e = 0; e < energy.element_count(); ++e) {
+    for (std::size_t e = begin; e < end; ++e) {
         std::size_t count = 0;
         const std::uint32_t* vertices = energy.element_vertices(e, count);
         x.resize(3 * count);
@@ -34,28 +39,41 @@ void for_each_element(const Energy& energy, const Weights& w, const Shape& y, Or
 
 double energy_value(const Energy& energy, const Weights& w, const Shape& y)
 {
-    double sum = 0;
-    for_each_element(energy, w, y, Order::value,
+    std::array<double, piece_count> sums {};
+    for_each_piece(energy.element_count(), [&](std::size_t piece, std::size_t begin, std::size_t end) {
+        double sum = 0;
+        for_elements(energy, w, y, Order::value, begin, end,
                      [&](const ElementResult& r, const std::uint32_t*, std::size_t) { sum += r.value; });
-    return sum;
+        sums[piece] = sum;
+    });
+    return std::accumulate(sums.begin(), sums.end(), 0.0);
 }
 
 double add_gradient(const Energy& energy, const Weights& w, const Shape& y, Shape& gradient, double* force_scale)
 {
-    double sum = 0;
-    Eigen::VectorXd forces;
-    if (force_scale) forces.setZero(y.size() / 3);
-    for_each_element(energy, w, y, Order::gradient,
+    std::array<double, piece_count> sums {};
+    std::array<Eigen::VectorXd, piece_count> gradients, forces;
+    for_each_piece(energy.element_count(), [&](std::size_t piece, std::size_t begin, std::size_t end) {
+        Eigen::VectorXd& g = gradients[piece].setZero(y.size());
+        Eigen::VectorXd& f = forces[piece].setZero(force_scale ? y.size() / 3 : 0);
+        double sum = 0;
+        for_elements(energy, w, y, Order::gradient, begin, end,
                      [&](const ElementResult& r, const std::uint32_t* vertices, std::size_t count) {
                          sum += r.value;
                          for (std::size_t i = 0; i < count; ++i) {
                              const Eigen::Vector3d force = r.gradient.segment<3>(3 * Eigen::Index(i));
-                             gradient.segment<3>(3 * Eigen::Index(vertices[i])) += force;
-                             if (force_scale) forces[vertices[i]] += force.norm();
+                             g.segment<3>(3 * Eigen::Index(vertices[i])) += force;
+                             if (force_scale) f[vertices[i]] += force.norm();
                          }
                      });
-    if (force_scale) *force_scale = forces.norm();
-    return sum;
+        sums[piece] = sum;
+    });
+    for (std::size_t piece = 0; piece < piece_count; ++piece) {
+        gradient += gradients[piece];
+        if (force_scale && piece > 0) forces[0] += forces[piece];
+    }
+    if (force_scale) *force_scale = forces[0].norm();
+    return std::accumulate(sums.begin(), sums.end(), 0.0);
 }
 
 Weights corner_weights(std::size_t pose_count, std::size_t pose)

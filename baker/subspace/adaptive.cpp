@@ -32,7 +32,9 @@ public:
         , report_(report)
         , random_(options.seed)
     {
-        newton_.decrement = 1e-7; // leaves far less than a subspace of 1e-4 does
+        // Tested before the last step, which squares it: what is left is far below what a subspace leaves.
+        newton_.decrement = 1e-5;
+        newton_.residual = 3e-2;
         newton_.max_iterations = 40;
     }
 
@@ -63,11 +65,29 @@ private:
         return out;
     }
 
+    // While the basis grows its columns stay, so that of the reduced Hessian at the mean only the new row is computed.
     void add_snapshot(Check check)
     {
+        if (append_direction(subspace_, check.truth - subspace_.origin, set_.masses) && mean_hessian_.rows() > 0)
+            extend_metric();
         snapshots_.push_back(std::move(check));
-        subspace_ = build_subspace(set_, directions(), std::numeric_limits<Eigen::Index>::max());
-        metric_is_old_ = true;
+    }
+
+    void extend_metric()
+    {
+        const Eigen::Index d = subspace_.dimension();
+        const Eigen::VectorXd row
+            = subspace_.basis.transpose() * (mean_hessian_.selfadjointView<Eigen::Lower>() * subspace_.basis.col(d - 1));
+        reduced_hessian_.conservativeResize(d, d);
+        reduced_hessian_.row(d - 1) = row.transpose();
+        reduced_hessian_.col(d - 1) = row;
+        metric_ = metric_from(reduced_hessian_);
+    }
+
+    static Eigen::MatrixXd metric_from(const Eigen::MatrixXd& hessian)
+    {
+        const Eigen::MatrixXd root = inverse_root(hessian, metric_floor);
+        return root * root.transpose();
     }
 
     // The average of all poses, then the reduced problem can be solved near it; then all pairs.
@@ -77,7 +97,14 @@ private:
         tell("average of all poses");
         const NewtonResult mean = family.mean();
         report_.unconverged_count += !mean.has_converged;
+        subspace_ = build_subspace(set_, Eigen::MatrixXd(set_.dof_count(), 0), 0); // the differences alone
         add_snapshot({ equal_weights(set_.pose_count()), mean.y, 0 });
+        HessianAssembler assembler(solver_.energy());
+        assembler.assemble(equal_weights(set_.pose_count()), mean.y, HessianKind::exact);
+        mean_hessian_ = assembler.matrix();
+        scale_ = std::max(mean.energy, 1e-13); // identical poses have no energy
+        reduced_hessian_ = reduced_mean_hessian(subspace_);
+        metric_ = metric_from(reduced_hessian_);
         const std::size_t m = set_.pose_count();
         for (std::size_t i = 0; i < m; ++i)
             for (std::size_t j = i + 1; j < m && m > 2; ++j)
@@ -87,7 +114,6 @@ private:
 
     void refine()
     {
-        std::vector<double> errors;
         int good_batches = 0;
         // Every batch adds a snapshot unless it is good, so this ends; the bound is for families that never get smooth.
         for (int round = 0; round < 40 && good_batches < 2; ++round) {
@@ -129,10 +155,7 @@ private:
             best = distance;
             q = coordinates() + subspace.pose_coordinates * (w - known);
         };
-        for (const Check& s : snapshots_)
-            consider(s.w, [&] {
-                return Eigen::VectorXd(subspace.basis.transpose() * times_mass(s.truth - subspace.origin, set_.masses));
-            });
+        for (const Check& s : snapshots_) consider(s.w, [&] { return project(subspace, s.truth, set_.masses); });
         for (std::size_t k = 0; k < set_.pose_count(); ++k)
             consider(corner_weights(set_.pose_count(), k),
                      [&] { return Eigen::VectorXd(subspace.pose_coordinates.col(Eigen::Index(k))); });
@@ -150,17 +173,9 @@ private:
         return subspace.shape(minimise(objective, nearest(subspace, w), metric, options).q);
     }
 
-    // Inverse reduced Hessian at the average of all poses.
-    Eigen::MatrixXd metric_of(const Subspace& subspace)
+    Eigen::MatrixXd reduced_mean_hessian(const Subspace& subspace) const
     {
-        const ReducedEnergy reduced(solver_.energy(), subspace);
-        const Weights w = equal_weights(set_.pose_count());
-        const Eigen::VectorXd q
-            = subspace.basis.transpose() * times_mass(snapshots_[0].truth - subspace.origin, set_.masses);
-        Eigen::VectorXd gradient;
-        scale_ = std::max(reduced.gradient(w, q, gradient), 1e-13); // identical poses have no energy
-        const Eigen::MatrixXd root = inverse_root(reduced.hessian(w, q, HessianKind::exact), metric_floor);
-        return root * root.transpose();
+        return subspace.basis.transpose() * (mean_hessian_.selfadjointView<Eigen::Lower>() * subspace.basis);
     }
 
     // Reduced solution at w, and the truth next to it.
@@ -168,8 +183,6 @@ private:
     {
         ++report_.check_count;
         tell(fmt::format("d = {}, check {}", subspace_.dimension(), report_.check_count));
-        if (metric_is_old_) metric_ = metric_of(subspace_);
-        metric_is_old_ = false;
         const Shape blend = solve_reduced(subspace_, metric_, w);
         NewtonResult truth = solver_.minimise(w, blend, newton_);
         report_.unconverged_count += !truth.has_converged;
@@ -181,7 +194,7 @@ private:
     // Mean and largest error over the held-out checks, solved anew in `subspace`.
     double measure(const Subspace& subspace)
     {
-        const Eigen::MatrixXd metric = metric_of(subspace);
+        const Eigen::MatrixXd metric = metric_from(reduced_mean_hessian(subspace));
         double sum = 0, largest = -1;
         for (const Check& c : held_out_) {
             const double error = relative_distance(set_, solve_reduced(subspace, metric, c.w), c.truth);
@@ -221,8 +234,9 @@ private:
     Random random_;
     std::vector<Check> snapshots_, held_out_;
     Subspace subspace_;
-    Eigen::MatrixXd metric_;
-    bool metric_is_old_ = true;
+    SparseLower mean_hessian_;        // at the average of all poses
+    Eigen::MatrixXd reduced_hessian_; // the same in subspace_
+    Eigen::MatrixXd metric_;          // its inverse
     double scale_ = 1;
 };
 

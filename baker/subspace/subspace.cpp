@@ -75,4 +75,20 @@ Subspace build_subspace(const ShapeSet& set, const Eigen::MatrixXd& vectors, Eig
     return subspace;
 }
 
+bool append_direction(Subspace& subspace, const Shape& displacement, const Eigen::VectorXd& masses)
+{
+    const Factored added = orthonormalise(displacement, subspace.basis, masses);
+    if (added.columns.cols() == 0) return false;
+    subspace.basis.conservativeResize(Eigen::NoChange, subspace.basis.cols() + 1);
+    subspace.basis.rightCols<1>() = added.columns;
+    subspace.pose_coordinates.conservativeResize(subspace.pose_coordinates.rows() + 1, Eigen::NoChange);
+    subspace.pose_coordinates.bottomRows<1>().setZero(); // the differences are spanned by the first columns
+    return true;
+}
+
+Eigen::VectorXd project(const Subspace& subspace, const Shape& shape, const Eigen::VectorXd& masses)
+{
+    return subspace.basis.transpose() * times_mass(shape - subspace.origin, masses);
+}
+
 } // namespace pliant

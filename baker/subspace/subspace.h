@@ -19,4 +19,11 @@ struct Subspace {
 // Directions below 1e-9 are rounding and dropped. At most `max_dimension` columns in all.
 Subspace build_subspace(const ShapeSet& set, const Eigen::MatrixXd& vectors, Eigen::Index max_dimension);
 
+// Appends the part of a displacement that the basis does not span yet, as one more column; the others stay as they are. False, and no
+// change, if nothing but rounding is left of it.
+bool append_direction(Subspace& subspace, const Shape& displacement, const Eigen::VectorXd& masses);
+
+// Coordinates of the shape's projection onto the subspace.
+Eigen::VectorXd project(const Subspace& subspace, const Shape& shape, const Eigen::VectorXd& masses);
+
 } // namespace pliant

@@ -172,7 +172,7 @@ def both_case(name, file, mesh):
 
 for nothing_to_add in ("missing_file", "one_pose", "thirteen_poses", "good", "output_folder_missing", "output_is_folder",
                        "output_is_input", "output_is_device", "unknown_option", "weights_not_numbers", "too_few_weights",
-                       "negative_weight", "not_an_asset"):
+                       "negative_weight", "not_an_asset", "tolerance_missed"):
     CASES[nothing_to_add] = lambda folder: None
 
 

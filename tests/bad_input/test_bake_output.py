@@ -4,10 +4,12 @@ import os
 import pathlib
 import resource
 import signal
+import struct
 import subprocess
 import sys
 import tempfile
 import time
+import zlib
 
 import generate
 
@@ -67,6 +69,39 @@ def test_two_bakes(folder, poses):
     check(valid.returncode == 0, f"two bakes: it is valid {valid.stderr}")
 
 
+def run(*arguments):
+    return subprocess.run([TOOL, *map(str, arguments)], stdin=subprocess.DEVNULL, capture_output=True, text=True, timeout=300)
+
+
+def change_first_answer(blob):
+    """The asset with another number as its first stored answer, checksums made right again: only solving finds out."""
+    blob = bytearray(blob)
+    (count,) = struct.unpack_from("<I", blob, 24)
+    (pose_count,) = struct.unpack_from("<I", blob, 44)
+    for entry in range(64, 64 + 32 * count, 32):
+        tag, _, offset, size, _, _ = struct.unpack_from("<4sIQQII", blob, entry)
+        if tag == b"ANSW":
+            struct.pack_into("<f", blob, offset + 64 + 4 * pose_count, 1e3)
+            struct.pack_into("<I", blob, entry + 24, zlib.crc32(blob[offset : offset + size]))
+    struct.pack_into("<I", blob, 28, 0)
+    struct.pack_into("<I", blob, 28, zlib.crc32(blob[: 64 + 32 * count]))
+    return bytes(blob)
+
+
+def test_wrong_partners(folder, poses):
+    asset, changed = folder / "a.pliant", folder / "changed.pliant"
+    check(run("bake", *poses, "-o", asset, "--quiet").returncode == 0, "a good bake")
+    swapped = run("measure", asset, *reversed(poses), "--samples", "1")
+    check(swapped.returncode == 3 and "error P5104" in swapped.stderr, f"measured with poses in another order: {swapped.stderr}")
+    changed.write_bytes(change_first_answer(asset.read_bytes()))
+    unreproduced = run("validate", changed)
+    check(unreproduced.returncode == 3 and "error P5105" in unreproduced.stderr, f"a stored answer changed: {unreproduced.stderr}")
+    check(run("validate", asset).returncode == 0, "the unchanged asset is valid")
+    missed = run("bake", *poses, "-o", folder / "missed.pliant", "--tolerance", "1e-8", "--best-effort")
+    check(missed.returncode == 4 and "warning P4404" in missed.stderr, f"best effort: exit code {missed.returncode}, {missed.stderr}")
+    check((folder / "missed.pliant").exists(), "best effort: the asset is written")
+
+
 def main():
     with tempfile.TemporaryDirectory(prefix="pliant-test-") as name:
         folder = pathlib.Path(name)
@@ -78,6 +113,7 @@ def main():
         test_interrupt(folder, large, signal.SIGINT, "SIGINT")
         test_interrupt(folder, large, signal.SIGTERM, "SIGTERM")
         test_cut_short(folder, small)
+        test_wrong_partners(folder, small)
         test_two_bakes(folder, small)
     return 1 if failures else 0
 

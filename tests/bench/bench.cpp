@@ -1,6 +1,7 @@
 // What a character costs: one row per set of poses. Bakes with the default options, then times the C runtime on one core.
-//   pliant_bench NAME POSE... [-- NAME POSE...]... [--csv FILE] [--ritz N]
-// Times are medians; ratios inside one run mean more than any of them alone.
+//   pliant_bench NAME POSE... [-- NAME POSE...]... [--csv FILE] [--krylov] [--checks N]
+// --krylov bakes with Algorithm 1 of the paper (d = 64 for five poses) instead of the adaptive subspace; --checks N sets how many
+// unreduced averages the error is measured on. Times are medians; ratios inside one run mean more than any of them alone.
 #include "bake.h"
 #include "cli/console.h"
 #include "io/write_file.h"
@@ -199,8 +200,10 @@ try {
             sets.emplace_back();
         else if (!std::strcmp(argv[i], "--csv") && i + 1 < argc)
             csv_path = argv[++i];
-        else if (!std::strcmp(argv[i], "--ritz") && i + 1 < argc)
-            options.ritz_count = std::stoi(argv[++i]);
+        else if (!std::strcmp(argv[i], "--krylov"))
+            options.subspace = SubspaceKind::krylov;
+        else if (!std::strcmp(argv[i], "--checks") && i + 1 < argc)
+            options.check_count = std::stoi(argv[++i]);
         else
             sets.back().push_back(argv[i]);
     }
@@ -208,7 +211,9 @@ try {
     std::vector<Row> rows;
     for (const auto& set : sets) {
         if (set.size() < 3) {
-            fmt::print(stderr, "usage: pliant_bench NAME POSE POSE... [-- NAME POSE POSE...]... [--csv FILE] [--ritz N]\n");
+            fmt::print(
+                stderr,
+                "usage: pliant_bench NAME POSE POSE... [-- NAME POSE POSE...]... [--csv FILE] [--krylov] [--checks N]\n");
             return int(ExitCode::usage);
         }
         rows.push_back(measure(set[0], { set.begin() + 1, set.end() }, options, bandwidth));
