@@ -127,8 +127,8 @@ private:
                     held_out_.push_back(std::move(c));
             }
             good_batches = sum < options_.tolerance ? good_batches + 1 : 0;
-            if (options_.dimension && subspace_.dimension() >= limit() + 4) break;
-            if (subspace_.dimension() >= std::min<Eigen::Index>(limit() + 16, 2 * limit())) break;
+            // A few more than can be kept: the best directions of them are better than the first ones that came.
+            if (subspace_.dimension() >= limit() + 4) break;
         }
         while (held_out_.size() < 2 * batch_size) held_out_.push_back(check(draw(int(held_out_.size()))));
     }
