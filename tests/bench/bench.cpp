@@ -155,7 +155,7 @@ std::vector<std::pair<std::string, std::string>> cells(const Row& r)
              { "not converged", std::to_string(r.drag.unconverged + r.jump.unconverged) },
              { "reconstruct us", fmt::format("{:.0f}", r.reconstruct_us) },
              { "of bandwidth", fmt::format("{:.0f} %", 100 * r.bandwidth_share) },
-             { "relative L2", fmt::format("{:.1e}", error) } };
+             { "relative L2", r.report.checks.empty() ? "-" : fmt::format("{:.1e}", error) } };
 }
 
 void print(const std::vector<Row>& rows, double bandwidth)
