@@ -181,14 +181,6 @@ void collect_answers(AssetModel& model, const TrainingSet& training, BakeReport&
     }
 }
 
-Shape from_input_units(const ShapeSet& set, const std::vector<float>& positions)
-{
-    Shape shape(Eigen::Index(positions.size()));
-    for (Eigen::Index i = 0; i < shape.size(); ++i)
-        shape[i] = (double(positions[std::size_t(i)]) - set.origin[i % 3]) / set.length;
-    return shape;
-}
-
 // Blends of the finished asset against the unreduced average that Newton finds from them.
 void check_against_unreduced(const std::vector<std::uint8_t>& bytes, NewtonSolver& solver, const BakeOptions& options,
                              Progress& progress, BakeReport& report)

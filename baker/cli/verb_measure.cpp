@@ -48,14 +48,6 @@ Sample draw(Random& random, std::size_t pose_count, int index)
     return sample;
 }
 
-Shape to_shape(const ShapeSet& set, const std::vector<float>& positions)
-{
-    Shape shape(Eigen::Index(positions.size()));
-    for (Eigen::Index i = 0; i < shape.size(); ++i)
-        shape[i] = (double(positions[std::size_t(i)]) - set.origin[i % 3]) / set.length;
-    return shape;
-}
-
 // The asset must have been baked from these poses: it reproduces them.
 void check_same_poses(const RuntimeBlender& blender, const ShapeSet& set, const std::string& path)
 {
@@ -63,7 +55,7 @@ void check_same_poses(const RuntimeBlender& blender, const ShapeSet& set, const 
     bool is_same = asset.pose_count == set.pose_count() && Eigen::Index(asset.vertex_count) * 3 == set.dof_count();
     for (std::uint32_t k = 0; is_same && k < asset.pose_count; ++k) {
         const float* q = pliant_asset_pose_coordinates(&asset, k);
-        const Shape shape = to_shape(set, blender.positions(std::vector<float>(q, q + asset.dimension)));
+        const Shape shape = from_input_units(set, blender.positions(std::vector<float>(q, q + asset.dimension)));
         is_same = (shape - set.shapes[k]).norm() <= 1e-4 * set.shapes[k].norm(); // float32 reproduces a pose to 1e-6
     }
     if (!is_same)
@@ -151,7 +143,7 @@ ExitCode run(const Arguments& a)
         const Eigen::VectorXf wf = s.weights.cast<float>();
         const std::vector<float> w(wf.data(), wf.data() + wf.size());
         time_solve(blender, w, s);
-        const Shape blend = to_shape(set, blender.positions(blender.solve(w, false)));
+        const Shape blend = from_input_units(set, blender.positions(blender.solve(w, false)));
         const NewtonResult truth = family.at(s.weights);
         s.has_converged = truth.has_converged;
         s.error = shape_error(*energy, set, s.weights, blend, truth.y);

@@ -88,4 +88,12 @@ Positions to_input_units(const ShapeSet& set, const Shape& shape)
     return positions;
 }
 
+Shape from_input_units(const ShapeSet& set, const std::vector<float>& positions)
+{
+    Shape shape(Eigen::Index(positions.size()));
+    for (Eigen::Index i = 0; i < shape.size(); ++i)
+        shape[i] = (double(positions[std::size_t(i)]) - set.origin[i % 3]) / set.length;
+    return shape;
+}
+
 } // namespace pliant

@@ -37,4 +37,7 @@ ShapeSet normalise(const PoseSet& poses, bool keep_placement = false);
 // Back to input units and place.
 Positions to_input_units(const ShapeSet& set, const Shape& shape);
 
+// The inverse for positions as the runtime writes them (3n floats): a shape in normalised units.
+Shape from_input_units(const ShapeSet& set, const std::vector<float>& positions);
+
 } // namespace pliant

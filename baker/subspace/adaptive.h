@@ -27,7 +27,8 @@ struct AdaptiveReport {
 // The family of averages a(w) is smooth in w, so that a basis of snapshots converges exponentially where the Krylov basis of Algorithm
 // 1 stalls (notes in THEORY.md, section 3). Differences are kept exactly. The start is the average of all poses and those of pairs;
 // then check weights are drawn, the reduced problem is solved there, and Newton's method on the full mesh goes on from that solution:
-// the distance is the error of the reduced blend, the result the next snapshot. Cost: three to six factorisations a snapshot.
+// the distance is the error of the reduced blend, the result the next snapshot. Cost: 6 factorisations a snapshot on
+// the creature, 16 on bodies in very different poses (tests/bench/README.md).
 Subspace build_adaptive_subspace(NewtonSolver& solver, const AdaptiveOptions& options, Progress* progress,
                                  AdaptiveReport& report);
 
