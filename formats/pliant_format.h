@@ -1,4 +1,4 @@
-/* The structures of a .pliant asset, as SPEC.md (format 1.0) defines them. C99 and C++11. Shared by the runtime, which
+/* The structures of a .pliant asset, as SPEC.md (format 1.1) defines them. C99 and C++11. Shared by the runtime, which
    reads them, and the baker, which writes them. Plain little-endian data: no pointers, no padding. */
 #ifndef PLIANT_FORMAT_H
 #define PLIANT_FORMAT_H
@@ -6,7 +6,8 @@
 #include <stdint.h>
 
 #define PLIANT_FORMAT_MAJOR 1
-#define PLIANT_FORMAT_MINOR 0
+#define PLIANT_FORMAT_MINOR 1      /* the newest described here; a file states the oldest that has all its chunks */
+#define PLIANT_FORMAT_MINOR_LOAD 1 /* the first with LOAD */
 
 /* "«PLIANT»" with CR LF EOF LF behind it: a transfer in text mode breaks it visibly. */
 #define PLIANT_FORMAT_IDENTIFIER                                               \
@@ -19,6 +20,7 @@
 #define PLIANT_CHUNK_SOLVER PLIANT_FORMAT_TAG('S', 'O', 'L', 'V')
 #define PLIANT_CHUNK_ELEMENTS PLIANT_FORMAT_TAG('E', 'L', 'E', 'M')
 #define PLIANT_CHUNK_PREDICTOR PLIANT_FORMAT_TAG('P', 'R', 'E', 'D')
+#define PLIANT_CHUNK_LOAD PLIANT_FORMAT_TAG('L', 'O', 'A', 'D')
 #define PLIANT_CHUNK_REST PLIANT_FORMAT_TAG('R', 'E', 'S', 'T')
 #define PLIANT_CHUNK_TRIANGLES PLIANT_FORMAT_TAG('T', 'R', 'I', 'S')
 #define PLIANT_CHUNK_POLYGONS PLIANT_FORMAT_TAG('P', 'O', 'L', 'Y')
@@ -78,7 +80,7 @@ typedef struct pliant_format_solver {
     uint32_t reserved[15];
 } pliant_format_solver;
 
-/* First 64 bytes of ELEM, PRED and ANSW: how many records, centres or answers follow. */
+/* First 64 bytes of ELEM, PRED, LOAD and ANSW: how many records, centres or answers follow. */
 typedef struct pliant_format_count {
     uint32_t count;
     uint32_t reserved[15];

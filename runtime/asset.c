@@ -66,6 +66,7 @@ static int is_known_tag(uint32_t tag)
     case PLIANT_CHUNK_SOLVER:
     case PLIANT_CHUNK_ELEMENTS:
     case PLIANT_CHUNK_PREDICTOR:
+    case PLIANT_CHUNK_LOAD:
     case PLIANT_CHUNK_REST:
     case PLIANT_CHUNK_TRIANGLES:
     case PLIANT_CHUNK_POLYGONS:
@@ -161,7 +162,7 @@ static pliant_result check_checksums(const open_context* context)
 
 /* --------------------------------------------------------------------------------------------------- single chunks ---- */
 
-/* The reserved words behind the count that starts ELEM, PRED and ANSW, and the count's range. */
+/* The reserved words behind the count that starts ELEM, PRED, LOAD and ANSW, and the count's range. */
 static pliant_result check_count(const open_context* context, const pliant_format_chunk* chunk, uint32_t limit,
                                  uint32_t* count)
 {
@@ -267,6 +268,30 @@ static pliant_result open_predictor(const open_context* context, pliant_asset* a
     return all_finite(asset->predictor_coefficients, (count + m) * context->dimension) ? PLIANT_OK : PLIANT_ERROR_NUMBER;
 }
 
+/* It shares the centres of the predictor, which must have been opened. */
+static pliant_result open_load(const open_context* context, pliant_asset* asset)
+{
+    const pliant_format_chunk* chunk = chunk_of(context, PLIANT_CHUNK_LOAD);
+    uint32_t count;
+    uint64_t end;
+    if (!chunk) return PLIANT_OK;
+    const pliant_result result = check_count(context, chunk, PLIANT_FORMAT_MAX_CENTRES, &count);
+    if (result != PLIANT_OK) return result;
+    if (!(chunk->flags & PLIANT_CHUNK_FLAG_REQUIRED)) return PLIANT_ERROR_LAYOUT; /* R15 */
+    if (count != asset->predictor_count) return PLIANT_ERROR_LAYOUT;              /* R15: 0 without a predictor */
+    const uint64_t rows = (uint64_t)count + context->header.pose_count;
+    if (!fits(sizeof(pliant_format_count), rows, context->dimension * sizeof(float), chunk->size, &end)
+        || end != chunk->size)
+        return PLIANT_ERROR_LAYOUT;
+    const float* row = (const float*)(const void*)(context->blob + chunk->offset + sizeof(pliant_format_count));
+    asset->load_coefficients = row;
+    if (!all_finite(row, rows * context->dimension)) return PLIANT_ERROR_NUMBER;
+    const uint32_t d = context->header.dimension;
+    for (uint64_t i = 0; i < rows; ++i, row += context->dimension)
+        if (!is_zero(row + d, (size_t)(context->dimension - d) * sizeof *row)) return PLIANT_ERROR_LAYOUT; /* R14 */
+    return PLIANT_OK;
+}
+
 static int all_below(const uint32_t* indices, uint64_t count, uint32_t limit)
 {
     uint32_t bad = 0;
@@ -364,6 +389,7 @@ static pliant_result open_checked(open_context* context, pliant_asset* asset, ui
     if (result == PLIANT_OK) result = open_solver(context, asset);
     if (result == PLIANT_OK) result = open_elements(context, asset);
     if (result == PLIANT_OK) result = open_predictor(context, asset);
+    if (result == PLIANT_OK) result = open_load(context, asset);
     if (result == PLIANT_OK) result = open_shape(context, asset);
     if (result == PLIANT_OK) result = open_triangles(context, asset);
     if (result == PLIANT_OK) result = check_polygons(context);

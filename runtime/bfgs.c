@@ -13,12 +13,9 @@
 /* Sufficient decrease (Armijo): the usual value, small enough to accept every reasonable step. */
 #define ARMIJO 1e-4
 
-/* Below this part of the energy scale differences of energies are rounding: a sum of some hundred single-precision terms
-   of the size of the scale is known to about 1e-5 of it. A step whose predicted decrease is smaller is judged by its
-   slope, which keeps relative accuracy; its energy may not rise by more than this. */
-#define ENERGY_NOISE 2e-5
-
-/* A slope step is taken if it brings the slope down to this part (the curvature condition of quasi-Newton practice). */
+/* A step whose predicted decrease is below PLIANT_ENERGY_NOISE is judged by its slope, which keeps relative accuracy; its
+   energy may not rise by more than the noise. It is taken if it brings the slope down to this part (the curvature condition
+   of quasi-Newton practice). */
 #define SLOPE_REDUCTION 0.9
 
 /* Updates need s.y > this * |s||y|. For a quadratic of condition c the ratio is at least about 2/sqrt(c): what is below
@@ -92,9 +89,9 @@ static float shorten(float t, double slope, int is_finite, double rise, int by_s
 static int search_line(pliant_solver* solver, double slope, double ceiling)
 {
     const size_t d = solver->asset.padded_dimension;
-    const double noise = ENERGY_NOISE * (double)solver->asset.energy_scale;
+    const double noise = PLIANT_ENERGY_NOISE * (double)solver->asset.energy_scale;
     float t = 1.0f;
-    for (int trial = 0; trial < MAX_TRIALS && solver->evaluations < solver->desc.max_evaluations; ++trial) {
+    for (int trial = 0; trial < MAX_TRIALS && solver->evaluations < solver->evaluation_limit; ++trial) {
         double energy, new_slope = 0.0;
         pliant_move(solver->trial, solver->z, t, solver->direction, d);
         const int is_finite = pliant_solver_evaluate(solver, solver->trial, &energy, solver->trial_gradient);
@@ -117,7 +114,7 @@ pliant_status pliant_bfgs_minimise(pliant_solver* solver)
 {
     const double scale = (double)solver->asset.energy_scale;
     const double tolerance = (double)solver->desc.tolerance;
-    const double ceiling = solver->energy + ENERGY_NOISE * scale;
+    const double ceiling = solver->energy + PLIANT_ENERGY_NOISE * scale;
     for (;;) {
         double square = (double)pliant_bfgs_direction(solver);
         if (!(square >= 0.0 && square <= (double)FLT_MAX)) {
@@ -126,12 +123,12 @@ pliant_status pliant_bfgs_minimise(pliant_solver* solver)
             square = (double)pliant_bfgs_direction(solver);
         }
         if (square <= tolerance * tolerance * scale) return PLIANT_STATUS_CONVERGED;
-        if (solver->iterations >= solver->desc.max_iterations || solver->evaluations >= solver->desc.max_evaluations)
+        if (solver->iterations >= solver->desc.max_iterations || solver->evaluations >= solver->evaluation_limit)
             return PLIANT_STATUS_LIMIT;
         if (search_line(solver, -square, ceiling)) {
             ++solver->iterations;
             learn_curvature(solver);
-        } else if (solver->evaluations >= solver->desc.max_evaluations) {
+        } else if (solver->evaluations >= solver->evaluation_limit) {
             return PLIANT_STATUS_LIMIT;
         } else if (solver->is_identity) {
             return PLIANT_STATUS_STALLED;

@@ -78,7 +78,18 @@ typedef struct pliant_arap_poses {
 void pliant_arap_cell_evaluate(const pliant_element_group* group, const pliant_arap_poses* poses,
                                float* PLIANT_RESTRICT force, float* PLIANT_RESTRICT energy);
 
+/* ----------------------------------------------------------------------------------------- functions of the weights ---- */
+
+/* The start z0(w) and the dead load c(w) for normalised weights, padded_dimension floats each, padding zero; 0 where the asset
+   has none. Either may be null: not wanted. `load` must be null if the asset has none. Together they share one pass over the
+   centres and cost centre_count * (pose_count + dimension for each) multiply-adds. */
+void pliant_radial_evaluate(const pliant_asset* asset, const float* weights, float* start, float* load);
+
 /* ------------------------------------------------------------------------------------------------------- solver ---- */
+
+/* Below this part of the energy scale differences of energies are rounding: a sum of some hundred single-precision terms
+   of the size of the scale is known to about 1e-5 of it. */
+#define PLIANT_ENERGY_NOISE 2e-5
 
 struct pliant_solver {
     uint32_t magic; /* says that this memory was initialised */
@@ -101,6 +112,7 @@ struct pliant_solver {
     float* step;
     float* change;
     float* product;
+    float* load; /* the frame's dead load; null if the asset has none */
 
     float* inverse_hessian; /* padded_dimension squared, symmetric to the bit */
     int is_identity;        /* whether inverse_hessian is the identity */
@@ -109,12 +121,13 @@ struct pliant_solver {
     double energy; /* at z */
     uint32_t iterations;
     uint32_t evaluations;
+    uint32_t evaluation_limit; /* at which a descent ends: desc.max_evaluations, or the share of it that it may use */
 };
 
-/* Evaluates at `z` and counts it. 1 if value and gradient are finite, 0 otherwise: such a point counts as +infinity. */
+/* Evaluates elements and load at `z` and counts it. 1 if value and gradient are finite, 0 otherwise: such a point counts as +infinity. */
 int pliant_solver_evaluate(pliant_solver* solver, const float* z, double* energy, float* gradient);
 
-/* Minimises from solver->z, where energy and gradient are known. */
+/* Minimises from solver->z, where energy and gradient are known. LIMIT at desc.max_iterations or at evaluation_limit. */
 pliant_status pliant_bfgs_minimise(pliant_solver* solver);
 
 /* Makes the inverse Hessian the identity: in whitened coordinates the right guess without history. */

@@ -61,7 +61,7 @@ typedef enum pliant_result {
     PLIANT_ERROR_NOT_PLIANT = 21, /* R02: not a .pliant file */
     PLIANT_ERROR_VERSION = 22,    /* R03, R07: made for another major version or needs a chunk unknown here */
     PLIANT_ERROR_LIMIT = 23,      /* R05: a count outside its range */
-    PLIANT_ERROR_LAYOUT = 24,     /* R06, R07, R09, R14: chunks missing, overlapping, of wrong size; a reserved field set */
+    PLIANT_ERROR_LAYOUT = 24,     /* R06, R07, R09, R14, R15: chunks missing, overlapping, of wrong size; a reserved field set */
     PLIANT_ERROR_NUMBER = 25,     /* R10, R13: a number that is not finite or not in its range */
     PLIANT_ERROR_INDEX = 26,      /* R11: an index past the last vertex; names or polygons that do not add up */
     PLIANT_ERROR_CHECKSUM = 27,   /* R08, R12: damaged in transit */
@@ -99,6 +99,7 @@ typedef struct pliant_asset {
     const unsigned char* elements;  /* start of the ELEM chunk */
     const float* predictor_centres; /* null without a predictor */
     const float* predictor_coefficients;
+    const float* load_coefficients; /* null without a dead load */
     const float* rest;
     const float* basis;
     uint32_t batch_count;
@@ -130,9 +131,12 @@ PLIANT_API const void* pliant_asset_chunk(const pliant_asset* asset, uint32_t ta
 /* How to solve. Make it with pliant_solver_desc_default, then change what you like. */
 typedef struct pliant_solver_desc {
     uint32_t struct_size;     /* set by pliant_solver_desc_default, do not change */
-    uint32_t max_iterations;  /* per frame, default 60. 0: the predictor's answer, no iteration */
+    uint32_t max_iterations;  /* per frame, default 60. 0: the answer is the predictor's in every frame, q = mean + S z0(w)
+                                 (the equal-weight average if the asset has none or the stand-in cannot be evaluated
+                                 there), for one evaluation, two at most; the status is LIMIT unless that converged */
     uint32_t max_evaluations; /* per frame, default 120, at least 1, never exceeded: times the cost of one evaluation
-                                 (runtime/README.md) it bounds the time of a frame */
+                                 (runtime/README.md) it bounds the time of a frame. From 32 up a jump may spend a quarter
+                                 of them on a second descent, see below */
     float tolerance;          /* stop when the gradient, measured in the metric of the inverse Hessian, is below
                                  tolerance * sqrt(energy scale). Default 1e-3, useful range 1e-4 .. 1e-2: finer is
                                  below the noise of single precision */
@@ -158,7 +162,16 @@ PLIANT_API pliant_result pliant_solver_init(pliant_solver** out, const pliant_as
 PLIANT_API void pliant_solver_reset(pliant_solver* solver);
 
 /* How a frame ended. Every one of them gives a finite q that is not worse than its start: its energy is not above that of
-   the start by more than single precision can tell (2e-5 of the asset's energy scale). */
+   the start by more than single precision can tell (2e-5 of the asset's energy scale).
+
+   Jumps (the first frame, and weights further away than `continuity`) start from the predictor, or from the equal-weight
+   average, z = 0, if that is lower. A descent from the predictor that gets stuck (STALLED, or three quarters of
+   max_evaluations spent, with more to gain than noise) is followed by one from z = 0 with what is left of both limits, and the
+   lower end counts. So with max_iterations > 0 and max_evaluations > 1 a jump ends, to within that noise, no higher than the
+   predictor and no higher than the equal-weight average.
+   Not promised: that a converged descent from the predictor ends as low as one from z = 0 would have. Where the stand-in has
+   several minima only two whole descents could tell, and the predictor's is the lower one far more often
+   (runtime/README.md). */
 typedef enum pliant_status {
     PLIANT_STATUS_CONVERGED = 0,
     PLIANT_STATUS_LIMIT = 1,  /* stopped by max_iterations or max_evaluations; the next frame goes on from here */
@@ -175,7 +188,8 @@ typedef struct pliant_solve_info {
 
 /* Blends: `weights` (pose_count floats, each >= 0, any positive sum) in, `q` (dimension floats) out, `info` may be null.
    Only the ratios of the weights matter. Bad weights: a result code; q, info and the solver stay as they are, to the bit.
-   Cost: (iterations + a few) evaluations of the stand-in; no allocation, no system call. */
+   Cost: (iterations + a few) evaluations of the stand-in, and once a frame the asset's dead load and, after a jump, its
+   predictor: (pose_count + dimension for each) multiply-adds times the predictor's centres; no allocation, no system call. */
 PLIANT_API pliant_result pliant_solve(pliant_solver* solver, const float* weights, float* q, pliant_solve_info* info);
 
 /* ------------------------------------------------------------------------------------------- reconstruction ---- */

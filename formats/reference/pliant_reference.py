@@ -15,7 +15,7 @@ import numpy as np
 
 IDENTIFIER = bytes([0xAB]) + b"PLIANT" + bytes([0xBB]) + b"\r\n\x1a\n"
 REQUIRED = ("SOLV", "ELEM", "REST", "TRIS", "NAME", "ANSW", "CERT", "BASI")
-KNOWN = REQUIRED + ("PRED", "POLY")
+KNOWN = REQUIRED + ("PRED", "LOAD", "POLY")
 HINGE, NEO_HOOKEAN, STVK, EDGE, ARAP = 1, 2, 3, 4, 5
 
 
@@ -64,6 +64,7 @@ class Asset:
         self.read_solver()
         self.read_elements()
         self.read_predictor()
+        self.read_load()
         self.read_shape()
         self.read_topology()
         self.read_answers()
@@ -85,7 +86,7 @@ class Asset:
         require(blob[60:64] == bytes(4), "R14", "reserved word of the header")
 
     def read_chunk_table(self):
-        self.chunks, self.crcs = {}, {}
+        self.chunks, self.crcs, self.flags = {}, {}, {}
         end = 64 + 32 * self.chunk_count
         require(end <= len(self.blob), "R06", "chunk table past the end of the file")
         unknown = []
@@ -99,7 +100,7 @@ class Asset:
             require(end <= len(self.blob), "R06", f"{tag} ends past the file")
             require(tag not in self.chunks, "R06", f"{tag} twice")
             require(flags in (0, 1) and reserved == 0, "R14", f"reserved bits of {tag}")
-            self.chunks[tag], self.crcs[tag] = (offset, size), crc
+            self.chunks[tag], self.crcs[tag], self.flags[tag] = (offset, size), crc, flags
             if tag not in KNOWN and flags & 1:
                 unknown.append(tag)
         require(not unknown, "R07", f"unknown chunks are required: {unknown}")
@@ -181,6 +182,21 @@ class Asset:
         self.coefficients = table[:, :self.dimension].astype(float)
         require(np.isfinite(self.centres).all() and np.isfinite(self.coefficients).all(), "R10", "PRED")
 
+    def read_load(self):
+        self.load_coefficients = None
+        if "LOAD" not in self.chunks:
+            return
+        data, count = self.counted("LOAD", 4096)
+        require(self.flags["LOAD"] & 1, "R15", "LOAD without the required flag")
+        require(self.centres is not None, "R15", "LOAD without PRED")
+        require(count == len(self.centres), "R15", f"LOAD has {count} centres, PRED {len(self.centres)}")
+        rows, wide = count + self.pose_count, pad16(self.dimension)
+        require(len(data) == 64 + 4 * rows * wide, "R09", "size of LOAD")
+        table = np.frombuffer(data, "<f4", offset=64).reshape(rows, wide)
+        require(np.isfinite(table).all(), "R10", "LOAD")
+        require(not table[:, self.dimension:].tobytes().strip(b"\0"), "R14", "padding of LOAD")
+        self.load_coefficients = table[:, :self.dimension].astype(float)
+
     def read_shape(self):
         tiles, d, n = (self.vertex_count + 15) // 16, self.dimension, self.vertex_count
         rest, basis = self.bytes_of("REST"), self.bytes_of("BASI")
@@ -222,15 +238,23 @@ class Asset:
 
     # ------------------------------------------------------------------------------------------------------ solving --
 
+    def features(self, weights):
+        """What PRED and LOAD are linear in: the cubed distances from the centres, and the weights."""
+        return np.concatenate([np.linalg.norm(weights - self.centres, axis=1) ** 3, weights])
+
     def predict(self, weights):
-        if self.centres is None:
+        return np.zeros(self.dimension) if self.centres is None else self.features(weights) @ self.coefficients
+
+    def load(self, weights):
+        """The dead load c(w)."""
+        if self.load_coefficients is None:
             return np.zeros(self.dimension)
-        distance = np.linalg.norm(weights - self.centres, axis=1)
-        return np.concatenate([distance ** 3, weights]) @ self.coefficients
+        return self.features(weights) @ self.load_coefficients
 
     def evaluate(self, z, weights):
-        """Energy and gradient of the stand-in; (inf, None) where it is not defined."""
-        energy, gradient = 0.0, np.zeros(self.dimension)
+        """Energy and gradient of the stand-in, its load included; (inf, None) where it is not defined."""
+        gradient = self.load(weights)
+        energy = gradient @ z
         for batch in self.batches:
             differences = batch.rows[0] + np.tensordot(z, batch.rows[1:], 1)
             value, force = EVALUATE[batch.kind](batch, differences, weights)

@@ -47,6 +47,9 @@ int main(int argc, char** argv)
                   difference(&asset, q, answer + asset.pose_count));
         }
         free(made.memory);
+        const uint16_t minor = ((const pliant_format_header*)(const void*)blob.data)->format_minor;
+        CHECK((minor >= PLIANT_FORMAT_MINOR_LOAD) == (asset.load_coefficients != NULL), "%s: minor version %u", argv[i],
+              minor);
         free_blob(blob);
     }
     return argc < 2 ? 2 : report("golden");

@@ -1,5 +1,6 @@
-/* Measures one evaluation of the stand-in and one reconstruction on synthetic data of chosen size; asserts nothing.
-       bench_evaluate [d=64] [hinges=160] [faces=160] [poses=5] [vertices=20000]
+/* Measures one evaluation of the stand-in, start and load, and one reconstruction on synthetic data of chosen size; asserts
+   nothing.
+       bench_evaluate [d=64] [hinges=160] [faces=160] [poses=5] [vertices=20000] [centres=100]
    Prints a hash of the results: builds for other instruction sets must print the same one. */
 #define _POSIX_C_SOURCE 199309L
 #include "internal.h"
@@ -94,6 +95,29 @@ static uint64_t bench_evaluation(pliant_asset* asset, uint32_t hinges, uint32_t 
     return hash(gradient, d * sizeof(float), hash(&energy, sizeof energy, 14695981039346656037ull));
 }
 
+static uint64_t bench_radial(pliant_asset* asset, uint64_t* state)
+{
+    const size_t d = asset->padded_dimension, m = asset->pose_count, rows = asset->predictor_count + m;
+    float* weights = fill(m, 1.0f / (float)m, 0.0f, state);
+    float* start = fill(d, 0.0f, 0.0f, state);
+    float* load = fill(d, 0.0f, 0.0f, state);
+    double best_load = 1.0, best = 1.0;
+    asset->predictor_centres = fill(asset->predictor_count * m, 0.5f, 1.0f, state);
+    asset->predictor_coefficients = fill(rows * d, 0.0f, 1.0f, state);
+    asset->load_coefficients = fill(rows * d, 0.0f, 1.0f, state);
+    for (int round = 0; round < 2000; ++round) {
+        const double t0 = now();
+        pliant_radial_evaluate(asset, weights, NULL, load);
+        const double t1 = now();
+        pliant_radial_evaluate(asset, weights, start, load);
+        const double t2 = now();
+        if (t1 - t0 < best_load) best_load = t1 - t0;
+        if (t2 - t1 < best) best = t2 - t1;
+    }
+    printf("load %.2f us, start and load %.2f us (%u centres)\n", 1e6 * best_load, 1e6 * best, asset->predictor_count);
+    return hash(load, d * sizeof(float), hash(start, d * sizeof(float), 14695981039346656037ull));
+}
+
 static uint64_t bench_reconstruction(pliant_asset* asset, uint64_t* state)
 {
     const size_t tiles = (asset->vertex_count + 15) / 16;
@@ -115,8 +139,8 @@ static uint64_t bench_reconstruction(pliant_asset* asset, uint64_t* state)
 
 int main(int argc, char** argv)
 {
-    uint32_t numbers[5] = { 64, 160, 160, 5, 20000 };
-    for (int i = 1; i < argc && i <= 5; ++i) numbers[i - 1] = (uint32_t)strtoul(argv[i], NULL, 10);
+    uint32_t numbers[6] = { 64, 160, 160, 5, 20000, 100 };
+    for (int i = 1; i < argc && i <= 6; ++i) numbers[i - 1] = (uint32_t)strtoul(argv[i], NULL, 10);
     pliant_asset asset;
     uint64_t state = 1;
     memset(&asset, 0, sizeof asset);
@@ -124,9 +148,11 @@ int main(int argc, char** argv)
     asset.padded_dimension = (uint32_t)pliant_pad_lanes(numbers[0]);
     asset.pose_count = numbers[3];
     asset.vertex_count = numbers[4];
+    asset.predictor_count = numbers[5];
     asset.energy_scale = 1.0f;
     printf("d %u, %u hinges, %u faces, %u poses, %u vertices\n", numbers[0], numbers[1], numbers[2], numbers[3], numbers[4]);
     uint64_t bits = bench_evaluation(&asset, numbers[1], numbers[2], &state);
+    bits ^= bench_radial(&asset, &state);
     bits ^= bench_reconstruction(&asset, &state);
     printf("bits %016llx\n", (unsigned long long)bits);
     return 0;

@@ -1,6 +1,6 @@
 """The museum: one file for each way to break each rule of formats/SPEC.md section 5.
 
-    make_bad_assets.py GOOD.pliant FOLDER
+    make_bad_assets.py GOOD.pliant LOADED.pliant FOLDER      LOADED: with a dead load
 
 Files are named RULE_what.CODE.pliant, CODE being the pliant_result that the C runtime must answer; the script itself checks
 that the numpy reference refuses each one, naming the same rule. Every file has right checksums except those that are about
@@ -181,8 +181,56 @@ def bad_files(good):
         yield "R14_behind_centres", LAYOUT, chunk(b"PRED", padding, "B", 1)
 
 
-def good_variants(good):
+def bad_loads(loaded):
+    """(name, code, bytes): what can be wrong with LOAD."""
+    def edited(edit):
+        d = Draft(loaded)
+        edit(d)
+        return d.join()
+
+    def with_count(count):
+        return edited(lambda d: d.put(b"LOAD", 0, "I", count))
+
+    dim, m = struct.unpack_from("<2I", loaded, 40)
+    wide = (dim + 15) // 16 * 16
+    size = len(Draft(loaded).data[b"LOAD"])
+    count = struct.unpack_from("<I", Draft(loaded).data[b"LOAD"])[0]
+    if wide == dim:
+        raise SystemExit("give a loaded file with padding")
+
+    yield "R05_LOAD_no_centres", LIMIT, with_count(0)
+    yield "R05_LOAD_many_centres", LIMIT, with_count(4097)
+    yield "R05_LOAD_count_overflows", LIMIT, with_count(0xFFFFFFFF)
+    yield "R05_LOAD_size_overflows", LIMIT, with_count((1 << 32) // (4 * wide) - m)
+    yield "R09_LOAD_short", LAYOUT, edited(lambda d: d.data[b"LOAD"].__delitem__(slice(size - 4, size)))
+    yield "R09_LOAD_long", LAYOUT, edited(lambda d: d.data[b"LOAD"].extend(bytes(4)))
+    yield "R09_LOAD_head_cut", LAYOUT, edited(lambda d: d.data[b"LOAD"].__delitem__(slice(60, size)))
+    yield "R09_LOAD_head_only", LAYOUT, edited(lambda d: d.data[b"LOAD"].__delitem__(slice(64, size)))
+    yield "R10_LOAD_first_nan", NUMBER, edited(lambda d: d.put(b"LOAD", 64, "f", float("nan")))
+    yield "R10_LOAD_last_inf", NUMBER, edited(lambda d: d.put(b"LOAD", size - 4 * (wide - dim + 1), "f", float("inf")))
+    yield "R10_LOAD_padding_nan", NUMBER, edited(lambda d: d.put(b"LOAD", size - 4, "f", float("nan")))
+    yield "R14_LOAD_head", LAYOUT, edited(lambda d: d.put(b"LOAD", 60, "I", 1))
+    yield "R14_LOAD_padding", LAYOUT, edited(lambda d: d.put(b"LOAD", size - 4, "f", 1.0))
+    yield "R14_LOAD_minus_zero", LAYOUT, edited(lambda d: d.put(b"LOAD", 64 + 4 * dim, "f", -0.0))
+    yield "R15_one_centre_less", LAYOUT, with_count(count - 1)
+    yield "R15_one_centre_more", LAYOUT, with_count(count + 1)
+    yield "R15_all_centres", LAYOUT, with_count(4096)
+    yield "R15_without_PRED", LAYOUT, edited(lambda d: d.table.remove(d.entry(b"PRED")))
+    yield "R15_not_required", LAYOUT, edited(lambda d: d.entry(b"LOAD").__setitem__(1, 0))
+
+
+def good_variants(good, loaded):
     """Files that differ in what a reader must tolerate."""
+    yield "good_loaded", Draft(loaded).join()
+    d = Draft(loaded)
+    struct.pack_into("<H", d.header, 14, 0)
+    yield "good_loaded_older_minor", d.join()
+    d = Draft(loaded)
+    d.table.insert(0, d.table.pop(d.table.index(d.entry(b"LOAD"))))
+    yield "good_load_before_centres", d.join()
+    d = Draft(loaded)
+    d.table.remove(d.entry(b"LOAD"))
+    yield "good_newer_minor_without_load", d.join()
     d = Draft(good)
     d.table.insert(0, [b"NEWS", 0, 0, 0, 0, 0])
     d.data[b"NEWS"] = bytearray(100)
@@ -195,13 +243,13 @@ def good_variants(good):
 
 
 def main():
-    good, folder = Path(sys.argv[1]).read_bytes(), Path(sys.argv[2])
+    good, loaded, folder = Path(sys.argv[1]).read_bytes(), Path(sys.argv[2]).read_bytes(), Path(sys.argv[3])
     folder.mkdir(parents=True, exist_ok=True)
-    if Draft(good).join() != good:
-        raise SystemExit("taking the good file apart and joining it changes it: give one of tiny_asset.py")
+    if Draft(good).join() != good or Draft(loaded).join() != loaded:
+        raise SystemExit("taking a good file apart and joining it changes it: give those of tiny_asset.py")
     rules, names = set(), []
     np.seterr(invalid="ignore")
-    for name, code, blob in bad_files(good):
+    for name, code, blob in [*bad_files(good), *bad_loads(loaded)]:
         try:
             Asset(blob)
             raise SystemExit(f"{name}: the reference accepts it")
@@ -211,10 +259,10 @@ def main():
         rules.add(name[:3])
         names.append(f"{name}.{code}")
         (folder / f"{name}.{code}.pliant").write_bytes(blob)
-    missing = {f"R{i:02}" for i in range(1, 15)} - rules
+    missing = {f"R{i:02}" for i in range(1, 16)} - rules
     if missing:
         raise SystemExit(f"no file breaks {missing}")
-    for name, blob in good_variants(good):
+    for name, blob in good_variants(good, loaded):
         Asset(blob)
         names.append(f"{name}.0")
         (folder / f"{name}.0.pliant").write_bytes(blob)

@@ -3,6 +3,7 @@
 NAME.pliant and NAME.expect, a text file of lines
     evaluate  m weights  d z  energy  d gradient
     solve     m weights  d q
+    predict   m weights  d q of the predictor alone
 and assets.txt, the names. Skips what is up to date with this script and its modules.
 """
 import sys
@@ -26,6 +27,8 @@ ASSETS = {
     "tube_stvk": dict(mesh="tube", size=(6, 6), poses=3, dimension=8, material="stvk", predictor=True),
     "tube_edge": dict(mesh="tube", size=(6, 6), poses=4, dimension=12, material="edge"),
     "tube_arap": dict(mesh="tube", size=(6, 5), poses=3, dimension=7, material="arap", predictor=True),
+    "strip_load": dict(mesh="strip", size=(7, 3), poses=3, dimension=4, material="neo-hookean", predictor=True, load=True),
+    "tube_load": dict(mesh="tube", size=(6, 6), poses=4, dimension=17, material="edge", predictor=True, load=True),
     "twelve_poses": dict(mesh="strip", size=(8, 4), poses=12, dimension=16, material="neo-hookean", predictor=True),
 }
 
@@ -50,6 +53,7 @@ def expectations(asset):
         w = w.astype(np.float32).astype(float)
         z, _ = asset.minimise(w)
         lines.append(line("solve", w, asset.coordinates(z)))
+        lines.append(line("predict", w, asset.coordinates(asset.predict(w))))
     return lines
 
 

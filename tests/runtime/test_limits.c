@@ -61,11 +61,28 @@ static void check_descent(const opened* o)
     }
 }
 
-/* Replaces floats of SOLV, ELEM and PRED by extreme ones; the asset still opens, as they are finite. */
+/* Where in the blob a float of a chunk lies; 0 if the asset has none. */
+static size_t random_place(const opened* o, uint32_t tag, uint64_t* state)
+{
+    size_t size;
+    const unsigned char* chunk = pliant_asset_chunk(&o->asset, tag, &size);
+    if (!chunk) return 0;
+    const size_t start = (size_t)(chunk - o->blob.data);
+    if (tag == PLIANT_CHUNK_LOAD) { /* its padding must be zero */
+        const uint32_t rows = o->asset.predictor_count + o->asset.pose_count;
+        const size_t row = random_below(state, rows), column = random_below(state, o->asset.dimension);
+        return start + 64 + 4 * (row * o->asset.padded_dimension + column);
+    }
+    /* Behind the records of ELEM at the latest, or the whole chunk's middle. */
+    const size_t skip = size > 1024 ? 512 : 64;
+    return start + skip + 4 * (size_t)random_below(state, (uint32_t)((size - skip) / 4));
+}
+
+/* Replaces floats of SOLV, ELEM, PRED and LOAD by extreme ones; the asset still opens, as they are finite. */
 static void check_absurd_numbers(const opened* o)
 {
     static const float extreme[] = { 0.0f, -1.0f, 1e-38f, -1e-38f, 1e20f, -1e20f, FLT_MAX, -FLT_MAX, 1e-45f, 1e6f };
-    static const uint32_t tags[] = { PLIANT_CHUNK_SOLVER, PLIANT_CHUNK_ELEMENTS, PLIANT_CHUNK_PREDICTOR };
+    static const uint32_t tags[] = { PLIANT_CHUNK_SOLVER, PLIANT_CHUNK_ELEMENTS, PLIANT_CHUNK_PREDICTOR, PLIANT_CHUNK_LOAD };
     const pliant_solver_desc desc = pliant_solver_desc_default();
     const int rounds = (strstr(o->name, "arap") || strstr(o->name, "mixed") ? 100 : 400) / SLOWNESS;
     uint64_t state = 43;
@@ -75,14 +92,9 @@ static void check_absurd_numbers(const opened* o)
         pliant_asset asset;
         const uint32_t changes = 1 + random_below(&state, 30);
         for (uint32_t i = 0; i < changes; ++i) {
-            size_t size;
-            const unsigned char* chunk = pliant_asset_chunk(&o->asset, tags[random_below(&state, 3)], &size);
-            if (!chunk) continue;
-            const size_t start = (size_t)(chunk - o->blob.data);
             const float value = extreme[random_below(&state, 10)];
-            /* Behind the records of ELEM at the latest, or the whole chunk's middle. */
-            const size_t skip = size > 1024 ? 512 : 64;
-            memcpy(blob.data + start + skip + 4 * (size_t)random_below(&state, (uint32_t)((size - skip) / 4)), &value, 4);
+            const size_t at = random_place(o, tags[random_below(&state, 4)], &state);
+            if (at) memcpy(blob.data + at, &value, sizeof value);
         }
         if (pliant_asset_open(&asset, blob.data, blob.size, PLIANT_OPEN_DEFAULT) == PLIANT_OK) {
             const made_solver made = make_solver(&asset, &desc);

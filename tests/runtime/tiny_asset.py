@@ -13,7 +13,7 @@ import numpy as np
 
 import tiny_elements
 import tiny_mesh
-from pliant_reference import IDENTIFIER, Asset, pad16
+from pliant_reference import IDENTIFIER, Asset, Batch, pad16
 
 
 # ---------------------------------------------------------------------------------------------------------- model --
@@ -22,7 +22,8 @@ class StandIn(Asset):
     """The evaluator of the reference without a file behind it."""
 
     def __init__(self, batches, dimension, energy_scale=1.0):
-        self.batches, self.dimension, self.energy_scale, self.centres = batches, dimension, energy_scale, None
+        self.batches, self.dimension, self.energy_scale = batches, dimension, energy_scale
+        self.centres = self.load_coefficients = None
 
 
 def sample_weights(m):
@@ -32,7 +33,7 @@ def sample_weights(m):
     return np.array(corners + middles + ([np.full(m, 1 / m)] if m > 2 else []))
 
 
-def make_model(mesh, size, poses, dimension, material, predictor, seed):
+def make_model(mesh, size, poses, dimension, material, predictor, load, seed):
     """All numbers of an asset, in double precision."""
     random = np.random.default_rng(seed)
     rest, faces = getattr(tiny_mesh, mesh)(*size)
@@ -66,12 +67,34 @@ def make_model(mesh, size, poses, dimension, material, predictor, seed):
     answers = [stand_in.minimise(w, np.zeros(dimension))[0] for w in samples]
     scale = np.mean([absolute(w, centre) + stand_in.evaluate(z, w)[0] for w, z in zip(samples, answers)])
     model = SimpleNamespace(x=x, faces=faces, basis=basis, mean=mean, whitening=whitening, stand_in=stand_in, scale=scale,
-                            samples=samples, answers=answers, centres=None, coefficients=None,
+                            samples=samples, answers=answers, centres=None, coefficients=None, load=None,
                             pose_coordinates=np.array([np.tensordot(basis, pose - x[0], 2) for pose in x]))
     if predictor:
         model.centres = samples
         model.coefficients = fit_predictor(samples, np.array(answers))
+    if load:
+        add_load(model, random)
     return model
+
+
+def add_load(model, random):
+    """Elements with wrong weights, as a coarse sample of a mesh has them, and the load that puts the minimisers back where those
+    of the right ones are. z stays whitened for the right ones."""
+    dimension = len(model.mean)
+    rough = [Batch(batch.kind, batch.valence, batch.is_closed, batch.rows, batch.fixed,
+                   batch.poses * random.uniform(0.6, 1.4, batch.poses.shape[2])) for batch in model.stand_in.batches]
+    unloaded, loaded = StandIn(rough, dimension), StandIn(rough, dimension)
+    forces = [unloaded.evaluate(z, w)[1] for w, z in zip(model.samples, model.answers)]
+    model.load = fit_predictor(model.samples, -np.array(forces))
+    loaded.centres, loaded.load_coefficients = model.samples, model.load
+
+    def error(stand_in):
+        found = [stand_in.minimise(w, z)[0] for w, z in zip(model.samples, model.answers)]
+        return abs(np.array(found) - model.answers).max() / abs(np.array(model.answers)).max()
+
+    if not (error(loaded) < 1e-6 and error(unloaded) > 1e-2):
+        raise AssertionError(f"off by {error(loaded)} with the load, {error(unloaded)} without: this load tests nothing")
+    model.stand_in = loaded
 
 
 def fit_predictor(centres, answers):
@@ -127,6 +150,10 @@ def predictor_chunk(model):
     return align(centres, 64) + floats(padded(model.coefficients, pad16(len(model.mean))))
 
 
+def load_chunk(model):
+    return struct.pack("<I60x", len(model.centres)) + floats(padded(model.load, pad16(len(model.mean))))
+
+
 def tiles_of(fields):
     """[..., n, 3] to [tiles, ..., 48]"""
     fields = np.asarray(fields)
@@ -153,6 +180,8 @@ def chunks_of(model, polygons):
     chunks = [("SOLV", 1, solver_chunk(model)), ("ELEM", 1, element_chunk(model.stand_in.batches))]
     if model.centres is not None:
         chunks.append(("PRED", 0, predictor_chunk(model)))
+    if model.load is not None:
+        chunks.append(("LOAD", 1, load_chunk(model)))
     chunks += [("REST", 1, floats(tiles_of(model.x[0] - np.float32(origin)))),
                ("TRIS", 1, np.array(model.faces, "<u4").tobytes())]
     if polygons:
@@ -174,17 +203,18 @@ def assemble(counts, origin, chunks):
         table += struct.pack("<4sIQQII", tag.encode(), flags, at + len(body), len(data), zlib.crc32(data), 0)
         body += data
     size = at + len(body)
+    minor = int(any(tag == "LOAD" for tag, _, _ in chunks))
 
     def header(crc):
-        return (IDENTIFIER + struct.pack("<HHQII4I", 1, 0, size, len(chunks), crc, *counts) + floats(origin)
+        return (IDENTIFIER + struct.pack("<HHQII4I", 1, minor, size, len(chunks), crc, *counts) + floats(origin)
                 + bytes(4))
 
     return header(zlib.crc32(header(0) + table)) + table + body
 
 
-def make_asset(mesh="strip", size=(7, 3), poses=2, dimension=4, material="neo-hookean", predictor=False, polygons=False,
-               seed=1):
-    return assemble(*chunks_of(make_model(mesh, size, poses, dimension, material, predictor, seed), polygons))
+def make_asset(mesh="strip", size=(7, 3), poses=2, dimension=4, material="neo-hookean", predictor=False, load=False,
+               polygons=False, seed=1):
+    return assemble(*chunks_of(make_model(mesh, size, poses, dimension, material, predictor, load, seed), polygons))
 
 
 def main():
@@ -196,11 +226,14 @@ def main():
     parser.add_argument("--dim", type=int, default=4)
     parser.add_argument("--material", choices=["neo-hookean", "stvk", "edge", "arap", "mixed"], default="neo-hookean")
     parser.add_argument("--predictor", action="store_true")
+    parser.add_argument("--load", action="store_true", help="needs --predictor")
     parser.add_argument("--polygons", action="store_true")
     parser.add_argument("--seed", type=int, default=1)
     options = parser.parse_args()
+    if options.load and not options.predictor:
+        parser.error("--load needs --predictor: it shares its centres")
     blob = make_asset(options.mesh, options.size, options.poses, options.dim, options.material, options.predictor,
-                      options.polygons, options.seed)
+                      options.load, options.polygons, options.seed)
     with open(options.output, "wb") as file:
         file.write(blob)
     return 0
