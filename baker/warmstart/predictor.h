@@ -1,11 +1,11 @@
-// Where the runtime starts: a smooth guess of the average as a function of the weights.
+// Smooth functions of the weights: where the runtime starts, a guess of the average, and its dead load (AssetModel::load).
 #pragma once
 
 #include "energy/energy.h"
 
 namespace pliant {
 
-// z0(w) = sum_i |w - centre_i|^3 coefficients.row(i) + sum_k w_k coefficients.row(N + k): a cubic radial basis function with a linear
+// f(w) = sum_i |w - centre_i|^3 coefficients.row(i) + sum_k w_k coefficients.row(N + k): a cubic radial basis function with a linear
 // tail (on the simplex the w_k span constants and linear functions). Interpolates its data.
 struct Predictor {
     std::vector<Weights> centres;

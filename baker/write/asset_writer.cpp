@@ -8,6 +8,7 @@
 #include <cstring>
 #include <fmt/core.h>
 #include <map>
+#include <stdexcept>
 #include <tuple>
 #include <zlib.h>
 
@@ -143,6 +144,11 @@ Bytes encode_elements(const AssetModel& model)
     return out;
 }
 
+void put_coefficients(Bytes& out, const Predictor& function)
+{
+    for (Eigen::Index i = 0; i < function.coefficients.rows(); ++i) put_padded(out, function.coefficients.row(i));
+}
+
 Bytes encode_predictor(const AssetModel& model)
 {
     Bytes out;
@@ -150,8 +156,21 @@ Bytes encode_predictor(const AssetModel& model)
     for (const Weights& centre : model.predictor.centres)
         for (Eigen::Index k = 0; k < centre.size(); ++k) out.put_float(centre[k]);
     out.align(PLIANT_FORMAT_CHUNK_ALIGNMENT);
-    for (Eigen::Index i = 0; i < model.predictor.coefficients.rows(); ++i)
-        put_padded(out, model.predictor.coefficients.row(i));
+    put_coefficients(out, model.predictor);
+    return out;
+}
+
+// LOAD has no centres of its own: the runtime computes their powers once for both.
+Bytes encode_load(const AssetModel& model)
+{
+    const Predictor &load = *model.load, &predictor = model.predictor;
+    if (load.centres.empty() || load.centres != predictor.centres
+        || load.coefficients.rows() != predictor.coefficients.rows()
+        || load.coefficients.cols() != predictor.coefficients.cols())
+        throw std::invalid_argument("the dead load of an asset must have the centres of its predictor");
+    Bytes out;
+    out.put(count_record(load.centres.size()));
+    put_coefficients(out, load);
     return out;
 }
 
@@ -238,6 +257,7 @@ std::vector<std::uint8_t> encode_asset(const AssetModel& model)
     chunks.push_back({ PLIANT_CHUNK_SOLVER, required, encode_solver(model) });
     chunks.push_back({ PLIANT_CHUNK_ELEMENTS, required, encode_elements(model) });
     if (!model.predictor.centres.empty()) chunks.push_back({ PLIANT_CHUNK_PREDICTOR, 0, encode_predictor(model) });
+    if (model.load) chunks.push_back({ PLIANT_CHUNK_LOAD, required, encode_load(model) });
     chunks.push_back({ PLIANT_CHUNK_REST, required, encode_tiles(model.subspace->origin, model.set->length) });
     chunks.push_back({ PLIANT_CHUNK_TRIANGLES, required, encode_triangles(model.set->triangles) });
     if (model.polygons && !is_all_triangles(*model.polygons))
@@ -250,7 +270,7 @@ std::vector<std::uint8_t> encode_asset(const AssetModel& model)
     const pliant_format_header blank
         = { PLIANT_FORMAT_IDENTIFIER,
             PLIANT_FORMAT_MAJOR,
-            PLIANT_FORMAT_MINOR,
+            std::uint16_t(model.load ? PLIANT_FORMAT_MINOR_LOAD : 0),
             0,
             std::uint32_t(chunks.size()),
             0,

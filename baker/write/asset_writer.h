@@ -1,10 +1,11 @@
-// A baked character as bytes: formats/SPEC.md, format 1.0.
+// A baked character as bytes: formats/SPEC.md, format 1.1 (1.0 without a dead load).
 #pragma once
 
 #include "reduce/stand_in.h"
 #include "warmstart/predictor.h"
 
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -19,14 +20,16 @@ struct AssetModel {
     Eigen::VectorXd mean;     // q of the stand-in's equal-weight average
     Eigen::MatrixXd root;     // S: q = mean + S z
     double energy_scale = 1;
-    Predictor predictor; // of z
+    Predictor predictor;           // of z
+    std::optional<Predictor> load; // c(w), a gradient by z; same centres as the predictor
     std::vector<std::string> names;
     const Polygons* polygons = nullptr;                       // faces as given
     std::string certificate;                                  // JSON text
     std::vector<std::pair<Weights, Eigen::VectorXf>> answers; // weights and the q that the runtime found
 };
 
-// The bytes of the asset. Throws Failure (P4501) if a number does not fit the format.
+// The bytes of the asset. Throws Failure (P4501) if a number does not fit the format, std::invalid_argument for a load whose centres
+// are not the predictor's.
 std::vector<std::uint8_t> encode_asset(const AssetModel& model);
 
 } // namespace pliant
