@@ -61,7 +61,7 @@ typedef enum pliant_result {
     PLIANT_ERROR_NOT_PLIANT = 21, /* R02: not a .pliant file */
     PLIANT_ERROR_VERSION = 22,    /* R03, R07: made for another major version or needs a chunk unknown here */
     PLIANT_ERROR_LIMIT = 23,      /* R05: a count outside its range */
-    PLIANT_ERROR_LAYOUT = 24,     /* R06, R07, R09, R14, R15: chunks missing, overlapping, of wrong size; a reserved field set */
+    PLIANT_ERROR_LAYOUT = 24,     /* R06, R07, R09, R14, R15: chunks missing, misplaced, of wrong size; reserved bits set */
     PLIANT_ERROR_NUMBER = 25,     /* R10, R13: a number that is not finite or not in its range */
     PLIANT_ERROR_INDEX = 26,      /* R11: an index past the last vertex; names or polygons that do not add up */
     PLIANT_ERROR_CHECKSUM = 27,   /* R08, R12: damaged in transit */
