@@ -3,6 +3,7 @@
 #include "average/family.h"
 #include "average/rigid_modes.h"
 #include "energy/arap.h"
+#include "energy/parallel.h"
 #include "reduce/ghost.h"
 #include "report/certificate.h"
 #include "report/diagnostics.h"
@@ -15,6 +16,7 @@
 #include <chrono>
 #include <cmath>
 #include <fmt/core.h>
+#include <iterator>
 
 namespace pliant {
 
@@ -39,11 +41,11 @@ private:
     std::chrono::steady_clock::time_point last_ = std::chrono::steady_clock::now();
 };
 
-// The stand-in with what it lives on: a ghost has a mesh and an energy of its own.
-struct BuiltStandIn {
+// The runtime's problem with what it lives on: a ghost has a mesh and an energy of its own.
+struct BuiltModel {
     std::unique_ptr<Ghost> ghost;
     std::unique_ptr<Energy> ghost_energy;
-    std::unique_ptr<StandIn> stand_in;
+    BlendModel model;
 
     // Shape of the stand-in's mesh at q.
     Shape shape(const Subspace& subspace, const Eigen::VectorXd& q) const
@@ -55,98 +57,76 @@ struct BuiltStandIn {
 // The runtime holds at most this many dimensions (formats/SPEC.md); an adaptive basis stops at a quarter of it, where frames stay cheap.
 constexpr Eigen::Index format_dimension_limit = 256;
 
-Subspace choose_subspace(NewtonSolver& solver, const BakeOptions& options, Progress& progress, BakeReport& report)
+// Truths are wanted to this part of the tolerance.
+constexpr double truth_share = 0.05;
+
+// For snapshots and checks: what counts is the distance between shapes, to a few per cent of the error that is looked for. The
+// decrement is tested before the last step, which squares it. Where the truth snaps, Newton creeps: an almost converged average is as
+// good a snapshot, and the report counts it.
+NewtonOptions truth_options(const BakeOptions& options, const ShapeSet& set)
 {
-    if (options.subspace == SubspaceKind::krylov)
-        return build_krylov_subspace(solver, { options.ritz_count, options.dimension, format_dimension_limit }, &progress);
-    AdaptiveOptions adaptive;
-    adaptive.tolerance = options.tolerance;
-    adaptive.dimension = options.dimension;
-    adaptive.seed = options.seed;
-    return build_adaptive_subspace(solver, adaptive, &progress, report.adaptive);
+    NewtonOptions newton;
+    newton.decrement = 1e-5;
+    newton.residual = 3e-2;
+    newton.step_ratio = 0.05;
+    newton.step_floor = truth_share * options.tolerance * mass_norm(set.shapes[0], set.masses); // shapes are centred
+    newton.max_iterations = 15;
+    return newton;
 }
 
-BuiltStandIn build_stand_in(const ShapeSet& set, const ReducedEnergy& reduced, const TrainingSet& training,
-                            const BakeOptions& options, Progress& progress, BakeReport& report)
+std::vector<Weights> draw_weights(std::uint64_t seed, std::size_t pose_count, int count)
 {
-    BuiltStandIn built;
+    Random random(seed);
+    std::vector<Weights> out;
+    for (int i = 0; i < count; ++i) out.push_back(mixed_weights(random, pose_count, std::size_t(i)));
+    return out;
+}
+
+AdaptiveSubspace choose_subspace(AverageFamily& family, SolverPool& pool, const BakeOptions& options, Progress& progress,
+                                 BakeReport& report)
+{
+    const std::vector<Weights> check_weights
+        = draw_weights(options.seed + 1000003, pool.set().pose_count(), options.check_count);
+    if (options.subspace == SubspaceKind::adaptive) {
+        AdaptiveOptions adaptive;
+        adaptive.tolerance = options.tolerance;
+        adaptive.tolerance_max = options.tolerance_max;
+        adaptive.dimension = options.dimension;
+        adaptive.seed = options.seed;
+        return build_adaptive_subspace(family, pool, check_weights, adaptive, &progress, report.adaptive);
+    }
+    AdaptiveSubspace out;
+    out.subspace
+        = build_krylov_subspace(pool.at(0), { options.ritz_count, options.dimension, format_dimension_limit }, &progress);
+    out.checks = solve_checks(family, pool, out.subspace, check_weights, &progress);
+    return out;
+}
+
+BuiltModel build_model(const ShapeSet& set, const ReducedEnergy& reduced, const TrainingSet& training,
+                       const std::vector<CheckPoint>& checks, const BakeOptions& options, Progress& progress,
+                       BakeReport& report)
+{
+    BuiltModel built;
     if (options.stand_in == StandInKind::cubature) {
-        CubatureOptions cubature;
-        cubature.element_count = options.element_count;
-        cubature.seed = options.seed;
-        built.stand_in = std::make_unique<StandIn>(fit_cubature(reduced, training, cubature, &progress, report.cubature));
-        return built;
+        const StandInOptions wanted { options.tolerance, options.tolerance_max, options.element_count, options.seed };
+        built.model = choose_cubature(reduced, set, training, checks, wanted, &progress, report.stand_in);
+    } else {
+        progress.update("ghost", 0);
+        built.ghost = std::make_unique<Ghost>(make_ghost(set, reduced.subspace(), options.ghost_vertex_count));
+        built.ghost_energy = make_energy(built.ghost->set, options.energy);
+        std::vector<std::size_t> elements(built.ghost_energy->element_count());
+        for (std::size_t i = 0; i < elements.size(); ++i) elements[i] = i;
+        auto stand_in = std::make_shared<const StandIn>(*built.ghost_energy, built.ghost->set.shapes[0], built.ghost->basis,
+                                                        elements, Eigen::VectorXd::Ones(Eigen::Index(elements.size())));
+        built.model = fit_model(stand_in, reduced.subspace(), set, training, checks, false, report.stand_in);
     }
-    progress.update("ghost", 0);
-    built.ghost = std::make_unique<Ghost>(make_ghost(set, reduced.subspace(), options.ghost_vertex_count));
-    built.ghost_energy = make_energy(built.ghost->set, options.energy);
-    std::vector<std::size_t> elements(built.ghost_energy->element_count());
-    for (std::size_t i = 0; i < elements.size(); ++i) elements[i] = i;
-    built.stand_in
-        = std::make_unique<StandIn>(*built.ghost_energy, built.ghost->set.shapes[0], built.ghost->basis, std::move(elements),
-                                    Eigen::VectorXd::Ones(Eigen::Index(built.ghost_energy->element_count())));
-    measure_curvature(*built.stand_in, training, report.cubature.lowest_curvature, report.cubature.highest_curvature);
-    return built;
-}
-
-// The minimiser of the stand-in at w, from the training average nearest in weights.
-Eigen::VectorXd solve_stand_in(const StandIn& stand_in, const TrainingSet& training, const Weights& w,
-                               const Eigen::MatrixXd& metric, double scale)
-{
-    std::size_t nearest = 0;
-    for (std::size_t t = 1; t < training.weights.size(); ++t)
-        if ((training.weights[t] - w).norm() < (training.weights[nearest] - w).norm()) nearest = t;
-    MinimiseOptions options;
-    options.tolerance = 1e-6;
-    options.scale = scale;
-    return minimise([&](const Eigen::VectorXd& q, Eigen::VectorXd& g) { return stand_in.gradient(w, q, g); },
-                    training.averages[nearest], metric, options)
-        .q;
-}
-
-// Fits z0(w) to the stand-in's own minimisers, so that the solver starts where it will end; poses are exact.
-Predictor fit_warm_start(const StandIn& stand_in, const TrainingSet& training, const AssetModel& model, std::uint64_t seed,
-                         Progress& progress)
-{
-    const std::size_t m = std::size_t(training.weights[0].size());
-    const Eigen::MatrixXd metric = model.root * model.root.transpose();
-    const Eigen::PartialPivLU<Eigen::MatrixXd> to_z(model.root);
-    std::vector<Weights> centres = training.weights;
-    Random random(seed + 17);
-    if (m > 2)
-        for (int i = 0; i < 40; ++i) centres.push_back(random.weights(m, i % 2 == 0));
-    const std::size_t inner_count = centres.size();
-    for (std::size_t k = 0; k < m; ++k) centres.push_back(corner_weights(m, k));
-    Eigen::MatrixXd values(model.root.cols(), Eigen::Index(centres.size()));
-    for (std::size_t i = 0; i < centres.size(); ++i) {
-        progress.update("warm start", double(i) / double(centres.size()));
-        const Eigen::VectorXd q = i < inner_count
-            ? solve_stand_in(stand_in, training, centres[i], metric, model.energy_scale)
-            : Eigen::VectorXd(model.subspace->pose_coordinates.col(Eigen::Index(i - inner_count)));
-        values.col(Eigen::Index(i)) = to_z.solve(q - model.mean);
-    }
-    return fit_predictor(centres, values);
-}
-
-// Coordinates in which the solver works: around the stand-in's own mean, whitened by its Hessian there.
-void fit_coordinates(const BuiltStandIn& built, const TrainingSet& training, AssetModel& model, BakeReport& report,
-                     Progress& progress)
-{
-    const StandIn& stand_in = *built.stand_in;
-    const MinimiseResult mean = minimise_newton(stand_in, training.weights[0], training.averages[0], 1e-8, 100);
-    double lowest = 0;
-    model.mean = mean.q;
-    model.root = inverse_root(stand_in.hessian(training.weights[0], mean.q, HessianKind::exact), metric_floor, &lowest);
-    if (!mean.has_converged || lowest <= 0 || report.cubature.lowest_curvature <= 0)
+    if (report.stand_in.curvature.lowest <= 0)
         progress.warn(4402,
                       fmt::format("the stand-in is not convex at all training weights (lowest curvature {:.3g})",
-                                  report.cubature.lowest_curvature),
+                                  report.stand_in.curvature.lowest),
                       "raise --elements, or add an in-between pose");
-    double energy = 0;
-    for (std::size_t t = 0; t < training.weights.size(); ++t)
-        energy += stand_in.value(training.weights[t], training.averages[t]);
-    model.energy_scale = energy / double(training.weights.size());
-    model.stand_in_reference = built.shape(*model.subspace, mean.q);
+    report.element_count = built.model.stand_in->element_count();
+    return built;
 }
 
 std::vector<float> to_floats(const Weights& w)
@@ -156,45 +136,100 @@ std::vector<float> to_floats(const Weights& w)
 }
 
 // The runtime's answers: at the mean, at edge mid-points and between. They go into the asset as its own test, and are compared with
-// the double-precision stand-in.
-void collect_answers(AssetModel& model, const TrainingSet& training, BakeReport& report)
+// the model in double precision.
+void collect_answers(AssetModel& asset, const BlendModel& model, const TrainingSet& training, BakeReport& report)
 {
-    RuntimeBlender blender(encode_asset(model), "the asset just baked"),
-        tight = RuntimeBlender(encode_asset(model), "the same");
+    RuntimeBlender blender(encode_asset(asset), "the asset just baked"),
+        tight = RuntimeBlender(encode_asset(asset), "the same");
     pliant_solver_desc desc = pliant_solver_desc_default();
     desc.tolerance = 1e-5f; // to compare the arithmetic, not the stopping rule
     tight.configure(desc);
-    const Eigen::MatrixXd metric = model.root * model.root.transpose();
     const std::size_t count = std::min<std::size_t>(training.weights.size(), 8);
     for (std::size_t t = 0; t < count; ++t) {
         const std::vector<float> w = to_floats(training.weights[t]), q = blender.solve(w, false),
                                  fine = tight.solve(w, false);
-        model.answers.push_back(
+        asset.answers.push_back(
             { training.weights[t], Eigen::Map<const Eigen::VectorXf>(q.data(), Eigen::Index(q.size())) });
-        const Eigen::VectorXd exact
-            = solve_stand_in(*model.stand_in, training, training.weights[t], metric, model.energy_scale);
+        const Eigen::VectorXd exact = model.solve(training.weights[t]).q;
         const Eigen::VectorXd found
             = Eigen::Map<const Eigen::VectorXf>(fine.data(), Eigen::Index(fine.size())).cast<double>();
         // U is mass-orthonormal and the mass is 1: distances in q are distances of shapes.
-        const double size = mass_norm(model.subspace->shape(exact), model.set->masses);
-        report.stand_in_error = std::max(report.stand_in_error, (found - exact).norm() / size);
+        const double size = mass_norm(asset.subspace->shape(exact), asset.set->masses);
+        report.runtime_error = std::max(report.runtime_error, (found - exact).norm() / size);
     }
 }
 
-// Blends of the finished asset against the unreduced average that Newton finds from them.
-void check_against_unreduced(const std::vector<std::uint8_t>& bytes, NewtonSolver& solver, const BakeOptions& options,
-                             Progress& progress, BakeReport& report)
+// Smallest area of a triangle of the blend over the smallest that it has in any pose.
+double smallest_triangle_ratio(const ShapeSet& set, const Shape& blend)
 {
+    Eigen::VectorXd least = triangle_areas(set.shapes[0], set.triangles);
+    for (const Shape& shape : set.shapes) least = least.cwiseMin(triangle_areas(shape, set.triangles));
+    return triangle_areas(blend, set.triangles).cwiseQuotient(least).minCoeff();
+}
+
+void judge(const BakeOptions& options, BakeReport& report)
+{
+    for (const AssetCheck& check : report.checks) {
+        report.mean_error += check.error.relative_l2 / double(report.checks.size());
+        report.largest_distance = std::max(report.largest_distance, check.error.largest_distance);
+        report.triangle_ratio = std::min(report.triangle_ratio, check.triangle_ratio);
+        if (check.error.relative_l2 < report.largest_error) continue;
+        report.largest_error = check.error.relative_l2;
+        report.worst_weights = check.weights;
+    }
+    report.meets_tolerance = !report.checks.empty() && report.mean_error <= options.tolerance
+        && (options.tolerance_max == 0 || report.largest_error <= options.tolerance_max);
+}
+
+// Blends of the finished asset against a(w): at the checks, and at weights that nothing was chosen by.
+void check_asset(const std::vector<std::uint8_t>& bytes, AverageFamily& family, SolverPool& pool,
+                 std::vector<CheckPoint>& checks, const BakeOptions& options, Progress& progress, BakeReport& report)
+{
+    const ShapeSet& set = pool.set();
     RuntimeBlender blender(bytes, "the asset just baked");
-    Random random(options.seed + 1000003); // other weights than the ones trained on
-    for (int i = 0; i < options.check_count; ++i) {
-        progress.update("check", double(i) / options.check_count,
-                        fmt::format("unreduced average {} of {}", i + 1, options.check_count));
-        const Weights w = random.weights(solver.set().pose_count(), i % 3 == 2);
-        const Shape blend = from_input_units(solver.set(), blender.positions(blender.solve(to_floats(w), false)));
-        const NewtonResult truth = solver.minimise(w, blend, NewtonOptions());
-        if (!truth.has_converged) ++report.unconverged_check_count;
-        report.checks.push_back({ w, shape_error(solver.energy(), solver.set(), w, blend, truth.y) });
+    const std::vector<Weights> fresh = draw_weights(options.seed + 2000003, set.pose_count(), options.fresh_count);
+    const auto blend_at
+        = [&](const Weights& w) { return from_input_units(set, blender.positions(blender.solve(to_floats(w), false))); };
+    std::vector<Shape> blends;
+    for (const Weights& w : fresh) blends.push_back(blend_at(w));
+    SharedProgress shared(&progress);
+    shared.describe("check", 0, fmt::format("unreduced averages at {} fresh weights", fresh.size()));
+    std::vector<CheckPoint> points(fresh.size());
+    for_each_task(fresh.size(), [&](std::size_t i, std::size_t worker) {
+        points[i] = family.check(fresh[i], blends[i], 0, worker, &shared);
+    });
+    const std::size_t known_count = checks.size();
+    std::move(points.begin(), points.end(), std::back_inserter(checks));
+    for (std::size_t i = 0; i < checks.size(); ++i) {
+        const CheckPoint& check = checks[i];
+        const Shape blend = blend_at(check.weights);
+        report.checks.push_back({ check.weights, shape_error(pool.energy(), set, check.weights, blend, check.truth),
+                                  smallest_triangle_ratio(set, blend), i >= known_count, check.has_converged });
+        report.findings.insert(report.findings.end(), check.findings.begin(), check.findings.end());
+    }
+    judge(options, report);
+}
+
+// Fills the simplex more or less evenly; for two poses a line.
+std::size_t training_count(std::size_t pose_count)
+{
+    const std::size_t counts[] = { 33, 80, 128, 192 };
+    return pose_count < 6 ? counts[std::max<std::size_t>(pose_count, 2) - 2] : 256;
+}
+
+// Families that are not smooth are said, never smoothed over.
+void tell_findings(const BakeReport& report, const PoseSet& poses, Progress& progress)
+{
+    for (const BranchFinding& finding : report.findings) {
+        const std::string& pose = poses.names[finding.pose];
+        const std::string what = finding.kind == BranchFinding::Kind::other_mean
+            ? fmt::format("seen from pose {}, the average of all poses is another one", pose)
+            : finding.kind == BranchFinding::Kind::jump ? fmt::format("the average jumps on the way towards pose {}", pose)
+                                                        : fmt::format("there are two averages towards pose {}", pose);
+        progress.warn(4406,
+                      fmt::format("{}: {:.1f} % away, most at vertex {}, weights {}", what, 100 * finding.distance,
+                                  finding.vertex, weights_text(finding.weights)),
+                      "add a pose in between, so that there is only one way to bend");
     }
 }
 
@@ -229,44 +264,58 @@ BakedAsset bake(const PoseSet& poses, const BakeOptions& options, Progress& prog
             fmt::format("{} hinges are folded over or fold strongly between poses; their bending is multiplied by {}",
                         report.foldover_count, options.energy.shell.foldover_damping),
             "smooth the creases there, or set --foldover-damping (1 = off)");
-    NewtonSolver solver(*energy, set, options.energy.solver);
+    SolverPool pool(*energy, set, options.energy.solver);
     watch.stage_done("poses");
 
-    const Subspace subspace = choose_subspace(solver, options, progress, report);
+    AverageFamily family(pool, truth_options(options, set), &progress);
+    family.mean();
+    report.start_pose = family.start_pose();
+    report.findings = family.findings();
+    watch.stage_done("mean");
+
+    AdaptiveSubspace adaptive = choose_subspace(family, pool, options, progress, report);
+    const Subspace& subspace = adaptive.subspace;
     report.dimension = subspace.dimension();
     watch.stage_done("subspace");
 
-    const ReducedEnergy reduced(*energy, subspace);
-    const std::size_t training_count = set.pose_count() == 2 ? 17 : 32; // fills the predictor's domain; more changed nothing
+    HessianAssembler assembler(*energy);
+    assembler.assemble(equal_weights(set.pose_count()), family.mean().y, HessianKind::exact);
+    const ReducedSolver reduced(*energy, subspace, assembler.matrix(), family.mean().energy);
+    report.subspace_error = subspace_error(reduced, set, adaptive.checks);
     const TrainingSet training
-        = solve_training_set(reduced, training_weights(set.pose_count(), training_count, options.seed), &progress);
+        = solve_training_set(reduced, set, adaptive.snapshots,
+                             training_weights(set.pose_count(), training_count(set.pose_count()), options.seed), &progress);
+    report.training_count = training.weights.size();
     report.unconverged_training_count = training.unconverged_count;
     watch.stage_done("reduced averages");
 
-    const BuiltStandIn built = build_stand_in(set, reduced, training, options, progress, report);
-    report.element_count = built.stand_in->element_count();
+    const BuiltModel built = build_model(set, reduced.energy(), training, adaptive.checks, options, progress, report);
     watch.stage_done(options.stand_in == StandInKind::ghost ? "ghost" : "cubature");
 
-    AssetModel model;
-    model.set = &set;
-    model.subspace = &subspace;
-    model.stand_in = built.stand_in.get();
-    model.names = poses.names;
-    model.polygons = &poses.polygons;
-    fit_coordinates(built, training, model, report, progress);
-    model.predictor = fit_warm_start(*built.stand_in, training, model, options.seed, progress);
-    watch.stage_done("warm start");
+    AssetModel asset;
+    asset.set = &set;
+    asset.subspace = &subspace;
+    asset.stand_in = built.model.stand_in.get();
+    asset.stand_in_reference = built.shape(subspace, built.model.mean);
+    asset.mean = built.model.mean;
+    asset.root = built.model.root;
+    asset.energy_scale = built.model.energy_scale;
+    asset.predictor = built.model.predictor;
+    asset.load = built.model.load;
+    asset.names = poses.names;
+    asset.polygons = &poses.polygons;
 
     // A first encoding to let the real runtime answer; answers and certificate are written last.
-    model.certificate = "{}";
-    model.answers.push_back({ training.weights[0], model.mean.cast<float>() });
-    collect_answers(model, training, report);
-    model.answers.erase(model.answers.begin());
-    check_against_unreduced(encode_asset(model), solver, options, progress, report);
-    report.factorization_count = solver.factorization_count();
+    asset.certificate = "{}";
+    asset.answers.push_back({ training.weights[0], asset.mean.cast<float>() });
+    collect_answers(asset, built.model, training, report);
+    asset.answers.erase(asset.answers.begin());
+    check_asset(encode_asset(asset), family, pool, adaptive.checks, options, progress, report);
+    report.factorization_count = pool.factorization_count();
+    tell_findings(report, poses, progress);
     report.certificate = write_certificate(report, options, poses.names);
-    model.certificate = report.certificate;
-    out.bytes = encode_asset(model);
+    asset.certificate = report.certificate;
+    out.bytes = encode_asset(asset);
     RuntimeBlender(out.bytes, "the asset just baked", true);
     watch.stage_done("check");
     return out;
@@ -286,7 +335,7 @@ BakeEstimate estimate_bake(std::size_t vertex_count, std::size_t pose_count, con
     const double factorisation = 0.6 * std::pow(n / 1e4, 1.3), gradient = 1.5e-6 * n * (1 + d / 60);
     const double factorisations = is_adaptive ? 20 + 5 * 1.5 * d : m;
     const double solves = 32 + (is_adaptive ? 2.5 * d : 0);
-    estimate.seconds = (factorisations + 6.0 * options.check_count) * factorisation + solves * 20 * gradient + d * d * 1e-2;
+    estimate.seconds = (factorisations + 10.0 * options.fresh_count) * factorisation + solves * 20 * gradient + d * d * 1e-2;
     estimate.memory = 18e3 * n + 5 * 24 * n * d; // factor and Hessian, a few copies of the basis
     estimate.asset_size = 12 * n * (d + 1) + 24 * n;
     return estimate;

@@ -1,10 +1,10 @@
 // The baker's pipeline: poses in, asset out. Each stage is a function from plain structs to a plain struct.
 #pragma once
 
-#include "average/newton.h"
+#include "average/family.h"
 #include "average/shape_error.h"
 #include "energy/discrete_shells.h"
-#include "reduce/cubature.h"
+#include "reduce/choose_stand_in.h"
 #include "subspace/adaptive.h"
 
 #include <cstdint>
@@ -29,14 +29,16 @@ struct EnergyOptions {
 struct BakeOptions {
     EnergyOptions energy;
     SubspaceKind subspace = SubspaceKind::adaptive;
-    double tolerance = 1e-3;    // adaptive: mean relative L2 of the subspace over check weights
+    double tolerance = 1e-3;    // total relative L2, mean over the checks
+    double tolerance_max = 0;   // the largest over them; 0: not bounded
     int ritz_count = 2;         // krylov: vectors per tangent
     Eigen::Index dimension = 0; // 0: what the tolerance or ritz_count asks for; else exactly this
     StandInKind stand_in = StandInKind::cubature;
-    std::size_t element_count = 0; // cubature elements; 0: six per dimension
+    std::size_t element_count = 0; // cubature elements; 0: as few as keep the tolerance
     std::size_t ghost_vertex_count = 800;
     std::uint64_t seed = 1;
-    int check_count = 3; // weights at which the written asset is compared with the unreduced average
+    int check_count = 24; // weights at which d, the elements and the dead load are judged
+    int fresh_count = 4;  // weights that nothing was chosen by
 };
 
 struct StageTime {
@@ -44,17 +46,33 @@ struct StageTime {
     double seconds;
 };
 
+// One blend of the finished asset, by the runtime, next to the truth.
+struct AssetCheck {
+    Weights weights;
+    ShapeError error;
+    double triangle_ratio = 1; // smallest area of a triangle over the smallest it has in any pose
+    bool is_fresh = false;     // nothing was chosen by it
+    bool has_converged = true; // the truth
+};
+
 struct BakeReport {
     std::size_t vertex_count = 0, pose_count = 0, element_count = 0, foldover_count = 0;
     Eigen::Index dimension = 0;
     std::vector<StageTime> stages;
     int factorization_count = 0;
+    std::size_t start_pose = 0; // the average of all poses is reached from it
+    std::vector<BranchFinding> findings;
+    std::size_t training_count = 0;
     int unconverged_training_count = 0;
-    AdaptiveReport adaptive; // empty for krylov
-    CubatureReport cubature;
-    double stand_in_error = 0; // largest relative distance of runtime and double-precision stand-in, relative L2
-    std::vector<std::pair<Weights, ShapeError>> checks;
-    int unconverged_check_count = 0;
+    AdaptiveReport adaptive;      // empty for other subspaces
+    SubspaceError subspace_error; // over the checks
+    StandInReport stand_in;
+    double runtime_error = 0; // largest relative distance of runtime and double-precision model, relative L2
+    std::vector<AssetCheck> checks;
+    double mean_error = 0, largest_error = 0; // total, over all of them
+    double largest_distance = 0, triangle_ratio = 1;
+    Weights worst_weights;
+    bool meets_tolerance = false;
     std::string certificate; // the JSON that went into the asset
 };
 

@@ -1,72 +1,221 @@
 #include "average/family.h"
 
+#include "average/shape_error.h"
+#include "energy/parallel.h"
+
 #include <algorithm>
+#include <cmath>
 
 namespace pliant {
 
-AverageFamily::AverageFamily(NewtonSolver& solver, NewtonOptions options, Progress* progress)
-    : solver_(solver)
+namespace {
+
+// Half of the way to a corner: on real bodies Newton converges from there, and shorter steps only cost more.
+constexpr double step_length = 0.85;
+
+// A discontinuity is a move that does not get shorter with the step. Steps (in the 1-norm of weights) are not halved below this.
+constexpr double shortest_step = 0.03;
+
+// Moves faster than this many times the mean's way to a pose, and longer than 5 %, are looked at closer. Smooth families of real
+// bodies reach two to three times that speed near their poses.
+constexpr double jump_speed = 6, jump_distance = 0.05;
+
+// Newton creeps where creases snap; only what is farther than this from converged calls for a shorter step.
+constexpr double hopeless_decrement = 1e-2;
+
+// Means from different poses are computed roughly, and compared with that in mind: energies, and distances.
+constexpr double energy_doubt = 0.02, rough_distance = 0.05;
+
+// A tangent step may change the areas of triangles by this factor.
+constexpr double sound_stretch = 1.5;
+
+} // namespace
+
+std::size_t farthest_vertex(const ShapeSet& set, const Shape& a, const Shape& b)
+{
+    Shape moved = b;
+    apply(best_rigid_motion(b, a, set.masses), moved);
+    Eigen::Index farthest = 0;
+    const Eigen::Map<const Eigen::Matrix3Xd> from(a.data(), 3, a.size() / 3), to(moved.data(), 3, a.size() / 3);
+    (from - to).colwise().squaredNorm().maxCoeff(&farthest);
+    return std::size_t(farthest);
+}
+
+// A walk through weight space with the average at its end.
+struct AverageFamily::Path {
+    NewtonSolver& solver;
+    Progress* progress;
+    Weights w;
+    NewtonResult point;
+    std::vector<BranchFinding> jumps;
+    std::vector<KnownAverage> way;
+};
+
+AverageFamily::AverageFamily(SolverPool& pool, NewtonOptions options, Progress* progress,
+                             std::optional<std::size_t> start_pose)
+    : pool_(pool)
     , options_(options)
     , progress_(progress)
+    , start_pose_(start_pose)
 {
 }
 
-// Predictor-corrector: along the tangent by the derivative of the minimiser, then Newton. Intermediate points need no digits.
-NewtonResult AverageFamily::follow(const Weights& from, const Shape& start, const Weights& to, int step_count)
+// Along the tangent, by the derivative of the minimiser, as far as it is sound. It has a lower energy all the way, but it stretches
+// limbs that turn, and what is stretched Newton may undo by folding creases: on mhr_body the five poses then lead to five means. The
+// last average as it is, on the other hand, starts nearly rigid shapes (human_pair) with prestress, which folds other creases.
+Shape AverageFamily::start_of_step(const Path& path, const Weights& next) const
 {
-    NewtonOptions rough = options_;
-    rough.decrement = std::max(options_.decrement, 1e-6);
-    NewtonResult result;
-    result.y = start;
-    int iterations = 0;
-    for (int step = 1; step <= step_count; ++step) {
-        const Weights here = from + (to - from) * (double(step - 1) / step_count);
-        const Weights next = from + (to - from) * (double(step) / step_count);
-        Shape guess = result.y + solver_.weight_derivative(here, result.y, next - here);
-        // A tangent step that goes too far is worse than none.
-        if (!(energy_value(solver_.energy(), next, guess) < energy_value(solver_.energy(), next, result.y)))
-            guess = result.y;
-        result = solver_.minimise(next, guess, step == step_count ? options_ : rough, progress_);
-        iterations += result.iterations;
+    const Shape& here = path.point.y;
+    const Shape tangent = path.solver.weight_derivative(path.w, here, next - path.w, HessianKind::projected);
+    const Eigen::VectorXd areas = triangle_areas(here, pool_.set().triangles);
+    const double energy = energy_value(pool_.energy(), next, here);
+    for (double length = 1; length > 0.2; length /= 2) {
+        Shape guess = here + length * tangent;
+        const Eigen::VectorXd ratios = triangle_areas(guess, pool_.set().triangles).cwiseQuotient(areas);
+        if (ratios.minCoeff() > 1 / sound_stretch && ratios.maxCoeff() < sound_stretch
+            && energy_value(pool_.energy(), next, guess) < energy)
+            return guess;
     }
-    result.iterations = iterations;
-    fix_gauge(solver_.set(), result.y);
-    return result;
+    return here;
 }
 
-// From the pose that is nearest to all others in energy: the shortest way, and found with one evaluation per pose.
+// Predictor-corrector. Points on the way need few digits.
+void AverageFamily::follow(Path& path, const Weights& to, bool is_rough) const
+{
+    const ShapeSet& set = pool_.set();
+    NewtonOptions rough = options_, fine = options_;
+    fine.step_ratio = 0; // the way from the last point of the path says nothing about the accuracy wanted
+    rough.step_ratio = 0.1;
+    rough.decrement = std::max(options_.decrement, 1e-4);
+    rough.step_decrement = 1e-3;
+    rough.residual = std::max(options_.residual, 0.1);
+    rough.max_iterations = std::min(options_.max_iterations, 12); // more: the step is too long
+    int iterations = 0;
+    double length = step_length;
+    for (double left = (to - path.w).lpNorm<1>(); left > 1e-12; left = (to - path.w).lpNorm<1>()) {
+        const double share = 1 / std::max(1.0, std::ceil(left / length - 1e-9));
+        const Weights next = share == 1 ? to : Weights(path.w + share * (to - path.w));
+        const double step = share * left;
+        const bool is_last = share == 1;
+        NewtonResult reached
+            = path.solver.minimise(next, start_of_step(path, next), is_last && !is_rough ? fine : rough, path.progress);
+        iterations += reached.iterations;
+        const double moved = relative_distance(set, reached.y, path.point.y);
+        const bool is_fast = speed_ > 0 && moved > jump_distance && moved > jump_speed * speed_ * step;
+        if ((is_fast || (!reached.has_converged && reached.decrement > hopeless_decrement)) && step > 2 * shortest_step) {
+            length = step / 2;
+            continue;
+        }
+        if (is_fast) {
+            Eigen::Index pose = 0;
+            (to - path.w).maxCoeff(&pose);
+            path.jumps.push_back({ BranchFinding::Kind::jump, next, std::size_t(pose), moved,
+                                   farthest_vertex(set, path.point.y, reached.y) });
+        }
+        path.point = std::move(reached);
+        path.w = next;
+        if (is_last) continue;
+        path.way.push_back({ next, path.point.y });
+        fix_gauge(set, path.way.back().shape);
+    }
+    path.point.iterations = iterations;
+    fix_gauge(set, path.point.y);
+}
+
+FamilyPoint AverageFamily::reach_mean(std::size_t pose, std::size_t worker, Progress* progress) const
+{
+    const std::size_t m = pool_.set().pose_count();
+    Path path { pool_.at(worker), progress, corner_weights(m, pose), {}, {}, {} };
+    path.point.y = pool_.set().shapes[pose];
+    path.point.has_converged = true;
+    follow(path, equal_weights(m), true);
+    return { std::move(path.point), {}, std::move(path.way) };
+}
+
 const NewtonResult& AverageFamily::mean()
 {
     if (mean_) return *mean_;
-    const std::size_t m = solver_.set().pose_count();
+    const ShapeSet& set = pool_.set();
+    const std::size_t m = set.pose_count();
+    std::vector<FamilyPoint> means(m);
+    std::vector<std::size_t> starts;
+    for (std::size_t k = 0; k < m; ++k)
+        if (!start_pose_ || k == *start_pose_) starts.push_back(k);
+    SharedProgress progress(progress_);
+    for_each_task(starts.size(),
+                  [&](std::size_t i, std::size_t worker) { means[starts[i]] = reach_mean(starts[i], worker, &progress); });
+    // Rough energies are good to a few per cent: all that may be the lowest are polished.
     const Weights w = equal_weights(m);
-    std::size_t best = 0;
-    double best_energy = energy_value(solver_.energy(), w, solver_.set().shapes[0]);
-    for (std::size_t k = 1; k < m; ++k) {
-        const double energy = energy_value(solver_.energy(), w, solver_.set().shapes[k]);
-        if (energy < best_energy) best_energy = energy, best = k;
+    double lowest = means[starts[0]].average.energy;
+    for (std::size_t k : starts) lowest = std::min(lowest, means[k].average.energy);
+    std::size_t best = m;
+    for (std::size_t k : starts) {
+        NewtonResult& average = means[k].average;
+        if (average.energy > lowest * (1 + energy_doubt)) continue;
+        if (best < m && relative_distance(set, average.y, means[best].average.y) < branch_distance) continue; // the same one
+        NewtonResult fine = pool_.at(0).minimise(w, average.y, options_, &progress);
+        fix_gauge(set, fine.y);
+        average = std::move(fine);
+        // Energies closer than Newton's accuracy are those of one average: the first pose stands for it.
+        if (best == m || average.energy < means[best].average.energy * (1 - 1e-5)) best = k;
     }
-    mean_ = solver_.minimise(w, solver_.set().shapes[best], options_, progress_);
-    for (int steps = 2; !mean_->has_converged && steps <= 8; steps *= 2)
-        mean_ = follow(corner_weights(m, best), solver_.set().shapes[best], w, steps);
-    fix_gauge(solver_.set(), mean_->y);
+    for (std::size_t k : starts) {
+        const Shape& other = means[k].average.y;
+        const double distance = relative_distance(set, other, means[best].average.y);
+        if (distance > rough_distance)
+            findings_.push_back(
+                { BranchFinding::Kind::other_mean, w, k, distance, farthest_vertex(set, means[best].average.y, other) });
+        else
+            for (KnownAverage& known : means[k].way) known_.push_back(std::move(known));
+    }
+    start_pose_ = best;
+    mean_ = std::move(means[best].average);
+    for (std::size_t k = 0; k < m; ++k)
+        speed_ = std::max(
+            speed_, relative_distance(set, mean_->y, set.shapes[k]) / (corner_weights(m, k) - equal_weights(m)).lpNorm<1>());
     return *mean_;
 }
 
-NewtonResult AverageFamily::at(const Weights& w)
+std::size_t AverageFamily::start_pose()
 {
-    const std::size_t m = solver_.set().pose_count();
-    const Weights centre = equal_weights(m);
-    const Shape start = mean().y;
-    const double distance = (w - centre).lpNorm<1>();
-    if (distance < 1e-12) return mean(); // rounding of the division by the sum of the weights
-    NewtonResult result;
-    // A step of about a third of the way to a corner keeps Newton inside its region of convergence on real bodies.
-    for (int steps = std::max(1, int(std::ceil(distance / 0.55))), tries = 0; tries < 3; steps *= 2, ++tries) {
-        result = follow(centre, start, w, steps);
-        if (result.has_converged) break;
+    mean();
+    return *start_pose_;
+}
+
+FamilyPoint AverageFamily::at(const Weights& w, std::size_t worker, Progress* progress) const
+{
+    const Weights centre = equal_weights(pool_.set().pose_count());
+    // A hair away from the mean is rounding of the division by the sum of the weights.
+    if ((w - centre).lpNorm<1>() < 1e-12) return { *mean_, {}, {} };
+    Path path { pool_.at(worker), progress, centre, *mean_, {}, {} };
+    follow(path, w, false);
+    return { std::move(path.point), std::move(path.jumps), std::move(path.way) };
+}
+
+CheckPoint AverageFamily::check(const Weights& w, const Shape& blend, double suspicion, std::size_t worker,
+                                Progress* progress) const
+{
+    const ShapeSet& set = pool_.set();
+    NewtonResult near = pool_.at(worker).minimise(w, blend, options_, progress);
+    fix_gauge(set, near.y);
+    CheckPoint point { w, std::move(near.y), 0, near.has_converged, {} };
+    point.error = relative_distance(set, blend, point.truth);
+    if (point.error <= suspicion && point.has_converged) return point;
+    FamilyPoint defined = at(w, worker, progress);
+    const double distance = relative_distance(set, point.truth, defined.average.y);
+    point.findings = std::move(defined.jumps);
+    if (distance > branch_distance) {
+        Eigen::Index pose = 0;
+        w.maxCoeff(&pose);
+        point.findings.push_back({ BranchFinding::Kind::other_path, w, std::size_t(pose), distance,
+                                   farthest_vertex(set, defined.average.y, point.truth) });
     }
-    return result;
+    const bool is_lower = defined.average.has_converged && defined.average.energy < near.energy;
+    if (!is_lower && point.has_converged) return point;
+    point.truth = std::move(defined.average.y);
+    point.has_converged = defined.average.has_converged;
+    point.error = relative_distance(set, blend, point.truth);
+    return point;
 }
 
 } // namespace pliant

@@ -1,32 +1,97 @@
 // The family a(w) of averages, defined by continuation, so that every user of it means the same branch.
 #pragma once
 
-#include "average/newton.h"
+#include "average/solver_pool.h"
 
 #include <optional>
+#include <vector>
 
 namespace pliant {
 
-// a(w) is reached along the straight line in weight space from the equal-weight average, which itself is reached from the pose
-// whose energy under equal weights is least.
-// An elastic average need not be unique; one definition of it is needed where snapshots, truths and measurements are compared.
+// Where the family is not smooth, or not unique.
+struct BranchFinding {
+    enum class Kind {
+        other_mean, // continuation from a pose ends in another average of all poses
+        jump,       // the average jumps on the way from the mean to some weights
+        other_path  // another way to the same weights ends in another average
+    } kind;
+    Weights weights;    // where it was seen
+    std::size_t pose;   // other_mean: the pose; jump: the pose whose weight grows most on the way
+    double distance;    // between the two shapes, relative L2
+    std::size_t vertex; // that moves most between them
+};
+
+// A shape that is an average for certain weights, in the gauge of pose 0.
+struct KnownAverage {
+    Weights weights;
+    Shape shape;
+};
+
+struct FamilyPoint {
+    NewtonResult average; // in the gauge of pose 0
+    std::vector<BranchFinding> jumps;
+    std::vector<KnownAverage> way; // averages passed on the way, to about 1e-3 of a step
+};
+
+// A blend that was compared with the truth.
+struct CheckPoint {
+    Weights weights;
+    Shape truth;      // in the gauge of pose 0
+    double error = 0; // of the blend, relative L2
+    bool has_converged = false;
+    std::vector<BranchFinding> findings;
+};
+
+// a(w) is reached along the straight line in weight space from the equal-weight average. That one is reached from every pose, along
+// the line from the pose's corner; of those that are reached the one of lowest energy counts, and the pose of lowest number that
+// leads there is its start. An elastic average need not be unique; one definition of it is needed where snapshots, truths and
+// measurements are compared.
 class AverageFamily {
 public:
-    AverageFamily(NewtonSolver& solver, NewtonOptions options, Progress* progress);
+    // `start_pose`: if known (a certificate holds it), the mean is reached from that pose only, which costs a fraction.
+    AverageFamily(SolverPool& pool, NewtonOptions options, Progress* progress, std::optional<std::size_t> start_pose = {});
 
-    // The average for w (non-negative, sum 1), in the gauge of pose 0. Steps of the path are halved when Newton fails; the last
-    // result may still not have converged: check it. Cost: 3 to 12 factorisations.
-    NewtonResult at(const Weights& w);
-
-    // The equal-weight average, computed once.
+    // The equal-weight average and the pose from which it is reached, computed at the first call. Not from tasks.
     const NewtonResult& mean();
+    std::size_t start_pose();
+
+    // Other means that were found on the way, and the averages passed on the ways that met. Empty before mean().
+    const std::vector<BranchFinding>& findings() const { return findings_; }
+    const std::vector<KnownAverage>& known() const { return known_; }
+
+    // The average for w (non-negative, sum 1). Steps are halved when Newton fails or the shape jumps; the result may still not have
+    // converged: check it. Needs mean() before; then tasks may call it at the same time, each with its worker. Cost: 10 to 50
+    // factorisations.
+    FamilyPoint at(const Weights& w, std::size_t worker, Progress* progress) const;
+
+    // Compares a blend for w with the truth. Newton's method goes on from the blend, which needs few factorisations when it is good;
+    // if it ends more than `suspicion` (relative L2; 0: always) away, a(w) is computed by continuation, too, the one of lower energy
+    // is the truth, and a difference is recorded. Tasks may call it as at().
+    CheckPoint check(const Weights& w, const Shape& blend, double suspicion, std::size_t worker, Progress* progress) const;
+
+    const SolverPool& pool() const { return pool_; }
 
 private:
-    NewtonResult follow(const Weights& from, const Shape& start, const Weights& to, int step_count);
-    NewtonSolver& solver_;
+    struct Path;
+    Shape start_of_step(const Path& path, const Weights& next) const;
+    void follow(Path& path, const Weights& to, bool is_rough) const;
+    FamilyPoint reach_mean(std::size_t pose, std::size_t worker, Progress* progress) const;
+
+    SolverPool& pool_;
     NewtonOptions options_;
     Progress* progress_;
+    std::optional<std::size_t> start_pose_;
     std::optional<NewtonResult> mean_;
+    double speed_ = 0; // largest relative distance of the mean from a pose per change of weights
+    std::vector<BranchFinding> findings_;
+    std::vector<KnownAverage> known_;
 };
+
+// Averages farther apart than this (relative L2) are different ones: several times what Newton leaves at its default accuracy on
+// real bodies (6e-5 to 3e-4).
+constexpr double branch_distance = 0.01;
+
+// Number of the vertex that moves most between two shapes, after rigid alignment.
+std::size_t farthest_vertex(const ShapeSet& set, const Shape& a, const Shape& b);
 
 } // namespace pliant

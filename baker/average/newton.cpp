@@ -17,6 +17,14 @@ constexpr double energy_floor = 1e-13;
 // Comparing energies is pointless when the predicted decrease drowns in their rounding.
 constexpr double energy_noise = 1e-11;
 
+// Where the exact Hessian is indefinite it mostly stays so for some steps, and each trial costs a factorisation: after every failure
+// twice as many steps are made without one, up to this.
+constexpr int longest_pause = 8;
+
+// Projected models are stiffer than the energy: their steps shrink by about 0.7 from one to the next (seen on bodies), so that what is
+// left is about three times the step.
+constexpr double projected_doubt = 3;
+
 double scale_of(double energy) { return std::max(std::abs(energy), energy_floor); }
 
 } // namespace
@@ -50,12 +58,14 @@ void NewtonSolver::factorize_shifted(const Weights& w, const Shape& y, HessianKi
                  "the poses may contain nearly collapsed triangles; try another --membrane or a larger --thickness"));
 }
 
-bool NewtonSolver::factorize_model(const Weights& w, const Shape& y)
+bool NewtonSolver::factorize_model(const Weights& w, const Shape& y, bool try_exact)
 {
     pins_ = statically_determinate_pins(y);
-    assembler_.assemble(w, y, HessianKind::exact);
-    pin(assembler_.matrix(), pins_);
-    if (cholesky_.factorize(assembler_.matrix())) return true;
+    if (try_exact) {
+        assembler_.assemble(w, y, HessianKind::exact);
+        pin(assembler_.matrix(), pins_);
+        if (cholesky_.factorize(assembler_.matrix())) return true;
+    }
     assembler_.assemble(w, y, HessianKind::projected);
     pin(assembler_.matrix(), pins_);
     if (!cholesky_.factorize(assembler_.matrix())) factorize_shifted(w, y, HessianKind::projected);
@@ -87,11 +97,17 @@ double NewtonSolver::largest_step(const Shape& y, const Shape& step) const
     return 1e-6;
 }
 
+bool NewtonSolver::is_small_step(double step, const Shape& way, const NewtonOptions& options) const
+{
+    return step <= std::max(options.step_floor, options.step_ratio * mass_norm(way, set_.masses));
+}
+
 NewtonResult NewtonSolver::minimise(const Weights& w, const Shape& start, const NewtonOptions& options, Progress* progress)
 {
     NewtonResult result;
     result.y = start;
     result.energy = energy_value(energy_, w, start);
+    int failures = 0, exact_pause = 0; // of the exact Hessian
     for (; result.iterations < options.max_iterations; ++result.iterations) {
         if (progress) progress->update("average", double(result.iterations) / options.max_iterations);
         Shape gradient = Shape::Zero(start.size());
@@ -99,12 +115,23 @@ NewtonResult NewtonSolver::minimise(const Weights& w, const Shape& start, const 
         result.energy = add_gradient(energy_, w, result.y, gradient, &force_scale);
         // Forces below the rounding of a unit-area surface with unit moduli are no forces: at a pose all of them vanish.
         result.residual = gradient.norm() / std::max(force_scale, 1e-12);
-        const bool is_exact = factorize_model(w, result.y);
+        const bool is_exact = factorize_model(w, result.y, exact_pause <= 0);
+        if (is_exact)
+            failures = 0;
+        else if (exact_pause <= 0)
+            exact_pause = std::min(longest_pause, 1 << failures++);
+        else
+            --exact_pause;
         if (!is_exact) ++result.projected_iterations;
         const Shape step = newton_step(result.y, gradient);
         const double slope = gradient.dot(step);
         result.decrement = -slope / 2 / scale_of(result.energy);
-        const bool is_last = result.decrement <= options.decrement && result.residual <= options.residual && is_exact;
+        const bool is_small = result.decrement <= options.decrement && result.residual <= options.residual;
+        if (is_small) exact_pause = 0; // time to know
+        const bool is_last = (is_small && is_exact)
+            || (result.decrement <= options.step_decrement
+                && is_small_step((is_exact ? 1 : projected_doubt) * mass_norm(step, set_.masses), result.y + step - start,
+                                 options));
 
         double length = largest_step(result.y, step);
         const bool is_noise = -slope < energy_noise * scale_of(result.energy);
@@ -128,11 +155,11 @@ NewtonResult NewtonSolver::minimise(const Weights& w, const Shape& start, const 
     return result;
 }
 
-void NewtonSolver::factorize_equilibrium(const Weights& w, const Shape& y)
+void NewtonSolver::factorize_equilibrium(const Weights& w, const Shape& y, HessianKind kind)
 {
     pins_ = statically_determinate_pins(y);
     modes_ = rigid_modes(y, set_.masses);
-    assembler_.assemble(w, y, HessianKind::exact);
+    assembler_.assemble(w, y, kind);
     pin(assembler_.matrix(), pins_);
     if (!cholesky_.factorize(assembler_.matrix())) factorize_shifted(w, y, HessianKind::projected);
 }
@@ -147,11 +174,11 @@ Eigen::MatrixXd NewtonSolver::solve_equilibrium(const Eigen::MatrixXd& loads) co
     return x;
 }
 
-Shape NewtonSolver::weight_derivative(const Weights& w, const Shape& y, const Weights& direction)
+Shape NewtonSolver::weight_derivative(const Weights& w, const Shape& y, const Weights& direction, HessianKind kind)
 {
     Shape load = Shape::Zero(y.size());
     add_gradient(energy_, direction, y, load);
-    factorize_equilibrium(w, y);
+    factorize_equilibrium(w, y, kind);
     return -solve_equilibrium(load);
 }
 

@@ -13,6 +13,12 @@ struct NewtonOptions {
     // catches nearly collapsed triangles, whose huge stiffness makes any decrement small.
     double decrement = 1e-8;
     double residual = 1e-3;
+    // Converged also when the Newton step, in the mass norm, is below step_floor, or below this part of the way gone since the start
+    // (a third of either for steps of a projected Hessian), and the decrement below step_decrement. For snapshots and checks: what is
+    // asked there is a distance between shapes, while the last digits of the energy are those of a few creased triangles.
+    double step_floor = 0;
+    double step_ratio = 0;
+    double step_decrement = 1e-5; // far from a minimum a stiff projected model makes small steps too
     int max_iterations = 80;
 };
 
@@ -37,13 +43,15 @@ public:
 
     // Factors the exact Hessian of W(w, .) at an equilibrium y (a pose, an average) for solve_equilibrium. Throws Failure (P4302)
     // if it has negative or further zero eigenvalues.
-    void factorize_equilibrium(const Weights& w, const Shape& y);
+    void factorize_equilibrium(const Weights& w, const Shape& y, HessianKind kind = HessianKind::exact);
 
     // Solves K x = f (columns) at that equilibrium in the quotient by rigid motions: f is balanced, x is mass-orthogonal to them.
     Eigen::MatrixXd solve_equilibrium(const Eigen::MatrixXd& loads) const;
 
-    // How the minimiser y moves when the weights move: -K(w)^-1 sum_k direction_k grad W_k(y).
-    Shape weight_derivative(const Weights& w, const Shape& y, const Weights& direction);
+    // How the minimiser y moves when the weights move: -K(w)^-1 sum_k direction_k grad W_k(y). At a y that is only roughly a
+    // minimiser K may be indefinite: take the projected one there.
+    Shape weight_derivative(const Weights& w, const Shape& y, const Weights& direction,
+                            HessianKind kind = HessianKind::exact);
 
     int factorization_count() const { return cholesky_.factorization_count(); }
     const Energy& energy() const { return energy_; }
@@ -51,10 +59,11 @@ public:
 
 private:
     // Factors a positive definite model of the energy at y, the exact Hessian if it is one. False: `projected` was needed.
-    bool factorize_model(const Weights& w, const Shape& y);
+    bool factorize_model(const Weights& w, const Shape& y, bool try_exact);
     void factorize_shifted(const Weights& w, const Shape& y, HessianKind kind);
     Shape newton_step(const Shape& y, const Shape& gradient) const;
     double largest_step(const Shape& y, const Shape& step) const;
+    bool is_small_step(double step, const Shape& way, const NewtonOptions& options) const;
 
     const Energy& energy_;
     const ShapeSet& set_;

@@ -4,12 +4,16 @@
 
 #include <Eigen/SparseCholesky>
 #include <cstring>
+#include <mutex>
 #include <new>
 
 #ifdef PLIANT_WITH_CHOLMOD
 #include <suitesparse/cholmod.h>
 // Present when the BLAS behind CHOLMOD is OpenBLAS; its thread count changes the last bits of a factorisation.
 extern "C" void openblas_set_num_threads(int) __attribute__((weak));
+extern "C" int openblas_get_parallel() __attribute__((weak)); // 0: built without threads
+// Present when CHOLMOD was built with OpenMP: it asks for four threads by itself, which then spin against each other.
+extern "C" void omp_set_max_active_levels(int) __attribute__((weak));
 #endif
 
 namespace pliant {
@@ -35,6 +39,30 @@ bool has_cholmod()
 }
 
 SolverKind default_solver() { return has_cholmod() ? SolverKind::cholmod : SolverKind::eigen; }
+
+#ifdef PLIANT_WITH_CHOLMOD
+namespace {
+
+// OpenBLAS built without threads is not safe to call from several: factors come out wrong without a word. Of another BLAS we do not
+// know. Then one factorisation is made at a time.
+class BlasLock {
+public:
+    BlasLock()
+    {
+        if (!openblas_get_parallel || openblas_get_parallel() == 0) lock_ = std::unique_lock<std::mutex>(mutex());
+    }
+
+private:
+    static std::mutex& mutex()
+    {
+        static std::mutex instance;
+        return instance;
+    }
+    std::unique_lock<std::mutex> lock_;
+};
+
+} // namespace
+#endif
 
 struct SparseCholesky::Backend {
     SolverKind kind;
@@ -72,10 +100,23 @@ struct SparseCholesky::Backend {
         common.print = 0;
     }
 
+    // OpenMP keeps this per thread. Whole factorisations on threads (for_each_task) scale better than one on several.
+    static void use_one_thread()
+    {
+        if (omp_set_max_active_levels) omp_set_max_active_levels(0);
+    }
+
     bool factorize_cholmod(const SparseLower& lower)
     {
+        use_one_thread();
+        const BlasLock lock;
         cholmod_sparse a = view(lower);
-        if (!factor) factor = cholmod_l_analyze(&a, &common);
+        if (!factor) {
+            // METIS draws from one generator of the process: two analyses at a time would order by chance.
+            static std::mutex mutex;
+            const std::lock_guard<std::mutex> lock(mutex);
+            factor = cholmod_l_analyze(&a, &common);
+        }
         if (!factor) throw_out_of_memory(lower.cols());
         cholmod_l_factorize(&a, factor, &common);
         if (common.status == CHOLMOD_NOT_POSDEF) return false;
@@ -85,6 +126,8 @@ struct SparseCholesky::Backend {
 
     Eigen::MatrixXd solve_cholmod(const Eigen::MatrixXd& right)
     {
+        use_one_thread();
+        const BlasLock lock;
         cholmod_dense b {};
         b.nrow = b.d = std::size_t(right.rows());
         b.ncol = std::size_t(right.cols());

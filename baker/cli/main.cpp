@@ -4,6 +4,9 @@
 #include <cstdio>
 #include <fmt/core.h>
 #include <new>
+#ifdef __GLIBC__
+#include <malloc.h>
+#endif
 
 namespace {
 
@@ -28,10 +31,21 @@ ExitCode guarded(const std::string& name, const Verb& verb)
     return ExitCode::failed;
 }
 
+// Vectors of a whole mesh come and go all the time. By default glibc hands each back to the system and has it zeroed anew, a fifth of
+// a bake's time.
+void keep_freed_memory()
+{
+#ifdef __GLIBC__
+    mallopt(M_MMAP_THRESHOLD, 1 << 30);
+    mallopt(M_TRIM_THRESHOLD, 1 << 30);
+#endif
+}
+
 } // namespace
 
 int main(int argc, char** argv)
 {
+    keep_freed_memory();
     install_signal_handlers();
     CLI::App app("Pliant: bake poses of a character into an asset that games blend elastically.", "pliant");
     app.set_version_flag("--version", "pliant 0.1.0");

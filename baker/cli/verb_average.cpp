@@ -28,9 +28,11 @@ ExitCode run(const Arguments& a)
     const PoseSet poses = load_with_warnings("average", a.poses, a.energy);
     const ShapeSet set = normalise(poses, a.energy.keep_placement);
     const std::unique_ptr<Energy> energy = make_energy(set, a.energy);
-    NewtonSolver solver(*energy, set, a.energy.solver);
-    AverageFamily family(solver, a.newton, &progress);
-    const NewtonResult result = family.at(w);
+    SolverPool pool(*energy, set, a.energy.solver);
+    AverageFamily family(pool, a.newton, &progress);
+    family.mean();
+    const FamilyPoint point = family.at(w, 0, &progress);
+    const NewtonResult& result = point.average;
     if (!result.has_converged)
         throw Failure(
             ExitCode::failed,
@@ -42,9 +44,14 @@ ExitCode run(const Arguments& a)
                      "add an in-between pose, or try another --thickness or a smaller --foldover-damping"));
     write_output(a.output, encode_ply(to_input_units(set, result.y), poses.polygons));
     progress.clear_line();
+    for (const BranchFinding& jump : point.jumps)
+        progress.warn(4406,
+                      fmt::format("the average jumps on the way towards pose {}: {:.1f} %, most at vertex {}, weights {}",
+                                  poses.names[jump.pose], 100 * jump.distance, jump.vertex, weights_text(jump.weights)),
+                      "add a pose in between, so that there is only one way to bend");
     if (!a.is_quiet)
         fmt::print("{}: energy {:.6e}, decrement {:.1e}, {} factorisations\n", a.output, result.energy, result.decrement,
-                   solver.factorization_count());
+                   pool.factorization_count());
     return ExitCode::done;
 }
 

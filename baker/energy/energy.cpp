@@ -2,10 +2,12 @@
 
 #include "energy/parallel.h"
 
+#include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <fmt/core.h>
 #include <numeric>
 
 namespace pliant {
@@ -86,8 +88,16 @@ Weights equal_weights(std::size_t pose_count)
     return Weights::Constant(Eigen::Index(pose_count), 1.0 / double(pose_count));
 }
 
+std::string weights_text(const Weights& w)
+{
+    std::string text;
+    for (double value : w) text += fmt::format("{}{:.3g}", text.empty() ? "" : ",", value);
+    return text;
+}
+
 void project_positive(Eigen::Ref<Eigen::MatrixXd> matrix)
 {
+    if (Eigen::LLT<Eigen::MatrixXd>(matrix).info() == Eigen::Success) return; // most elements, at a fraction of the cost
     const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(matrix);
     if (eigen.eigenvalues()[0] >= 0) return;
     matrix = eigen.eigenvectors() * eigen.eigenvalues().cwiseMax(0.0).asDiagonal() * eigen.eigenvectors().transpose();

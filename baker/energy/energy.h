@@ -6,6 +6,8 @@
 
 #include "mesh/surface.h"
 
+#include <string>
+
 namespace pliant {
 
 using Weights = Eigen::VectorXd; // one per pose
@@ -67,6 +69,9 @@ double add_gradient(const Energy& energy, const Weights& w, const Shape& y, Shap
 // Unit weight vector e_k of length m, and equal weights.
 Weights corner_weights(std::size_t pose_count, std::size_t pose);
 Weights equal_weights(std::size_t pose_count);
+
+// "0.25,0.75": for messages.
+std::string weights_text(const Weights& w);
 
 // Symmetric positive semidefinite part: negative eigenvalues become zero.
 void project_positive(Eigen::Ref<Eigen::MatrixXd> matrix);

@@ -1,6 +1,6 @@
 #include "reduce/cubature.h"
 
-#include "reduce/nnls.h"
+#include "energy/parallel.h"
 
 #include <Eigen/Dense>
 #include <algorithm>
@@ -19,45 +19,84 @@ constexpr double equilibrium_weight = 30;
 // hundred columns intact (Clarkson, Woodruff 2013).
 constexpr Eigen::Index sketch_rows = 2000;
 
-// What one block of rows evaluates at every element: forces (gradient by q), or the Hessian times directions.
+// Averages at which forces of single poses and off the averages are looked at, too: more changed nothing.
+constexpr std::size_t force_probe_count = 40;
+
+// Averages other than the mean at which columns of the Hessian are looked at, and how many columns.
+constexpr std::size_t hessian_probe_count = 24;
+constexpr Eigen::Index hessian_probe_columns = 6;
+
+// Directions that are softer than this in whitened coordinates, where the true Hessian of the mean has 1, are checked against the
+// true curvature; the stand-in should have at least half of it.
+constexpr double soft_curvature = 0.3;
+constexpr std::size_t stiffened_at_a_time = 32;
+
+} // namespace
+
+// What one block of rows evaluates at every element.
 struct Probe {
+    enum class Kind {
+        equilibrium, // forces at an average, which cancel
+        force,       // forces elsewhere
+        hessian,     // the Hessian times directions
+        curvature    // direction . Hessian . direction
+    } kind;
     Weights w;
     Eigen::VectorXd q;
     double scale;               // of the rows
     Eigen::MatrixXd directions; // d x c in whitened coordinates; empty for forces
-    Eigen::Index rows() const { return directions.cols() ? directions.size() : q.size(); }
+
+    bool is_force() const { return kind == Kind::equilibrium || kind == Kind::force; }
+    Eigen::Index rows() const
+    {
+        return is_force() ? q.size() : kind == Kind::hessian ? directions.size() : directions.cols();
+    }
 };
+
+namespace {
 
 std::vector<Probe> make_probes(const TrainingSet& training, std::uint64_t seed)
 {
     Random random(seed ^ 0x9e3779b97f4a7c15ull);
     const Eigen::Index d = training.root.rows();
     const double unit = 1 / std::sqrt(training.energy_scale); // forces in units of the root of the energy
-    const std::size_t m = std::size_t(training.weights[0].size());
+    const std::size_t m = std::size_t(training.weights[0].size()), count = training.weights.size(),
+                      force_count = std::min(count, force_probe_count);
     std::vector<Probe> probes;
-    const double share = 1 / std::sqrt(double(training.weights.size()));
-    for (std::size_t t = 0; t < training.weights.size(); ++t) {
+    const double share = unit / std::sqrt(double(count)), force_share = unit / std::sqrt(double(force_count));
+    for (std::size_t t = 0; t < count; ++t) {
         const Weights& w = training.weights[t];
         const Eigen::VectorXd& q = training.averages[t];
-        probes.push_back({ w, q, equilibrium_weight * unit * share, {} });
-        probes.push_back({ corner_weights(m, random.below(m)), q, unit * share, {} });
+        probes.push_back({ Probe::Kind::equilibrium, w, q, equilibrium_weight * share, {} });
+        if (t >= force_count) continue;
+        probes.push_back({ Probe::Kind::force, corner_weights(m, random.below(m)), q, force_share, {} });
         // Where the solver passes on its way: off the average by about the energy that the average has.
         Eigen::VectorXd z(d);
         for (Eigen::Index i = 0; i < d; ++i) z[i] = random.normal();
         z *= std::sqrt(training.energy_scale) * random.uniform() / std::max(z.norm(), 1e-30);
-        probes.push_back({ w, q + training.root * z, unit * share, {} });
+        probes.push_back({ Probe::Kind::force, w, q + training.root * z, force_share, {} });
     }
     // All of the Hessian at the mean, random directions of it elsewhere.
-    probes.push_back(
-        { training.weights[0], training.averages[0], 1 / std::sqrt(double(d)), Eigen::MatrixXd::Identity(d, d) });
-    for (std::size_t t = 1; t < std::min<std::size_t>(training.weights.size(), 9); ++t) {
-        const Eigen::Index count = std::min<Eigen::Index>(d, 6);
-        Eigen::MatrixXd directions(d, count);
+    probes.push_back({ Probe::Kind::hessian, training.weights[0], training.averages[0], 1 / std::sqrt(double(d)),
+                       Eigen::MatrixXd::Identity(d, d) });
+    for (std::size_t t = 1; t < std::min(count, hessian_probe_count + 1); ++t) {
+        const Eigen::Index columns = std::min(d, hessian_probe_columns);
+        Eigen::MatrixXd directions(d, columns);
         for (Eigen::Index i = 0; i < directions.size(); ++i) directions.data()[i] = random.normal() / std::sqrt(double(d));
-        probes.push_back({ training.weights[t], training.averages[t], 0.5 / std::sqrt(double(count)), directions });
+        probes.push_back({ Probe::Kind::hessian, training.weights[t], training.averages[t], 0.5 / std::sqrt(double(columns)),
+                           directions });
     }
     return probes;
 }
+
+Eigen::Index row_count(const std::vector<Probe>& probes)
+{
+    Eigen::Index rows = 0;
+    for (const Probe& probe : probes) rows += probe.rows();
+    return rows;
+}
+
+} // namespace
 
 // Where raw row r goes: itself if there are few rows, else a random one of sketch_rows with a random sign.
 struct Sketch {
@@ -65,6 +104,8 @@ struct Sketch {
     std::vector<float> sign;
     Eigen::Index rows;
 };
+
+namespace {
 
 Sketch make_sketch(Eigen::Index raw_rows, std::uint64_t seed)
 {
@@ -93,13 +134,17 @@ void fill_column(const Energy& energy, std::size_t element, const Eigen::VectorX
     };
     for (const Probe& probe : probes) {
         const Eigen::VectorXd x = base + rows * probe.q;
-        const bool is_hessian = probe.directions.cols() > 0;
-        energy.evaluate(element, probe.w.data(), x.data(), is_hessian ? Order::hessian : Order::gradient, HessianKind::exact,
-                        result);
-        if (is_hessian)
-            put(whitened_rows.transpose() * (result.hessian * (whitened_rows * probe.directions)), probe.scale);
-        else
+        energy.evaluate(element, probe.w.data(), x.data(), probe.is_force() ? Order::gradient : Order::hessian,
+                        HessianKind::exact, result);
+        if (probe.is_force()) {
             put(whitened_rows.transpose() * result.gradient, probe.scale);
+            continue;
+        }
+        const Eigen::MatrixXd moved = whitened_rows * probe.directions, product = result.hessian * moved;
+        if (probe.kind == Probe::Kind::hessian)
+            put(whitened_rows.transpose() * product, probe.scale);
+        else
+            put(moved.cwiseProduct(product).colwise().sum(), probe.scale);
     }
 }
 
@@ -115,85 +160,107 @@ std::vector<std::size_t> choose_candidates(std::size_t element_count, std::size_
     return all;
 }
 
-// What the rows of all elements together are: from the full mesh, probe by probe.
+// What the rows of all elements of the mesh together are, for one probe.
+Eigen::MatrixXd target_of(const ReducedEnergy& reduced, const TrainingSet& training, const Probe& probe)
+{
+    if (probe.kind == Probe::Kind::equilibrium)
+        return Eigen::VectorXd::Zero(probe.q.size()); // forces cancel, whatever the solver left over
+    if (probe.kind == Probe::Kind::force) {
+        Eigen::VectorXd gradient;
+        reduced.gradient(probe.w, probe.q, gradient);
+        return training.root.transpose() * gradient;
+    }
+    const Eigen::MatrixXd product = training.root.transpose() * reduced.hessian(probe.w, probe.q, HessianKind::exact)
+        * training.root * probe.directions;
+    if (probe.kind == Probe::Kind::hessian) return product;
+    return probe.directions.cwiseProduct(product).colwise().sum();
+}
+
 Eigen::VectorXd target_rows(const ReducedEnergy& reduced, const TrainingSet& training, const std::vector<Probe>& probes,
                             const Sketch& sketch, Progress* progress)
 {
+    SharedProgress shared(progress);
+    shared.describe("cubature", 0, "targets");
+    std::vector<Eigen::MatrixXd> blocks(probes.size());
+    for_each_task(probes.size(), [&](std::size_t p, std::size_t) {
+        shared.update("", 0);
+        blocks[p] = target_of(reduced, training, probes[p]);
+    });
     Eigen::VectorXd target = Eigen::VectorXd::Zero(sketch.rows);
     Eigen::Index raw = 0;
-    for (std::size_t p = 0; p < probes.size(); ++p) {
-        if (progress) progress->update("cubature", 0.3 * double(p) / double(probes.size()), "targets");
-        const Probe& probe = probes[p];
-        Eigen::MatrixXd block;
-        if (probe.directions.cols()) {
-            block = training.root.transpose() * reduced.hessian(probe.w, probe.q, HessianKind::exact) * training.root
-                * probe.directions;
-        } else if (probe.scale
-                   >= equilibrium_weight / std::sqrt(training.energy_scale * double(training.weights.size())) * 0.999) {
-            block = Eigen::VectorXd::Zero(probe.q.size()); // an average: forces cancel, whatever the solver left over
-        } else {
-            Eigen::VectorXd gradient;
-            reduced.gradient(probe.w, probe.q, gradient);
-            block = training.root.transpose() * gradient;
-        }
-        for (Eigen::Index i = 0; i < block.size(); ++i, ++raw)
-            target[sketch.target[std::size_t(raw)]] += probe.scale * sketch.sign[std::size_t(raw)] * block.data()[i];
-    }
+    for (std::size_t p = 0; p < probes.size(); ++p)
+        for (Eigen::Index i = 0; i < blocks[p].size(); ++i, ++raw)
+            target[sketch.target[std::size_t(raw)]] += probes[p].scale * sketch.sign[std::size_t(raw)] * blocks[p].data()[i];
     return target;
+}
+
+// Whitened Hessian of the stand-in at a training average.
+Eigen::MatrixXd whitened_hessian(const StandIn& stand_in, const TrainingSet& training, std::size_t t)
+{
+    return training.root.transpose() * stand_in.hessian(training.weights[t], training.averages[t], HessianKind::exact)
+        * training.root;
 }
 
 } // namespace
 
-void measure_curvature(const StandIn& stand_in, const TrainingSet& training, double& lowest, double& highest)
+Curvature measure_curvature(const StandIn& stand_in, const TrainingSet& training)
 {
-    lowest = 1e300;
-    highest = 0;
-    for (std::size_t t = 0; t < training.weights.size(); ++t) {
-        const Eigen::MatrixXd h = training.root.transpose()
-            * stand_in.hessian(training.weights[t], training.averages[t], HessianKind::exact) * training.root;
+    std::vector<Curvature> all(training.weights.size());
+    for_each_task(all.size(), [&](std::size_t t, std::size_t) {
         const Eigen::VectorXd values
-            = Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(h, Eigen::EigenvaluesOnly).eigenvalues();
-        lowest = std::min(lowest, values[0]);
-        highest = std::max(highest, values[values.size() - 1]);
-    }
+            = Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(whitened_hessian(stand_in, training, t), Eigen::EigenvaluesOnly)
+                  .eigenvalues();
+        all[t] = { values[0], values[values.size() - 1] };
+    });
+    Curvature out = all[0];
+    for (const Curvature& c : all) out = { std::min(out.lowest, c.lowest), std::max(out.highest, c.highest) };
+    return out;
 }
 
-StandIn fit_cubature(const ReducedEnergy& reduced, const TrainingSet& training, const CubatureOptions& options,
-                     Progress* progress, CubatureReport& report)
+CubatureFit::CubatureFit(const ReducedEnergy& reduced, const TrainingSet& training, const CubatureOptions& options,
+                         Progress* progress)
+    : reduced_(reduced)
+    , training_(training)
+    , progress_(progress)
+    , candidates_(choose_candidates(reduced.energy().element_count(), options.candidate_count, options.seed))
+    , all_(reduced.energy(), reduced.subspace().origin, reduced.subspace().basis, candidates_,
+           Eigen::VectorXd::Ones(Eigen::Index(candidates_.size())))
 {
-    const Energy& energy = reduced.energy();
-    const Subspace& subspace = reduced.subspace();
     const std::vector<Probe> probes = make_probes(training, options.seed);
-    Eigen::Index raw_rows = 0;
-    for (const Probe& probe : probes) raw_rows += probe.rows();
-    const Sketch sketch = make_sketch(raw_rows, options.seed);
-    const Eigen::VectorXd target = target_rows(reduced, training, probes, sketch, progress);
+    append_rows(probes, make_sketch(row_count(probes), options.seed));
+}
 
-    const std::vector<std::size_t> candidates
-        = choose_candidates(energy.element_count(), options.candidate_count, options.seed);
-    report.candidate_count = candidates.size();
-    const StandIn all(energy, subspace.origin, subspace.basis, candidates,
-                      Eigen::VectorXd::Ones(Eigen::Index(candidates.size())));
-    Eigen::MatrixXf columns(sketch.rows, Eigen::Index(candidates.size()));
-    Eigen::VectorXd column(sketch.rows);
-    for (std::size_t c = 0; c < candidates.size(); ++c) {
-        if (progress && c % 256 == 0)
-            progress->update("cubature", 0.3 + 0.4 * double(c) / double(candidates.size()), "training rows");
-        fill_column(energy, candidates[c], all.origin_rows(c), all.rows(c), all.rows(c) * training.root, probes, sketch,
-                    column);
-        columns.col(Eigen::Index(c)) = column.cast<float>();
-    }
-
-    const std::size_t wanted = options.element_count ? options.element_count : 6 * std::size_t(subspace.dimension());
-    const SparseFit fit = greedy_nnls(columns, target, std::min(wanted, candidates.size()), [&](std::size_t found) {
-        if (progress)
-            progress->update("cubature", 0.7 + 0.3 * double(found) / double(wanted),
-                             fmt::format("{} of {} elements", found, wanted));
+void CubatureFit::append_rows(const std::vector<Probe>& probes, const Sketch& sketch)
+{
+    const Eigen::Index before = target_.size();
+    target_.conservativeResize(before + sketch.rows);
+    target_.tail(sketch.rows) = target_rows(reduced_, training_, probes, sketch, progress_);
+    columns_.conservativeResize(before + sketch.rows, Eigen::Index(candidates_.size()));
+    SharedProgress shared(progress_);
+    shared.describe("cubature", 0.3, "training rows");
+    constexpr std::size_t block_size = 128; // candidates between two looks at the interrupt
+    for_each_task((candidates_.size() + block_size - 1) / block_size, [&](std::size_t block, std::size_t) {
+        shared.update("", 0);
+        Eigen::VectorXd column(sketch.rows);
+        for (std::size_t c = block * block_size; c < std::min(candidates_.size(), (block + 1) * block_size); ++c) {
+            fill_column(reduced_.energy(), candidates_[c], all_.origin_rows(c), all_.rows(c), all_.rows(c) * training_.root,
+                        probes, sketch, column);
+            columns_.col(Eigen::Index(c)).tail(sketch.rows) = column.cast<float>();
+        }
     });
-    report.residual = fit.residual;
+}
+
+StandIn CubatureFit::fit(std::size_t element_count)
+{
+    const std::size_t wanted = std::min(element_count, candidates_.size());
+    found_ = greedy_nnls(columns_, target_, wanted, std::move(found_), [&](std::size_t found) {
+        if (progress_)
+            progress_->update("cubature", 0.7 + 0.3 * double(found) / double(wanted),
+                              fmt::format("{} of {} elements", found, wanted));
+    });
     std::vector<std::pair<std::size_t, double>> chosen;
-    for (std::size_t i = 0; i < fit.columns.size(); ++i)
-        chosen.push_back({ candidates[fit.columns[i]], fit.weights[Eigen::Index(i)] });
+    for (std::size_t i = 0; i < found_.columns.size(); ++i)
+        chosen.push_back({ candidates_[found_.columns[i]], found_.weights[Eigen::Index(i)] });
     std::sort(chosen.begin(), chosen.end());
     std::vector<std::size_t> elements;
     Eigen::VectorXd weights(chosen.size());
@@ -201,9 +268,32 @@ StandIn fit_cubature(const ReducedEnergy& reduced, const TrainingSet& training, 
         elements.push_back(chosen[i].first);
         weights[Eigen::Index(i)] = chosen[i].second;
     }
-    StandIn stand_in(energy, subspace.origin, subspace.basis, std::move(elements), std::move(weights));
-    measure_curvature(stand_in, training, report.lowest_curvature, report.highest_curvature);
-    return stand_in;
+    const Subspace& subspace = reduced_.subspace();
+    return StandIn(reduced_.energy(), subspace.origin, subspace.basis, std::move(elements), std::move(weights));
+}
+
+std::size_t CubatureFit::stiffen(const StandIn& stand_in)
+{
+    // The softest direction at every training average.
+    std::vector<std::pair<double, Probe>> soft(training_.weights.size());
+    for_each_task(soft.size(), [&](std::size_t t, std::size_t) {
+        const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(whitened_hessian(stand_in, training_, t));
+        soft[t]
+            = { eigen.eigenvalues()[0],
+                { Probe::Kind::curvature, training_.weights[t], training_.averages[t], 1, eigen.eigenvectors().col(0) } };
+    });
+    std::sort(soft.begin(), soft.end(), [](const auto& a, const auto& b) { return a.first < b.first; });
+    std::vector<Probe> probes;
+    for (const auto& [curvature, probe] : soft) {
+        if (curvature > soft_curvature || probes.size() == stiffened_at_a_time) break;
+        if (curvature < 0.5 * target_of(reduced_, training_, probe)(0, 0)) probes.push_back(probe);
+    }
+    if (probes.empty()) return 0;
+    Sketch plain; // every row on its own: these must not drown
+    plain.rows = row_count(probes);
+    for (Eigen::Index r = 0; r < plain.rows; ++r) plain.target.push_back(std::int32_t(r)), plain.sign.push_back(1.f);
+    append_rows(probes, plain);
+    return probes.size();
 }
 
 } // namespace pliant

@@ -1,30 +1,54 @@
 // Optimised cubature: a few elements with non-negative weights stand for all of them (An, Kim, James 2008; von Tycowicz et al. 2013).
 #pragma once
 
+#include "reduce/nnls.h"
 #include "reduce/training.h"
 
 namespace pliant {
 
+struct Probe;
+struct Sketch;
+
 struct CubatureOptions {
-    std::size_t element_count = 0;       // 0: six per dimension
-    std::size_t candidate_count = 16000; // random elements that compete
+    std::size_t candidate_count = 12000; // random elements that compete
     std::uint64_t seed = 1;
 };
 
-struct CubatureReport {
-    double residual = 0; // relative, of the whitened and weighted training rows
-    double lowest_curvature
-        = 0; // smallest eigenvalue of S^T H_standin S over all training weights; 1 is perfect, <= 0 useless
-    double highest_curvature = 0;
-    std::size_t candidate_count = 0;
+// Smallest and largest eigenvalue of S^T H S over the training averages, H the stand-in's Hessian and S S^T the inverse of the true
+// one at the mean: 1 is perfect there, a lowest one <= 0 is no stand-in.
+struct Curvature {
+    double lowest = 0, highest = 0;
 };
+Curvature measure_curvature(const StandIn& stand_in, const TrainingSet& training);
 
 // One joint element set for all poses. The fit sees, all whitened by training.root: reduced forces of single poses at averages and of
 // combinations at perturbed averages, forces at averages that must cancel (equilibrium), and columns of the Hessian.
-StandIn fit_cubature(const ReducedEnergy& reduced, const TrainingSet& training, const CubatureOptions& options,
-                     Progress* progress, CubatureReport& report);
+class CubatureFit {
+public:
+    // Computes the training rows of all candidates: seconds to a minute. The references must outlive the fit.
+    CubatureFit(const ReducedEnergy& reduced, const TrainingSet& training, const CubatureOptions& options,
+                Progress* progress);
 
-// Smallest and largest eigenvalue of S^T H S, H the stand-in's Hessian, over the training averages.
-void measure_curvature(const StandIn& stand_in, const TrainingSet& training, double& lowest, double& highest);
+    // The best found set of at most `element_count` elements; continues from the last, smaller one.
+    StandIn fit(std::size_t element_count);
+
+    // Adds the curvature of `stand_in` along its softest directions, where they are far softer than the true ones or concave, as
+    // rows of the fit. The number of directions found; 0: the stand-in is convex enough.
+    std::size_t stiffen(const StandIn& stand_in);
+
+    double residual() const { return found_.residual; } // relative, of all rows
+
+private:
+    void append_rows(const std::vector<Probe>& probes, const Sketch& sketch);
+
+    const ReducedEnergy& reduced_;
+    const TrainingSet& training_;
+    Progress* progress_;
+    std::vector<std::size_t> candidates_;
+    StandIn all_;             // the candidates at weight 1
+    Eigen::MatrixXf columns_; // rows x candidates
+    Eigen::VectorXd target_;
+    SparseFit found_;
+};
 
 } // namespace pliant

@@ -63,65 +63,64 @@ Eigen::VectorXd nnls(const Eigen::MatrixXd& gram, const Eigen::VectorXd& right, 
     return x;
 }
 
-SparseFit greedy_nnls(const Eigen::MatrixXf& a, const Eigen::VectorXd& b, std::size_t count,
+namespace {
+
+// Refits the weights of fit.columns and drops those that become zero; returns b - A x.
+Eigen::VectorXd refit(const Eigen::MatrixXf& a, const Eigen::VectorXd& b, SparseFit& fit, std::vector<char>& is_chosen)
+{
+    const Eigen::Index count = Eigen::Index(fit.columns.size());
+    Eigen::MatrixXd chosen(a.rows(), count);
+    for (Eigen::Index i = 0; i < count; ++i) chosen.col(i) = a.col(Eigen::Index(fit.columns[std::size_t(i)])).cast<double>();
+    // New columns enter at practically zero.
+    Eigen::VectorXd start
+        = Eigen::VectorXd::Constant(count, 1e-12 * std::max(1.0, fit.weights.size() ? fit.weights.maxCoeff() : 1.0));
+    start.head(fit.weights.size()) = fit.weights;
+    const Eigen::VectorXd x = nnls(chosen.transpose() * chosen, chosen.transpose() * b, start);
+    std::vector<std::size_t> kept;
+    Eigen::VectorXd weights(count);
+    for (Eigen::Index i = 0; i < count; ++i) {
+        const std::size_t column = fit.columns[std::size_t(i)];
+        is_chosen[column] = x[i] > 0;
+        if (x[i] <= 0) continue;
+        weights[Eigen::Index(kept.size())] = x[i];
+        kept.push_back(column);
+    }
+    fit.weights = weights.head(Eigen::Index(kept.size()));
+    fit.columns = std::move(kept);
+    return b - chosen * x.cwiseMax(0.0);
+}
+
+} // namespace
+
+SparseFit greedy_nnls(const Eigen::MatrixXf& a, const Eigen::VectorXd& b, std::size_t count, SparseFit start,
                       const std::function<void(std::size_t)>& keep_going)
 {
     const Eigen::VectorXf norms = a.colwise().norm().cwiseMax(1e-30f);
     std::vector<char> is_chosen(std::size_t(a.cols()), 0);
-    SparseFit fit;
-    Eigen::VectorXd residual = b;
+    SparseFit fit = std::move(start);
+    for (std::size_t column : fit.columns) is_chosen[column] = 1;
+    Eigen::VectorXd residual = fit.columns.empty() ? b : refit(a, b, fit, is_chosen);
     const std::size_t batch = std::max<std::size_t>(2, count / 16);
-    Eigen::MatrixXd chosen(a.rows(), 0); // columns in the fit, double
     // Refits can drop columns, so rounds are bounded, not counted on.
     for (int round = 0; round < 64 && fit.columns.size() < count; ++round) {
         keep_going(fit.columns.size());
         const Eigen::VectorXf gain = (a.transpose() * residual.cast<float>()).cwiseQuotient(norms);
         std::vector<std::size_t> order(static_cast<std::size_t>(a.cols()));
         std::iota(order.begin(), order.end(), std::size_t(0));
-        const std::size_t wanted = std::min(batch, count - fit.columns.size());
+        const std::size_t wanted = std::min(std::min(batch, count - fit.columns.size()), order.size());
         const auto is_better = [&](std::size_t i, std::size_t j) {
             const float gi = is_chosen[i] ? -1e30f : gain[Eigen::Index(i)],
                         gj = is_chosen[j] ? -1e30f : gain[Eigen::Index(j)];
             return gi != gj ? gi > gj : i < j;
         };
-        std::partial_sort(order.begin(), order.begin() + std::ptrdiff_t(std::min(wanted, order.size())), order.end(),
-                          is_better);
+        std::partial_sort(order.begin(), order.begin() + std::ptrdiff_t(wanted), order.end(), is_better);
         std::size_t added = 0;
-        for (std::size_t i = 0; i < std::min(wanted, order.size()); ++i) {
-            if (is_chosen[order[i]] || gain[Eigen::Index(order[i])] <= 0) break;
-            is_chosen[order[i]] = 1;
-            fit.columns.push_back(order[i]);
-            ++added;
+        for (; added < wanted; ++added) {
+            if (is_chosen[order[added]] || gain[Eigen::Index(order[added])] <= 0) break;
+            fit.columns.push_back(order[added]);
         }
         if (added == 0) break;
-        const Eigen::Index total = Eigen::Index(fit.columns.size());
-        const Eigen::Index before = chosen.cols();
-        chosen.conservativeResize(Eigen::NoChange, total);
-        for (Eigen::Index i = before; i < total; ++i)
-            chosen.col(i) = a.col(Eigen::Index(fit.columns[std::size_t(i)])).cast<double>();
-        Eigen::VectorXd start = Eigen::VectorXd::Zero(total);
-        start.head(fit.weights.size()) = fit.weights;
-        start.tail(Eigen::Index(added))
-            .setConstant(1e-12 * std::max(1.0, fit.weights.size() ? fit.weights.maxCoeff() : 1.0));
-        const Eigen::VectorXd x = nnls(chosen.transpose() * chosen, chosen.transpose() * b, start);
-
-        std::vector<std::size_t> kept;
-        Eigen::MatrixXd kept_columns(a.rows(), total);
-        Eigen::VectorXd kept_weights(total);
-        Eigen::Index n = 0;
-        for (Eigen::Index i = 0; i < total; ++i) {
-            if (x[i] > 0) {
-                kept.push_back(fit.columns[std::size_t(i)]);
-                kept_columns.col(n) = chosen.col(i);
-                kept_weights[n++] = x[i];
-            } else {
-                is_chosen[fit.columns[std::size_t(i)]] = 0;
-            }
-        }
-        fit.columns = std::move(kept);
-        fit.weights = kept_weights.head(n);
-        chosen = kept_columns.leftCols(n);
-        residual = b - chosen * fit.weights;
+        residual = refit(a, b, fit, is_chosen);
     }
     fit.residual = residual.norm() / b.norm();
     return fit;

@@ -18,8 +18,9 @@ struct SparseFit {
 };
 
 // Columns of A added greedily in batches by how much of the residual they explain (An, Kim, James 2008), all weights refitted by
-// nnls after every batch, until `count` are positive. `keep_going` is asked between batches with the number found.
-SparseFit greedy_nnls(const Eigen::MatrixXf& a, const Eigen::VectorXd& b, std::size_t count,
+// nnls after every batch, until `count` are positive. Goes on from `start` (may be empty). `keep_going` is asked between batches with
+// the number found.
+SparseFit greedy_nnls(const Eigen::MatrixXf& a, const Eigen::VectorXd& b, std::size_t count, SparseFit start,
                       const std::function<void(std::size_t)>& keep_going);
 
 } // namespace pliant

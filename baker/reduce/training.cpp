@@ -1,5 +1,6 @@
 #include "reduce/training.h"
 
+#include "energy/parallel.h"
 #include "report/diagnostics.h"
 
 #include <algorithm>
@@ -21,6 +22,15 @@ Weights Random::weights(std::size_t count, bool skew)
     if (w.sum() < 1e-12)
         return equal_weights(count); // all numbers were zero: practically impossible, but it must not divide
     return w / w.sum();
+}
+
+Weights mixed_weights(Random& random, std::size_t pose_count, std::size_t index)
+{
+    if (pose_count == 2 || index % 3 == 0) return random.weights(pose_count, false);
+    if (index % 3 == 2) return random.weights(pose_count, true);
+    const std::size_t i = random.below(pose_count), j = (i + 1 + random.below(pose_count - 1)) % pose_count;
+    const double t = 0.1 + 0.8 * random.uniform();
+    return t * corner_weights(pose_count, i) + (1 - t) * corner_weights(pose_count, j);
 }
 
 std::vector<Weights> training_weights(std::size_t pose_count, std::size_t count, std::uint64_t seed)
@@ -50,55 +60,50 @@ std::vector<Weights> training_weights(std::size_t pose_count, std::size_t count,
     return out;
 }
 
-TrainingSet solve_training_set(const ReducedEnergy& reduced, std::vector<Weights> weights, Progress* progress)
+TrainingSet solve_training_set(const ReducedSolver& reduced, const ShapeSet& set, const std::vector<KnownAverage>& known,
+                               std::vector<Weights> weights, Progress* progress)
 {
-    TrainingSet set;
-    set.weights = std::move(weights);
-    const Subspace& subspace = reduced.subspace();
-
-    if (progress) progress->update("reduced averages", 0, "mean");
-    // The mean from the pose of least energy, as the unreduced family has it.
-    Eigen::Index best = 0;
-    double best_energy = 0;
-    for (Eigen::Index k = 0; k < subspace.pose_coordinates.cols(); ++k) {
-        const double energy
-            = energy_value(reduced.energy(), set.weights[0], subspace.shape(subspace.pose_coordinates.col(k)));
-        if (k == 0 || energy < best_energy) best_energy = energy, best = k;
-    }
-    const MinimiseResult mean
-        = minimise_newton(reduced, set.weights[0], Eigen::VectorXd(subspace.pose_coordinates.col(best)), 1e-6);
+    SharedProgress shared(progress);
+    shared.describe("reduced averages", 0, "mean");
+    TrainingSet training;
+    training.weights = std::move(weights);
+    training.root = reduced.root();
+    ReducedStarts starts(reduced, set, known);
+    const MinimiseResult mean = minimise_newton(reduced.energy(), training.weights[0], starts(training.weights[0]), 1e-6);
     if (!mean.has_converged && mean.iterations == 0)
         throw Failure(ExitCode::failed,
                       error_at(4401, "", "the reduced average of all poses does not converge",
                                "add an in-between pose, or try another --thickness"));
-    set.root = inverse_root(reduced.hessian(set.weights[0], mean.q, HessianKind::exact), metric_floor);
-    const Eigen::MatrixXd metric = set.root * set.root.transpose();
-    set.averages.push_back(mean.q);
-    set.energy_scale = mean.value;
+    training.averages.push_back(mean.q);
+    training.energy_scale = mean.value;
+    starts.add(training.weights[0], mean.q);
+    starts.fit();
 
-    MinimiseOptions options;
-    options.tolerance = 1e-4; // the stand-in is not better than that
-    for (std::size_t t = 1; t < set.weights.size(); ++t) {
-        if (progress)
-            progress->update("reduced averages", double(t) / double(set.weights.size()),
-                             fmt::format("{} of {}", t, set.weights.size()));
-        const Weights& w = set.weights[t];
-        std::size_t nearest = 0;
-        for (std::size_t s = 1; s < t; ++s)
-            if ((set.weights[s] - w).norm() < (set.weights[nearest] - w).norm()) nearest = s;
-        // The linear change of weights, in coordinates, is a good first guess of the change of the average.
-        const Eigen::VectorXd start = set.averages[nearest] + subspace.pose_coordinates * (w - set.weights[nearest]);
-        options.scale = set.averages.size() ? set.energy_scale / double(set.averages.size()) : 1;
-        const Objective objective
-            = [&](const Eigen::VectorXd& q, Eigen::VectorXd& gradient) { return reduced.gradient(w, q, gradient); };
-        MinimiseResult result = minimise(objective, start, metric, options);
-        if (!result.has_converged) result = minimise_newton(reduced, w, result.q, 1e-6, 20);
-        if (!result.has_converged) ++set.unconverged_count;
-        set.averages.push_back(result.q);
-        set.energy_scale += result.value;
+    // In waves, each as large as all before it: every solve starts from an interpolation of the earlier waves, and the result does not
+    // depend on the number of threads.
+    std::size_t done = 1;
+    while (done < training.weights.size()) {
+        const std::size_t end = std::min(training.weights.size(), done + std::max<std::size_t>(8, done + known.size()));
+        shared.describe("reduced averages", double(done) / double(training.weights.size()),
+                        fmt::format("{} of {}", done, training.weights.size()));
+        std::vector<MinimiseResult> wave(end - done);
+        for_each_task(wave.size(), [&](std::size_t i, std::size_t) {
+            shared.update("", 0);
+            const Weights& w = training.weights[done + i];
+            wave[i] = reduced.solve(w, starts(w));
+            if (!wave[i].has_converged) wave[i] = minimise_newton(reduced.energy(), w, wave[i].q, 1e-6, 20);
+        });
+        for (MinimiseResult& result : wave) {
+            training.unconverged_count += !result.has_converged;
+            training.energy_scale += result.value;
+            starts.add(training.weights[training.averages.size()], result.q);
+            training.averages.push_back(std::move(result.q));
+        }
+        starts.fit();
+        done = end;
     }
-    set.energy_scale /= double(set.averages.size());
-    return set;
+    training.energy_scale = std::max(training.energy_scale / double(training.averages.size()), 1e-13);
+    return training;
 }
 
 } // namespace pliant

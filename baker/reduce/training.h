@@ -1,7 +1,7 @@
 // Where the stand-in is trained and the predictor fitted: weights, and the reduced averages at them.
 #pragma once
 
-#include "reduce/stand_in.h"
+#include "reduce/reduced_solver.h"
 #include "report/progress.h"
 
 #include <random>
@@ -26,6 +26,10 @@ private:
     std::mt19937_64 engine_;
 };
 
+// One of a mixed bag, by index modulo 3: uniform on the simplex, on a random edge (between a tenth and nine tenths of it), near edges
+// and corners.
+Weights mixed_weights(Random& random, std::size_t pose_count, std::size_t index);
+
 // The equal weights first, then edge mid-points (all, or as many random ones as fit), then uniform and corner-heavy random weights;
 // for two poses evenly spaced interior weights instead. `count` in all. No corners: poses are reproduced anyway.
 std::vector<Weights> training_weights(std::size_t pose_count, std::size_t count, std::uint64_t seed);
@@ -38,12 +42,9 @@ struct TrainingSet {
     int unconverged_count = 0;
 };
 
-// Solves the exact reduced problem at all training weights, each from the nearest solution known. Throws Failure (P4401) if the mean
-// does not converge.
-TrainingSet solve_training_set(const ReducedEnergy& reduced, std::vector<Weights> weights, Progress* progress);
-
-// Eigenvalues of the reduced Hessian below this fraction of the largest are treated as this: rigid motions that the subspace holds
-// almost exactly have none, and without a floor they would be amplified without bound.
-constexpr double metric_floor = 1e-9;
+// Solves the exact reduced problem at all training weights (the equal ones first), starting from what is known: full averages, and
+// the poses. Throws Failure (P4401) if the mean does not converge.
+TrainingSet solve_training_set(const ReducedSolver& reduced, const ShapeSet& set, const std::vector<KnownAverage>& known,
+                               std::vector<Weights> weights, Progress* progress);
 
 } // namespace pliant

@@ -48,20 +48,73 @@ namespace {
 Json subspace_of(const BakeReport& report, const BakeOptions& options)
 {
     Json subspace = { { "kind", name_of(options.subspace) }, { "dimension", report.dimension } };
-    if (options.subspace == SubspaceKind::krylov) {
-        subspace["ritz"] = options.ritz_count;
-        return subspace;
+    if (options.subspace == SubspaceKind::krylov) subspace["ritz"] = options.ritz_count;
+    if (options.subspace == SubspaceKind::adaptive) {
+        subspace["snapshots"] = report.adaptive.snapshot_count;
+        subspace["probes"] = report.adaptive.probe_count;
+        subspace["unconverged_averages"] = report.adaptive.unconverged_count;
     }
-    const AdaptiveReport& adaptive = report.adaptive;
-    subspace["tolerance"] = options.tolerance;
-    subspace["meets_tolerance"] = adaptive.meets_tolerance;
-    subspace["snapshots"] = adaptive.snapshot_count;
-    subspace["checks"] = adaptive.check_count;
-    subspace["unconverged_averages"] = adaptive.unconverged_count;
-    subspace["mean_error"] = adaptive.mean_error;
-    subspace["largest_error"] = adaptive.largest_error;
-    subspace["worst_weights"] = json_of(adaptive.worst_weights);
+    subspace["mean_error"] = report.subspace_error.mean;
+    subspace["largest_error"] = report.subspace_error.largest;
     return subspace;
+}
+
+Json stand_in_of(const BakeReport& report, const BakeOptions& options)
+{
+    const StandInReport& r = report.stand_in;
+    Json stand_in = { { "kind", name_of(options.stand_in) },
+                      { "elements", report.element_count },
+                      { "training_weights", report.training_count },
+                      { "unconverged_training_weights", report.unconverged_training_count },
+                      { "lowest_curvature", r.curvature.lowest },
+                      { "highest_curvature", r.curvature.highest },
+                      { "dead_load", r.has_load },
+                      { "mean_error_without_load", r.plain.mean },
+                      { "largest_error_without_load", r.plain.largest } };
+    if (r.loaded.mean > 0) {
+        stand_in["mean_error_with_load"] = r.loaded.mean;
+        stand_in["largest_error_with_load"] = r.loaded.largest;
+    }
+    return stand_in;
+}
+
+Json findings_of(const BakeReport& report, const std::vector<std::string>& pose_names)
+{
+    Json findings = Json::array();
+    for (const BranchFinding& finding : report.findings)
+        findings.push_back({ { "kind",
+                               finding.kind == BranchFinding::Kind::other_mean ? "other mean"
+                                   : finding.kind == BranchFinding::Kind::jump ? "jump"
+                                                                               : "other path" },
+                             { "weights", json_of(finding.weights) },
+                             { "pose", pose_names[finding.pose] },
+                             { "distance", finding.distance },
+                             { "vertex", finding.vertex } });
+    return findings;
+}
+
+Json measured_of(const BakeReport& report)
+{
+    Json checks = Json::array();
+    int unconverged = 0;
+    for (const AssetCheck& check : report.checks) {
+        Json json = json_of(check.error);
+        json["smallest_triangle_ratio"] = check.triangle_ratio;
+        json["fresh"] = check.is_fresh;
+        json["converged"] = check.has_converged;
+        json["weights"] = json_of(check.weights);
+        unconverged += !check.has_converged;
+        checks.push_back(json);
+    }
+    Json measured = { { "mean_error", report.mean_error },
+                      { "largest_error", report.largest_error },
+                      { "largest_distance", report.largest_distance },
+                      { "smallest_triangle_ratio", report.triangle_ratio },
+                      { "worst_weights", json_of(report.worst_weights) },
+                      { "runtime_against_double", report.runtime_error },
+                      { "unconverged_checks", unconverged },
+                      { "checks", checks } };
+    return measured;
 }
 
 } // namespace
@@ -79,32 +132,19 @@ std::string write_certificate(const BakeReport& report, const BakeOptions& optio
     energy["aligned"] = !options.energy.keep_placement;
     energy["solver"] = name_of(options.energy.solver);
 
-    Json checks = Json::array();
-    for (const auto& [weights, error] : report.checks) {
-        Json check = json_of(error);
-        check["weights"] = json_of(weights);
-        checks.push_back(check);
-    }
-    const Json certificate = {
-        { "certificate", 1 },
-        { "baker", "pliant 0.1.0" },
-        { "poses", pose_names },
-        { "vertices", report.vertex_count },
-        { "energy", energy },
-        { "subspace", subspace_of(report, options) },
-        { "stand_in",
-          { { "kind", name_of(options.stand_in) },
-            { "elements", report.element_count },
-            { "lowest_curvature", report.cubature.lowest_curvature },
-            { "highest_curvature", report.cubature.highest_curvature } } },
-        { "seed", options.seed },
-        { "foldover_hinges", report.foldover_count },
-        { "measured",
-          { { "runtime_against_double", report.stand_in_error },
-            { "unconverged_training_weights", report.unconverged_training_count },
-            { "unconverged_checks", report.unconverged_check_count },
-            { "against_unreduced", checks } } },
-    };
+    Json certificate = { { "certificate", 1 },    { "baker", "pliant 0.1.0" },
+                         { "poses", pose_names }, { "vertices", report.vertex_count },
+                         { "energy", energy },    { "tolerance", options.tolerance } };
+    if (options.tolerance_max > 0) certificate["tolerance_max"] = options.tolerance_max;
+    certificate["meets_tolerance"] = report.meets_tolerance;
+    certificate["subspace"] = subspace_of(report, options);
+    certificate["stand_in"] = stand_in_of(report, options);
+    certificate["measured"] = measured_of(report);
+    certificate["mean_from_pose"] = report.start_pose;
+    certificate["branches"] = findings_of(report, pose_names);
+    certificate["foldover_hinges"] = report.foldover_count;
+    certificate["factorizations"] = report.factorization_count;
+    certificate["seed"] = options.seed;
     return certificate.dump(1);
 }
 
@@ -131,14 +171,20 @@ EnergyOptions read_energy_options(const std::string& certificate, const std::str
     return options;
 }
 
+std::optional<std::size_t> read_start_pose(const std::string& certificate)
+{
+    const Json json = Json::parse(certificate, nullptr, false);
+    if (!json.is_object() || !json.contains("mean_from_pose") || !json["mean_from_pose"].is_number_unsigned()) return {};
+    return json["mean_from_pose"].get<std::size_t>();
+}
+
 std::string write_report(const BakeReport& report)
 {
     Json json = Json::parse(report.certificate);
     Json stages = Json::object();
     for (const StageTime& stage : report.stages) stages[stage.stage] = stage.seconds;
     json["seconds"] = stages;
-    json["factorizations"] = report.factorization_count;
-    json["cubature_residual"] = report.cubature.residual;
+    json["cubature_residual"] = report.stand_in.residual;
     return json.dump(1) + "\n";
 }
 

@@ -3,6 +3,8 @@
 
 #include "bake.h"
 
+#include <optional>
+
 #include <string>
 
 namespace pliant {
@@ -14,6 +16,9 @@ std::string write_certificate(const BakeReport& report, const BakeOptions& optio
 // Reads back the options that define the energy, so that a measurement uses the one that was baked. Throws Failure (bad_input,
 // P5103) naming `path` if the text is not a certificate of ours.
 EnergyOptions read_energy_options(const std::string& certificate, const std::string& path);
+
+// The pose from which the average of all poses is reached, so that a measurement takes the same branch; empty if it does not say.
+std::optional<std::size_t> read_start_pose(const std::string& certificate);
 
 // The report for people and build systems (`--report`): the certificate plus times.
 std::string write_report(const BakeReport& report);

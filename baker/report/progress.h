@@ -1,7 +1,9 @@
 // Progress and cancellation of long work.
 #pragma once
 
+#include <atomic>
 #include <string>
+#include <thread>
 
 namespace pliant {
 
@@ -17,6 +19,27 @@ public:
     virtual void update(const std::string& stage, double fraction, const std::string& detail = {});
     // A warning that belongs to no input file.
     virtual void warn(int number, const std::string& what, const std::string& hint = {});
+};
+
+// For stages that run tasks on several threads: the thread that made it reports to `target` (may be null); the others are told to
+// stop at their next update once that one has been interrupted.
+class SharedProgress : public Progress {
+public:
+    explicit SharedProgress(Progress* target)
+        : target_(target)
+        , owner_(std::this_thread::get_id())
+    {
+    }
+    // What updates say from now on, in place of what the work below reports. On the owner's thread.
+    void describe(const std::string& stage, double fraction, const std::string& detail);
+    void update(const std::string& stage, double fraction, const std::string& detail = {}) override;
+
+private:
+    Progress* target_;
+    std::thread::id owner_;
+    std::atomic<bool> is_interrupted_ { false };
+    std::string stage_, detail_;
+    double fraction_ = 0;
 };
 
 } // namespace pliant

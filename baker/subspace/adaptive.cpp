@@ -1,224 +1,189 @@
 #include "subspace/adaptive.h"
 
 #include "average/rigid_modes.h"
+#include "average/shape_error.h"
+#include "energy/parallel.h"
+#include "reduce/reduced_solver.h"
 #include "reduce/training.h"
 
 #include <algorithm>
-#include <cmath>
 #include <fmt/core.h>
-#include <limits>
 
 namespace pliant {
 
 namespace {
 
-// A check weight with the truth that Newton found for it.
-struct Check {
-    Weights w;
-    Shape truth;
-    double error;
-};
+// Weights that are probed with one basis, at the same time on several threads. Their mean must be below the tolerance twice.
+constexpr std::size_t batch_size = 8;
 
-// Fresh checks of which the mean must be below the tolerance, twice in a row.
-constexpr std::size_t batch_size = 6;
+// A blend that is this far from the truth that Newton finds next to it may have left the branch.
+constexpr double suspicion = 0.05;
+constexpr double unsuspecting
+    = 1e30; // for snapshots: while the basis is small all are far, and any average of low energy is a good one
+
+// More snapshots than may be kept: the leading directions of them are better than the first ones that came.
+constexpr double surplus = 1.5;
+
+// Of the tolerance: what the subspace may use, so that the stand-in has a share; and what is good enough not to become a snapshot.
+constexpr double subspace_share = 0.6, snapshot_share = 0.3;
+
+SparseLower hessian_at_mean(AverageFamily& family, const Energy& energy, std::size_t pose_count)
+{
+    HessianAssembler assembler(energy);
+    assembler.assemble(equal_weights(pose_count), family.mean().y, HessianKind::exact);
+    return assembler.matrix();
+}
+
+std::vector<CheckPoint> solve_checks(AverageFamily& family, SolverPool& pool, const ReducedSolver& reduced,
+                                     const std::vector<KnownAverage>& known, const std::vector<Weights>& weights,
+                                     double suspicion, SharedProgress& progress)
+{
+    const ReducedStarts starts(reduced, pool.set(), known);
+    std::vector<CheckPoint> points(weights.size());
+    for_each_task(weights.size(), [&](std::size_t i, std::size_t worker) {
+        progress.update("", 0);
+        const Shape blend = reduced.subspace().shape(reduced.solve(weights[i], starts(weights[i])).q);
+        points[i] = family.check(weights[i], blend, suspicion, worker, &progress);
+    });
+    return points;
+}
 
 class Builder {
 public:
-    Builder(NewtonSolver& solver, const AdaptiveOptions& options, Progress* progress, AdaptiveReport& report)
-        : solver_(solver)
-        , set_(solver.set())
+    Builder(AverageFamily& family, SolverPool& pool, const AdaptiveOptions& options, Progress* progress,
+            AdaptiveReport& report)
+        : family_(family)
+        , pool_(pool)
+        , set_(pool.set())
         , options_(options)
         , progress_(progress)
         , report_(report)
         , random_(options.seed)
+        , mean_hessian_(hessian_at_mean(family, pool.energy(), set_.pose_count()))
+        , subspace_(build_subspace(set_, Eigen::MatrixXd(set_.dof_count(), 0), 0)) // the differences alone
+        , reduced_(pool.energy(), subspace_, mean_hessian_, family.mean().energy)
     {
-        // Tested before the last step, which squares it: what is left is far below what a subspace leaves.
-        newton_.decrement = 1e-5;
-        newton_.residual = 3e-2;
-        // Where the truth snaps, Newton creeps: an almost converged average is as good a snapshot, and the report counts it.
-        newton_.max_iterations = 15;
     }
 
-    Subspace build()
+    AdaptiveSubspace build(const std::vector<Weights>& check_weights)
     {
         start();
         refine();
-        Subspace subspace = options_.dimension ? build_subspace(set_, directions(), options_.dimension) : truncate();
-        measure(subspace);
-        return subspace;
-    }
-
-private:
-    Eigen::Index limit() const { return options_.dimension ? options_.dimension : options_.max_dimension; }
-
-    void tell(const std::string& detail)
-    {
-        const double room = double(limit() - Eigen::Index(set_.pose_count()) + 1);
-        if (progress_)
-            progress_->update("subspace", std::min(0.99, double(snapshots_.size()) / std::max(1.0, room)), detail);
-    }
-
-    // Snapshots relative to pose 0, side by side.
-    Eigen::MatrixXd directions() const
-    {
-        Eigen::MatrixXd out(set_.dof_count(), Eigen::Index(snapshots_.size()));
-        for (std::size_t i = 0; i < snapshots_.size(); ++i) out.col(Eigen::Index(i)) = snapshots_[i].truth - set_.shapes[0];
+        tell(fmt::format("averages at {} check weights", check_weights.size()));
+        AdaptiveSubspace out;
+        out.checks = solve_checks(family_, pool_, reduced_, snapshots_, check_weights, suspicion, progress_);
+        out.subspace = options_.dimension ? build_subspace(set_, directions(), options_.dimension) : truncate(out.checks);
+        out.snapshots = std::move(snapshots_);
+        report_.snapshot_count = int(out.snapshots.size());
         return out;
     }
 
-    // While the basis grows its columns stay, so that of the reduced Hessian at the mean only the new row is computed.
-    void add_snapshot(Check check)
+private:
+    Eigen::Index limit() const
     {
-        if (append_direction(subspace_, check.truth - subspace_.origin, set_.masses) && mean_hessian_.rows() > 0)
-            extend_metric();
-        snapshots_.push_back(std::move(check));
+        return Eigen::Index(surplus * double(options_.dimension ? options_.dimension : options_.max_dimension));
     }
 
-    void extend_metric()
+    void tell(const std::string& detail)
     {
-        const Eigen::Index d = subspace_.dimension();
-        const Eigen::VectorXd row
-            = subspace_.basis.transpose() * (mean_hessian_.selfadjointView<Eigen::Lower>() * subspace_.basis.col(d - 1));
-        reduced_hessian_.conservativeResize(d, d);
-        reduced_hessian_.row(d - 1) = row.transpose();
-        reduced_hessian_.col(d - 1) = row;
-        metric_ = metric_from(reduced_hessian_);
+        progress_.describe("subspace", std::min(0.99, double(subspace_.dimension()) / double(limit())), detail);
     }
 
-    static Eigen::MatrixXd metric_from(const Eigen::MatrixXd& hessian)
+    // Snapshots and tangents relative to pose 0, side by side.
+    Eigen::MatrixXd directions() const
     {
-        const Eigen::MatrixXd root = inverse_root(hessian, metric_floor);
-        return root * root.transpose();
+        Eigen::MatrixXd out(set_.dof_count(), Eigen::Index(snapshots_.size()) + tangents_.cols());
+        for (std::size_t i = 0; i < snapshots_.size(); ++i) out.col(Eigen::Index(i)) = snapshots_[i].shape - set_.shapes[0];
+        out.rightCols(tangents_.cols()) = tangents_;
+        return out;
     }
 
-    // The average of all poses, then the reduced problem can be solved near it; then all pairs.
+    void add_direction(const Shape& displacement)
+    {
+        if (append_direction(subspace_, displacement, set_.masses)) reduced_.extend();
+    }
+
+    void add_snapshot(const Weights& w, const Shape& shape)
+    {
+        snapshots_.push_back({ w, shape });
+        add_direction(shape - set_.shapes[0]);
+    }
+
     void start()
     {
-        AverageFamily family(solver_, newton_, nullptr);
-        tell("average of all poses");
-        const NewtonResult mean = family.mean();
-        report_.unconverged_count += !mean.has_converged;
-        subspace_ = build_subspace(set_, Eigen::MatrixXd(set_.dof_count(), 0), 0); // the differences alone
-        add_snapshot({ equal_weights(set_.pose_count()), mean.y, 0 });
-        HessianAssembler assembler(solver_.energy());
-        assembler.assemble(equal_weights(set_.pose_count()), mean.y, HessianKind::exact);
-        mean_hessian_ = assembler.matrix();
-        scale_ = std::max(mean.energy, 1e-13); // identical poses have no energy
-        reduced_hessian_ = reduced_mean_hessian(subspace_);
-        metric_ = metric_from(reduced_hessian_);
         const std::size_t m = set_.pose_count();
+        tell("tangents at the average of all poses");
+        add_snapshot(equal_weights(m), family_.mean().y);
+        report_.unconverged_count += !family_.mean().has_converged;
+        for (const KnownAverage& known : family_.known()) add_snapshot(known.weights, known.shape);
+        // Tangents at the mean, K a' = -sum_k nu_k grad W_k: one factorisation for all of them.
+        Eigen::MatrixXd loads = Eigen::MatrixXd::Zero(set_.dof_count(), Eigen::Index(m));
+        for (std::size_t k = 0; k < m; ++k) {
+            Shape load = Shape::Zero(set_.dof_count());
+            add_gradient(pool_.energy(), corner_weights(m, k), family_.mean().y, load);
+            loads.col(Eigen::Index(k)) = load;
+        }
+        pool_.at(0).factorize_equilibrium(equal_weights(m), family_.mean().y);
+        tangents_ = -pool_.at(0).solve_equilibrium(loads.leftCols(loads.cols() - 1)); // the loads sum to zero
+        for (Eigen::Index k = 0; k < tangents_.cols(); ++k) add_direction(tangents_.col(k));
+
+        std::vector<Weights> pairs;
         for (std::size_t i = 0; i < m; ++i)
             for (std::size_t j = i + 1; j < m && m > 2; ++j)
-                if (subspace_.dimension() < limit())
-                    add_snapshot(check(0.5 * (corner_weights(m, i) + corner_weights(m, j))));
+                pairs.push_back(0.5 * (corner_weights(m, i) + corner_weights(m, j)));
+        probe(pairs, 0);
+    }
+
+    // Adds what is farther from the truth than `enough` as snapshots; returns the mean error.
+    double probe(const std::vector<Weights>& weights, double enough)
+    {
+        tell(fmt::format("d = {}, {} snapshots, {} probes", subspace_.dimension(), snapshots_.size(), report_.probe_count));
+        double sum = 0;
+        for (CheckPoint& point : solve_checks(family_, pool_, reduced_, snapshots_, weights, unsuspecting, progress_)) {
+            ++report_.probe_count;
+            report_.unconverged_count += !point.has_converged;
+            sum += point.error / double(weights.size());
+            if (point.error > enough) add_snapshot(point.weights, point.truth);
+        }
+        return sum;
     }
 
     void refine()
     {
         int good_batches = 0;
         // Every batch adds a snapshot unless it is good, so this ends; the bound is for families that never get smooth.
-        for (int round = 0; round < 40 && good_batches < 2; ++round) {
-            double sum = 0;
-            for (std::size_t i = 0; i < batch_size; ++i) {
-                Check c = check(draw(int(i)));
-                sum += c.error / double(batch_size);
-                if (c.error > 0.3 * options_.tolerance && subspace_.dimension() < 2 * limit())
-                    add_snapshot(std::move(c));
-                else
-                    held_out_.push_back(std::move(c));
-            }
-            good_batches = sum < options_.tolerance ? good_batches + 1 : 0;
-            // A few more than can be kept: the best directions of them are better than the first ones that came.
-            if (subspace_.dimension() >= limit() + 4) break;
+        for (int round = 0; round < 40 && good_batches < 2 && subspace_.dimension() < limit(); ++round) {
+            std::vector<Weights> batch;
+            for (std::size_t i = 0; i < batch_size; ++i) batch.push_back(mixed_weights(random_, set_.pose_count(), i));
+            const double mean = probe(batch, snapshot_share * options_.tolerance);
+            good_batches = mean < subspace_share * options_.tolerance ? good_batches + 1 : 0;
         }
-        while (held_out_.size() < 2 * batch_size) held_out_.push_back(check(draw(int(held_out_.size()))));
     }
 
-    // Uniform, on an edge, corner-heavy.
-    Weights draw(int index)
+    bool is_good(const SubspaceError& error, double largest) const
     {
-        const std::size_t m = set_.pose_count();
-        if (m == 2 || index % 3 == 0) return random_.weights(m, false);
-        if (index % 3 == 1) return random_.weights(m, true);
-        const std::size_t i = random_.below(m), j = (i + 1 + random_.below(m - 1)) % m;
-        const double t = 0.1 + 0.8 * random_.uniform();
-        return t * corner_weights(m, i) + (1 - t) * corner_weights(m, j);
+        return error.mean < subspace_share * options_.tolerance && error.largest < largest;
     }
 
-    // Coordinates of a known shape in a subspace, and of the nearest one in weights.
-    Eigen::VectorXd nearest(const Subspace& subspace, const Weights& w) const
-    {
-        double best = std::numeric_limits<double>::max();
-        Eigen::VectorXd q;
-        const auto consider = [&](const Weights& known, const auto& coordinates) {
-            const double distance = (known - w).norm();
-            if (distance >= best) return;
-            best = distance;
-            q = coordinates() + subspace.pose_coordinates * (w - known);
-        };
-        for (const Check& s : snapshots_) consider(s.w, [&] { return project(subspace, s.truth, set_.masses); });
-        for (std::size_t k = 0; k < set_.pose_count(); ++k)
-            consider(corner_weights(set_.pose_count(), k),
-                     [&] { return Eigen::VectorXd(subspace.pose_coordinates.col(Eigen::Index(k))); });
-        return q;
-    }
-
-    Shape solve_reduced(const Subspace& subspace, const Eigen::MatrixXd& metric, const Weights& w) const
-    {
-        const ReducedEnergy reduced(solver_.energy(), subspace);
-        MinimiseOptions options;
-        options.tolerance = 1e-4; // in the energy metric: leaves well below a tolerance of 1e-4 in shape
-        options.scale = scale_;
-        const Objective objective
-            = [&](const Eigen::VectorXd& q, Eigen::VectorXd& gradient) { return reduced.gradient(w, q, gradient); };
-        return subspace.shape(minimise(objective, nearest(subspace, w), metric, options).q);
-    }
-
-    Eigen::MatrixXd reduced_mean_hessian(const Subspace& subspace) const
-    {
-        return subspace.basis.transpose() * (mean_hessian_.selfadjointView<Eigen::Lower>() * subspace.basis);
-    }
-
-    // Reduced solution at w, and the truth next to it.
-    Check check(const Weights& w)
-    {
-        ++report_.check_count;
-        tell(fmt::format("d = {}, check {}", subspace_.dimension(), report_.check_count));
-        const Shape blend = solve_reduced(subspace_, metric_, w);
-        NewtonResult truth = solver_.minimise(w, blend, newton_);
-        report_.unconverged_count += !truth.has_converged;
-        fix_gauge(set_, truth.y);
-        const double error = relative_distance(set_, blend, truth.y);
-        return { w, std::move(truth.y), error };
-    }
-
-    // Mean and largest error over the held-out checks, solved anew in `subspace`.
-    double measure(const Subspace& subspace)
-    {
-        const Eigen::MatrixXd metric = metric_from(reduced_mean_hessian(subspace));
-        double sum = 0, largest = -1;
-        for (const Check& c : held_out_) {
-            const double error = relative_distance(set_, solve_reduced(subspace, metric, c.w), c.truth);
-            sum += error / double(held_out_.size());
-            if (error > largest) largest = error, report_.worst_weights = c.w;
-        }
-        report_.snapshot_count = int(snapshots_.size());
-        report_.mean_error = sum;
-        report_.largest_error = largest;
-        report_.meets_tolerance = sum < options_.tolerance;
-        return sum;
-    }
-
-    // The smallest dimension that keeps the tolerance with a third to spare for the stand-in; the error falls with d, so bisection.
-    Subspace truncate()
+    // The smallest dimension that leaves the stand-in its share of the tolerance; the error falls with d, so bisection.
+    Subspace truncate(const std::vector<CheckPoint>& checks)
     {
         const Eigen::MatrixXd all = directions();
-        Eigen::Index low = Eigen::Index(set_.pose_count()) - 1,
-                     high = std::min(subspace_.dimension(), options_.max_dimension);
+        const Eigen::Index most = std::min(subspace_.dimension(), options_.max_dimension);
+        const auto error_at = [&](Eigen::Index d) {
+            tell(fmt::format("error at d = {}", d));
+            const Subspace subspace = build_subspace(set_, all, d);
+            return subspace_error(ReducedSolver(pool_.energy(), subspace, mean_hessian_, family_.mean().energy), set_,
+                                  checks);
+        };
+        // Twice the tolerance leaves the stand-in a third of what the largest error may be; if it is out of reach the mean decides alone.
+        double largest = 0.7 * (options_.tolerance_max > 0 ? options_.tolerance_max : 3 * options_.tolerance);
+        const SubspaceError best = error_at(most);
+        if (!is_good(best, largest)) largest = std::max(largest, 1.05 * best.largest);
+        Eigen::Index low = Eigen::Index(set_.pose_count()) - 1, high = most;
         while (low < high) {
-            tell(fmt::format("truncating: d between {} and {}", low, high));
             const Eigen::Index middle = (low + high) / 2;
-            if (measure(build_subspace(set_, all, middle)) < 0.67 * options_.tolerance)
+            if (is_good(error_at(middle), largest))
                 high = middle;
             else
                 low = middle + 1;
@@ -226,27 +191,37 @@ private:
         return build_subspace(set_, all, high);
     }
 
-    NewtonSolver& solver_;
+    AverageFamily& family_;
+    SolverPool& pool_;
     const ShapeSet& set_;
     const AdaptiveOptions& options_;
-    Progress* progress_;
+    SharedProgress progress_;
     AdaptiveReport& report_;
-    NewtonOptions newton_;
     Random random_;
-    std::vector<Check> snapshots_, held_out_;
-    Subspace subspace_;
-    SparseLower mean_hessian_;        // at the average of all poses
-    Eigen::MatrixXd reduced_hessian_; // the same in subspace_
-    Eigen::MatrixXd metric_;          // its inverse
-    double scale_ = 1;
+    SparseLower mean_hessian_;
+    std::vector<KnownAverage> snapshots_;
+    Eigen::MatrixXd tangents_;
+    Subspace subspace_; // of all snapshots and tangents
+    ReducedSolver reduced_;
 };
 
 } // namespace
 
-Subspace build_adaptive_subspace(NewtonSolver& solver, const AdaptiveOptions& options, Progress* progress,
-                                 AdaptiveReport& report)
+AdaptiveSubspace build_adaptive_subspace(AverageFamily& family, SolverPool& pool, const std::vector<Weights>& check_weights,
+                                         const AdaptiveOptions& options, Progress* progress, AdaptiveReport& report)
 {
-    return Builder(solver, options, progress, report).build();
+    return Builder(family, pool, options, progress, report).build(check_weights);
+}
+
+std::vector<CheckPoint> solve_checks(AverageFamily& family, SolverPool& pool, const Subspace& subspace,
+                                     const std::vector<Weights>& check_weights, Progress* progress)
+{
+    SharedProgress shared(progress);
+    shared.describe("checks", 0, fmt::format("averages at {} check weights", check_weights.size()));
+    const SparseLower hessian = hessian_at_mean(family, pool.energy(), pool.set().pose_count());
+    const ReducedSolver reduced(pool.energy(), subspace, hessian, family.mean().energy);
+    return solve_checks(family, pool, reduced, { { equal_weights(pool.set().pose_count()), family.mean().y } },
+                        check_weights, suspicion, shared);
 }
 
 } // namespace pliant

@@ -25,14 +25,14 @@ int unconverged_of(const std::vector<std::string>& paths)
     const PoseSet poses = load_poses(paths);
     const ShapeSet set = normalise(poses);
     const std::unique_ptr<Energy> energy = make_energy(set, EnergyOptions());
-    NewtonSolver solver(*energy, set, default_solver());
-    AverageFamily family(solver, NewtonOptions(), nullptr);
+    SolverPool pool(*energy, set, default_solver());
+    AverageFamily family(pool, NewtonOptions(), nullptr);
     fmt::print("{} ...: {} vertices, {} poses\n", paths[0], poses.vertex_count(), poses.pose_count());
     print("equal", family.mean());
     int unconverged = !family.mean().has_converged;
     Random random(7);
     for (int i = 0; i < 10; ++i) {
-        const NewtonResult result = family.at(random.weights(set.pose_count(), i % 2 == 1));
+        const NewtonResult result = family.at(random.weights(set.pose_count(), i % 2 == 1), 0, nullptr).average;
         print("random", result);
         unconverged += !result.has_converged;
     }
