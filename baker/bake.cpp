@@ -6,6 +6,7 @@
 #include "reduce/ghost.h"
 #include "report/certificate.h"
 #include "report/diagnostics.h"
+#include "subspace/barbic.h"
 #include "subspace/krylov.h"
 #include "write/asset_writer.h"
 #include "write/runtime_blender.h"
@@ -59,6 +60,9 @@ Subspace choose_subspace(NewtonSolver& solver, const BakeOptions& options, Progr
 {
     if (options.subspace == SubspaceKind::krylov)
         return build_krylov_subspace(solver, { options.ritz_count, options.dimension, format_dimension_limit }, &progress);
+    if (options.subspace == SubspaceKind::barbic)
+        return build_barbic_subspace(solver, { BarbicOptions().mode_count, options.dimension, format_dimension_limit },
+                                     &progress);
     AdaptiveOptions adaptive;
     adaptive.tolerance = options.tolerance;
     adaptive.dimension = options.dimension;

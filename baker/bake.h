@@ -15,7 +15,7 @@
 namespace pliant {
 
 enum class Material { discrete_shells, arap };
-enum class SubspaceKind { adaptive, krylov };
+enum class SubspaceKind { adaptive, krylov, barbic };
 enum class StandInKind { cubature, ghost };
 
 // What an elastic energy is made of: shared by all verbs that need one.
@@ -31,7 +31,7 @@ struct BakeOptions {
     SubspaceKind subspace = SubspaceKind::adaptive;
     double tolerance = 1e-3;    // adaptive: mean relative L2 of the subspace over check weights
     int ritz_count = 2;         // krylov: vectors per tangent
-    Eigen::Index dimension = 0; // 0: what the tolerance or ritz_count asks for; else exactly this
+    Eigen::Index dimension = 0; // 0: what the tolerance or ritz_count asks for (barbic: 4 modes a pose); else exactly this
     StandInKind stand_in = StandInKind::cubature;
     std::size_t element_count = 0; // cubature elements; 0: six per dimension
     std::size_t ghost_vertex_count = 800;

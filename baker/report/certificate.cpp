@@ -39,7 +39,10 @@ const char* name_of(Membrane membrane)
     }
 }
 
-const char* name_of(SubspaceKind kind) { return kind == SubspaceKind::krylov ? "krylov" : "adaptive"; }
+const char* name_of(SubspaceKind kind)
+{
+    return kind == SubspaceKind::krylov ? "krylov" : kind == SubspaceKind::barbic ? "barbic" : "adaptive";
+}
 const char* name_of(StandInKind kind) { return kind == StandInKind::ghost ? "ghost" : "cubature"; }
 const char* name_of(SolverKind kind) { return kind == SolverKind::eigen ? "eigen" : "cholmod"; }
 
@@ -52,6 +55,7 @@ Json subspace_of(const BakeReport& report, const BakeOptions& options)
         subspace["ritz"] = options.ritz_count;
         return subspace;
     }
+    if (options.subspace != SubspaceKind::adaptive) return subspace;
     const AdaptiveReport& adaptive = report.adaptive;
     subspace["tolerance"] = options.tolerance;
     subspace["meets_tolerance"] = adaptive.meets_tolerance;
