@@ -1,0 +1,66 @@
+#include "reduced.h"
+
+#include "report/diagnostics.h"
+
+namespace pliant {
+
+Eigen::MatrixXd solve_reduced(const Energy& energy, const Subspace& subspace, const std::vector<Truth>& truths)
+{
+    const ReducedEnergy reduced(energy, subspace);
+    std::vector<Weights> weights = { equal_weights(energy.pose_count()) };
+    for (const Truth& truth : truths) weights.push_back(truth.weights);
+    // As the baker does it: the mean first, then every weight from the nearest known solution.
+    const TrainingSet known = solve_training_set(reduced, weights, nullptr);
+    Eigen::MatrixXd out(subspace.dimension(), Eigen::Index(truths.size()));
+    for (std::size_t i = 0; i < truths.size(); ++i)
+        out.col(Eigen::Index(i)) = minimise_newton(reduced, truths[i].weights, known.averages[i + 1], 1e-6, 12).q;
+    return out;
+}
+
+double projection_error(const ShapeSet& set, const Subspace& subspace, const Shape& truth)
+{
+    // Which of its rigidly moved copies is nearest: project and align in turn. Two or three turns do, the distance only falls.
+    Shape nearest = subspace.shape(project(subspace, truth, set.masses));
+    for (int turn = 0; turn < 4; ++turn) {
+        Shape moved = truth;
+        apply(best_rigid_motion(truth, nearest, set.masses), moved);
+        nearest = subspace.shape(project(subspace, moved, set.masses));
+    }
+    return relative_distance(set, nearest, truth);
+}
+
+Subspace leading_part(const Subspace& subspace, Eigen::Index d)
+{
+    return { subspace.origin, subspace.basis.leftCols(d), subspace.pose_coordinates.topRows(d) };
+}
+
+Subspace subspace_of(const RuntimeBlender& blender, const ShapeSet& set, const std::string& path)
+{
+    const pliant_asset& asset = blender.asset();
+    const auto refuse = [&](const char* why) {
+        throw Failure(ExitCode::bad_input, error_at(5104, path, why, "bake it from these poses, in this order"));
+    };
+    if (asset.pose_count != set.pose_count() || Eigen::Index(asset.vertex_count) * 3 != set.dof_count())
+        refuse("has other poses or another mesh");
+    const auto shape_at = [&](const std::vector<float>& q) { return from_input_units(set, blender.positions(q)); };
+    Subspace subspace;
+    subspace.origin = shape_at(std::vector<float>(asset.dimension, 0.0f));
+    subspace.basis.resize(set.dof_count(), asset.dimension);
+    for (std::uint32_t j = 0; j < asset.dimension; ++j) {
+        std::vector<float> q(asset.dimension, 0.0f);
+        q[j] = 1;
+        subspace.basis.col(j) = shape_at(q) - subspace.origin;
+    }
+    subspace.pose_coordinates.resize(asset.dimension, Eigen::Index(set.pose_count()));
+    for (std::size_t k = 0; k < set.pose_count(); ++k) {
+        subspace.pose_coordinates.col(Eigen::Index(k)) = project(subspace, set.shapes[k], set.masses);
+        // Leading parts must hold the poses too, so the first columns span the differences.
+        const Subspace differences = leading_part(subspace, Eigen::Index(set.pose_count()) - 1);
+        const Shape pose = differences.shape(project(differences, set.shapes[k], set.masses));
+        if ((pose - set.shapes[k]).norm() > 1e-4 * set.shapes[k].norm()) // single precision leaves 1e-6
+            refuse("does not hold these poses in its first columns");
+    }
+    return subspace;
+}
+
+} // namespace pliant
