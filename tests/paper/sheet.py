@@ -21,7 +21,7 @@ OVERSAMPLING = 3  # pictures are drawn three times as large and reduced: smooth 
 
 
 def view_matrix(turn, tilt):
-    """Rows: right, up, towards the eye; y is up in the files of all sets."""
+    """Rows: right, up, towards the eye, of a world whose y is up."""
     c, s, ct, st = np.cos(turn), np.sin(turn), np.cos(tilt), np.sin(tilt)
     return np.array([[1, 0, 0], [0, ct, -st], [0, st, ct]]) @ np.array([[c, 0, -s], [0, 1, 0], [s, 0, c]])
 
@@ -91,11 +91,14 @@ def main():
     parser.add_argument("--size", default="300x330")
     parser.add_argument("--turn", type=float, default=35, help="degrees round the vertical")
     parser.add_argument("--tilt", type=float, default=12, help="degrees from above")
+    parser.add_argument("--up", choices="yz", default="y", help="axis of the files that points up")
     parser.add_argument("--scale", type=float, default=0.03, help="distance that is drawn red, of the diagonal")
     parser.add_argument("--title", default="")
     options = parser.parse_args()
     size = tuple(int(n) for n in options.size.split("x"))
     view = view_matrix(np.radians(options.turn), np.radians(options.tilt))
+    if options.up == "z":  # (x, y, z) of the file as (x, z, -y) of the view
+        view = view @ np.array([[1, 0, 0], [0, 0, 1], [0, -1, 0]])
     assets = [pair.split("=", 1) for pair in options.asset]
     font_path = Path("/usr/share/fonts/truetype/dejavu/DejaVuSans.ttf")
     font = ImageFont.truetype(str(font_path), 13) if font_path.exists() else ImageFont.load_default()

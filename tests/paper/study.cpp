@@ -146,7 +146,7 @@ private:
         }
         for (const std::string& kind : options_.kinds)
             for (Eigen::Index d : options_.dimensions)
-                if (d >= Eigen::Index(set_.pose_count()) - 1) measure(kind, build(kind, d));
+                if (kind != "none" && d >= Eigen::Index(set_.pose_count()) - 1) measure(kind, build(kind, d));
         write_file_atomically(options_.prefix + "_subspace.csv", csv_);
     }
 
@@ -275,11 +275,13 @@ try {
     app.add_option("poses", options.poses, "Pose files");
     app.add_option("--tube", options.tube_pose_count, "Built-in poses of a tube instead of files")->check(CLI::Range(2, 4));
     app.add_option("--dims", options.dimensions, "Dimensions")->delimiter(',');
-    app.add_option("--kinds", options.kinds, "Of krylov, barbic, pod")
+    app.add_option("--kinds", options.kinds, "Of krylov, barbic, pod; or none")
         ->delimiter(',')
-        ->check(CLI::IsMember({ "krylov", "barbic", "pod" }));
-    app.add_option("--basis", options.bases, "NAME=ASSET: measure the leading dimensions of this asset's subspace");
-    app.add_option("--asset", options.assets, "NAME=ASSET: measure the runtime's blends of this asset");
+        ->check(CLI::IsMember({ "krylov", "barbic", "pod", "none" }));
+    app.add_option("--basis", options.bases, "NAME=ASSET: measure the leading dimensions of this asset's subspace")
+        ->allow_extra_args(false);
+    app.add_option("--asset", options.assets, "NAME=ASSET: measure the runtime's blends of this asset")
+        ->allow_extra_args(false);
     app.add_option("--train", options.train_count, "Snapshots for the POD bound")->check(CLI::Range(1, 10000));
     app.add_option("--fresh", options.fresh_count, "Weights at which errors are measured")->check(CLI::Range(1, 10000));
     app.add_option("--seed", options.seed, "Seed of the weights");
