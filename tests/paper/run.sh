@@ -165,4 +165,4 @@ if wants manifold; then
     done
     ((${#sets[@]} == 0)) || "$python" "$here/manifold.py" "$out" "${sets[@]}" && say "manifolds: ${sets[*]}"
 fi
-"$python" "$here/tables.py" "$out" && say "tables and plots: $out/study.md"
+"$python" "$here/tables.py" "$out" && say "tables and plots: $out"

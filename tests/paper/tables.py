@@ -151,8 +151,8 @@ def main(folder):
     hausdorff(folder, pairs)
     for path in sorted(folder.glob("*_assets.csv")):
         stand_in(folder, path.name[:-len("_assets.csv")], read(path))
-    parts = sorted(path for path in folder.glob("*.md") if path.name != "study.md")
-    (folder / "study.md").write_text("# Study\n\n" + "\n".join(path.read_text() for path in parts))
+    parts = sorted(path for path in folder.glob("*.md") if path.stem != "study")
+    (folder / "study").with_suffix(".md").write_text("# Study\n\n" + "\n".join(path.read_text() for path in parts))
     if not pyplot:
         print("tables.py: no plots, matplotlib is missing: apt-get install python3-matplotlib", file=sys.stderr)
 
