@@ -7,40 +7,46 @@
 
 namespace pliant {
 
-Eigen::MatrixXd solve_reduced(const Energy& energy, const Subspace& subspace, const std::vector<Truth>& truths)
-{
-    const ReducedEnergy reduced(energy, subspace);
-    std::vector<Weights> weights = { equal_weights(energy.pose_count()) };
-    for (const Truth& truth : truths) weights.push_back(truth.weights);
-    // As the baker does it: the mean first, then every weight from the nearest known solution.
-    const TrainingSet known = solve_training_set(reduced, weights, nullptr);
-    Eigen::MatrixXd out(subspace.dimension(), Eigen::Index(truths.size()));
-    for (std::size_t i = 0; i < truths.size(); ++i)
-        // Two or three Newton steps square the 1e-4 that the baker leaves.
-        out.col(Eigen::Index(i)) = minimise_newton(reduced, truths[i].weights, known.averages[i + 1], 1e-6, 3).q;
-    return out;
-}
+namespace {
 
-double projection_error(const ShapeSet& set, const Subspace& subspace, const Shape& truth)
+// Coordinates of the point of the subspace nearest to the truth, rigidly moved as suits it best.
+Eigen::VectorXd nearest_point(const ShapeSet& set, const Subspace& subspace, const Shape& truth)
 {
     // Over q and the rigid motion of the truth at once, since a space may hold turned shapes better: Gauss-Newton with the rigid modes
     // as further columns. It converges quadratically; from a copy aligned with pose 0 three turns are plenty.
     const Eigen::Index d = subspace.dimension();
     Eigen::MatrixXd columns(set.dof_count(), d + 6);
     columns.leftCols(d) = subspace.basis;
-    Shape moved = truth, nearest;
+    Shape moved = truth;
     for (int turn = 0; turn < 3; ++turn) {
         columns.rightCols<6>() = rigid_modes(moved, set.masses);
         const Eigen::MatrixXd weighted = times_mass(columns, set.masses);
         // Rank-revealing: a basis may contain rigid motions itself.
         const Eigen::CompleteOrthogonalDecomposition<Eigen::MatrixXd> gram(columns.transpose() * weighted);
         const Eigen::VectorXd q = gram.solve(weighted.transpose() * (moved - subspace.origin)).head(d);
-        nearest = subspace.shape(q);
         moved = truth;
-        apply(best_rigid_motion(truth, nearest, set.masses), moved);
+        apply(best_rigid_motion(truth, subspace.shape(q), set.masses), moved);
     }
-    nearest = subspace.shape(project(subspace, moved, set.masses));
-    return relative_distance(set, nearest, truth);
+    return project(subspace, moved, set.masses);
+}
+
+} // namespace
+
+Eigen::MatrixXd solve_reduced(const Energy& energy, const ShapeSet& set, const Subspace& subspace,
+                              const std::vector<Truth>& truths)
+{
+    const ReducedEnergy reduced(energy, subspace);
+    Eigen::MatrixXd out(subspace.dimension(), Eigen::Index(truths.size()));
+    for (std::size_t i = 0; i < truths.size(); ++i) {
+        const Eigen::VectorXd start = nearest_point(set, subspace, truths[i].shape);
+        out.col(Eigen::Index(i)) = minimise_newton(reduced, truths[i].weights, start, 1e-6, 40).q;
+    }
+    return out;
+}
+
+double projection_error(const ShapeSet& set, const Subspace& subspace, const Shape& truth)
+{
+    return relative_distance(set, subspace.shape(nearest_point(set, subspace, truth)), truth);
 }
 
 Subspace leading_part(const Subspace& subspace, Eigen::Index d)

@@ -19,9 +19,11 @@ struct Truth {
     bool has_converged = false;
 };
 
-// The exact reduced averages, all elements evaluated on the full mesh: the subspace alone is to blame for their errors. One column of
-// coordinates per truth. Throws Failure if the reduced mean cannot be found.
-Eigen::MatrixXd solve_reduced(const Energy& energy, const Subspace& subspace, const std::vector<Truth>& truths);
+// The exact reduced averages, all elements evaluated on the full mesh: the subspace alone is to blame for their errors. Newton's method
+// starts at the point of the subspace nearest to the truth: where there are several minima, this is the truth's (on human_pair another
+// one is 5e-4 away and hardly higher). What it costs to land in another one is in the errors of assets. A column of coordinates per truth.
+Eigen::MatrixXd solve_reduced(const Energy& energy, const ShapeSet& set, const Subspace& subspace,
+                              const std::vector<Truth>& truths);
 
 // Relative L2 distance of a shape, rigidly moved as suits it best, from the subspace: no solver can do better there.
 double projection_error(const ShapeSet& set, const Subspace& subspace, const Shape& truth);

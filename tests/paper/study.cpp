@@ -181,17 +181,10 @@ private:
                     projection_error(set_, differences, truth.shape));
     }
 
-    // A basis that cannot be solved in is told and leaves no rows: that is a result too.
     void measure(const std::string& basis, const Subspace& subspace)
     {
         const auto start = std::chrono::steady_clock::now();
-        Eigen::MatrixXd q;
-        try {
-            q = solve_reduced(*energy_, subspace, fresh_);
-        } catch (const Failure& failure) {
-            tell(fmt::format("{}, d = {}: {}", basis, subspace.dimension(), failure.what()));
-            return;
-        }
+        const Eigen::MatrixXd q = solve_reduced(*energy_, set_, subspace, fresh_);
         for (std::size_t i = 0; i < fresh_.size(); ++i)
             add_row(basis, subspace.dimension(), fresh_[i], subspace.shape(q.col(Eigen::Index(i))),
                     projection_error(set_, subspace, fresh_[i].shape));
@@ -210,7 +203,7 @@ private:
             const Subspace subspace = subspace_of(blender, set_, named.path);
             const auto certificate = nlohmann::json::parse(blender.certificate());
             const int element_count = certificate.value(nlohmann::json::json_pointer("/stand_in/elements"), 0);
-            const Eigen::MatrixXd q = solve_reduced(*energy_, subspace, fresh_);
+            const Eigen::MatrixXd q = solve_reduced(*energy_, set_, subspace, fresh_);
             for (std::size_t i = 0; i < fresh_.size(); ++i) {
                 const Truth& truth = fresh_[i];
                 const Eigen::VectorXf w = truth.weights.cast<float>();

@@ -82,8 +82,8 @@ def error_over_w(out, name, rows):
                 "second pose. As the paper's Figure 6.", header, table)
     if pyplot:
         figure, axes = pyplot.subplots(figsize=(6, 4.2))
-        dims = sorted({d for b, d in groups if b != "linear"})
         for (basis, d), group in groups.items():
+            dims = [other for b, other in groups if b == basis]
             if basis in BASES and d in (dims[0], dims[-1]):
                 label, colour = BASES[basis]
                 axes.semilogy([share_of_second(row) for row in group], column(group, "solved_l2"), "-" if d == dims[-1] else "--",
