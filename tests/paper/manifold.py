@@ -279,9 +279,9 @@ def study(folder, name):
         rows.append([method, columns, unknowns, errors.mean(), errors.max()])
     for c in dims:
         add("linear", c, c, linear(data, c))
-        for p in sorted({max(pose_count, c // 2), max(pose_count, c // 4)}):
-            if p < c and p * (p + 1) // 2 <= 4 * len(data.train):
-                add(f"quadratic, p = c/{round(c / p)}", c, p, quadratic(data, p, c))
+        for share in (4, 2):
+            if c // share >= pose_count - 1:  # the differences are always there
+                add(f"quadratic, p = c/{share}", c, c // share, quadratic(data, c // share, c))
         for clusters in (pose_count, 2 * pose_count):
             if c + 2 <= len(data.train) // 2:
                 add(f"local, {clusters} clusters", c, c, local(data, clusters, c))
