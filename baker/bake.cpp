@@ -7,6 +7,7 @@
 #include "reduce/ghost.h"
 #include "report/certificate.h"
 #include "report/diagnostics.h"
+#include "subspace/barbic.h"
 #include "subspace/krylov.h"
 #include "write/asset_writer.h"
 #include "write/runtime_blender.h"
@@ -96,8 +97,10 @@ AdaptiveSubspace choose_subspace(AverageFamily& family, SolverPool& pool, const 
         return build_adaptive_subspace(family, pool, check_weights, adaptive, &progress, report.adaptive);
     }
     AdaptiveSubspace out;
-    out.subspace
-        = build_krylov_subspace(pool.at(0), { options.ritz_count, options.dimension, format_dimension_limit }, &progress);
+    out.subspace = options.subspace == SubspaceKind::krylov
+        ? build_krylov_subspace(pool.at(0), { options.ritz_count, options.dimension, format_dimension_limit }, &progress)
+        : build_barbic_subspace(pool.at(0), { BarbicOptions().mode_count, options.dimension, format_dimension_limit },
+                                &progress);
     out.checks = solve_checks(family, pool, out.subspace, check_weights, &progress);
     return out;
 }

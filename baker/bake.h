@@ -15,7 +15,7 @@
 namespace pliant {
 
 enum class Material { discrete_shells, arap };
-enum class SubspaceKind { adaptive, krylov };
+enum class SubspaceKind { adaptive, krylov, barbic };
 enum class StandInKind { cubature, ghost };
 
 // What an elastic energy is made of: shared by all verbs that need one.
@@ -32,7 +32,7 @@ struct BakeOptions {
     double tolerance = 1e-3;    // total relative L2, mean over the checks
     double tolerance_max = 0;   // the largest over them; 0: not bounded
     int ritz_count = 2;         // krylov: vectors per tangent
-    Eigen::Index dimension = 0; // 0: what the tolerance or ritz_count asks for; else exactly this
+    Eigen::Index dimension = 0; // 0: what the tolerance or ritz_count asks for (barbic: 4 modes a pose); else exactly this
     StandInKind stand_in = StandInKind::cubature;
     std::size_t element_count = 0; // cubature elements; 0: as few as keep the tolerance
     std::size_t ghost_vertex_count = 800;

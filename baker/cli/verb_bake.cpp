@@ -67,7 +67,9 @@ ExitCode judge_tolerance(const Arguments& a, const BakedAsset& baked, Progress& 
 
 ExitCode run(Arguments& a)
 {
-    a.bake.subspace = a.subspace == "krylov" ? SubspaceKind::krylov : SubspaceKind::adaptive;
+    a.bake.subspace = a.subspace == "krylov" ? SubspaceKind::krylov
+        : a.subspace == "barbic"             ? SubspaceKind::barbic
+                                             : SubspaceKind::adaptive;
     probe_output(a.output, a.poses);
     if (!a.report.empty()) probe_output(a.report, a.poses);
     a.bake.stand_in = a.stand_in == "ghost" ? StandInKind::ghost : StandInKind::cubature;
@@ -97,9 +99,10 @@ Verb add_bake(CLI::App& app)
     add_energy_options(*verb, a->bake.energy);
     verb->add_option(
             "--subspace", a->subspace,
-            "How the reduced space is built: adaptive (snapshots of true averages until --tolerance is met) or krylov "
-            "(Algorithm 1 of von Tycowicz et al. 2015: quicker to bake, far less accurate)")
-        ->check(CLI::IsMember({ "adaptive", "krylov" }))
+            "How the reduced space is built: adaptive (snapshots of true averages until --tolerance is met), krylov "
+            "(Algorithm 1 of von Tycowicz et al. 2015: quicker to bake, far less accurate) or barbic (Barbic et al. 2009: "
+            "tangents and linear modes; for comparison)")
+        ->check(CLI::IsMember({ "adaptive", "krylov", "barbic" }))
         ->capture_default_str()
         ->type_name("NAME");
     verb->add_option(

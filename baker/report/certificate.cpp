@@ -39,7 +39,10 @@ const char* name_of(Membrane membrane)
     }
 }
 
-const char* name_of(SubspaceKind kind) { return kind == SubspaceKind::krylov ? "krylov" : "adaptive"; }
+const char* name_of(SubspaceKind kind)
+{
+    return kind == SubspaceKind::krylov ? "krylov" : kind == SubspaceKind::barbic ? "barbic" : "adaptive";
+}
 const char* name_of(StandInKind kind) { return kind == StandInKind::ghost ? "ghost" : "cubature"; }
 const char* name_of(SolverKind kind) { return kind == SolverKind::eigen ? "eigen" : "cholmod"; }
 

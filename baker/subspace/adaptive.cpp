@@ -155,8 +155,9 @@ private:
         for (int round = 0; round < 40 && good_batches < 2 && subspace_.dimension() < limit(); ++round) {
             std::vector<Weights> batch;
             for (std::size_t i = 0; i < batch_size; ++i) batch.push_back(mixed_weights(random_, set_.pose_count(), i));
-            const double mean = probe(batch, snapshot_share * options_.tolerance);
-            good_batches = mean < subspace_share * options_.tolerance ? good_batches + 1 : 0;
+            // A dimension that was asked for is filled whatever the error.
+            const double mean = probe(batch, options_.dimension ? 0 : snapshot_share * options_.tolerance);
+            good_batches = mean < subspace_share * options_.tolerance && !options_.dimension ? good_batches + 1 : 0;
         }
     }
 

@@ -1,27 +1,13 @@
 #include "subspace/krylov.h"
 
 #include "average/rigid_modes.h"
+#include "subspace/tangents.h"
 
 #include <fmt/core.h>
 
 namespace pliant {
 
 namespace {
-
-// Loads grad W_j(x_k) of all poses j != k at pose k (3n x (m - 1)).
-Eigen::MatrixXd loads_at_pose(const NewtonSolver& solver, std::size_t k)
-{
-    const std::size_t m = solver.set().pose_count();
-    Eigen::MatrixXd loads(solver.set().dof_count(), Eigen::Index(m) - 1);
-    Eigen::Index column = 0;
-    for (std::size_t j = 0; j < m; ++j) {
-        if (j == k) continue;
-        Shape force = Shape::Zero(solver.set().dof_count());
-        add_gradient(solver.energy(), corner_weights(m, j), solver.set().shapes[k], force);
-        loads.col(column++) = force;
-    }
-    return loads;
-}
 
 // Scales every column to unit mass norm; a zero column stays zero (pose j may be in balance at pose k).
 void normalise_columns(Eigen::MatrixXd& x, const Eigen::VectorXd& masses)
@@ -37,9 +23,8 @@ void normalise_columns(Eigen::MatrixXd& x, const Eigen::VectorXd& masses)
 std::vector<Eigen::MatrixXd> vectors_at_pose(NewtonSolver& solver, std::size_t k, int ritz_count)
 {
     const Eigen::VectorXd masses = lumped_masses(solver.set().shapes[k], solver.set().triangles);
-    solver.factorize_equilibrium(corner_weights(solver.set().pose_count(), k), solver.set().shapes[k]);
     std::vector<Eigen::MatrixXd> out;
-    Eigen::MatrixXd current = solver.solve_equilibrium(loads_at_pose(solver, k)), previous;
+    Eigen::MatrixXd current = tangents_at_pose(solver, k), previous;
     normalise_columns(current, masses);
     Eigen::VectorXd beta = Eigen::VectorXd::Zero(current.cols());
     out.push_back(current);

@@ -1,0 +1,116 @@
+// Linear modes, and the subspace of Barbic et al. 2009 that is made of them.
+#include "tube.h"
+
+#include "average/hessian.h"
+#include "average/rigid_modes.h"
+#include "bake.h"
+#include "subspace/barbic.h"
+#include "subspace/tangents.h"
+
+#include <Eigen/Dense>
+#include <doctest/doctest.h>
+
+using namespace pliant;
+
+namespace {
+
+struct Problem {
+    Problem(std::size_t pose_count, const Tube& tube)
+        : set(normalise(tube_poses(pose_count, tube)))
+        , energy(set, ShellOptions())
+        , solver(energy, set, default_solver())
+    {
+    }
+    LinearModes modes_of_pose(std::size_t k, Eigen::Index count, double tolerance)
+    {
+        solver.factorize_equilibrium(corner_weights(set.pose_count(), k), set.shapes[k]);
+        return linear_modes(solver, count, tolerance);
+    }
+    Eigen::MatrixXd stiffness(std::size_t k) const
+    {
+        HessianAssembler assembler(energy);
+        assembler.assemble(corner_weights(set.pose_count(), k), set.shapes[k], HessianKind::exact);
+        return Eigen::MatrixXd(assembler.matrix()).selfadjointView<Eigen::Lower>();
+    }
+    Eigen::VectorXd mass_diagonal() const
+    {
+        Eigen::VectorXd diagonal(set.dof_count());
+        for (Eigen::Index i = 0; i < diagonal.size(); ++i) diagonal[i] = set.masses[i / 3];
+        return diagonal;
+    }
+    ShapeSet set;
+    DiscreteShells energy;
+    NewtonSolver solver;
+};
+
+const Tube small_tube { 9, 6 };
+
+// What a projection onto the subspace's directions leaves of a vector, over its size.
+double left_over(const Subspace& subspace, const Shape& vector, const Eigen::VectorXd& masses)
+{
+    const Shape left = vector - subspace.basis * (subspace.basis.transpose() * times_mass(vector, masses));
+    return mass_norm(left, masses) / mass_norm(vector, masses);
+}
+
+} // namespace
+
+TEST_CASE("linear modes satisfy K x = lambda M x, are mass-orthonormal and hold no rigid motion")
+{
+    Problem p(2, small_tube);
+    for (std::size_t k = 0; k < 2; ++k) {
+        const LinearModes modes = p.modes_of_pose(k, 7, 1e-8);
+        CHECK(modes.residual <= 1e-8);
+        const Eigen::MatrixXd& x = modes.vectors;
+        const Eigen::VectorXd mass = p.mass_diagonal();
+        // In the norm of M^-1, as the residual is defined. K has eigenvalues a million times as large as these, so that rounding
+        // of the factorisation shows here.
+        const Eigen::MatrixXd stiffness = p.stiffness(k);
+        const Eigen::MatrixXd off = stiffness * x - mass.asDiagonal() * x * modes.eigenvalues.asDiagonal();
+        for (Eigen::Index j = 0; j < x.cols(); ++j)
+            CHECK(mass.cwiseSqrt().cwiseInverse().cwiseProduct(off.col(j)).norm() < 1e-6 * modes.eigenvalues[j]);
+        CHECK((x.transpose() * mass.asDiagonal() * x - Eigen::MatrixXd::Identity(7, 7)).norm() < 1e-10);
+        CHECK((rigid_modes(p.set.shapes[k], p.set.masses).transpose() * mass.asDiagonal() * x).norm() < 1e-10);
+        // A mode of the other pose is none of this one.
+        const LinearModes other = p.modes_of_pose(1 - k, 1, 1e-8);
+        const Shape wrong = stiffness * other.vectors - other.eigenvalues[0] * mass.asDiagonal() * other.vectors;
+        CHECK(mass.cwiseSqrt().cwiseInverse().cwiseProduct(wrong).norm() > other.eigenvalues[0]);
+    }
+}
+
+TEST_CASE("linear modes are the softest ones: eigenvalues of the dense problem, behind its six zeros")
+{
+    Problem p(2, small_tube);
+    const LinearModes modes = p.modes_of_pose(1, 7, 1e-8);
+    const Eigen::MatrixXd mass = p.mass_diagonal().asDiagonal();
+    const Eigen::GeneralizedSelfAdjointEigenSolver<Eigen::MatrixXd> dense(p.stiffness(1), mass, Eigen::EigenvaluesOnly);
+    CHECK(dense.eigenvalues().head(6).cwiseAbs().maxCoeff() < 1e-6 * dense.eigenvalues()[6]);
+    for (Eigen::Index j = 0; j < 7; ++j)
+        CHECK(modes.eigenvalues[j] == doctest::Approx(dense.eigenvalues()[6 + j]).epsilon(1e-7));
+}
+
+TEST_CASE("all modes of a tiny mesh: as many as there are degrees of freedom beside rigid motions")
+{
+    Problem p(2, Tube { 2, 3 }); // 8 vertices
+    const LinearModes modes = p.modes_of_pose(0, 100, 1e-6);
+    CHECK(modes.vectors.cols() == 18);
+    CHECK(p.modes_of_pose(0, 0, 1e-6).vectors.cols() == 0);
+}
+
+TEST_CASE("the subspace holds poses, tangents and modes, and has the dimension that is asked for")
+{
+    Problem p(3, Tube());
+    const Subspace subspace = build_barbic_subspace(p.solver, { 4, 0, 256 }, nullptr);
+    CHECK(subspace.dimension() == 2 + 6 + 3 * 4);
+    const Eigen::MatrixXd gram = subspace.basis.transpose() * times_mass(subspace.basis, p.set.masses);
+    CHECK((gram - Eigen::MatrixXd::Identity(gram.rows(), gram.cols())).norm() < 1e-12);
+    for (std::size_t k = 0; k < 3; ++k) {
+        CHECK((subspace.shape(subspace.pose_coordinates.col(Eigen::Index(k))) - p.set.shapes[k]).norm() < 1e-12);
+        const Eigen::MatrixXd tangents = tangents_at_pose(p.solver, k);
+        const LinearModes modes = linear_modes(p.solver, 5, 1e-6);
+        for (Eigen::Index j = 0; j < 2; ++j) CHECK(left_over(subspace, tangents.col(j), p.set.masses) < 1e-9);
+        // The baker stops the iteration at three digits; the fifth mode was not asked for.
+        for (Eigen::Index j = 0; j < 4; ++j) CHECK(left_over(subspace, modes.vectors.col(j), p.set.masses) < 1e-2);
+        CHECK(left_over(subspace, modes.vectors.col(4), p.set.masses) > 0.1);
+    }
+    for (Eigen::Index d : { 3, 8, 9, 15 }) CHECK(build_barbic_subspace(p.solver, { 0, d, 256 }, nullptr).dimension() == d);
+}

@@ -1,0 +1,177 @@
+#!/usr/bin/env bash
+# The study of the paper's evaluation on our data: bash tests/paper/run.sh [--quick] [--out DIR] [--only PART]... [--threads N]
+#
+#   --quick      two poses only (human_pair, creature), few weights: some minutes instead of some forty
+#   --out DIR    where tables, plots and assets go (default: build/paper/results)
+#   --only PART  subspace, standin, sheets or manifold; may be repeated (default: all)
+#   --threads N  threads of each program (default: all cores)
+#   --build DIR  an existing build folder to use (default: build/paper, configured if it is not there)
+#
+# Data: $PLIANT_DATA, else ../shared/data beside the checkout; sets that are not there are skipped. Plots and sheets need
+#   apt-get install python3-numpy python3-pil python3-matplotlib
+# Assets newer than the program are not baked again. README.md in this folder tells what is written.
+set -euo pipefail
+here=$(cd "$(dirname "${BASH_SOURCE[0]}")" && pwd)
+root=$(cd "$here/../.." && pwd)
+data=${PLIANT_DATA:-$root/../shared/data}
+python=/usr/bin/python3
+quick=0 out= build= threads=() parts=()
+while (($#)); do
+    case $1 in
+        --quick) quick=1 ;;
+        --out | --only | --threads | --build)
+            (($# > 1)) || { echo "run.sh: $1 needs a value" >&2; exit 2; }
+            case $1 in
+                --out) out=$2 ;;
+                --only) parts+=("$2") ;;
+                --threads) threads=(--threads "$2") ;;
+                --build) build=$2 ;;
+            esac
+            shift
+            ;;
+        -h | --help) sed -n '2,13s/^#  \{0,1\}//p' "${BASH_SOURCE[0]}"; exit 0 ;;
+        *) echo "run.sh: unknown option '$1'" >&2; exit 2 ;;
+    esac
+    shift
+done
+((${#parts[@]})) || parts=(subspace standin sheets manifold)
+for part in "${parts[@]}"; do
+    case $part in
+        subspace | standin | sheets | manifold) ;;
+        *) echo "run.sh: unknown part '$part'" >&2; exit 2 ;;
+    esac
+done
+"$python" -c 'import numpy, PIL' 2> /dev/null || { echo "run.sh: apt-get install python3-numpy python3-pil" >&2; exit 1; }
+"$python" -c 'import matplotlib' 2> /dev/null \
+    || echo "run.sh: no plots, only tables: apt-get install python3-matplotlib" >&2
+
+build=${build:-$root/build/paper}
+out=${out:-$build/results}
+[[ -e $build/CMakeCache.txt ]] || cmake -S "$root" -B "$build" -G Ninja -DCMAKE_BUILD_TYPE=Release > /dev/null
+cmake --build "$build" --target pliant_tool pliant_study creature > /dev/null
+tool=$build/baker/pliant study=$build/tests/paper/pliant_study
+mkdir -p "$out/assets" "$out/creature"
+out=$(cd "$out" && pwd)
+"$build/samples/creature/creature" -o "$out/creature" > /dev/null
+
+wants() { [[ " ${parts[*]} " == *" $1 "* ]]; }
+say() { printf '%s  %s\n' "$(date +%T)" "$*" | tee -a "$out/log.txt"; }
+
+# poses_of SET: sets the array `poses`; false, with a word, if the data is not there.
+poses_of() {
+    local creature=$out/creature/creature pose
+    case $1 in
+        human_pair) poses=("$data"/human_pair/{man,woman}.ply) ;;
+        creature2) poses=("${creature}"_{rest,curl}.ply) ;;
+        creature5) poses=("${creature}"_{rest,reach,curl,leap,twist}.ply) ;;
+        makehuman3) poses=("$data"/makehuman_body/{tpose,dance1_f00,walk1_f03}.ply) ;;
+        makehuman4) poses=("$data"/makehuman_body/{tpose,dance1_f00,walk1_f03,zombieWalk1_f20}.ply) ;;
+        mhr5) poses=("$data"/mhr_body/{rest,pose0,pose1,pose2,pose3}.ply) ;;
+    esac
+    for pose in "${poses[@]}"; do
+        [[ -e $pose ]] || { say "skipping $1: $pose is not there"; return 1; }
+    done
+}
+
+# So many dimensions, whatever error that gives: a tolerance that nothing meets keeps the baker from stopping earlier.
+adaptive=(--subspace adaptive --tolerance 1e-8)
+
+# asset_of NAME OPTION...: bakes assets/NAME.pliant from `poses` unless it is there and newer than the tool. Exit code 4, a missed
+# tolerance, is a result of the study and no failure of it.
+asset_of() {
+    local asset=$out/assets/$1.pliant start=$SECONDS code=0
+    shift
+    [[ $asset -nt $tool ]] && return
+    "$tool" bake "${poses[@]}" -o "$asset" --check-samples 0 --best-effort --quiet --report "${asset%.pliant}.json" "${threads[@]}" "$@" \
+        2>> "$out/bakes.log" || code=$?
+    ((code == 0 || code == 4)) || { say "baking $asset failed, exit code $code: $out/bakes.log"; return 1; }
+    say "baked ${asset##*/} in $((SECONDS - start)) s"
+}
+
+# subspace SET DIMS TRAIN FRESH: errors over d and over w, and the averages for the manifold experiment.
+subspace() {
+    local poses start=$SECONDS
+    poses_of "$1" || return 0
+    asset_of "$1" "${adaptive[@]}" --dim "${2##*,}" || return 0
+    "$study" -o "$out/$1" --dims "$2" --train "$3" --fresh "$4" --basis "adaptive=$out/assets/$1.pliant" --snapshots "${threads[@]}" \
+        "${poses[@]}" 2>> "$out/study.log"
+    say "subspace $1: $((SECONDS - start)) s"
+}
+
+# standin SET DIM FRESH "COUNTS" "GHOSTS": cubature with COUNTS elements per dimension, ghosts with GHOSTS vertices.
+standin() {
+    local poses start=$SECONDS assets=() count
+    poses_of "$1" || return 0
+    for count in $4; do
+        asset_of "$1_cubature$count" "${adaptive[@]}" --dim "$2" --elements "$((count * $2))" || continue
+        assets+=(--asset "cubature ${count}d=$out/assets/$1_cubature$count.pliant")
+    done
+    for count in $5; do
+        asset_of "$1_ghost$count" "${adaptive[@]}" --dim "$2" --energy ghost --ghost-vertices "$count" || continue
+        assets+=(--asset "ghost $count=$out/assets/$1_ghost$count.pliant")
+    done
+    # One snapshot and no bases: the parts of the assets' errors are wanted alone.
+    mkdir -p "$out/standin"
+    "$study" -o "$out/standin/$1" --dims 1 --kinds none --train 1 --fresh "$3" "${assets[@]}" "${threads[@]}" "${poses[@]}" \
+        2>> "$out/study.log"
+    mv "$out/standin/$1_assets.csv" "$out/$1_assets.csv"
+    say "stand-in $1: $((SECONDS - start)) s"
+}
+
+# sheet SET DIM OPTION...: pictures side by side. The paper's method is Algorithm 1 with a ghost.
+sheet() {
+    local poses start=$SECONDS set=$1 dim=$2
+    poses_of "$set" || return 0
+    shift 2
+    asset_of "$set" "${adaptive[@]}" --dim "$dim" || return 0
+    asset_of "${set}_krylov" --subspace krylov --dim "$dim" || return 0
+    asset_of "${set}_krylov_ghost" --subspace krylov --dim "$dim" --energy ghost || return 0
+    "$python" "$here/sheet.py" --tool "$tool" -o "$out/${set}_sheet.png" --title "$set, d = $dim" \
+        --asset "Algorithm 1, cubature=$out/assets/${set}_krylov.pliant" --asset "Algorithm 1, ghost=$out/assets/${set}_krylov_ghost.pliant" \
+        --asset "adaptive, cubature=$out/assets/$set.pliant" "$@" "${poses[@]}" 2>> "$out/sheets.log"
+    say "sheet $set: $((SECONDS - start)) s"
+}
+
+say "study of $("$tool" --version 2> /dev/null || echo pliant), $(nproc) cores"
+if wants subspace; then
+    if ((quick)); then
+        subspace human_pair 3,5,9 7 7
+        subspace creature2 3,5,9,17 15 7
+    else
+        subspace human_pair 3,5,9,17 17 19
+        subspace creature2 3,5,9,17 17 19
+        subspace makehuman3 8,14,20,32 36 9
+        subspace creature5 8,16,32,48 60 12
+        subspace mhr5 8,16,32,48 48 9
+    fi
+fi
+if wants standin; then
+    if ((quick)); then
+        standin human_pair 5 7 "2 4 8" "200 1000"
+    else
+        standin human_pair 9 15 "1 2 3 4 6 8 12" "200 500 1000"
+        standin creature2 17 15 "1 2 3 4 6 8 12" "200 500 1000"
+    fi
+fi
+if wants sheets; then
+    if ((quick)); then
+        sheet creature2 17 --weights 0.5,0.5 --weights 0.25,0.75 --up z
+    else
+        sheet mhr5 48 --weights 1,1,1,1,1 --weights 0,1,0,1,0 --weights 0,0,1,0,2 --weights 3,0,1,1,1 --up y
+        sheet makehuman4 32 --weights 1,1,1,1 --weights 1,1,0,0 --weights 0,1,0,1 --weights 1,0,2,1 --up y
+    fi
+fi
+if wants manifold; then
+    sets=()
+    for set in creature2 creature5 mhr5; do
+        [[ -e $out/${set}_train.npy ]] && sets+=("$set")
+    done
+    if ((${#sets[@]})); then
+        "$python" "$here/manifold.py" "$out" "${sets[@]}"
+        say "manifolds: ${sets[*]}"
+    else
+        say "manifolds need the averages that the part 'subspace' writes"
+    fi
+fi
+"$python" "$here/tables.py" "$out"
+say "tables and plots: $out"

@@ -1,0 +1,294 @@
+// Errors of subspaces and of whole assets against unreduced averages, for the study (README.md in this folder).
+//   pliant_study -o PREFIX [options] POSE...
+// Writes PREFIX_subspace.csv, with --asset PREFIX_assets.csv, with --snapshots the averages themselves as PREFIX_*.npy.
+#include "../baker/tube.h"
+#include "npy.h"
+#include "reduced.h"
+
+#include "average/family.h"
+#include "bake.h"
+#include "energy/parallel.h"
+#include "mesh/load_poses.h"
+#include "subspace/barbic.h"
+#include "subspace/krylov.h"
+
+#include <CLI/CLI.hpp>
+#include <chrono>
+#include <cmath>
+#include <iostream>
+#include <nlohmann/json.hpp>
+
+using namespace pliant;
+
+namespace {
+
+struct Options {
+    std::string prefix;
+    std::vector<std::string> poses;
+    std::size_t tube_pose_count = 0; // instead of files
+    std::vector<Eigen::Index> dimensions = { 3, 5, 9, 17 };
+    std::vector<std::string> kinds = { "krylov", "barbic", "pod" };
+    std::vector<std::string> bases, assets; // NAME=FILE
+    std::size_t train_count = 24, fresh_count = 12;
+    std::uint64_t seed = 7;
+    bool writes_snapshots = false;
+};
+
+void tell(const std::string& text)
+{
+    fmt::print(stderr, "pliant_study: {}\n", text);
+    std::fflush(stderr);
+}
+
+std::string weights_text(const Weights& w)
+{
+    std::string text;
+    for (double value : w) text += fmt::format("{}{:.6g}", text.empty() ? "" : ";", value);
+    return text;
+}
+
+// Fresh weights. Two poses: a regular grid, which has a quarter, a half and three quarters if count + 1 is a multiple of 4. More: uniform,
+// edge, corner-heavy in turn, as `pliant measure` draws them.
+std::vector<Truth> fresh_weights(std::size_t pose_count, std::size_t count, std::uint64_t seed)
+{
+    std::vector<Truth> out;
+    Random random(seed);
+    for (std::size_t i = 0; i < count; ++i) {
+        Truth truth;
+        if (pose_count == 2) {
+            const double t = double(i + 1) / double(count + 1);
+            truth.kind = "grid";
+            truth.weights = (1 - t) * corner_weights(2, 0) + t * corner_weights(2, 1);
+        } else if (i % 3 == 1) {
+            const std::size_t a = random.below(pose_count), b = (a + 1 + random.below(pose_count - 1)) % pose_count;
+            const double t = 0.1 + 0.8 * random.uniform();
+            truth.kind = "edge";
+            truth.weights = t * corner_weights(pose_count, a) + (1 - t) * corner_weights(pose_count, b);
+        } else {
+            truth.kind = i % 3 == 0 ? "uniform" : "corner";
+            truth.weights = random.weights(pose_count, i % 3 == 2);
+        }
+        out.push_back(truth);
+    }
+    return out;
+}
+
+// Weights of the snapshots for the POD bound: none of them is fresh.
+std::vector<Truth> train_weights(std::size_t pose_count, std::size_t count, std::uint64_t seed)
+{
+    std::vector<Truth> out;
+    for (const Weights& w : training_weights(pose_count, count, seed + 1000003))
+        out.push_back({ "train", w, Shape(), false });
+    return out;
+}
+
+void solve_truths(AverageFamily& family, std::vector<Truth>& truths)
+{
+    int unconverged = 0;
+    for (std::size_t i = 0; i < truths.size(); ++i) {
+        NewtonResult result = family.at(truths[i].weights);
+        truths[i].shape = std::move(result.y);
+        truths[i].has_converged = result.has_converged;
+        unconverged += !result.has_converged;
+    }
+    if (unconverged) tell(fmt::format("{} of {} unreduced averages did not converge", unconverged, truths.size()));
+}
+
+struct Named {
+    std::string name, path;
+};
+
+std::vector<Named> split_names(const std::vector<std::string>& pairs)
+{
+    std::vector<Named> out;
+    for (const std::string& pair : pairs) {
+        const std::size_t equals = pair.find('=');
+        if (equals == std::string::npos || equals == 0)
+            throw Failure(ExitCode::usage, error_at(1203, "", fmt::format("'{}' is not NAME=FILE", pair)));
+        out.push_back({ pair.substr(0, equals), pair.substr(equals + 1) });
+    }
+    return out;
+}
+
+class Study {
+public:
+    Study(const Options& options, const PoseSet& poses)
+        : options_(options)
+        , set_(normalise(poses))
+        , energy_(make_energy(set_, EnergyOptions()))
+        , solver_(*energy_, set_, default_solver())
+    {
+        AverageFamily family(solver_, NewtonOptions(), nullptr);
+        fresh_ = fresh_weights(set_.pose_count(), options.fresh_count, options.seed);
+        train_ = train_weights(set_.pose_count(), options.train_count, options.seed);
+        tell(fmt::format("{} unreduced averages", fresh_.size() + train_.size()));
+        solve_truths(family, fresh_);
+        solve_truths(family, train_);
+    }
+
+    void run()
+    {
+        if (options_.writes_snapshots) write_snapshots();
+        subspaces();
+        if (!options_.assets.empty()) assets();
+    }
+
+private:
+    // One row per basis, dimension and fresh weight.
+    void subspaces()
+    {
+        csv_ = "basis,d,kind,weights,solved_l2,solved_distance,projected_l2,truth_converged\n";
+        linear();
+        for (const Named& basis : split_names(options_.bases)) {
+            const Subspace full = subspace_of(RuntimeBlender::from_file(basis.path), set_, basis.path);
+            for (Eigen::Index d : options_.dimensions)
+                if (d <= full.dimension()) measure(basis.name, leading_part(full, d));
+        }
+        for (const std::string& kind : options_.kinds)
+            for (Eigen::Index d : options_.dimensions)
+                if (kind != "none" && d >= Eigen::Index(set_.pose_count()) - 1) measure(kind, build(kind, d));
+        write_file_atomically(options_.prefix + "_subspace.csv", csv_);
+    }
+
+    Subspace build(const std::string& kind, Eigen::Index d)
+    {
+        if (kind == "krylov") return build_krylov_subspace(solver_, { 0, d, 256 }, nullptr);
+        if (kind == "barbic") return build_barbic_subspace(solver_, { 0, d, 256 }, nullptr);
+        Eigen::MatrixXd snapshots(set_.dof_count(), Eigen::Index(train_.size()));
+        for (std::size_t i = 0; i < train_.size(); ++i) snapshots.col(Eigen::Index(i)) = train_[i].shape - set_.shapes[0];
+        return build_subspace(set_, snapshots, d);
+    }
+
+    void add_row(const std::string& basis, Eigen::Index d, const Truth& truth, const Shape& blend, double projected)
+    {
+        const ShapeError error = shape_error(*energy_, set_, truth.weights, blend, truth.shape);
+        csv_ += fmt::format("{},{},{},{},{:.6e},{:.6e},{:.6e},{}\n", basis, d, truth.kind, weights_text(truth.weights),
+                            error.relative_l2, error.largest_distance, projected, int(truth.has_converged));
+    }
+
+    Shape linear_blend(const Weights& w) const
+    {
+        Shape blend = Shape::Zero(set_.dof_count());
+        for (std::size_t k = 0; k < set_.pose_count(); ++k) blend += w[Eigen::Index(k)] * set_.shapes[k];
+        return blend;
+    }
+
+    void linear()
+    {
+        const Subspace differences = build_subspace(set_, Eigen::MatrixXd(set_.dof_count(), 0), 0);
+        for (const Truth& truth : fresh_)
+            add_row("linear", differences.dimension(), truth, linear_blend(truth.weights),
+                    projection_error(set_, differences, truth.shape));
+    }
+
+    void measure(const std::string& basis, const Subspace& subspace)
+    {
+        const auto start = std::chrono::steady_clock::now();
+        const Eigen::MatrixXd q = solve_reduced(*energy_, set_, subspace, fresh_);
+        for (std::size_t i = 0; i < fresh_.size(); ++i)
+            add_row(basis, subspace.dimension(), fresh_[i], subspace.shape(q.col(Eigen::Index(i))),
+                    projection_error(set_, subspace, fresh_[i].shape));
+        tell(fmt::format("{}, d = {}: {:.1f} s", basis, subspace.dimension(),
+                         std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count()));
+    }
+
+    // Total error of the runtime's blends, and its two parts: the subspace's (exact reduced average against the truth) and the
+    // stand-in's (blend against the exact reduced average).
+    void assets()
+    {
+        std::string csv
+            = "asset,d,elements,kind,weights,total_l2,total_distance,subspace_l2,stand_in_l2,iterations,truth_converged\n";
+        for (const Named& named : split_names(options_.assets)) {
+            RuntimeBlender blender = RuntimeBlender::from_file(named.path);
+            const Subspace subspace = subspace_of(blender, set_, named.path);
+            const auto certificate = nlohmann::json::parse(blender.certificate());
+            const int element_count = certificate.value(nlohmann::json::json_pointer("/stand_in/elements"), 0);
+            const Eigen::MatrixXd q = solve_reduced(*energy_, set_, subspace, fresh_);
+            for (std::size_t i = 0; i < fresh_.size(); ++i) {
+                const Truth& truth = fresh_[i];
+                const Eigen::VectorXf w = truth.weights.cast<float>();
+                pliant_solve_info info {};
+                const Shape blend = from_input_units(
+                    set_, blender.positions(blender.solve(std::vector<float>(w.data(), w.data() + w.size()), false, &info)));
+                const Shape reduced = subspace.shape(q.col(Eigen::Index(i)));
+                const ShapeError error = shape_error(*energy_, set_, truth.weights, blend, truth.shape);
+                csv += fmt::format("{},{},{},{},{},{:.6e},{:.6e},{:.6e},{:.6e},{},{}\n", named.name, subspace.dimension(),
+                                   element_count, truth.kind, weights_text(truth.weights), error.relative_l2,
+                                   error.largest_distance, relative_distance(set_, reduced, truth.shape),
+                                   relative_distance(set_, blend, reduced), info.iterations, int(truth.has_converged));
+            }
+            tell(fmt::format("asset {}: d = {}, {} elements", named.name, subspace.dimension(), element_count));
+        }
+        write_file_atomically(options_.prefix + "_assets.csv", csv);
+    }
+
+    // In normalised units: relative to pose 0's centroid, mean area 1, total mass 1.
+    void write_snapshots() const
+    {
+        using Floats = Eigen::Matrix<float, -1, -1, Eigen::RowMajor>;
+        using Doubles = Eigen::Matrix<double, -1, -1, Eigen::RowMajor>;
+        const auto write = [&](const char* name, const std::vector<Truth>& truths) {
+            Floats shapes(Eigen::Index(truths.size()), set_.dof_count());
+            Doubles weights(Eigen::Index(truths.size()), Eigen::Index(set_.pose_count()));
+            for (std::size_t i = 0; i < truths.size(); ++i) {
+                shapes.row(Eigen::Index(i)) = truths[i].shape.transpose().cast<float>();
+                weights.row(Eigen::Index(i)) = truths[i].weights.transpose();
+            }
+            write_npy<float>(fmt::format("{}_{}.npy", options_.prefix, name), "<f4", shapes);
+            write_npy<double>(fmt::format("{}_{}_weights.npy", options_.prefix, name), "<f8", weights);
+        };
+        write("fresh", fresh_);
+        write("train", train_);
+        std::vector<Truth> poses;
+        for (std::size_t k = 0; k < set_.pose_count(); ++k)
+            poses.push_back({ "pose", corner_weights(set_.pose_count(), k), set_.shapes[k], true });
+        write("poses", poses);
+        write_npy<double>(options_.prefix + "_masses.npy", "<f8", set_.masses);
+        Eigen::Matrix<std::int32_t, -1, -1, Eigen::RowMajor> faces(Eigen::Index(set_.triangles.size()), 3);
+        for (std::size_t f = 0; f < set_.triangles.size(); ++f)
+            for (int c = 0; c < 3; ++c) faces(Eigen::Index(f), c) = std::int32_t(set_.triangles[f][std::size_t(c)]);
+        write_npy<std::int32_t>(options_.prefix + "_faces.npy", "<i4", faces);
+    }
+
+    const Options& options_;
+    ShapeSet set_;
+    std::unique_ptr<Energy> energy_;
+    NewtonSolver solver_;
+    std::vector<Truth> fresh_, train_;
+    std::string csv_;
+};
+
+} // namespace
+
+int main(int argc, char** argv)
+try {
+    Options options;
+    CLI::App app("Errors of subspaces and assets against unreduced averages; tests/paper says what for");
+    app.add_option("-o,--output", options.prefix, "Prefix of what is written")->required();
+    app.add_option("poses", options.poses, "Pose files");
+    app.add_option("--tube", options.tube_pose_count, "Built-in poses of a tube instead of files")->check(CLI::Range(2, 4));
+    app.add_option("--dims", options.dimensions, "Dimensions")->delimiter(',');
+    app.add_option("--kinds", options.kinds, "Of krylov, barbic, pod; or none")
+        ->delimiter(',')
+        ->check(CLI::IsMember({ "krylov", "barbic", "pod", "none" }));
+    app.add_option("--basis", options.bases, "NAME=ASSET: measure the leading dimensions of this asset's subspace")
+        ->allow_extra_args(false);
+    app.add_option("--asset", options.assets, "NAME=ASSET: measure the runtime's blends of this asset")
+        ->allow_extra_args(false);
+    app.add_option("--train", options.train_count, "Snapshots for the POD bound")->check(CLI::Range(1, 10000));
+    app.add_option("--fresh", options.fresh_count, "Weights at which errors are measured")->check(CLI::Range(1, 10000));
+    app.add_option("--seed", options.seed, "Seed of the weights");
+    app.add_flag("--snapshots", options.writes_snapshots, "Also write the averages, for numpy");
+    app.add_option_function<unsigned>("--threads", set_thread_count, "Threads for element loops")
+        ->check(CLI::Range(1u, 256u));
+    CLI11_PARSE(app, argc, argv);
+    if (options.poses.empty() == (options.tube_pose_count == 0)) {
+        tell("give pose files or --tube");
+        return int(ExitCode::usage);
+    }
+    Study(options, options.tube_pose_count ? tube_poses(options.tube_pose_count) : load_poses(options.poses)).run();
+    return 0;
+} catch (const Failure& failure) {
+    tell(failure.what());
+    return int(failure.code());
+}

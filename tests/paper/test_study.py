@@ -1,0 +1,113 @@
+"""The pieces of the study on a tube: test_study.py PLIANT_STUDY PLIANT
+
+pliant_study measures subspaces and an asset, tables.py and manifold.py read what it wrote, sheet.py draws. Wanted: finite errors, no
+solution better than the best projection, POD better than all others at equal d, stand-in and subspace errors that explain the total.
+"""
+import csv
+import subprocess
+import sys
+import tempfile
+from pathlib import Path
+
+import numpy as np
+from PIL import Image
+
+HERE = Path(__file__).parent
+sys.path.insert(0, str(HERE))
+import manifold  # noqa: E402
+import tables  # noqa: E402
+from shapes import align, read_ply, relative_l2  # noqa: E402
+
+
+def rows_of(path):
+    with open(path, newline="") as file:
+        return list(csv.DictReader(file))
+
+
+def mean(rows, name, **wanted):
+    values = [float(row[name]) for row in rows if all(row[key] == value for key, value in wanted.items())]
+    assert values, f"no rows with {wanted}"
+    return sum(values) / len(values)
+
+
+def write_poses(folder):
+    """pliant_study's own tube as files, for the tool: the snapshots hold the poses in normalised units."""
+    poses, faces = np.load(folder / "tube_poses.npy"), np.load(folder / "tube_faces.npy")
+    paths = []
+    for k, pose in enumerate(poses):
+        path = folder / f"tube{k}.ply"
+        header = (f"ply\nformat binary_little_endian 1.0\nelement vertex {pose.size // 3}\nproperty float x\nproperty float y\n"
+                  f"property float z\nelement face {len(faces)}\nproperty list uchar int vertex_indices\nend_header\n")
+        rows = np.zeros(len(faces), np.dtype([("size", "u1"), ("corners", "<i4", (3,))]))
+        rows["size"], rows["corners"] = 3, faces
+        path.write_bytes(header.encode() + pose.astype("<f4").tobytes() + rows.tobytes())
+        paths.append(str(path))
+    return paths
+
+
+def check_subspaces(rows):
+    for row in rows:
+        assert np.isfinite(float(row["solved_l2"])) and 0 < float(row["solved_l2"]) < 0.2, row
+        assert row["truth_converged"] == "1", row
+        if row["basis"] != "linear":  # the best projection is the best: a per mille is left for its Gauss-Newton
+            assert float(row["projected_l2"]) <= 1.001 * float(row["solved_l2"]) + 1e-9, row
+    for d in ("5", "9"):
+        best = mean(rows, "solved_l2", basis="pod", d=d)
+        assert best < mean(rows, "solved_l2", basis="krylov", d=d) and best < mean(rows, "solved_l2", basis="barbic", d=d)
+        assert mean(rows, "solved_l2", basis="krylov", d=d) < mean(rows, "solved_l2", basis="linear")
+    assert mean(rows, "solved_l2", basis="pod", d="9") < 0.1 * mean(rows, "solved_l2", basis="pod", d="5")
+
+
+def check_assets(rows):
+    for row in rows:
+        total, parts = float(row["total_l2"]), float(row["subspace_l2"]) + float(row["stand_in_l2"])
+        assert total <= 1.05 * parts + 1e-6, row  # the triangle inequality, but for the rigid alignments
+        assert int(row["elements"]) == 40 and float(row["stand_in_l2"]) > 0, row
+
+
+def run(*command):
+    result = subprocess.run([str(part) for part in command], stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, check=False)
+    assert result.returncode == 0, f"{command[0]}: exit code {result.returncode}\n{result.stdout}"
+
+
+def main(study, tool):
+    with tempfile.TemporaryDirectory(prefix="pliant_study_") as name:
+        folder = Path(name)
+        run(study, "-o", folder / "tube", "--tube", 2, "--dims", "5,9", "--train", 11, "--fresh", 7, "--snapshots")
+        check_subspaces(rows_of(folder / "tube_subspace.csv"))
+
+        poses, asset = write_poses(folder), folder / "tube.pliant"
+        run(tool, "bake", *poses, "-o", asset, "--subspace", "barbic", "--dim", 5, "--elements", 40, "--check-samples", 0, "--quiet")
+        run(study, "-o", folder / "tube_b", "--dims", "3,5", "--kinds", "krylov", "--train", 1, "--fresh", 7, "--basis", f"barbic={asset}",
+            "--asset", f"barbic={asset}", *poses)
+        check_assets(rows_of(folder / "tube_b_assets.csv"))
+        # Read back through an asset, the basis is the same one.
+        direct = mean(rows_of(folder / "tube_subspace.csv"), "solved_l2", basis="barbic", d="5")
+        assert abs(mean(rows_of(folder / "tube_b_subspace.csv"), "solved_l2", basis="barbic", d="5") - direct) < 0.02 * direct + 1e-6
+
+        tables.main(folder)
+        manifold.study(folder, "tube")
+        spaces = rows_of(folder / "tube_manifold.csv")
+        assert all(np.isfinite(float(row["L2 mean"])) for row in spaces)
+        for row in spaces:  # a manifold inside a linear space of as many columns
+            if row["space"].startswith("quadratic"):
+                assert float(row["L2 mean"]) >= 0.99 * mean(spaces, "L2 mean", space="linear", columns=row["columns"]), row
+
+        sheet = folder / "sheet.png"
+        run(sys.executable, HERE / "sheet.py", "--tool", tool, "-o", sheet, "--size", "90x100", "--asset", f"barbic={asset}",
+            "--weights", "0.5,0.5", *poses)
+        picture = np.asarray(Image.open(sheet).convert("L"), float)
+        assert picture.shape[1] == 3 * 96 + 6 and picture.std() > 5, "the sheet is empty"
+        linear, barbic = (float(row["relative_l2"]) for row in rows_of(folder / "sheet.csv"))
+        assert barbic < 0.5 * linear, "the asset blends worse than linear"
+        # The Python error measure: blind to rigid motions, and not to others.
+        shape, _ = read_ply(poses[1])
+        masses = np.load(folder / "tube_masses.npy").ravel()
+        turned = shape @ np.array([[0, -1, 0], [1, 0, 0], [0, 0, 1.0]]).T + [1, 2, 3]
+        assert relative_l2(turned, shape, masses) < 1e-12 < relative_l2(1.01 * shape, shape, masses)
+        assert np.abs(align(turned, shape, masses) - shape).max() < 1e-12
+    print("the study's pieces work")
+
+
+if __name__ == "__main__":
+    main(*sys.argv[1:])
