@@ -41,7 +41,9 @@ Json describe(const RuntimeBlender& blender)
 {
     const pliant_asset& asset = blender.asset();
     const pliant_solver_desc desc = pliant_solver_desc_default();
-    Json info = { { "format", fmt::format("{}.{}", PLIANT_FORMAT_MAJOR, PLIANT_FORMAT_MINOR) },
+    pliant_format_header header;
+    std::memcpy(&header, asset.blob, sizeof header);
+    Json info = { { "format", fmt::format("{}.{}", header.format_major, header.format_minor) },
                   { "vertices", asset.vertex_count },
                   { "triangles", asset.triangle_count },
                   { "dimension", asset.dimension },

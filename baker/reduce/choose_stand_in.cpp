@@ -51,7 +51,7 @@ BlendModel choose_cubature(const ReducedEnergy& reduced, const ShapeSet& set, co
             ? options.element_count
             : per_dimension * std::max<std::size_t>(8, std::size_t(subspace.dimension()));
         auto stand_in = std::make_shared<const StandIn>(fit.fit(count));
-        for (int round = 0; round < 3 && fit.stiffen(*stand_in) > 0; ++round)
+        for (int round = 0; round < 2 && fit.stiffen(*stand_in) > 0; ++round)
             stand_in = std::make_shared<const StandIn>(fit.fit(count));
         if (progress) progress->update("cubature", 0.99, fmt::format("{} elements: error of blends", count));
         StandInReport here;

@@ -170,8 +170,8 @@ Eigen::MatrixXd target_of(const ReducedEnergy& reduced, const TrainingSet& train
         reduced.gradient(probe.w, probe.q, gradient);
         return training.root.transpose() * gradient;
     }
-    const Eigen::MatrixXd product = training.root.transpose() * reduced.hessian(probe.w, probe.q, HessianKind::exact)
-        * training.root * probe.directions;
+    const Eigen::MatrixXd product
+        = training.root.transpose() * reduced.hessian_times(probe.w, probe.q, training.root * probe.directions);
     if (probe.kind == Probe::Kind::hessian) return product;
     return probe.directions.cwiseProduct(product).colwise().sum();
 }
@@ -283,11 +283,14 @@ std::size_t CubatureFit::stiffen(const StandIn& stand_in)
                 { Probe::Kind::curvature, training_.weights[t], training_.averages[t], 1, eigen.eigenvectors().col(0) } };
     });
     std::sort(soft.begin(), soft.end(), [](const auto& a, const auto& b) { return a.first < b.first; });
+    std::size_t count = 0;
+    while (count < std::min(soft.size(), stiffened_at_a_time) && soft[count].first < soft_curvature) ++count;
+    std::vector<double> wanted(count);
+    for_each_task(count,
+                  [&](std::size_t i, std::size_t) { wanted[i] = target_of(reduced_, training_, soft[i].second)(0, 0); });
     std::vector<Probe> probes;
-    for (const auto& [curvature, probe] : soft) {
-        if (curvature > soft_curvature || probes.size() == stiffened_at_a_time) break;
-        if (curvature < 0.5 * target_of(reduced_, training_, probe)(0, 0)) probes.push_back(probe);
-    }
+    for (std::size_t i = 0; i < count; ++i)
+        if (soft[i].first < 0.5 * wanted[i]) probes.push_back(soft[i].second);
     if (probes.empty()) return 0;
     Sketch plain; // every row on its own: these must not drown
     plain.rows = row_count(probes);

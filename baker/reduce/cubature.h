@@ -10,7 +10,7 @@ struct Probe;
 struct Sketch;
 
 struct CubatureOptions {
-    std::size_t candidate_count = 12000; // random elements that compete
+    std::size_t candidate_count = 8000; // random elements that compete
     std::uint64_t seed = 1;
 };
 

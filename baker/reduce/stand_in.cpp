@@ -88,6 +88,15 @@ Eigen::MatrixXd ReducedEnergy::hessian(const Weights& w, const Eigen::VectorXd& 
     return 0.5 * (reduced + reduced.transpose());
 }
 
+Eigen::MatrixXd ReducedEnergy::hessian_times(const Weights& w, const Eigen::VectorXd& q,
+                                             const Eigen::MatrixXd& directions) const
+{
+    HessianAssembler assembler(energy_);
+    assembler.assemble(w, subspace_.shape(q), HessianKind::exact);
+    const Eigen::MatrixXd moved = subspace_.basis * directions;
+    return subspace_.basis.transpose() * (assembler.matrix().selfadjointView<Eigen::Lower>() * moved);
+}
+
 template <class Model>
 MinimiseResult minimise_newton(const Model& model, const Weights& w, const Eigen::VectorXd& start, double tolerance,
                                int max_iterations)

@@ -44,6 +44,8 @@ public:
     ReducedEnergy(const Energy& energy, const Subspace& subspace);
     double gradient(const Weights& w, const Eigen::VectorXd& q, Eigen::VectorXd& gradient) const;
     Eigen::MatrixXd hessian(const Weights& w, const Eigen::VectorXd& q, HessianKind kind) const;
+    // The exact Hessian times directions (d x c), without the rest of it.
+    Eigen::MatrixXd hessian_times(const Weights& w, const Eigen::VectorXd& q, const Eigen::MatrixXd& directions) const;
     const Energy& energy() const { return energy_; }
     const Subspace& subspace() const { return subspace_; }
 

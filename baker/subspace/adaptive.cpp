@@ -8,6 +8,7 @@
 
 #include <algorithm>
 #include <fmt/core.h>
+#include <limits>
 
 namespace pliant {
 
@@ -17,7 +18,7 @@ namespace {
 constexpr std::size_t batch_size = 8;
 
 // A blend that is this far from the truth that Newton finds next to it may have left the branch.
-constexpr double suspicion = 0.05;
+constexpr double branch_suspicion = 0.05;
 constexpr double unsuspecting
     = 1e30; // for snapshots: while the basis is small all are far, and any average of low energy is a good one
 
@@ -25,7 +26,7 @@ constexpr double unsuspecting
 constexpr double surplus = 1.5;
 
 // Of the tolerance: what the subspace may use, so that the stand-in has a share; and what is good enough not to become a snapshot.
-constexpr double subspace_share = 0.6, snapshot_share = 0.3;
+constexpr double subspace_share = 0.6, largest_share = 0.8, snapshot_share = 0.3;
 
 SparseLower hessian_at_mean(AverageFamily& family, const Energy& energy, std::size_t pose_count)
 {
@@ -69,9 +70,8 @@ public:
     {
         start();
         refine();
-        tell(fmt::format("averages at {} check weights", check_weights.size()));
         AdaptiveSubspace out;
-        out.checks = solve_checks(family_, pool_, reduced_, snapshots_, check_weights, suspicion, progress_);
+        out.checks = find_checks(check_weights);
         out.subspace = options_.dimension ? build_subspace(set_, directions(), options_.dimension) : truncate(out.checks);
         out.snapshots = std::move(snapshots_);
         report_.snapshot_count = int(out.snapshots.size());
@@ -161,6 +161,35 @@ private:
         }
     }
 
+    // What the largest error of the subspace may be, for the stand-in to have a share.
+    double largest_wanted() const
+    {
+        return largest_share * (options_.tolerance_max > 0 ? options_.tolerance_max : 3 * options_.tolerance);
+    }
+
+    // A check that the basis misses by far becomes a snapshot, and another weight is checked in its place: no check that is left has
+    // been a snapshot.
+    std::vector<CheckPoint> find_checks(std::vector<Weights> weights)
+    {
+        std::vector<CheckPoint> checks;
+        for (int round = 0; round < 4 && !weights.empty(); ++round) {
+            tell(fmt::format("averages at {} check weights", weights.size()));
+            std::vector<CheckPoint> points
+                = solve_checks(family_, pool_, reduced_, snapshots_, weights, branch_suspicion, progress_);
+            weights.clear();
+            for (CheckPoint& point : points) {
+                const bool is_missed = point.error > largest_wanted() && round < 3 && subspace_.dimension() < 2 * limit();
+                if (!is_missed) {
+                    checks.push_back(std::move(point));
+                    continue;
+                }
+                add_snapshot(point.weights, point.truth);
+                weights.push_back(mixed_weights(random_, set_.pose_count(), weights.size()));
+            }
+        }
+        return checks;
+    }
+
     bool is_good(const SubspaceError& error, double largest) const
     {
         return error.mean < subspace_share * options_.tolerance && error.largest < largest;
@@ -177,10 +206,9 @@ private:
             return subspace_error(ReducedSolver(pool_.energy(), subspace, mean_hessian_, family_.mean().energy), set_,
                                   checks);
         };
-        // Twice the tolerance leaves the stand-in a third of what the largest error may be; if it is out of reach the mean decides alone.
-        double largest = 0.7 * (options_.tolerance_max > 0 ? options_.tolerance_max : 3 * options_.tolerance);
-        const SubspaceError best = error_at(most);
-        if (!is_good(best, largest)) largest = std::max(largest, 1.05 * best.largest);
+        // Where the largest error is out of reach the mean decides alone: twice the columns would not be worth a little less.
+        double largest = largest_wanted();
+        if (!is_good(error_at(most), largest)) largest = std::numeric_limits<double>::max();
         Eigen::Index low = Eigen::Index(set_.pose_count()) - 1, high = most;
         while (low < high) {
             const Eigen::Index middle = (low + high) / 2;
@@ -222,7 +250,7 @@ std::vector<CheckPoint> solve_checks(AverageFamily& family, SolverPool& pool, co
     const SparseLower hessian = hessian_at_mean(family, pool.energy(), pool.set().pose_count());
     const ReducedSolver reduced(pool.energy(), subspace, hessian, family.mean().energy);
     return solve_checks(family, pool, reduced, { { equal_weights(pool.set().pose_count()), family.mean().y } },
-                        check_weights, suspicion, shared);
+                        check_weights, branch_suspicion, shared);
 }
 
 } // namespace pliant

@@ -1,4 +1,5 @@
 // The encoder's optional parts, looked at through the C runtime.
+#include "train.h"
 #include "tube.h"
 
 #include "bake.h"
@@ -26,7 +27,7 @@ struct Problem {
         , solver(energy, set, default_solver())
         , subspace(build_krylov_subspace(solver, { 1, 0, 256 }, nullptr))
         , reduced(energy, subspace)
-        , training(solve_training_set(reduced, training_weights(3, 12, 1), nullptr))
+        , training(train(solver, subspace, 12))
         , stand_in(energy, subspace.origin, subspace.basis, all_elements(), wrong_weights())
         , corner_count(set.pose_count())
     {

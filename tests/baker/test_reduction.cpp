@@ -1,4 +1,5 @@
 // Subspaces, cubature, ghosts, predictors: the stages between the energies and the asset.
+#include "train.h"
 #include "tube.h"
 
 #include "average/rigid_modes.h"
@@ -139,17 +140,16 @@ TEST_CASE("a few elements give the reduced average within a per cent, and the er
     Problem p(3);
     const Subspace subspace = build_krylov_subspace(p.solver, { 1, 0, 256 }, nullptr);
     const ReducedEnergy reduced(p.energy, subspace);
-    const TrainingSet training = solve_training_set(reduced, training_weights(3, 24, 1), nullptr);
+    const TrainingSet training = train(p.solver, subspace, 24);
     CHECK(training.unconverged_count == 0);
     const Eigen::MatrixXd metric = training.root * training.root.transpose();
+    CubatureFit fit(reduced, training, CubatureOptions(), nullptr);
     double errors[2];
     for (int i = 0; i < 2; ++i) {
-        CubatureOptions options;
-        options.element_count = std::size_t(i == 0 ? 3 : 8) * std::size_t(subspace.dimension());
-        CubatureReport report;
-        const StandIn stand_in = fit_cubature(reduced, training, options, nullptr, report);
-        CHECK(report.lowest_curvature > 0.05);
-        CHECK(stand_in.element_count() <= options.element_count);
+        const std::size_t count = std::size_t(i == 0 ? 3 : 8) * std::size_t(subspace.dimension());
+        const StandIn stand_in = fit.fit(count);
+        CHECK(measure_curvature(stand_in, training).lowest > 0.05);
+        CHECK(stand_in.element_count() <= count);
         Weights w(3);
         w << 0.15, 0.6, 0.25;
         MinimiseOptions minimise_options;

@@ -136,7 +136,7 @@ double seconds_of(const BakeReport& report, const std::string& stage)
 std::vector<std::pair<std::string, std::string>> cells(const Row& r)
 {
     double error = 0;
-    for (const auto& check : r.report.checks) error += check.second.relative_l2 / double(r.report.checks.size());
+    for (const auto& check : r.report.checks) error += check.error.relative_l2 / double(r.report.checks.size());
     return { { "set", r.name },
              { "n", std::to_string(r.report.vertex_count) },
              { "m", std::to_string(r.report.pose_count) },

@@ -82,15 +82,15 @@ std::vector<Truth> train_weights(std::size_t pose_count, std::size_t count, std:
     return out;
 }
 
-void solve_truths(AverageFamily& family, std::vector<Truth>& truths)
+void solve_truths(const AverageFamily& family, std::vector<Truth>& truths)
 {
-    int unconverged = 0;
-    for (std::size_t i = 0; i < truths.size(); ++i) {
-        NewtonResult result = family.at(truths[i].weights);
+    for_each_task(truths.size(), [&](std::size_t i, std::size_t worker) {
+        NewtonResult result = family.at(truths[i].weights, worker, nullptr).average;
         truths[i].shape = std::move(result.y);
         truths[i].has_converged = result.has_converged;
-        unconverged += !result.has_converged;
-    }
+    });
+    int unconverged = 0;
+    for (const Truth& truth : truths) unconverged += !truth.has_converged;
     if (unconverged) tell(fmt::format("{} of {} unreduced averages did not converge", unconverged, truths.size()));
 }
 
@@ -118,7 +118,9 @@ public:
         , energy_(make_energy(set_, EnergyOptions()))
         , solver_(*energy_, set_, default_solver())
     {
-        AverageFamily family(solver_, NewtonOptions(), nullptr);
+        SolverPool pool(*energy_, set_, default_solver());
+        AverageFamily family(pool, NewtonOptions(), nullptr);
+        family.mean();
         fresh_ = fresh_weights(set_.pose_count(), options.fresh_count, options.seed);
         train_ = train_weights(set_.pose_count(), options.train_count, options.seed);
         tell(fmt::format("{} unreduced averages", fresh_.size() + train_.size()));
