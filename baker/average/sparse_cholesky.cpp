@@ -114,7 +114,7 @@ struct SparseCholesky::Backend {
         if (!factor) {
             // METIS draws from one generator of the process: two analyses at a time would order by chance.
             static std::mutex mutex;
-            const std::lock_guard<std::mutex> lock(mutex);
+            const std::lock_guard<std::mutex> one_at_a_time(mutex);
             factor = cholmod_l_analyze(&a, &common);
         }
         if (!factor) throw_out_of_memory(lower.cols());

@@ -200,6 +200,7 @@ private:
     {
         const Eigen::MatrixXd all = directions();
         const Eigen::Index most = std::min(subspace_.dimension(), options_.max_dimension);
+        if (checks.empty()) return build_subspace(set_, all, most); // nothing to judge by
         const auto error_at = [&](Eigen::Index d) {
             tell(fmt::format("error at d = {}", d));
             const Subspace subspace = build_subspace(set_, all, d);
