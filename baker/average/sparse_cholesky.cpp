@@ -91,7 +91,11 @@ struct SparseCholesky::Backend {
 
     void start()
     {
-        if (openblas_set_num_threads) openblas_set_num_threads(1);
+        // Once, before any factorisation: it may not be called while another thread is inside.
+        static std::once_flag once;
+        std::call_once(once, [] {
+            if (openblas_set_num_threads) openblas_set_num_threads(1);
+        });
         cholmod_l_start(&common);
         common.supernodal = CHOLMOD_SUPERNODAL;
         common.nmethods = 1;

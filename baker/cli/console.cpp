@@ -5,16 +5,27 @@
 #include <cmath>
 #include <csignal>
 #include <cstdio>
+#include <cstdlib>
 #include <fmt/core.h>
+#include <mutex>
+#include <thread>
 #include <unistd.h>
 
 namespace pliant {
 
 namespace {
 
-// Only async-signal-safe calls: nothing is unwound, since nothing half-done can be seen from outside.
-void end_interrupted(int)
+// Held while an output is written, so that an interrupt comes before it or after it.
+std::mutex& output_mutex()
 {
+    static std::mutex instance;
+    return instance;
+}
+
+// Nothing is unwound, since nothing half-done can be seen from outside.
+[[noreturn]] void end_interrupted()
+{
+    output_mutex().lock();
     const char text[] = "\npliant: interrupted, nothing was written\n";
     const ssize_t ignored = ::write(STDERR_FILENO, text, sizeof text - 1);
     (void)ignored;
@@ -77,30 +88,34 @@ void print_finding(const std::string& verb, const Finding& finding)
     fmt::print(stderr, "pliant {}: {}\n", verb, to_text(finding));
 }
 
+void start_with_one_blas_thread(char** arguments)
+{
+    if (std::getenv("OPENBLAS_NUM_THREADS")) return;
+    ::setenv("OPENBLAS_NUM_THREADS", "1", 1);
+    ::execv("/proc/self/exe", arguments); // returns only if it failed: then all works but for signals during an analysis
+}
+
+// A thread waits for the signals, and all others, which inherit the mask, never see them: METIS puts a handler of its own on SIGTERM
+// while it works, which jumps back into METIS from whatever thread it hits.
 void install_signal_handlers()
 {
-    struct sigaction action {};
-    action.sa_handler = end_interrupted;
-    sigemptyset(&action.sa_mask);
-    sigaction(SIGINT, &action, nullptr);
-    sigaction(SIGTERM, &action, nullptr);
+    static sigset_t awaited;
+    sigemptyset(&awaited);
+    sigaddset(&awaited, SIGINT);
+    sigaddset(&awaited, SIGTERM);
+    pthread_sigmask(SIG_BLOCK, &awaited, nullptr);
+    std::thread([] {
+        int number = 0;
+        while (sigwait(&awaited, &number) != 0) {}
+        end_interrupted();
+    }).detach();
     signal(SIGXFSZ, SIG_IGN); // a file-size limit is then an error of write(), which we report
 }
 
 void write_output(const std::string& path, std::string_view bytes)
 {
-    sigset_t held, before;
-    sigemptyset(&held);
-    sigaddset(&held, SIGINT);
-    sigaddset(&held, SIGTERM);
-    sigprocmask(SIG_BLOCK, &held, &before);
-    try {
-        write_file_atomically(path, bytes);
-    } catch (...) {
-        sigprocmask(SIG_SETMASK, &before, nullptr);
-        throw;
-    }
-    sigprocmask(SIG_SETMASK, &before, nullptr);
+    const std::lock_guard<std::mutex> lock(output_mutex());
+    write_file_atomically(path, bytes);
 }
 
 } // namespace pliant

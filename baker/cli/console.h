@@ -30,6 +30,10 @@ private:
 // "pliant bake: error P2103: ..." with its hint, to stderr.
 void print_finding(const std::string& verb, const Finding& finding);
 
+// OpenBLAS starts its threads before main, where no signal mask reaches them: unless the environment says how many, starts the program
+// again with one, which is all that is used. Call first.
+void start_with_one_blas_thread(char** arguments);
+
 // Ctrl-C and SIGTERM end the process with exit code 130 at once. That is safe: outputs exist under their own name only when they are
 // whole, and while one is written the signal waits until its temporary file is gone or has its name.
 void install_signal_handlers();

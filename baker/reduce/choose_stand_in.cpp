@@ -10,6 +10,9 @@ namespace {
 // Sizes that are tried, in elements per dimension (of eight at least, where they cost nothing). Four are enough on many meshes; beyond twelve nothing was gained on any.
 constexpr std::size_t sizes[] = { 4, 6, 8, 12 };
 
+// When there is nothing to judge by.
+constexpr std::size_t size_without_checks = 8;
+
 // While the tolerance is missed a larger set must lower the error by this much to be worth its time in every frame.
 constexpr double worthwhile = 0.97;
 
@@ -47,6 +50,7 @@ BlendModel choose_cubature(const ReducedEnergy& reduced, const ShapeSet& set, co
     CubatureFit fit(reduced, training, cubature, progress);
     BlendModel best;
     for (std::size_t per_dimension : sizes) {
+        if (checks.empty() && per_dimension < size_without_checks) continue;
         const std::size_t count = options.element_count
             ? options.element_count
             : per_dimension * std::max<std::size_t>(8, std::size_t(subspace.dimension()));

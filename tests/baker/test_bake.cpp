@@ -185,7 +185,7 @@ TEST_CASE("scale and distance from the origin do not change the map from weights
     const PoseSet poses = tube_poses(3);
     BakeOptions options;
     options.tolerance = 1e-4;
-    options.check_count = 0;
+    options.check_count = 9;
     Progress silent;
     RuntimeBlender reference(bake(poses, options, silent).bytes, "reference");
     const std::vector<float> w = { 0.3f, 0.5f, 0.2f };
