@@ -281,9 +281,7 @@ BakedAsset bake(const PoseSet& poses, const BakeOptions& options, Progress& prog
     report.dimension = subspace.dimension();
     watch.stage_done("subspace");
 
-    HessianAssembler assembler(*energy);
-    assembler.assemble(equal_weights(set.pose_count()), family.mean().y, HessianKind::exact);
-    const ReducedSolver reduced(*energy, subspace, assembler.matrix(), family.mean().energy);
+    const ReducedSolver reduced(*energy, subspace, family.mean_hessian(), family.mean().energy);
     report.subspace_error = subspace_error(reduced, set, adaptive.checks);
     const TrainingSet training
         = solve_training_set(reduced, set, adaptive.snapshots,
@@ -337,7 +335,7 @@ BakeEstimate estimate_bake(std::size_t vertex_count, std::size_t pose_count, con
     // Orders of magnitude from the runs in tests/bench: seconds of a factorisation with its Hessian, and of a reduced gradient.
     const double factorisation = 0.6 * std::pow(n / 1e4, 1.3), gradient = 1.5e-6 * n * (1 + d / 60);
     const double factorisations = is_adaptive ? 20 + 5 * 1.5 * d : m;
-    const double solves = 32 + (is_adaptive ? 2.5 * d : 0);
+    const double solves = double(training_count(pose_count)) + (is_adaptive ? 2.5 * d : 0);
     estimate.seconds = (factorisations + 10.0 * options.fresh_count) * factorisation + solves * 20 * gradient + d * d * 1e-2;
     estimate.memory = 18e3 * n + 5 * 24 * n * d; // factor and Hessian, a few copies of the basis
     estimate.asset_size = 12 * n * (d + 1) + 24 * n;

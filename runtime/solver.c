@@ -11,9 +11,8 @@
 /* Vectors and matrices start at multiples of this: a cache line, and what the widest vectors like. */
 #define ALIGNMENT 64u
 
-/* A jump keeps this part of its evaluations for a second descent, from z = 0. Chosen on four assets of bodies in five poses:
-   a quarter lowered the mean energy above that of a descent from z = 0 to a third on two of them (measured at other weights)
-   and changed nothing on the others; a third and more cut descents short that were on a good way. */
+/* A jump keeps this part of its evaluations for a second descent, from z = 0: enough for one that starts well, and too few
+   to be missed by a first one that is on a good way (tests/bench/jumps.c counts both). */
 #define SECOND_DESCENT_SHARE 4u
 
 /* With fewer evaluations than this a second descent gets nowhere. */

@@ -10,14 +10,14 @@ namespace pliant {
 
 namespace {
 
-// Half of the way to a corner: on real bodies Newton converges from there, and shorter steps only cost more.
+// In the 1-norm of weights: about half of the way from the mean to a corner. It is halved where Newton does not converge from there.
 constexpr double step_length = 0.85;
 
 // A discontinuity is a move that does not get shorter with the step. Steps (in the 1-norm of weights) are not halved below this.
 constexpr double shortest_step = 0.03;
 
-// Moves faster than this many times the mean's way to a pose, and longer than 5 %, are looked at closer. Smooth families of real
-// bodies reach two to three times that speed near their poses.
+// Moves faster than this many times the mean's way to a pose, and longer than 5 %, are looked at closer: well above what a family that
+// turns a limb evenly needs, and a false alarm costs halved steps only.
 constexpr double jump_speed = 6, jump_distance = 0.05;
 
 // Newton creeps where creases snap; only what is farther than this from converged calls for a shorter step.
@@ -61,8 +61,7 @@ AverageFamily::AverageFamily(SolverPool& pool, NewtonOptions options, Progress* 
 }
 
 // Along the tangent, by the derivative of the minimiser, as far as it is sound. It has a lower energy all the way, but it stretches
-// limbs that turn, and what is stretched Newton may undo by folding creases: on mhr_body the five poses then lead to five means. The
-// last average as it is, on the other hand, starts nearly rigid shapes (human_pair) with prestress, which folds other creases.
+// limbs that turn, and what is stretched Newton may undo by folding creases; hence the limits.
 Shape AverageFamily::start_of_step(const Path& path, const Weights& next) const
 {
     const Shape& here = path.point.y;
@@ -180,6 +179,16 @@ std::size_t AverageFamily::start_pose()
 {
     mean();
     return *start_pose_;
+}
+
+const SparseLower& AverageFamily::mean_hessian()
+{
+    if (!mean_hessian_) {
+        HessianAssembler assembler(pool_.energy());
+        assembler.assemble(equal_weights(pool_.set().pose_count()), mean().y, HessianKind::exact);
+        mean_hessian_ = assembler.matrix();
+    }
+    return *mean_hessian_;
 }
 
 FamilyPoint AverageFamily::at(const Weights& w, std::size_t worker, Progress* progress) const

@@ -1,6 +1,7 @@
 // The family a(w) of averages, defined by continuation, so that every user of it means the same branch.
 #pragma once
 
+#include "average/hessian.h"
 #include "average/solver_pool.h"
 
 #include <optional>
@@ -55,6 +56,9 @@ public:
     const NewtonResult& mean();
     std::size_t start_pose();
 
+    // The exact Hessian there (lower triangle), assembled at the first call. Not from tasks.
+    const SparseLower& mean_hessian();
+
     // Other means that were found on the way, and the averages passed on the ways that met. Empty before mean().
     const std::vector<BranchFinding>& findings() const { return findings_; }
     const std::vector<KnownAverage>& known() const { return known_; }
@@ -82,13 +86,14 @@ private:
     Progress* progress_;
     std::optional<std::size_t> start_pose_;
     std::optional<NewtonResult> mean_;
+    std::optional<SparseLower> mean_hessian_;
     double speed_ = 0; // largest relative distance of the mean from a pose per change of weights
     std::vector<BranchFinding> findings_;
     std::vector<KnownAverage> known_;
 };
 
-// Averages farther apart than this (relative L2) are different ones: several times what Newton leaves at its default accuracy on
-// real bodies (6e-5 to 3e-4).
+// Averages farther apart than this (relative L2) are different ones: ten times the default tolerance, of which truths are wanted to a
+// twentieth.
 constexpr double branch_distance = 0.01;
 
 // Number of the vertex that moves most between two shapes, after rigid alignment.

@@ -21,8 +21,8 @@ constexpr double energy_noise = 1e-11;
 // twice as many steps are made without one, up to this.
 constexpr int longest_pause = 8;
 
-// Projected models are stiffer than the energy: their steps shrink by about 0.7 from one to the next (seen on bodies), so that what is
-// left is about three times the step.
+// Projected models are stiffer than the energy: their steps shrink slowly, and with a factor of 0.7 from one to the next what is left
+// is about three times the step.
 constexpr double projected_doubt = 3;
 
 double scale_of(double energy) { return std::max(std::abs(energy), energy_floor); }

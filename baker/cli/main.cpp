@@ -31,8 +31,7 @@ ExitCode guarded(const std::string& name, const Verb& verb)
     return ExitCode::failed;
 }
 
-// Vectors of a whole mesh come and go all the time. By default glibc hands each back to the system and has it zeroed anew, a fifth of
-// a bake's time.
+// Vectors of a whole mesh come and go all the time. By default glibc hands each back to the system and has it zeroed anew.
 void keep_freed_memory()
 {
 #ifdef __GLIBC__

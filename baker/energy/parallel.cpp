@@ -50,8 +50,10 @@ void for_each_task(std::size_t count, const std::function<void(std::size_t, std:
     std::mutex mutex; // of the two below
     std::size_t failed_task = count;
     std::exception_ptr failure;
+    const std::size_t workers = std::min(worker_count(), count);
+    const bool was_inside_task = is_inside_task;
     const auto take_tasks = [&](std::size_t worker) {
-        is_inside_task = true;
+        is_inside_task = was_inside_task || workers > 1; // a lone task has all threads to itself
         for (std::size_t task = next++; task < count; task = next++) {
             try {
                 work(task, worker);
@@ -61,10 +63,10 @@ void for_each_task(std::size_t count, const std::function<void(std::size_t, std:
                 if (task < failed_task) failed_task = task, failure = std::current_exception();
             }
         }
-        is_inside_task = false;
+        is_inside_task = was_inside_task;
     };
     std::vector<std::thread> others;
-    for (std::size_t i = 1; i < std::min(worker_count(), count); ++i) others.emplace_back(take_tasks, i);
+    for (std::size_t i = 1; i < workers; ++i) others.emplace_back(take_tasks, i);
     take_tasks(0);
     for (std::thread& other : others) other.join();
     if (failure) std::rethrow_exception(failure);

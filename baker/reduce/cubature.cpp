@@ -19,7 +19,7 @@ constexpr double equilibrium_weight = 30;
 // hundred columns intact (Clarkson, Woodruff 2013).
 constexpr Eigen::Index sketch_rows = 2000;
 
-// Averages at which forces of single poses and off the averages are looked at, too: more changed nothing.
+// Averages at which forces of single poses and off the averages are looked at, too.
 constexpr std::size_t force_probe_count = 40;
 
 // Averages other than the mean at which columns of the Hessian are looked at, and how many columns.

@@ -53,12 +53,11 @@ MinimiseResult minimise(const Objective& objective, const Eigen::VectorXd& start
     return result;
 }
 
-Eigen::MatrixXd inverse_root(const Eigen::MatrixXd& hessian, double floor, double* lowest)
+Eigen::MatrixXd inverse_root(const Eigen::MatrixXd& hessian, double floor)
 {
     const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(hessian);
     const Eigen::VectorXd values = eigen.eigenvalues();
     const double largest = values[values.size() - 1];
-    if (lowest) *lowest = values[0] / largest;
     return (eigen.eigenvectors() * values.cwiseMax(floor * largest).cwiseSqrt().cwiseInverse().asDiagonal())
         .rowwise()
         .reverse();

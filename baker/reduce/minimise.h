@@ -29,6 +29,6 @@ MinimiseResult minimise(const Objective& objective, const Eigen::VectorXd& start
 
 // Inverse of a symmetric matrix made positive definite: eigenvalues below `floor` times the largest count as that. Returns S with
 // S S^T = inverse, eigenvectors scaled, stiffest first; `lowest` receives the smallest true eigenvalue over the largest.
-Eigen::MatrixXd inverse_root(const Eigen::MatrixXd& hessian, double floor, double* lowest = nullptr);
+Eigen::MatrixXd inverse_root(const Eigen::MatrixXd& hessian, double floor);
 
 } // namespace pliant

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 #include <fmt/core.h>
+#include <numeric>
 
 namespace pliant {
 
@@ -33,31 +34,64 @@ Weights mixed_weights(Random& random, std::size_t pose_count, std::size_t index)
     return t * corner_weights(pose_count, i) + (1 - t) * corner_weights(pose_count, j);
 }
 
+namespace {
+
+// Somewhere on the simplex, often on its edges and faces, where families of averages bend most.
+Weights candidate_weights(Random& random, std::size_t pose_count, std::size_t index)
+{
+    const std::size_t members = index % 4 == 0 ? 2 : index % 4 == 1 ? 3 : pose_count;
+    if (members >= pose_count) return random.weights(pose_count, index % 4 == 3);
+    std::vector<std::size_t> poses(pose_count);
+    std::iota(poses.begin(), poses.end(), std::size_t(0));
+    const Weights part = random.weights(members, false);
+    Weights w = Weights::Zero(Eigen::Index(pose_count));
+    for (std::size_t i = 0; i < members; ++i) {
+        std::swap(poses[i], poses[i + random.below(pose_count - i)]);
+        w[Eigen::Index(poses[i])] = part[Eigen::Index(i)];
+    }
+    return w;
+}
+
+// Evenly spaced ones inside the edge, the middle first.
+std::vector<Weights> edge_weights(std::size_t count)
+{
+    std::vector<Weights> out = { equal_weights(2) };
+    for (std::size_t i = 1; out.size() < count && i < count; ++i)
+        if (2 * i != count) out.push_back(Weights(Eigen::Vector2d(double(i), double(count - i)) / double(count)));
+    return out;
+}
+
+// Each the one of many candidates that is farthest from all before it and from the poses. Distances are those of the roots of the
+// weights, on a sphere: they are longer near edges and corners.
+std::vector<Weights> spread_weights(std::size_t pose_count, std::size_t count, std::uint64_t seed)
+{
+    constexpr std::size_t candidates_each = 30;
+    Random random(seed);
+    std::vector<Weights> candidates = { equal_weights(pose_count) };
+    while (candidates.size() < candidates_each * count)
+        candidates.push_back(candidate_weights(random, pose_count, candidates.size()));
+    std::vector<double> nearest(candidates.size());
+    for (std::size_t i = 0; i < candidates.size(); ++i)
+        nearest[i] = 2 - 2 * std::sqrt(candidates[i].maxCoeff()); // to the poses
+    std::vector<Weights> out;
+    for (std::size_t chosen = 0; out.size() < count;) {
+        out.push_back(candidates[chosen]);
+        const Eigen::VectorXd root = candidates[chosen].cwiseSqrt();
+        std::size_t farthest = 0;
+        for (std::size_t i = 0; i < candidates.size(); ++i) {
+            nearest[i] = std::min(nearest[i], 2 - 2 * root.dot(candidates[i].cwiseSqrt()));
+            if (nearest[i] > nearest[farthest]) farthest = i;
+        }
+        chosen = farthest;
+    }
+    return out;
+}
+
+} // namespace
+
 std::vector<Weights> training_weights(std::size_t pose_count, std::size_t count, std::uint64_t seed)
 {
-    std::vector<Weights> out = { equal_weights(pose_count) };
-    if (pose_count == 2) {
-        for (std::size_t i = 1; out.size() < count; ++i) {
-            Weights w(2);
-            w[0] = double(i) / double(count);
-            w[1] = 1 - w[0];
-            if (std::abs(w[0] - 0.5) > 1e-9) out.push_back(w);
-            if (i + 1 == count) break;
-        }
-        return out;
-    }
-    Random random(seed);
-    std::vector<Weights> edges;
-    for (std::size_t i = 0; i < pose_count; ++i)
-        for (std::size_t j = i + 1; j < pose_count; ++j)
-            edges.push_back(0.5 * (corner_weights(pose_count, i) + corner_weights(pose_count, j)));
-    const std::size_t edge_limit = std::min(edges.size(), count / 2);
-    for (std::size_t i = 0; i < edge_limit; ++i) {
-        std::swap(edges[i], edges[i + random.below(edges.size() - i)]);
-        out.push_back(edges[i]);
-    }
-    while (out.size() < count) out.push_back(random.weights(pose_count, out.size() % 3 == 0));
-    return out;
+    return pose_count == 2 ? edge_weights(count) : spread_weights(pose_count, count, seed);
 }
 
 TrainingSet solve_training_set(const ReducedSolver& reduced, const ShapeSet& set, const std::vector<KnownAverage>& known,

@@ -30,8 +30,8 @@ private:
 // and corners.
 Weights mixed_weights(Random& random, std::size_t pose_count, std::size_t index);
 
-// The equal weights first, then edge mid-points (all, or as many random ones as fit), then uniform and corner-heavy random weights;
-// for two poses evenly spaced interior weights instead. `count` in all. No corners: poses are reproduced anyway.
+// `count` weights spread over the simplex, the equal ones first, denser near edges and corners, where averages change fastest; the first
+// ones alone are spread, too. For two poses evenly spaced. No corners: poses are reproduced anyway.
 std::vector<Weights> training_weights(std::size_t pose_count, std::size_t count, std::uint64_t seed);
 
 struct TrainingSet {

@@ -28,13 +28,6 @@ constexpr double surplus = 1.5;
 // Of the tolerance: what the subspace may use, so that the stand-in has a share; and what is good enough not to become a snapshot.
 constexpr double subspace_share = 0.6, largest_share = 0.8, snapshot_share = 0.3;
 
-SparseLower hessian_at_mean(AverageFamily& family, const Energy& energy, std::size_t pose_count)
-{
-    HessianAssembler assembler(energy);
-    assembler.assemble(equal_weights(pose_count), family.mean().y, HessianKind::exact);
-    return assembler.matrix();
-}
-
 std::vector<CheckPoint> solve_checks(AverageFamily& family, SolverPool& pool, const ReducedSolver& reduced,
                                      const std::vector<KnownAverage>& known, const std::vector<Weights>& weights,
                                      double suspicion, SharedProgress& progress)
@@ -60,9 +53,8 @@ public:
         , progress_(progress)
         , report_(report)
         , random_(options.seed)
-        , mean_hessian_(hessian_at_mean(family, pool.energy(), set_.pose_count()))
         , subspace_(build_subspace(set_, Eigen::MatrixXd(set_.dof_count(), 0), 0)) // the differences alone
-        , reduced_(pool.energy(), subspace_, mean_hessian_, family.mean().energy)
+        , reduced_(pool.energy(), subspace_, family.mean_hessian(), family.mean().energy)
     {
     }
 
@@ -204,8 +196,8 @@ private:
         const auto error_at = [&](Eigen::Index d) {
             tell(fmt::format("error at d = {}", d));
             const Subspace subspace = build_subspace(set_, all, d);
-            return subspace_error(ReducedSolver(pool_.energy(), subspace, mean_hessian_, family_.mean().energy), set_,
-                                  checks);
+            return subspace_error(ReducedSolver(pool_.energy(), subspace, family_.mean_hessian(), family_.mean().energy),
+                                  set_, checks);
         };
         // Where the largest error is out of reach the mean decides alone: twice the columns would not be worth a little less.
         double largest = largest_wanted();
@@ -228,7 +220,6 @@ private:
     SharedProgress progress_;
     AdaptiveReport& report_;
     Random random_;
-    SparseLower mean_hessian_;
     std::vector<KnownAverage> snapshots_;
     Eigen::MatrixXd tangents_;
     Subspace subspace_; // of all snapshots and tangents
@@ -248,8 +239,7 @@ std::vector<CheckPoint> solve_checks(AverageFamily& family, SolverPool& pool, co
 {
     SharedProgress shared(progress);
     shared.describe("checks", 0, fmt::format("averages at {} check weights", check_weights.size()));
-    const SparseLower hessian = hessian_at_mean(family, pool.energy(), pool.set().pose_count());
-    const ReducedSolver reduced(pool.energy(), subspace, hessian, family.mean().energy);
+    const ReducedSolver reduced(pool.energy(), subspace, family.mean_hessian(), family.mean().energy);
     return solve_checks(family, pool, reduced, { { equal_weights(pool.set().pose_count()), family.mean().y } },
                         check_weights, branch_suspicion, shared);
 }
