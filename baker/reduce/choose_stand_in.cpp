@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <fmt/core.h>
+#include <limits>
 
 namespace pliant {
 
@@ -13,29 +14,37 @@ constexpr std::size_t sizes[] = { 4, 6, 8, 12 };
 // When there is nothing to judge by.
 constexpr std::size_t size_without_checks = 8;
 
-// While the tolerance is missed a larger set must lower the error by this much to be worth its time in every frame.
+// A larger set must lower the error by this much to be worth its time in every frame.
 constexpr double worthwhile = 0.97;
 
-// What is aimed at, of the tolerance: other weights than the checks are a little worse.
-constexpr double aim = 0.9;
+// What is aimed at, of the tolerance: other weights than the checks are worse.
+constexpr double aim = 0.75;
 
-const BlendError& error_of(const StandInReport& report) { return report.has_load ? report.loaded : report.plain; }
+// Mean and largest error count alike, each in units of what is wanted of it.
+double score(const BlendError& error, const StandInOptions& options)
+{
+    return error.mean / options.tolerance + error.largest / options.largest();
+}
 
 } // namespace
 
+bool is_enough(const BlendError& error, const StandInOptions& options)
+{
+    return error.mean < aim * options.tolerance && error.largest < aim * options.largest();
+}
+
 BlendModel fit_model(std::shared_ptr<const StandIn> stand_in, const Subspace& subspace, const ShapeSet& set,
                      const TrainingSet& training, const std::vector<CheckPoint>& checks, bool may_load,
-                     StandInReport& report)
+                     const StandInOptions& options, StandInReport& report)
 {
     report = {};
     report.curvature = measure_curvature(*stand_in, training);
     BlendModel plain = plain_model(stand_in, training, subspace);
     report.plain = blend_error(plain, subspace, set, checks);
-    if (!may_load || report.curvature.lowest <= 0) return plain;
+    if (!may_load || (checks.empty() && report.curvature.lowest <= 0)) return plain;
     BlendModel loaded = loaded_model(std::move(stand_in), training, subspace);
     report.loaded = blend_error(loaded, subspace, set, checks);
-    report.has_load
-        = !checks.empty() && report.loaded.mean < report.plain.mean && report.loaded.largest <= report.plain.largest;
+    report.has_load = checks.empty() || score(report.loaded, options) < score(report.plain, options);
     return report.has_load ? loaded : plain;
 }
 
@@ -44,7 +53,6 @@ BlendModel choose_cubature(const ReducedEnergy& reduced, const ShapeSet& set, co
                            StandInReport& report)
 {
     const Subspace& subspace = reduced.subspace();
-    const double largest = options.tolerance_max > 0 ? options.tolerance_max : 3 * options.tolerance;
     CubatureOptions cubature;
     cubature.seed = options.seed;
     CubatureFit fit(reduced, training, cubature, progress);
@@ -59,20 +67,39 @@ BlendModel choose_cubature(const ReducedEnergy& reduced, const ShapeSet& set, co
             stand_in = std::make_shared<const StandIn>(fit.fit(count));
         if (progress) progress->update("cubature", 0.99, fmt::format("{} elements: error of blends", count));
         StandInReport here;
-        BlendModel model = fit_model(std::move(stand_in), subspace, set, training, checks, true, here);
+        BlendModel model = fit_model(std::move(stand_in), subspace, set, training, checks, true, options, here);
         here.residual = fit.residual();
-        const bool is_first = !best.stand_in;
-        const bool is_better = is_first || (here.curvature.lowest > 0 && report.curvature.lowest <= 0)
-            || error_of(here).mean < worthwhile * error_of(report).mean;
+        const bool gets_convex = here.curvature.lowest > 0 && report.curvature.lowest <= 0;
+        const bool is_better
+            = !best.stand_in || gets_convex || score(here.error(), options) < worthwhile * score(report.error(), options);
         if (is_better) {
             best = std::move(model);
             report = here;
         }
-        const bool is_enough = report.curvature.lowest > 0 && error_of(report).mean < aim * options.tolerance
-            && error_of(report).largest < aim * largest;
-        if (is_enough || options.element_count || checks.empty()) break;
+        const bool is_convex = report.curvature.lowest > 0;
+        if (is_convex && (is_enough(report.error(), options) || !is_better)) break;
+        if (options.element_count || checks.empty()) break;
     }
     return best;
+}
+
+Eigen::Index choose_dimension(Eigen::Index least, Eigen::Index most, const StandInOptions& options,
+                              const std::function<BlendError(Eigen::Index)>& error_at)
+{
+    StandInOptions wanted = options;
+    const BlendError best = error_at(most);
+    if (best.largest >= aim * options.largest()) wanted.tolerance_max = std::numeric_limits<double>::max();
+    if (!is_enough(best, wanted)) return most;
+    Eigen::Index low = least, high = most, last = most;
+    while (low < high) {
+        last = (low + high) / 2;
+        if (is_enough(error_at(last), wanted))
+            high = last;
+        else
+            low = last + 1;
+    }
+    if (last != high) error_at(high);
+    return high;
 }
 
 } // namespace pliant

@@ -1,8 +1,10 @@
-// How many elements, and whether a dead load: decided by the error of blends, not by the residual of a fit.
+// How many elements, and whether a dead load: decided by the error of blends, not by the residual of a fit. And how many dimensions.
 #pragma once
 
 #include "reduce/blend_model.h"
 #include "reduce/cubature.h"
+
+#include <functional>
 
 namespace pliant {
 
@@ -11,6 +13,8 @@ struct StandInOptions {
     double tolerance_max = 0;      // and the largest; 0: three times the tolerance is aimed at
     std::size_t element_count = 0; // 0: as few as keep the tolerance, four to twelve per dimension
     std::uint64_t seed = 1;
+
+    double largest() const { return tolerance_max > 0 ? tolerance_max : 3 * tolerance; }
 };
 
 struct StandInReport {
@@ -18,17 +22,27 @@ struct StandInReport {
     double residual = 0;   // of the cubature fit
     BlendError plain;      // over the checks, without the dead load
     BlendError loaded;     // with it; zeros if the stand-in is not convex
-    bool has_load = false; // kept: mean and largest error fall
+    bool has_load = false; // kept: it lowers the error
+
+    const BlendError& error() const { return has_load ? loaded : plain; }
 };
+
+// Whether blends keep the tolerance at the checks with something in hand for other weights.
+bool is_enough(const BlendError& error, const StandInOptions& options);
 
 // Cubature of growing size until the blends at the checks keep the tolerance, or more elements do not help.
 BlendModel choose_cubature(const ReducedEnergy& reduced, const ShapeSet& set, const TrainingSet& training,
                            const std::vector<CheckPoint>& checks, const StandInOptions& options, Progress* progress,
                            StandInReport& report);
 
-// The model of a given stand-in; with a dead load if `may_load` and it helps.
+// The model of a given stand-in; with a dead load if `may_load` and it helps. Without checks it is kept if the stand-in is convex.
 BlendModel fit_model(std::shared_ptr<const StandIn> stand_in, const Subspace& subspace, const ShapeSet& set,
                      const TrainingSet& training, const std::vector<CheckPoint>& checks, bool may_load,
-                     StandInReport& report);
+                     const StandInOptions& options, StandInReport& report);
+
+// The smallest dimension from `least` to `most` with enough accuracy, by bisection: `error_at` measures one, and is called last for
+// the one that is returned. Where the largest error is out of reach the mean decides alone; where both are, it is `most`.
+Eigen::Index choose_dimension(Eigen::Index least, Eigen::Index most, const StandInOptions& options,
+                              const std::function<BlendError(Eigen::Index)>& error_at);
 
 } // namespace pliant

@@ -41,6 +41,7 @@ struct Probe {
         hessian,     // the Hessian times directions
         curvature    // direction . Hessian . direction
     } kind;
+    std::size_t average; // of the training set, at or near which this is
     Weights w;
     Eigen::VectorXd q;
     double scale;               // of the rows
@@ -67,24 +68,24 @@ std::vector<Probe> make_probes(const TrainingSet& training, std::uint64_t seed)
     for (std::size_t t = 0; t < count; ++t) {
         const Weights& w = training.weights[t];
         const Eigen::VectorXd& q = training.averages[t];
-        probes.push_back({ Probe::Kind::equilibrium, w, q, equilibrium_weight * share, {} });
+        probes.push_back({ Probe::Kind::equilibrium, t, w, q, equilibrium_weight * share, {} });
         if (t >= force_count) continue;
-        probes.push_back({ Probe::Kind::force, corner_weights(m, random.below(m)), q, force_share, {} });
+        probes.push_back({ Probe::Kind::force, t, corner_weights(m, random.below(m)), q, force_share, {} });
         // Where the solver passes on its way: off the average by about the energy that the average has.
         Eigen::VectorXd z(d);
         for (Eigen::Index i = 0; i < d; ++i) z[i] = random.normal();
         z *= std::sqrt(training.energy_scale) * random.uniform() / std::max(z.norm(), 1e-30);
-        probes.push_back({ Probe::Kind::force, w, q + training.root * z, force_share, {} });
+        probes.push_back({ Probe::Kind::force, t, w, q + training.root * z, force_share, {} });
     }
     // All of the Hessian at the mean, random directions of it elsewhere.
-    probes.push_back({ Probe::Kind::hessian, training.weights[0], training.averages[0], 1 / std::sqrt(double(d)),
+    probes.push_back({ Probe::Kind::hessian, 0, training.weights[0], training.averages[0], 1 / std::sqrt(double(d)),
                        Eigen::MatrixXd::Identity(d, d) });
     for (std::size_t t = 1; t < std::min(count, hessian_probe_count + 1); ++t) {
         const Eigen::Index columns = std::min(d, hessian_probe_columns);
         Eigen::MatrixXd directions(d, columns);
         for (Eigen::Index i = 0; i < directions.size(); ++i) directions.data()[i] = random.normal() / std::sqrt(double(d));
-        probes.push_back({ Probe::Kind::hessian, training.weights[t], training.averages[t], 0.5 / std::sqrt(double(columns)),
-                           directions });
+        probes.push_back({ Probe::Kind::hessian, t, training.weights[t], training.averages[t],
+                           0.5 / std::sqrt(double(columns)), directions });
     }
     return probes;
 }
@@ -160,18 +161,25 @@ std::vector<std::size_t> choose_candidates(std::size_t element_count, std::size_
     return all;
 }
 
-// What the rows of all elements of the mesh together are, for one probe.
+// What the mesh does at a probe, whitened: the target of the weighted elements' rows. Training data from true averages take the mesh as
+// it is at those: seen through the subspace its small triangles are creased, and their forces there mean nothing.
 Eigen::MatrixXd target_of(const ReducedEnergy& reduced, const TrainingSet& training, const Probe& probe)
 {
+    const Subspace& subspace = reduced.subspace();
+    const bool has_shapes = !training.shapes.empty();
     if (probe.kind == Probe::Kind::equilibrium)
         return Eigen::VectorXd::Zero(probe.q.size()); // forces cancel, whatever the solver left over
     if (probe.kind == Probe::Kind::force) {
-        Eigen::VectorXd gradient;
-        reduced.gradient(probe.w, probe.q, gradient);
-        return training.root.transpose() * gradient;
+        Shape shape = subspace.shape(probe.q);
+        if (has_shapes) shape += *training.shapes[probe.average] - subspace.shape(training.averages[probe.average]);
+        Shape gradient = Shape::Zero(shape.size());
+        add_gradient(reduced.energy(), probe.w, shape, gradient);
+        return training.root.transpose() * (subspace.basis.transpose() * gradient);
     }
-    const Eigen::MatrixXd product
-        = training.root.transpose() * reduced.hessian_times(probe.w, probe.q, training.root * probe.directions);
+    const Eigen::MatrixXd directions = training.root * probe.directions;
+    const Eigen::MatrixXd product = training.root.transpose()
+        * (has_shapes ? Eigen::MatrixXd(training.stiffness[probe.average] * directions)
+                      : reduced.hessian_times(probe.w, probe.q, directions));
     if (probe.kind == Probe::Kind::hessian) return product;
     return probe.directions.cwiseProduct(product).colwise().sum();
 }
@@ -280,7 +288,7 @@ std::size_t CubatureFit::stiffen(const StandIn& stand_in)
         const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(whitened_hessian(stand_in, training_, t));
         soft[t]
             = { eigen.eigenvalues()[0],
-                { Probe::Kind::curvature, training_.weights[t], training_.averages[t], 1, eigen.eigenvectors().col(0) } };
+                { Probe::Kind::curvature, t, training_.weights[t], training_.averages[t], 1, eigen.eigenvectors().col(0) } };
     });
     std::sort(soft.begin(), soft.end(), [](const auto& a, const auto& b) { return a.first < b.first; });
     std::size_t count = 0;

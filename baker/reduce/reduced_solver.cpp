@@ -34,10 +34,10 @@ void ReducedSolver::extend()
     fit_metric();
 }
 
-MinimiseResult ReducedSolver::solve(const Weights& w, const Eigen::VectorXd& start) const
+MinimiseResult ReducedSolver::solve(const Weights& w, const Eigen::VectorXd& start, double tolerance) const
 {
     MinimiseOptions options;
-    options.tolerance = 1e-4; // in the energy metric: leaves well below a tolerance of 1e-4 in shape
+    options.tolerance = tolerance;
     options.scale = energy_scale_;
     return minimise([&](const Eigen::VectorXd& q, Eigen::VectorXd& gradient) { return reduced_.gradient(w, q, gradient); },
                     start, metric_, options);

@@ -1,8 +1,10 @@
 #include "reduce/training.h"
 
+#include "average/hessian.h"
 #include "energy/parallel.h"
 #include "report/diagnostics.h"
 
+#include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
 #include <fmt/core.h>
@@ -92,6 +94,59 @@ std::vector<Weights> spread_weights(std::size_t pose_count, std::size_t count, s
 std::vector<Weights> training_weights(std::size_t pose_count, std::size_t count, std::uint64_t seed)
 {
     return pose_count == 2 ? edge_weights(count) : spread_weights(pose_count, count, seed);
+}
+
+std::vector<ProjectedAverage> project_averages(const Energy& energy, const Subspace& subspace, const ShapeSet& set,
+                                               const std::vector<KnownAverage>& averages, Progress* progress)
+{
+    std::vector<Weights> taken;
+    for (std::size_t k = 0; k < set.pose_count(); ++k) taken.push_back(corner_weights(set.pose_count(), k));
+    std::vector<const KnownAverage*> kept;
+    for (const KnownAverage& average : averages) {
+        const bool is_near = std::any_of(taken.begin(), taken.end(), [&](const Weights& other) {
+            return (other - average.weights).norm() < closest_centres;
+        });
+        if (is_near) continue;
+        taken.push_back(average.weights);
+        kept.push_back(&average);
+    }
+    SharedProgress shared(progress);
+    shared.describe("training", 0, fmt::format("stiffness at {} averages", kept.size()));
+    std::vector<ProjectedAverage> out(kept.size());
+    for_each_task(kept.size(), [&](std::size_t i, std::size_t) {
+        shared.update("", 0);
+        const KnownAverage& average = *kept[i];
+        HessianAssembler assembler(energy);
+        assembler.assemble(average.weights, average.shape, HessianKind::exact);
+        const Eigen::MatrixXd forces = assembler.matrix().selfadjointView<Eigen::Lower>() * subspace.basis;
+        const Eigen::MatrixXd stiffness = subspace.basis.transpose() * forces;
+        out[i] = { average.weights, &average.shape, project(subspace, average.shape, set.masses),
+                   forces.transpose() * (average.shape - subspace.origin), 0.5 * (stiffness + stiffness.transpose()) };
+    });
+    return out;
+}
+
+TrainingSet training_of(const ReducedSolver& reduced, const std::vector<ProjectedAverage>& averages, double nearness)
+{
+    const Subspace& subspace = reduced.subspace();
+    const Eigen::Index d = subspace.dimension();
+    TrainingSet training;
+    training.root = reduced.root();
+    for (const ProjectedAverage& average : averages) {
+        Eigen::MatrixXd stiffness = average.stiffness.topLeftCorner(d, d);
+        training.shapes.push_back(average.shape);
+        training.stiffness.push_back(stiffness);
+        stiffness.diagonal().array() += nearness;
+        training.weights.push_back(average.weights);
+        training.averages.push_back(stiffness.ldlt().solve(average.pull.head(d) + nearness * average.nearest.head(d)));
+    }
+    std::vector<double> energies(averages.size());
+    for_each_task(energies.size(), [&](std::size_t t, std::size_t) {
+        energies[t] = energy_value(reduced.energy().energy(), training.weights[t], subspace.shape(training.averages[t]));
+    });
+    training.energy_scale
+        = std::max(std::accumulate(energies.begin(), energies.end(), 0.0) / double(energies.size()), 1e-13);
+    return training;
 }
 
 TrainingSet solve_training_set(const ReducedSolver& reduced, const ShapeSet& set, const std::vector<KnownAverage>& known,

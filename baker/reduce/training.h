@@ -40,7 +40,29 @@ struct TrainingSet {
     Eigen::MatrixXd root;                  // S with S S^T = inverse reduced Hessian at the mean: the metric of all fits
     double energy_scale = 1;               // mean energy over the averages
     int unconverged_count = 0;
+    // Of true averages: what the mesh does there, which is what a stand-in is to do at `averages`. Empty for reduced ones.
+    std::vector<const Shape*> shapes;
+    std::vector<Eigen::MatrixXd> stiffness; // d x d, in q
 };
+
+// A full average seen through a subspace: the energy's quadratic model there, and where the average lies.
+struct ProjectedAverage {
+    Weights weights;
+    const Shape* shape;        // the average a itself, in the list that it came from
+    Eigen::VectorXd nearest;   // coordinates of its projection in the mass inner product
+    Eigen::VectorXd pull;      // U^T H (a - tau)
+    Eigen::MatrixXd stiffness; // U^T H U, H the Hessian of W(w, .) at the average a
+};
+
+// Those of all averages, which must outlive them; ones next to others, or to poses, are left out. Leading parts of the results belong to leading dimensions.
+// Cost: an assembly of the Hessian each.
+std::vector<ProjectedAverage> project_averages(const Energy& energy, const Subspace& subspace, const ShapeSet& set,
+                                               const std::vector<KnownAverage>& averages, Progress* progress);
+
+// Training data from averages (the first one for equal weights): the q that minimises energy + nearness / 2 |y(q) - a|^2. With nearness
+// 0 these are reduced averages, too far from a since a subspace is too stiff; with a large one projections, as near as can be, but
+// creased where triangles are small. In between soft directions follow the average, stiff ones the energy.
+TrainingSet training_of(const ReducedSolver& reduced, const std::vector<ProjectedAverage>& averages, double nearness);
 
 // Solves the exact reduced problem at all training weights (the equal ones first), starting from what is known: full averages, and
 // the poses. Throws Failure (P4401) if the mean does not converge.

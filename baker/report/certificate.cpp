@@ -54,7 +54,6 @@ Json subspace_of(const BakeReport& report, const BakeOptions& options)
     if (options.subspace == SubspaceKind::krylov) subspace["ritz"] = options.ritz_count;
     if (options.subspace == SubspaceKind::adaptive) {
         subspace["snapshots"] = report.adaptive.snapshot_count;
-        subspace["probes"] = report.adaptive.probe_count;
         subspace["unconverged_averages"] = report.adaptive.unconverged_count;
     }
     subspace["mean_error"] = report.subspace_error.mean;

@@ -8,13 +8,15 @@
 
 #include <algorithm>
 #include <fmt/core.h>
-#include <limits>
 
 namespace pliant {
 
 namespace {
 
-// Weights that are probed with one basis, at the same time on several threads. Their mean must be below the tolerance twice.
+// Of reduced solutions that Newton's method goes on from.
+constexpr double reduced_tolerance = 1e-3;
+
+// Weights that are gone through with one basis, at the same time on several threads.
 constexpr std::size_t batch_size = 8;
 
 // A blend that is this far from the truth that Newton finds next to it may have left the branch.
@@ -22,11 +24,8 @@ constexpr double branch_suspicion = 0.05;
 constexpr double unsuspecting
     = 1e30; // for snapshots: while the basis is small all are far, and any average of low energy is a good one
 
-// More snapshots than may be kept: the leading directions of them are better than the first ones that came.
-constexpr double surplus = 1.5;
-
-// Of the tolerance: what the subspace may use, so that the stand-in has a share; and what is good enough not to become a snapshot.
-constexpr double subspace_share = 0.6, largest_share = 0.8, snapshot_share = 0.3;
+// Of the tolerance: what is good enough not to become a column, and what is so bad at a check that it becomes one.
+constexpr double snapshot_share = 0.3, missed_share = 2.4;
 
 std::vector<CheckPoint> solve_checks(AverageFamily& family, SolverPool& pool, const ReducedSolver& reduced,
                                      const std::vector<KnownAverage>& known, const std::vector<Weights>& weights,
@@ -36,7 +35,7 @@ std::vector<CheckPoint> solve_checks(AverageFamily& family, SolverPool& pool, co
     std::vector<CheckPoint> points(weights.size());
     for_each_task(weights.size(), [&](std::size_t i, std::size_t worker) {
         progress.update("", 0);
-        const Shape blend = reduced.subspace().shape(reduced.solve(weights[i], starts(weights[i])).q);
+        const Shape blend = reduced.subspace().shape(reduced.solve(weights[i], starts(weights[i]), reduced_tolerance).q);
         points[i] = family.check(weights[i], blend, suspicion, worker, &progress);
     });
     return points;
@@ -58,34 +57,32 @@ public:
     {
     }
 
-    AdaptiveSubspace build(const std::vector<Weights>& check_weights)
+    AdaptiveSubspace build(const std::vector<Weights>& training, const std::vector<Weights>& check_weights)
     {
         start();
-        refine();
+        go_through({ training.begin() + 1, training.end() });
+        fill();
         AdaptiveSubspace out;
         out.checks = find_checks(check_weights);
-        out.subspace = options_.dimension ? build_subspace(set_, directions(), options_.dimension) : truncate(out.checks);
-        out.snapshots = std::move(snapshots_);
-        report_.snapshot_count = int(out.snapshots.size());
+        out.subspace = build_subspace(set_, directions(), options_.dimension ? options_.dimension : options_.max_dimension);
+        report_.snapshot_count = int(averages_.size() + passed_.size());
+        out.averages = std::move(averages_);
         return out;
     }
 
 private:
-    Eigen::Index limit() const
-    {
-        return Eigen::Index(surplus * double(options_.dimension ? options_.dimension : options_.max_dimension));
-    }
+    // Of the basis that finds snapshots.
+    Eigen::Index limit() const { return options_.dimension ? options_.dimension : options_.max_dimension; }
 
-    void tell(const std::string& detail)
-    {
-        progress_.describe("subspace", std::min(0.99, double(subspace_.dimension()) / double(limit())), detail);
-    }
+    void tell(const std::string& detail) { progress_.describe("subspace", 0.9, detail); }
 
     // Snapshots and tangents relative to pose 0, side by side.
     Eigen::MatrixXd directions() const
     {
-        Eigen::MatrixXd out(set_.dof_count(), Eigen::Index(snapshots_.size()) + tangents_.cols());
-        for (std::size_t i = 0; i < snapshots_.size(); ++i) out.col(Eigen::Index(i)) = snapshots_[i].shape - set_.shapes[0];
+        Eigen::MatrixXd out(set_.dof_count(), Eigen::Index(averages_.size() + passed_.size()) + tangents_.cols());
+        Eigen::Index column = 0;
+        for (const auto* list : { &averages_, &passed_ })
+            for (const KnownAverage& known : *list) out.col(column++) = known.shape - set_.shapes[0];
         out.rightCols(tangents_.cols()) = tangents_;
         return out;
     }
@@ -95,19 +92,15 @@ private:
         if (append_direction(subspace_, displacement, set_.masses)) reduced_.extend();
     }
 
-    void add_snapshot(const Weights& w, const Shape& shape)
-    {
-        snapshots_.push_back({ w, shape });
-        add_direction(shape - set_.shapes[0]);
-    }
-
     void start()
     {
         const std::size_t m = set_.pose_count();
         tell("tangents at the average of all poses");
-        add_snapshot(equal_weights(m), family_.mean().y);
+        averages_.push_back({ equal_weights(m), family_.mean().y });
         report_.unconverged_count += !family_.mean().has_converged;
-        for (const KnownAverage& known : family_.known()) add_snapshot(known.weights, known.shape);
+        passed_ = family_.known();
+        for (const auto* list : { &averages_, &passed_ })
+            for (const KnownAverage& known : *list) add_direction(known.shape - set_.shapes[0]);
         // Tangents at the mean, K a' = -sum_k nu_k grad W_k: one factorisation for all of them.
         Eigen::MatrixXd loads = Eigen::MatrixXd::Zero(set_.dof_count(), Eigen::Index(m));
         for (std::size_t k = 0; k < m; ++k) {
@@ -118,99 +111,64 @@ private:
         pool_.at(0).factorize_equilibrium(equal_weights(m), family_.mean().y);
         tangents_ = -pool_.at(0).solve_equilibrium(loads.leftCols(loads.cols() - 1)); // the loads sum to zero
         for (Eigen::Index k = 0; k < tangents_.cols(); ++k) add_direction(tangents_.col(k));
-
-        std::vector<Weights> pairs;
-        for (std::size_t i = 0; i < m; ++i)
-            for (std::size_t j = i + 1; j < m && m > 2; ++j)
-                pairs.push_back(0.5 * (corner_weights(m, i) + corner_weights(m, j)));
-        probe(pairs, 0);
     }
 
-    // Adds what is farther from the truth than `enough` as snapshots; returns the mean error.
-    double probe(const std::vector<Weights>& weights, double enough)
+    // Averages at all these weights; those that the basis does not hold well enough widen it.
+    void go_through(const std::vector<Weights>& weights)
     {
-        tell(fmt::format("d = {}, {} snapshots, {} probes", subspace_.dimension(), snapshots_.size(), report_.probe_count));
-        double sum = 0;
-        for (CheckPoint& point : solve_checks(family_, pool_, reduced_, snapshots_, weights, unsuspecting, progress_)) {
-            ++report_.probe_count;
-            report_.unconverged_count += !point.has_converged;
-            sum += point.error / double(weights.size());
-            if (point.error > enough) add_snapshot(point.weights, point.truth);
+        const double enough = snapshot_share * options_.tolerance;
+        for (std::size_t done = 0; done < weights.size(); done += batch_size) {
+            progress_.describe(
+                "subspace", 0.9 * double(done) / double(weights.size()),
+                fmt::format("d = {}, averages at {} of {} weights", subspace_.dimension(), done, weights.size()));
+            const std::vector<Weights> batch(weights.begin() + std::ptrdiff_t(done),
+                                             weights.begin() + std::ptrdiff_t(std::min(done + batch_size, weights.size())));
+            std::vector<KnownAverage> known = averages_;
+            known.insert(known.end(), passed_.begin(), passed_.end());
+            for (CheckPoint& point : solve_checks(family_, pool_, reduced_, known, batch, unsuspecting, progress_)) {
+                report_.unconverged_count += !point.has_converged;
+                add_average(point, point.error > enough && subspace_.dimension() < limit());
+            }
         }
-        return sum;
     }
 
-    void refine()
+    void add_average(CheckPoint& point, bool is_direction)
     {
-        int good_batches = 0;
-        // Every batch adds a snapshot unless it is good, so this ends; the bound is for families that never get smooth.
-        for (int round = 0; round < 40 && good_batches < 2 && subspace_.dimension() < limit(); ++round) {
+        if (is_direction) add_direction(point.truth - set_.shapes[0]);
+        averages_.push_back({ point.weights, std::move(point.truth) });
+    }
+
+    // As many snapshots as the dimension that was asked for needs, whatever the error.
+    void fill()
+    {
+        while (Eigen::Index(averages_.size()) < options_.dimension) {
             std::vector<Weights> batch;
             for (std::size_t i = 0; i < batch_size; ++i) batch.push_back(mixed_weights(random_, set_.pose_count(), i));
-            // A dimension that was asked for is filled whatever the error.
-            const double mean = probe(batch, options_.dimension ? 0 : snapshot_share * options_.tolerance);
-            good_batches = mean < subspace_share * options_.tolerance && !options_.dimension ? good_batches + 1 : 0;
+            go_through(batch);
         }
-    }
-
-    // What the largest error of the subspace may be, for the stand-in to have a share.
-    double largest_wanted() const
-    {
-        return largest_share * (options_.tolerance_max > 0 ? options_.tolerance_max : 3 * options_.tolerance);
     }
 
     // A check that the basis misses by far becomes a snapshot, and another weight is checked in its place: no check that is left has
     // been a snapshot.
     std::vector<CheckPoint> find_checks(std::vector<Weights> weights)
     {
+        const double missed = missed_share * (options_.tolerance_max > 0 ? options_.tolerance_max / 3 : options_.tolerance);
         std::vector<CheckPoint> checks;
         for (int round = 0; round < 4 && !weights.empty(); ++round) {
             tell(fmt::format("averages at {} check weights", weights.size()));
             std::vector<CheckPoint> points
-                = solve_checks(family_, pool_, reduced_, snapshots_, weights, branch_suspicion, progress_);
+                = solve_checks(family_, pool_, reduced_, averages_, weights, branch_suspicion, progress_);
             weights.clear();
             for (CheckPoint& point : points) {
-                const bool is_missed = point.error > largest_wanted() && round < 3 && subspace_.dimension() < 2 * limit();
-                if (!is_missed) {
+                if (point.error <= missed || round == 3) {
                     checks.push_back(std::move(point));
                     continue;
                 }
-                add_snapshot(point.weights, point.truth);
+                add_average(point, subspace_.dimension() < 2 * limit());
                 weights.push_back(mixed_weights(random_, set_.pose_count(), weights.size()));
             }
         }
         return checks;
-    }
-
-    bool is_good(const SubspaceError& error, double largest) const
-    {
-        return error.mean < subspace_share * options_.tolerance && error.largest < largest;
-    }
-
-    // The smallest dimension that leaves the stand-in its share of the tolerance; the error falls with d, so bisection.
-    Subspace truncate(const std::vector<CheckPoint>& checks)
-    {
-        const Eigen::MatrixXd all = directions();
-        const Eigen::Index most = std::min(subspace_.dimension(), options_.max_dimension);
-        if (checks.empty()) return build_subspace(set_, all, most); // nothing to judge by
-        const auto error_at = [&](Eigen::Index d) {
-            tell(fmt::format("error at d = {}", d));
-            const Subspace subspace = build_subspace(set_, all, d);
-            return subspace_error(ReducedSolver(pool_.energy(), subspace, family_.mean_hessian(), family_.mean().energy),
-                                  set_, checks);
-        };
-        // Where the largest error is out of reach the mean decides alone: twice the columns would not be worth a little less.
-        double largest = largest_wanted();
-        if (!is_good(error_at(most), largest)) largest = std::numeric_limits<double>::max();
-        Eigen::Index low = Eigen::Index(set_.pose_count()) - 1, high = most;
-        while (low < high) {
-            const Eigen::Index middle = (low + high) / 2;
-            if (is_good(error_at(middle), largest))
-                high = middle;
-            else
-                low = middle + 1;
-        }
-        return build_subspace(set_, all, high);
     }
 
     AverageFamily& family_;
@@ -220,7 +178,7 @@ private:
     SharedProgress progress_;
     AdaptiveReport& report_;
     Random random_;
-    std::vector<KnownAverage> snapshots_;
+    std::vector<KnownAverage> averages_, passed_; // at weights of ours; on ways of the family, to few digits
     Eigen::MatrixXd tangents_;
     Subspace subspace_; // of all snapshots and tangents
     ReducedSolver reduced_;
@@ -228,10 +186,11 @@ private:
 
 } // namespace
 
-AdaptiveSubspace build_adaptive_subspace(AverageFamily& family, SolverPool& pool, const std::vector<Weights>& check_weights,
-                                         const AdaptiveOptions& options, Progress* progress, AdaptiveReport& report)
+AdaptiveSubspace build_adaptive_subspace(AverageFamily& family, SolverPool& pool, const std::vector<Weights>& training,
+                                         const std::vector<Weights>& check_weights, const AdaptiveOptions& options,
+                                         Progress* progress, AdaptiveReport& report)
 {
-    return Builder(family, pool, options, progress, report).build(check_weights);
+    return Builder(family, pool, options, progress, report).build(training, check_weights);
 }
 
 std::vector<CheckPoint> solve_checks(AverageFamily& family, SolverPool& pool, const Subspace& subspace,

@@ -75,6 +75,11 @@ Subspace build_subspace(const ShapeSet& set, const Eigen::MatrixXd& vectors, Eig
     return subspace;
 }
 
+Subspace leading(const Subspace& subspace, Eigen::Index dimension)
+{
+    return { subspace.origin, subspace.basis.leftCols(dimension), subspace.pose_coordinates.topRows(dimension) };
+}
+
 bool append_direction(Subspace& subspace, const Shape& displacement, const Eigen::VectorXd& masses)
 {
     const Factored added = orthonormalise(displacement, subspace.basis, masses);

@@ -19,6 +19,9 @@ struct Subspace {
 // Directions below 1e-9 are rounding and dropped. At most `max_dimension` columns in all.
 Subspace build_subspace(const ShapeSet& set, const Eigen::MatrixXd& vectors, Eigen::Index max_dimension);
 
+// The same with the first `dimension` columns only (at least as many as there are differences).
+Subspace leading(const Subspace& subspace, Eigen::Index dimension);
+
 // Appends the part of a displacement that the basis does not span yet, as one more column; the others stay as they are. False, and no
 // change, if nothing but rounding is left of it.
 bool append_direction(Subspace& subspace, const Shape& displacement, const Eigen::VectorXd& masses);

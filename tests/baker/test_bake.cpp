@@ -94,7 +94,7 @@ TEST_CASE("every material bakes to an asset whose blends are near the unreduced 
     }
 }
 
-TEST_CASE("the adaptive subspace meets its tolerance with fewer dimensions than Algorithm 1 at larger error")
+TEST_CASE("the adaptive subspace converges in d, far below Algorithm 1, and fills a dimension that was asked for")
 {
     const ShapeSet set = normalise(tube_poses(3));
     const DiscreteShells energy(set, ShellOptions());
@@ -105,31 +105,111 @@ TEST_CASE("the adaptive subspace meets its tolerance with fewer dimensions than 
     Random random(5);
     std::vector<Weights> weights;
     for (std::size_t i = 0; i < 9; ++i) weights.push_back(mixed_weights(random, 3, i));
-    HessianAssembler assembler(energy);
-    assembler.assemble(equal_weights(3), family.mean().y, HessianKind::exact);
-    const auto error_of = [&](const AdaptiveSubspace& built) {
-        return subspace_error(ReducedSolver(energy, built.subspace, assembler.matrix(), family.mean().energy), set,
-                              built.checks);
-    };
     AdaptiveOptions options;
     AdaptiveReport report;
-    const AdaptiveSubspace a = build_adaptive_subspace(family, pool, weights, options, nullptr, report);
-    CHECK(error_of(a).mean < 1e-3);
-    options.tolerance = 1e-4;
-    const AdaptiveSubspace b = build_adaptive_subspace(family, pool, weights, options, nullptr, report);
-    CHECK(error_of(b).mean < 1e-4);
-    CHECK(error_of(b).largest < 3e-4);
+    const AdaptiveSubspace found
+        = build_adaptive_subspace(family, pool, training_weights(3, 24, 1), weights, options, nullptr, report);
     CHECK(report.unconverged_count == 0);
-    CHECK(a.subspace.dimension() < b.subspace.dimension());
-    CHECK(b.subspace.dimension() < 20);
-    options.tolerance = 1; // met at once: a dimension that is asked for is filled all the same
-    options.dimension = 9;
-    const AdaptiveSubspace c = build_adaptive_subspace(family, pool, weights, options, nullptr, report);
-    CHECK(c.subspace.dimension() == 9);
-    AdaptiveSubspace krylov;
-    krylov.subspace = build_krylov_subspace(pool.at(0), { 2, 9, 256 }, nullptr);
-    krylov.checks = c.checks;
-    CHECK(10 * error_of(c).mean < error_of(krylov).mean);
+    CHECK(found.checks.size() == weights.size());
+    CHECK(found.averages.size() >= 24);
+    const auto error_of = [&](const Subspace& subspace) {
+        return subspace_error(ReducedSolver(energy, subspace, family.mean_hessian(), family.mean().energy), set,
+                              found.checks);
+    };
+    const SubspaceError few = error_of(leading(found.subspace, 9)), many = error_of(leading(found.subspace, 16));
+    CHECK(few.mean < 1e-3);
+    CHECK(many.mean < 1e-4);
+    CHECK(many.largest < 3e-4);
+    CHECK(10 * few.mean < error_of(build_krylov_subspace(pool.at(0), { 2, 9, 256 }, nullptr)).mean);
+
+    options.tolerance = 1; // met at once
+    options.dimension = 18;
+    const AdaptiveSubspace filled
+        = build_adaptive_subspace(family, pool, training_weights(3, 4, 1), weights, options, nullptr, report);
+    CHECK(filled.subspace.dimension() == 18);
+}
+
+TEST_CASE("training weights are spread over the simplex, the equal ones first, and more go on where fewer end")
+{
+    for (std::size_t m : { 2, 3, 5, 12 }) {
+        CAPTURE(m);
+        const std::vector<Weights> weights = training_weights(m, 40, 7);
+        REQUIRE(weights.size() == 40);
+        CHECK((weights[0] - equal_weights(m)).norm() < 1e-15);
+        double nearest = 1;
+        std::size_t edge_count = 0;
+        for (std::size_t i = 0; i < weights.size(); ++i) {
+            CHECK(std::abs(weights[i].sum() - 1) < 1e-12);
+            CHECK(weights[i].minCoeff() >= 0);
+            edge_count += (weights[i].array() > 0).count() == 2;
+            for (std::size_t j = 0; j < i; ++j) nearest = std::min(nearest, (weights[i] - weights[j]).norm());
+        }
+        CHECK(nearest > 0.02);
+        CHECK(edge_count >= 5);
+    }
+}
+
+TEST_CASE("averages next to others or to poses are no training data of their own")
+{
+    const ShapeSet set = normalise(tube_poses(2));
+    const DiscreteShells energy(set, ShellOptions());
+    SolverPool pool(energy, set, default_solver());
+    AverageFamily family(pool, NewtonOptions(), nullptr);
+    const Shape& mean = family.mean().y;
+    const Subspace subspace = build_subspace(set, mean - set.shapes[0], 2);
+    const ReducedSolver reduced(energy, subspace, family.mean_hessian(), family.mean().energy);
+    const Weights other = Eigen::Vector2d(0.3, 0.7), near = Eigen::Vector2d(0.5001, 0.4999),
+                  corner = Eigen::Vector2d(0.0001, 0.9999);
+    const std::vector<ProjectedAverage> averages = project_averages(
+        energy, subspace, set, { { equal_weights(2), mean }, { near, mean }, { corner, mean }, { other, set.shapes[1] } },
+        nullptr);
+    REQUIRE(averages.size() == 2);
+    CHECK(averages[1].weights == other);
+    // What the subspace holds is reproduced, whatever counts more: energy or distance.
+    for (double nearness : { 1e-6, 1.0, 1e12 }) {
+        const TrainingSet training = training_of(reduced, averages, nearness);
+        CHECK(relative_distance(set, subspace.shape(training.averages[0]), mean) < 1e-9);
+        CHECK(relative_distance(set, subspace.shape(training.averages[1]), set.shapes[1]) < 1e-9);
+        CHECK(training.energy_scale > 0);
+    }
+}
+
+TEST_CASE("training data lie between the reduced average and the projection of the true one")
+{
+    const ShapeSet set = normalise(tube_poses(2));
+    const DiscreteShells energy(set, ShellOptions());
+    SolverPool pool(energy, set, default_solver());
+    AverageFamily family(pool, NewtonOptions(), nullptr);
+    const Shape& mean = family.mean().y;
+    const Subspace subspace = build_subspace(set, Eigen::MatrixXd(set.dof_count(), 0), 1); // the difference alone
+    const ReducedSolver reduced(energy, subspace, family.mean_hessian(), family.mean().energy);
+    const auto averages = project_averages(energy, subspace, set, { { equal_weights(2), mean } }, nullptr);
+    const auto shape_at
+        = [&](double nearness) { return subspace.shape(training_of(reduced, averages, nearness).averages[0]); };
+    const Shape nearest = subspace.shape(project(subspace, mean, set.masses));
+    CHECK(relative_distance(set, shape_at(1e12), nearest) < 1e-6);
+    const double stiff = averages[0].stiffness(0, 0), free = relative_distance(set, shape_at(0), nearest);
+    CHECK(relative_distance(set, shape_at(stiff), nearest) == doctest::Approx(free / 2).epsilon(1e-2));
+}
+
+TEST_CASE("the smallest dimension that keeps the tolerance is found, and the last one measured is the one chosen")
+{
+    StandInOptions options;
+    options.tolerance = 1e-2;
+    for (Eigen::Index needed : { 3, 4, 17, 40, 41 }) {
+        Eigen::Index last = 0;
+        int count = 0;
+        const auto error_at = [&](Eigen::Index d) {
+            last = d;
+            ++count;
+            return BlendError { d >= needed ? 1e-3 : 1e-1, 2e-2 };
+        };
+        CHECK(choose_dimension(3, 40, options, error_at) == std::min<Eigen::Index>(needed, 40));
+        CHECK(last == std::min<Eigen::Index>(needed, 40));
+        CHECK(count <= 8);
+    }
+    // A largest error that no dimension keeps does not cost dimensions.
+    CHECK(choose_dimension(3, 40, options, [](Eigen::Index d) { return BlendError { d < 9 ? 1.0 : 1e-3, 1.0 }; }) == 9);
 }
 
 TEST_CASE("all poses lead to one average, and a branch is known by its energy")

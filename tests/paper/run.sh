@@ -73,8 +73,8 @@ poses_of() {
     done
 }
 
-# So many dimensions, whatever error that gives: a tolerance that nothing meets keeps the baker from stopping earlier.
-adaptive=(--subspace adaptive --tolerance 1e-8)
+# The tolerance says how accurate snapshots are to be; --dim says how many dimensions, whatever error that gives.
+adaptive=(--subspace adaptive --tolerance 1e-5)
 
 # asset_of NAME OPTION...: bakes assets/NAME.pliant from `poses` unless it is there and newer than the tool. Exit code 4, a missed
 # tolerance, is a result of the study and no failure of it.
@@ -82,7 +82,7 @@ asset_of() {
     local asset=$out/assets/$1.pliant start=$SECONDS code=0
     shift
     [[ $asset -nt $tool ]] && return
-    "$tool" bake "${poses[@]}" -o "$asset" --check-samples 0 --best-effort --quiet --report "${asset%.pliant}.json" "${threads[@]}" "$@" \
+    "$tool" bake "${poses[@]}" -o "$asset" --check-samples 0 --fresh-samples 0 --best-effort --quiet --report "${asset%.pliant}.json" "${threads[@]}" "$@" \
         2>> "$out/bakes.log" || code=$?
     ((code == 0 || code == 4)) || { say "baking $asset failed, exit code $code: $out/bakes.log"; return 1; }
     say "baked ${asset##*/} in $((SECONDS - start)) s"
