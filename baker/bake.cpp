@@ -9,6 +9,7 @@
 #include "report/diagnostics.h"
 #include "subspace/barbic.h"
 #include "subspace/krylov.h"
+#include "subspace/sweep.h"
 #include "write/asset_writer.h"
 #include "write/runtime_blender.h"
 
@@ -86,23 +87,21 @@ std::vector<Weights> draw_weights(std::uint64_t seed, std::size_t pose_count, in
 // Fills the simplex more or less evenly; for two poses a line.
 std::size_t training_count(std::size_t pose_count)
 {
-    const std::size_t counts[] = { 33, 80, 128, 192 };
-    return pose_count < 6 ? counts[std::max<std::size_t>(pose_count, 2) - 2] : 256;
+    const std::size_t counts[] = { 33, 80, 128, 160, 192 };
+    return pose_count < 7 ? counts[std::max<std::size_t>(pose_count, 2) - 2] : 256;
 }
 
 AdaptiveSubspace make_subspace(AverageFamily& family, SolverPool& pool, const BakeOptions& options, Progress& progress,
                                BakeReport& report)
 {
-    const std::vector<Weights> check_weights
-        = draw_weights(options.seed + 1000003, pool.set().pose_count(), options.check_count);
+    const std::size_t m = pool.set().pose_count();
+    const std::vector<Weights> check_weights = draw_weights(options.seed + 1000003, m, options.check_count);
+    const KnownAverage mean { equal_weights(m), family.mean().y };
     if (options.subspace == SubspaceKind::adaptive) {
         AdaptiveOptions adaptive;
-        adaptive.tolerance = options.tolerance;
-        adaptive.tolerance_max = options.tolerance_max;
         adaptive.dimension = options.dimension;
         adaptive.seed = options.seed;
-        const std::size_t m = pool.set().pose_count();
-        return build_adaptive_subspace(family, pool, training_weights(m, training_count(m), options.seed), check_weights,
+        return build_adaptive_subspace(family, mean, training_weights(m, training_count(m), options.seed), check_weights,
                                        adaptive, &progress, report.adaptive);
     }
     AdaptiveSubspace out;
@@ -110,7 +109,7 @@ AdaptiveSubspace make_subspace(AverageFamily& family, SolverPool& pool, const Ba
         ? build_krylov_subspace(pool.at(0), { options.ritz_count, options.dimension, format_dimension_limit }, &progress)
         : build_barbic_subspace(pool.at(0), { BarbicOptions().mode_count, options.dimension, format_dimension_limit },
                                 &progress);
-    out.checks = solve_checks(family, pool, out.subspace, check_weights, &progress);
+    out.checks = sweep(family, { mean }, check_weights, &progress);
     return out;
 }
 
@@ -150,7 +149,7 @@ struct Fitted {
 
 // Being off by the tolerance may cost this part of the energy of the mean: below, the distance from the true average counts more than
 // the energy (training_of). From 0.001 to 0.1 the error of blends hardly changes; from 1 on training shapes get creased.
-constexpr double nearness_share = 0.01;
+constexpr double nearness_share = 0.003;
 
 double nearness_wanted(const ShapeSet& set, double mean_energy, double tolerance)
 {
@@ -410,10 +409,12 @@ BakeEstimate estimate_bake(std::size_t vertex_count, std::size_t pose_count, con
     const double d = double(estimate.dimension);
     // Orders of magnitude from the runs in tests/bench: seconds of a factorisation with its Hessian, and of a reduced gradient.
     const double factorisation = 0.6 * std::pow(n / 1e4, 1.3), gradient = 1.5e-6 * n * (1 + d / 60);
-    const double factorisations = is_adaptive ? 20 + 5 * 1.5 * d : m;
-    const double solves = double(training_count(pose_count)) + (is_adaptive ? 2.5 * d : 0);
-    estimate.seconds = (factorisations + 10.0 * options.fresh_count) * factorisation + solves * 20 * gradient + d * d * 1e-2;
-    estimate.memory = 18e3 * n + 5 * 24 * n * d; // factor and Hessian, a few copies of the basis
+    const double averages = double(training_count(pose_count)) + double(options.check_count);
+    const double factorisations = is_adaptive ? 25 * m + 8 * averages : m + 15 * double(options.check_count);
+    const double solves = double(options.check_count) + (is_adaptive ? 0 : double(training_count(pose_count)));
+    estimate.seconds = (factorisations + 20.0 * options.fresh_count) * factorisation + solves * 20 * gradient + d * d * 1e-2;
+    // Factor and Hessian, all averages three times over while their directions are found, a few copies of the basis.
+    estimate.memory = 18e3 * n + 24 * n * (5 * d + (is_adaptive ? 3 * averages : 0));
     estimate.asset_size = 12 * n * (d + 1) + 24 * n;
     return estimate;
 }

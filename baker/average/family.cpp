@@ -10,11 +10,15 @@ namespace pliant {
 
 namespace {
 
-// In the 1-norm of weights: about half of the way from the mean to a corner. It is halved where Newton does not converge from there.
-constexpr double step_length = 0.85;
+// In the 1-norm of weights. The way from a corner to the mean is gone roughly, in long steps: only where it ends counts. Elsewhere steps
+// begin shorter, grow while the tangent's guess is good to a quarter of what is allowed, and are halved where it is not good enough.
+constexpr double rough_step = 0.85, first_step = 0.5;
 
 // A discontinuity is a move that does not get shorter with the step. Steps (in the 1-norm of weights) are not halved below this.
 constexpr double shortest_step = 0.03;
+
+// For the sake of a small correction they are not made shorter than this: where triangles turn, tangents are never good.
+constexpr double shortest_sure_step = 0.2;
 
 // Moves faster than this many times the mean's way to a pose, and longer than 5 %, are looked at closer: well above what a family that
 // turns a limb evenly needs, and a false alarm costs halved steps only.
@@ -48,7 +52,7 @@ struct AverageFamily::Path {
     Weights w;
     NewtonResult point;
     std::vector<BranchFinding> jumps;
-    std::vector<KnownAverage> way;
+    std::optional<Shape> tangent; // at the point, for the whole way that is left; until the next point
 };
 
 AverageFamily::AverageFamily(SolverPool& pool, NewtonOptions options, Progress* progress,
@@ -62,14 +66,15 @@ AverageFamily::AverageFamily(SolverPool& pool, NewtonOptions options, Progress* 
 
 // Along the tangent, by the derivative of the minimiser, as far as it is sound. It has a lower energy all the way, but it stretches
 // limbs that turn, and what is stretched Newton may undo by folding creases; hence the limits.
-Shape AverageFamily::start_of_step(const Path& path, const Weights& next) const
+Shape AverageFamily::start_of_step(Path& path, const Weights& to, double share) const
 {
     const Shape& here = path.point.y;
-    const Shape tangent = path.solver.weight_derivative(path.w, here, next - path.w, HessianKind::projected);
+    if (!path.tangent) path.tangent = path.solver.weight_derivative(path.w, here, to - path.w, HessianKind::projected);
+    const Weights next = path.w + share * (to - path.w);
     const Eigen::VectorXd areas = triangle_areas(here, pool_.set().triangles);
     const double energy = energy_value(pool_.energy(), next, here);
     for (double length = 1; length > 0.2; length /= 2) {
-        Shape guess = here + length * tangent;
+        Shape guess = here + length * share * *path.tangent;
         const Eigen::VectorXd ratios = triangle_areas(guess, pool_.set().triangles).cwiseQuotient(areas);
         if (ratios.minCoeff() > 1 / sound_stretch && ratios.maxCoeff() < sound_stretch
             && energy_value(pool_.energy(), next, guess) < energy)
@@ -90,18 +95,24 @@ void AverageFamily::follow(Path& path, const Weights& to, bool is_rough) const
     rough.residual = std::max(options_.residual, 0.1);
     rough.max_iterations = std::min(options_.max_iterations, 12); // more: the step is too long
     int iterations = 0;
-    double length = step_length;
+    double length = is_rough ? rough_step : first_step;
     for (double left = (to - path.w).lpNorm<1>(); left > 1e-12; left = (to - path.w).lpNorm<1>()) {
         const double share = 1 / std::max(1.0, std::ceil(left / length - 1e-9));
         const Weights next = share == 1 ? to : Weights(path.w + share * (to - path.w));
         const double step = share * left;
         const bool is_last = share == 1;
-        NewtonResult reached
-            = path.solver.minimise(next, start_of_step(path, next), is_last && !is_rough ? fine : rough, path.progress);
+        const Shape guess = start_of_step(path, to, share);
+        NewtonResult reached = path.solver.minimise(next, guess, is_last && !is_rough ? fine : rough, path.progress);
         iterations += reached.iterations;
         const double moved = relative_distance(set, reached.y, path.point.y);
+        const double corrected = is_rough ? 0 : relative_distance(set, reached.y, guess);
         const bool is_fast = speed_ > 0 && moved > jump_distance && moved > jump_speed * speed_ * step;
-        if ((is_fast || (!reached.has_converged && reached.decrement > hopeless_decrement)) && step > 2 * shortest_step) {
+        const bool is_hopeless = !reached.has_converged && reached.decrement > hopeless_decrement;
+        if ((is_fast || is_hopeless) && step > 2 * shortest_step) {
+            length = step / 2;
+            continue;
+        }
+        if (corrected > correction_limit && step > shortest_sure_step) {
             length = step / 2;
             continue;
         }
@@ -111,11 +122,10 @@ void AverageFamily::follow(Path& path, const Weights& to, bool is_rough) const
             path.jumps.push_back({ BranchFinding::Kind::jump, next, std::size_t(pose), moved,
                                    farthest_vertex(set, path.point.y, reached.y) });
         }
+        if (corrected < correction_limit / 4) length = std::min(2 * length, rough_step);
         path.point = std::move(reached);
         path.w = next;
-        if (is_last) continue;
-        path.way.push_back({ next, path.point.y });
-        fix_gauge(set, path.way.back().shape);
+        path.tangent.reset();
     }
     path.point.iterations = iterations;
     fix_gauge(set, path.point.y);
@@ -128,7 +138,7 @@ FamilyPoint AverageFamily::reach_mean(std::size_t pose, std::size_t worker, Prog
     path.point.y = pool_.set().shapes[pose];
     path.point.has_converged = true;
     follow(path, equal_weights(m), true);
-    return { std::move(path.point), {}, std::move(path.way) };
+    return { std::move(path.point), {} };
 }
 
 const NewtonResult& AverageFamily::mean()
@@ -164,8 +174,6 @@ const NewtonResult& AverageFamily::mean()
         if (distance > rough_distance)
             findings_.push_back(
                 { BranchFinding::Kind::other_mean, w, k, distance, farthest_vertex(set, means[best].average.y, other) });
-        else
-            for (KnownAverage& known : means[k].way) known_.push_back(std::move(known));
     }
     start_pose_ = best;
     mean_ = std::move(means[best].average);
@@ -191,23 +199,37 @@ const SparseLower& AverageFamily::mean_hessian()
     return *mean_hessian_;
 }
 
+FamilyPoint AverageFamily::from(const KnownAverage& known, const Weights& w, std::size_t worker, Progress* progress) const
+{
+    Path path { pool_.at(worker), progress, known.weights, {}, {}, {} };
+    path.point.y = known.shape;
+    path.point.has_converged = true;
+    path.point.energy = energy_value(pool_.energy(), w, known.shape);
+    follow(path, w, false);
+    return { std::move(path.point), std::move(path.jumps) };
+}
+
 FamilyPoint AverageFamily::at(const Weights& w, std::size_t worker, Progress* progress) const
 {
     const Weights centre = equal_weights(pool_.set().pose_count());
     // A hair away from the mean is rounding of the division by the sum of the weights.
-    if ((w - centre).lpNorm<1>() < 1e-12) return { *mean_, {}, {} };
-    Path path { pool_.at(worker), progress, centre, *mean_, {}, {} };
-    follow(path, w, false);
-    return { std::move(path.point), std::move(path.jumps), std::move(path.way) };
+    if ((w - centre).lpNorm<1>() < 1e-12) return { *mean_, {} };
+    return from({ centre, mean_->y }, w, worker, progress);
+}
+
+NewtonResult AverageFamily::near(const Shape& shape, const Weights& w, std::size_t worker, Progress* progress) const
+{
+    NewtonResult result = pool_.at(worker).minimise(w, shape, options_, progress);
+    fix_gauge(pool_.set(), result.y);
+    return result;
 }
 
 CheckPoint AverageFamily::check(const Weights& w, const Shape& blend, double suspicion, std::size_t worker,
                                 Progress* progress) const
 {
     const ShapeSet& set = pool_.set();
-    NewtonResult near = pool_.at(worker).minimise(w, blend, options_, progress);
-    fix_gauge(set, near.y);
-    CheckPoint point { w, std::move(near.y), 0, near.has_converged, {} };
+    NewtonResult beside = near(blend, w, worker, progress);
+    CheckPoint point { w, std::move(beside.y), 0, beside.has_converged, {} };
     point.error = relative_distance(set, blend, point.truth);
     if (point.error <= suspicion && point.has_converged) return point;
     FamilyPoint defined = at(w, worker, progress);
@@ -219,8 +241,7 @@ CheckPoint AverageFamily::check(const Weights& w, const Shape& blend, double sus
         point.findings.push_back({ BranchFinding::Kind::other_path, w, std::size_t(pose), distance,
                                    farthest_vertex(set, defined.average.y, point.truth) });
     }
-    const bool is_lower = defined.average.has_converged && defined.average.energy < near.energy;
-    if (!is_lower && point.has_converged) return point;
+    if (!defined.average.has_converged && point.has_converged) return point;
     point.truth = std::move(defined.average.y);
     point.has_converged = defined.average.has_converged;
     point.error = relative_distance(set, blend, point.truth);

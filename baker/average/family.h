@@ -31,7 +31,6 @@ struct KnownAverage {
 struct FamilyPoint {
     NewtonResult average; // in the gauge of pose 0
     std::vector<BranchFinding> jumps;
-    std::vector<KnownAverage> way; // averages passed on the way, to about 1e-3 of a step
 };
 
 // A blend that was compared with the truth.
@@ -59,25 +58,28 @@ public:
     // The exact Hessian there (lower triangle), assembled at the first call. Not from tasks.
     const SparseLower& mean_hessian();
 
-    // Other means that were found on the way, and the averages passed on the ways that met. Empty before mean().
+    // Other means that were found. Empty before mean().
     const std::vector<BranchFinding>& findings() const { return findings_; }
-    const std::vector<KnownAverage>& known() const { return known_; }
 
-    // The average for w (non-negative, sum 1). Steps are halved when Newton fails or the shape jumps; the result may still not have
-    // converged: check it. Needs mean() before; then tasks may call it at the same time, each with its worker. Cost: 10 to 50
-    // factorisations.
+    // The average for w (non-negative, sum 1). Steps are halved when Newton fails, corrects the tangent's guess by much, or the shape
+    // jumps; the result may still not have converged: check it. Needs mean() before; then tasks may call it at the same time, each with
+    // its worker. Cost: 10 to 50 factorisations.
     FamilyPoint at(const Weights& w, std::size_t worker, Progress* progress) const;
 
+    // The same along the straight line from another average that is known, and the average next to a shape.
+    FamilyPoint from(const KnownAverage& known, const Weights& w, std::size_t worker, Progress* progress) const;
+    NewtonResult near(const Shape& shape, const Weights& w, std::size_t worker, Progress* progress) const;
+
     // Compares a blend for w with the truth. Newton's method goes on from the blend, which needs few factorisations when it is good;
-    // if it ends more than `suspicion` (relative L2; 0: always) away, a(w) is computed by continuation, too, the one of lower energy
-    // is the truth, and a difference is recorded. Tasks may call it as at().
+    // if it ends more than `suspicion` (relative L2; 0: always) away, a(w) is computed: that is the truth, unless only the other has
+    // converged, and a difference is recorded. Tasks may call it as at().
     CheckPoint check(const Weights& w, const Shape& blend, double suspicion, std::size_t worker, Progress* progress) const;
 
     const SolverPool& pool() const { return pool_; }
 
 private:
     struct Path;
-    Shape start_of_step(const Path& path, const Weights& next) const;
+    Shape start_of_step(Path& path, const Weights& to, double share) const;
     void follow(Path& path, const Weights& to, bool is_rough) const;
     FamilyPoint reach_mean(std::size_t pose, std::size_t worker, Progress* progress) const;
 
@@ -89,8 +91,11 @@ private:
     std::optional<SparseLower> mean_hessian_;
     double speed_ = 0; // largest relative distance of the mean from a pose per change of weights
     std::vector<BranchFinding> findings_;
-    std::vector<KnownAverage> known_;
 };
+
+// Creases make minima that lie a few per cent (relative L2) apart: where Newton's method goes farther than this from a guess, another
+// one may have caught it.
+constexpr double correction_limit = 0.04;
 
 // Averages farther apart than this (relative L2) are different ones: ten times the default tolerance, of which truths are wanted to a
 // twentieth.

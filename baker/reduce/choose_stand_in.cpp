@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <fmt/core.h>
-#include <limits>
 
 namespace pliant {
 
@@ -19,6 +18,9 @@ constexpr double worthwhile = 0.97;
 
 // What is aimed at, of the tolerance: other weights than the checks are worse.
 constexpr double aim = 0.75;
+
+// Where the tolerance is missed with the most dimensions, an error this much larger is as good.
+constexpr double reachable = 1.1;
 
 // Mean and largest error count alike, each in units of what is wanted of it.
 double score(const BlendError& error, const StandInOptions& options)
@@ -86,10 +88,11 @@ BlendModel choose_cubature(const ReducedEnergy& reduced, const ShapeSet& set, co
 Eigen::Index choose_dimension(Eigen::Index least, Eigen::Index most, const StandInOptions& options,
                               const std::function<BlendError(Eigen::Index)>& error_at)
 {
+    // What is out of reach is brought as near as the most dimensions do, but not by more of them than that takes.
     StandInOptions wanted = options;
     const BlendError best = error_at(most);
-    if (best.largest >= aim * options.largest()) wanted.tolerance_max = std::numeric_limits<double>::max();
-    if (!is_enough(best, wanted)) return most;
+    wanted.tolerance = std::max(options.tolerance, reachable * best.mean / aim);
+    wanted.tolerance_max = std::max(options.largest(), reachable * best.largest / aim);
     Eigen::Index low = least, high = most, last = most;
     while (low < high) {
         last = (low + high) / 2;

@@ -41,7 +41,8 @@ BlendModel fit_model(std::shared_ptr<const StandIn> stand_in, const Subspace& su
                      const StandInOptions& options, StandInReport& report);
 
 // The smallest dimension from `least` to `most` with enough accuracy, by bisection: `error_at` measures one, and is called last for
-// the one that is returned. Where the largest error is out of reach the mean decides alone; where both are, it is `most`.
+// the one that is returned. Where the tolerance is out of
+// reach, the smallest that is about as good as `most`.
 Eigen::Index choose_dimension(Eigen::Index least, Eigen::Index most, const StandInOptions& options,
                               const std::function<BlendError(Eigen::Index)>& error_at);
 

@@ -184,7 +184,16 @@ Eigen::MatrixXd target_of(const ReducedEnergy& reduced, const TrainingSet& train
     return probe.directions.cwiseProduct(product).colwise().sum();
 }
 
-Eigen::VectorXd target_rows(const ReducedEnergy& reduced, const TrainingSet& training, const std::vector<Probe>& probes,
+// Blocks of rows that are larger than usual count as usual ones: a few creased triangles near an average can be stiffer than all the
+// rest, and the fit would see nothing else. Usual are forces of the root of the energy, and the curvature at the mean, 1.
+void limit_scale(Probe& probe, const Eigen::MatrixXd& target, double energy_scale)
+{
+    if (probe.kind == Probe::Kind::curvature) return;
+    const double usual = probe.is_force() ? std::sqrt(energy_scale) : std::sqrt(double(target.cols()));
+    probe.scale /= std::max(1.0, target.norm() / usual);
+}
+
+Eigen::VectorXd target_rows(const ReducedEnergy& reduced, const TrainingSet& training, std::vector<Probe>& probes,
                             const Sketch& sketch, Progress* progress)
 {
     SharedProgress shared(progress);
@@ -193,6 +202,7 @@ Eigen::VectorXd target_rows(const ReducedEnergy& reduced, const TrainingSet& tra
     for_each_task(probes.size(), [&](std::size_t p, std::size_t) {
         shared.update("", 0);
         blocks[p] = target_of(reduced, training, probes[p]);
+        limit_scale(probes[p], blocks[p], training.energy_scale);
     });
     Eigen::VectorXd target = Eigen::VectorXd::Zero(sketch.rows);
     Eigen::Index raw = 0;
@@ -234,11 +244,12 @@ CubatureFit::CubatureFit(const ReducedEnergy& reduced, const TrainingSet& traini
     , all_(reduced.energy(), reduced.subspace().origin, reduced.subspace().basis, candidates_,
            Eigen::VectorXd::Ones(Eigen::Index(candidates_.size())))
 {
-    const std::vector<Probe> probes = make_probes(training, options.seed);
-    append_rows(probes, make_sketch(row_count(probes), options.seed));
+    std::vector<Probe> probes = make_probes(training, options.seed);
+    const Sketch sketch = make_sketch(row_count(probes), options.seed);
+    append_rows(std::move(probes), sketch);
 }
 
-void CubatureFit::append_rows(const std::vector<Probe>& probes, const Sketch& sketch)
+void CubatureFit::append_rows(std::vector<Probe> probes, const Sketch& sketch)
 {
     const Eigen::Index before = target_.size();
     target_.conservativeResize(before + sketch.rows);
@@ -303,8 +314,9 @@ std::size_t CubatureFit::stiffen(const StandIn& stand_in)
     Sketch plain; // every row on its own: these must not drown
     plain.rows = row_count(probes);
     for (Eigen::Index r = 0; r < plain.rows; ++r) plain.target.push_back(std::int32_t(r)), plain.sign.push_back(1.f);
-    append_rows(probes, plain);
-    return probes.size();
+    const std::size_t added = probes.size();
+    append_rows(std::move(probes), plain);
+    return added;
 }
 
 } // namespace pliant

@@ -39,7 +39,7 @@ public:
     double residual() const { return found_.residual; } // relative, of all rows
 
 private:
-    void append_rows(const std::vector<Probe>& probes, const Sketch& sketch);
+    void append_rows(std::vector<Probe> probes, const Sketch& sketch);
 
     const ReducedEnergy& reduced_;
     const TrainingSet& training_;

@@ -63,7 +63,4 @@ SubspaceError subspace_error(const ReducedSolver& solver, const ShapeSet& set, c
 // almost exactly have none, and without a floor they would be amplified without bound.
 constexpr double metric_floor = 1e-9;
 
-// Interpolation needs distinct centres; closer ones (in weights) say the same.
-constexpr double closest_centres = 1e-3;
-
 } // namespace pliant

@@ -58,8 +58,9 @@ Weights candidate_weights(Random& random, std::size_t pose_count, std::size_t in
 std::vector<Weights> edge_weights(std::size_t count)
 {
     std::vector<Weights> out = { equal_weights(2) };
-    for (std::size_t i = 1; out.size() < count && i < count; ++i)
-        if (2 * i != count) out.push_back(Weights(Eigen::Vector2d(double(i), double(count - i)) / double(count)));
+    const std::size_t parts = count | 1; // an odd number of parts never meets the middle
+    for (std::size_t i = 1; out.size() < count; ++i)
+        out.push_back(Weights(Eigen::Vector2d(double(i), double(parts - i)) / double(parts)));
     return out;
 }
 

@@ -9,8 +9,6 @@
 namespace pliant {
 
 struct AdaptiveOptions {
-    double tolerance = 1e-3;  // wanted total error, relative L2, mean over the checks
-    double tolerance_max = 0; // the largest over them; 0: three times the tolerance is aimed at, but not asked for
     Eigen::Index dimension
         = 0; // 0: as many as there are directions, at most max_dimension; else exactly this, if there are as many
     Eigen::Index max_dimension = 64;
@@ -24,21 +22,15 @@ struct AdaptiveReport {
 
 struct AdaptiveSubspace {
     Subspace subspace;                  // leading directions first: fewer columns are the best smaller space
-    std::vector<KnownAverage> averages; // full ones: at `training` weights first, in their order, then others
-    std::vector<CheckPoint> checks;     // at `check_weights`
+    std::vector<KnownAverage> averages; // full ones: the mean, those at the training weights, more for a dimension asked for
+    std::vector<CheckPoint> checks;     // at `check_weights`; their errors are not set
 };
 
 // The family of averages a(w) is smooth in w, so that a basis of snapshots converges exponentially where the Krylov basis of Algorithm
-// 1 stalls (THEORY.md, section 3). Differences are kept exactly. The start is what the family passed on its way to the average of all
-// poses, and the tangents there. Then the training weights (the equal ones first) are gone through: the reduced problem is solved
-// there, and Newton's method on the full mesh goes on from that solution: the distance is the error of the reduced blend, the result
-// the next snapshot. In the end the leading directions of all snapshots are kept. No snapshot is taken at the checks that are left.
-AdaptiveSubspace build_adaptive_subspace(AverageFamily& family, SolverPool& pool, const std::vector<Weights>& training,
-                                         const std::vector<Weights>& check_weights, const AdaptiveOptions& options,
-                                         Progress* progress, AdaptiveReport& report);
-
-// The checks for any other subspace.
-std::vector<CheckPoint> solve_checks(AverageFamily& family, SolverPool& pool, const Subspace& subspace,
-                                     const std::vector<Weights>& check_weights, Progress* progress);
+// 1 stalls (THEORY.md, section 3). Averages at the training weights (the equal ones first, where `mean` is) are followed from each
+// other; differences of the poses are kept exactly, and of the averages the leading directions. No snapshot is taken at the checks.
+AdaptiveSubspace build_adaptive_subspace(const AverageFamily& family, const KnownAverage& mean,
+                                         const std::vector<Weights>& training, const std::vector<Weights>& check_weights,
+                                         const AdaptiveOptions& options, Progress* progress, AdaptiveReport& report);
 
 } // namespace pliant

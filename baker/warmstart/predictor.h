@@ -17,4 +17,7 @@ struct Predictor {
 // Fits the values (columns of `values`, d x N) at distinct centres.
 Predictor fit_predictor(const std::vector<Weights>& centres, const Eigen::MatrixXd& values);
 
+// Interpolation needs distinct centres; closer ones (in weights) say the same.
+constexpr double closest_centres = 1e-3;
+
 } // namespace pliant
