@@ -45,7 +45,10 @@ static int measure(const char* path, int jumps, float tolerance)
     pliant_solver_desc desc = pliant_solver_desc_default();
     if (tolerance > 0) desc.tolerance = tolerance;
     pliant_asset cold_asset = asset;
-    cold_asset.predictor_centres = NULL; /* a jump then starts at z = 0 */
+    /* A predictor of zeros: a jump then starts at z = 0, with the dead load, which lives on the same centres. */
+    float* zeros = calloc(((size_t)asset.predictor_count + asset.pose_count) * asset.dimension, sizeof *zeros);
+    if (!zeros) exit(2);
+    cold_asset.predictor_coefficients = zeros;
     made_solver warm = make_solver(&asset, &desc), cold = make_solver(&cold_asset, &desc);
     double* seconds = malloc((size_t)jumps * sizeof *seconds);
     if (!seconds) exit(2);
@@ -72,6 +75,7 @@ static int measure(const char* path, int jumps, float tolerance)
     printf("%s: d %u, %d jumps: %d end higher than from the average, %d lower, %d unconverged; %.1f evaluations, %.1f us\n",
            path, asset.dimension, jumps, higher, lower, unconverged, evaluations, 1e6 * seconds[jumps / 2]);
     free(seconds);
+    free(zeros);
     free(warm.memory);
     free(cold.memory);
     free_blob(blob);
