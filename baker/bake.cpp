@@ -147,8 +147,8 @@ struct Fitted {
     StandInReport stand_in;
 };
 
-// Being off by the tolerance may cost this part of the energy of the mean: below, the distance from the true average counts more than
-// the energy (training_of). From 0.001 to 0.1 the error of blends hardly changes; from 1 on training shapes get creased.
+// Being off by the tolerance may cost this part of the energy of the mean; what would cost less follows the true average, what would
+// cost more the energy (training_of). With a much larger part training shapes get creased.
 constexpr double nearness_share = 0.003;
 
 double nearness_wanted(const ShapeSet& set, double mean_energy, double tolerance)
@@ -165,7 +165,7 @@ Fitted fit(const Energy& energy, AverageFamily& family, const ShapeSet& set, con
     const ReducedSolver reduced(energy, out.subspace, family.mean_hessian(), family.mean().energy);
     const std::size_t m = set.pose_count();
     out.training = averages.empty()
-        ? solve_training_set(reduced, set, {}, training_weights(m, training_count(m), options.seed), &progress)
+        ? solve_training_set(reduced, set, training_weights(m, training_count(m), options.seed), &progress)
         : training_of(reduced, averages, nearness_wanted(set, family.mean().energy, options.tolerance));
     out.built = build_model(set, reduced.energy(), out.training, found.checks, options, progress, out.stand_in);
     return out;

@@ -34,21 +34,20 @@ void ReducedSolver::extend()
     fit_metric();
 }
 
-MinimiseResult ReducedSolver::solve(const Weights& w, const Eigen::VectorXd& start, double tolerance) const
+MinimiseResult ReducedSolver::solve(const Weights& w, const Eigen::VectorXd& start) const
 {
     MinimiseOptions options;
-    options.tolerance = tolerance;
+    options.tolerance = 1e-4; // in the energy metric: leaves well below a tolerance of 1e-4 in shape
     options.scale = energy_scale_;
     return minimise([&](const Eigen::VectorXd& q, Eigen::VectorXd& gradient) { return reduced_.gradient(w, q, gradient); },
                     start, metric_, options);
 }
 
-ReducedStarts::ReducedStarts(const ReducedSolver& solver, const ShapeSet& set, const std::vector<KnownAverage>& known)
+ReducedStarts::ReducedStarts(const ReducedSolver& solver, const ShapeSet& set)
     : solver_(solver)
 {
     for (std::size_t k = 0; k < set.pose_count(); ++k)
         add(corner_weights(set.pose_count(), k), solver.subspace().pose_coordinates.col(Eigen::Index(k)));
-    for (const KnownAverage& average : known) add(average.weights, project(solver.subspace(), average.shape, set.masses));
     fit();
 }
 

@@ -16,9 +16,9 @@ public:
     // For a basis that grew by one column: computes that column of the reduced Hessian only.
     void extend();
 
-    // The minimiser of W(w, .) in the subspace, by BFGS from `start`. May be called by several tasks at a time. `tolerance`: in the
-    // energy metric; the default leaves well below 1e-4 in shape. Cost: 5 to 40 gradients of the full mesh.
-    MinimiseResult solve(const Weights& w, const Eigen::VectorXd& start, double tolerance = 1e-4) const;
+    // The minimiser of W(w, .) in the subspace, by BFGS from `start`. May be called by several tasks at a time.
+    // Cost: 5 to 40 gradients of the full mesh.
+    MinimiseResult solve(const Weights& w, const Eigen::VectorXd& start) const;
 
     const Subspace& subspace() const { return reduced_.subspace(); }
     const ReducedEnergy& energy() const { return reduced_; }
@@ -37,7 +37,7 @@ private:
 // Where a reduced solve starts: a smooth interpolation of known averages and the poses, or the nearest of them if that is lower.
 class ReducedStarts {
 public:
-    ReducedStarts(const ReducedSolver& solver, const ShapeSet& set, const std::vector<KnownAverage>& known);
+    ReducedStarts(const ReducedSolver& solver, const ShapeSet& set);
 
     // Another known average, by its coordinates; ignored next to one that is there. Call fit() before the next use.
     void add(const Weights& w, const Eigen::VectorXd& q);

@@ -150,15 +150,15 @@ TrainingSet training_of(const ReducedSolver& reduced, const std::vector<Projecte
     return training;
 }
 
-TrainingSet solve_training_set(const ReducedSolver& reduced, const ShapeSet& set, const std::vector<KnownAverage>& known,
-                               std::vector<Weights> weights, Progress* progress)
+TrainingSet solve_training_set(const ReducedSolver& reduced, const ShapeSet& set, std::vector<Weights> weights,
+                               Progress* progress)
 {
     SharedProgress shared(progress);
     shared.describe("reduced averages", 0, "mean");
     TrainingSet training;
     training.weights = std::move(weights);
     training.root = reduced.root();
-    ReducedStarts starts(reduced, set, known);
+    ReducedStarts starts(reduced, set);
     const MinimiseResult mean = minimise_newton(reduced.energy(), training.weights[0], starts(training.weights[0]), 1e-6);
     if (!mean.has_converged && mean.iterations == 0)
         throw Failure(ExitCode::failed,
@@ -173,7 +173,7 @@ TrainingSet solve_training_set(const ReducedSolver& reduced, const ShapeSet& set
     // depend on the number of threads.
     std::size_t done = 1;
     while (done < training.weights.size()) {
-        const std::size_t end = std::min(training.weights.size(), done + std::max<std::size_t>(8, done + known.size()));
+        const std::size_t end = std::min(training.weights.size(), done + std::max<std::size_t>(8, done));
         shared.describe("reduced averages", double(done) / double(training.weights.size()),
                         fmt::format("{} of {}", done, training.weights.size()));
         std::vector<MinimiseResult> wave(end - done);

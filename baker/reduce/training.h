@@ -64,9 +64,8 @@ std::vector<ProjectedAverage> project_averages(const Energy& energy, const Subsp
 // creased where triangles are small. In between soft directions follow the average, stiff ones the energy.
 TrainingSet training_of(const ReducedSolver& reduced, const std::vector<ProjectedAverage>& averages, double nearness);
 
-// Solves the exact reduced problem at all training weights (the equal ones first), starting from what is known: full averages, and
-// the poses. Throws Failure (P4401) if the mean does not converge.
-TrainingSet solve_training_set(const ReducedSolver& reduced, const ShapeSet& set, const std::vector<KnownAverage>& known,
-                               std::vector<Weights> weights, Progress* progress);
+// Solves the exact reduced problem at all training weights (the equal ones first). Throws Failure (P4401) if the mean does not converge.
+TrainingSet solve_training_set(const ReducedSolver& reduced, const ShapeSet& set, std::vector<Weights> weights,
+                               Progress* progress);
 
 } // namespace pliant

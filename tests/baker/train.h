@@ -13,7 +13,7 @@ inline TrainingSet train(NewtonSolver& solver, const Subspace& subspace, std::si
     HessianAssembler assembler(solver.energy());
     assembler.assemble(equal_weights(m), mean.y, HessianKind::exact);
     const ReducedSolver reduced(solver.energy(), subspace, assembler.matrix(), mean.energy);
-    return solve_training_set(reduced, solver.set(), {}, training_weights(m, count, 1), nullptr);
+    return solve_training_set(reduced, solver.set(), training_weights(m, count, 1), nullptr);
 }
 
 } // namespace pliant
