@@ -85,7 +85,7 @@ struct BakedAsset {
 std::unique_ptr<Energy> make_energy(const ShapeSet& set, const EnergyOptions& options);
 
 // Bakes. Throws Failure, or Interrupted through progress. Cost for some 15,000 vertices and 5 poses:
-// minutes with the adaptive subspace (4 to 13 measured, tests/bench/README.md), about one with krylov.
+// minutes with the adaptive subspace (4 to 8 measured, tests/bench/README.md), about one with krylov.
 BakedAsset bake(const PoseSet& poses, const BakeOptions& options, Progress& progress);
 
 // What a bake would cost, from counts alone: dimension, seconds on one core, bytes of working memory.

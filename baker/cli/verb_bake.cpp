@@ -99,7 +99,8 @@ Verb add_bake(CLI::App& app)
     add_energy_options(*verb, a->bake.energy);
     verb->add_option(
             "--subspace", a->subspace,
-            "How the reduced space is built: adaptive (snapshots of true averages until --tolerance is met), krylov "
+            "How the reduced space is built: adaptive (of true averages, with as few dimensions as keep --tolerance), "
+            "krylov "
             "(Algorithm 1 of von Tycowicz et al. 2015: quicker to bake, far less accurate) or barbic (Barbic et al. 2009: "
             "tangents and linear modes; for comparison)")
         ->check(CLI::IsMember({ "adaptive", "krylov", "barbic" }))

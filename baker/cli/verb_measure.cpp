@@ -212,7 +212,7 @@ Verb add_measure(CLI::App& app)
     verb->add_flag(
         "--from-blend", a->from_blend,
         "Look for each unreduced average by Newton's method from the blend only, and by continuation from the average of "
-        "all poses where that is 5 % away: several times faster, but a lower average elsewhere is not seen");
+        "all poses where that is 5 % away: several times faster, but another branch nearer than that is not seen");
     verb->add_flag("--json", a->is_json, "JSON to standard output");
     add_threads(*verb);
     add_quiet(*verb, a->is_quiet);

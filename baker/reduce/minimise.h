@@ -28,7 +28,7 @@ MinimiseResult minimise(const Objective& objective, const Eigen::VectorXd& start
                         const MinimiseOptions& options);
 
 // Inverse of a symmetric matrix made positive definite: eigenvalues below `floor` times the largest count as that. Returns S with
-// S S^T = inverse, eigenvectors scaled, stiffest first; `lowest` receives the smallest true eigenvalue over the largest.
+// S S^T = inverse, eigenvectors scaled, stiffest first.
 Eigen::MatrixXd inverse_root(const Eigen::MatrixXd& hessian, double floor);
 
 } // namespace pliant

@@ -10,28 +10,12 @@ namespace pliant {
 ReducedSolver::ReducedSolver(const Energy& energy, const Subspace& subspace, const SparseLower& mean_hessian,
                              double energy_scale)
     : reduced_(energy, subspace)
-    , mean_hessian_(mean_hessian)
     , energy_scale_(std::max(energy_scale, 1e-13)) // identical poses have no energy
-    , hessian_(subspace.basis.transpose() * (mean_hessian.selfadjointView<Eigen::Lower>() * subspace.basis))
 {
-    fit_metric();
-}
-
-void ReducedSolver::fit_metric()
-{
-    root_ = inverse_root(0.5 * (hessian_ + hessian_.transpose()), metric_floor);
+    const Eigen::MatrixXd hessian
+        = subspace.basis.transpose() * (mean_hessian.selfadjointView<Eigen::Lower>() * subspace.basis);
+    root_ = inverse_root(0.5 * (hessian + hessian.transpose()), metric_floor);
     metric_ = root_ * root_.transpose();
-}
-
-void ReducedSolver::extend()
-{
-    const Eigen::MatrixXd& basis = subspace().basis;
-    const Eigen::Index d = basis.cols();
-    const Eigen::VectorXd row = basis.transpose() * (mean_hessian_.selfadjointView<Eigen::Lower>() * basis.col(d - 1));
-    hessian_.conservativeResize(d, d);
-    hessian_.row(d - 1) = row.transpose();
-    hessian_.col(d - 1) = row;
-    fit_metric();
 }
 
 MinimiseResult ReducedSolver::solve(const Weights& w, const Eigen::VectorXd& start) const

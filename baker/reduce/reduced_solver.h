@@ -13,9 +13,6 @@ public:
     // energy there. Energy and subspace must outlive it; a copy of the subspace is not made.
     ReducedSolver(const Energy& energy, const Subspace& subspace, const SparseLower& mean_hessian, double energy_scale);
 
-    // For a basis that grew by one column: computes that column of the reduced Hessian only.
-    void extend();
-
     // The minimiser of W(w, .) in the subspace, by BFGS from `start`. May be called by several tasks at a time.
     // Cost: 5 to 40 gradients of the full mesh.
     MinimiseResult solve(const Weights& w, const Eigen::VectorXd& start) const;
@@ -27,11 +24,9 @@ public:
     const Eigen::MatrixXd& root() const { return root_; }
 
 private:
-    void fit_metric();
     ReducedEnergy reduced_;
-    const SparseLower& mean_hessian_;
     double energy_scale_;
-    Eigen::MatrixXd hessian_, root_, metric_;
+    Eigen::MatrixXd root_, metric_;
 };
 
 // Where a reduced solve starts: a smooth interpolation of known averages and the poses, or the nearest of them if that is lower.

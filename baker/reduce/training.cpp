@@ -73,16 +73,18 @@ std::vector<Weights> spread_weights(std::size_t pose_count, std::size_t count, s
     std::vector<Weights> candidates = { equal_weights(pose_count) };
     while (candidates.size() < candidates_each * count)
         candidates.push_back(candidate_weights(random, pose_count, candidates.size()));
-    std::vector<double> nearest(candidates.size());
-    for (std::size_t i = 0; i < candidates.size(); ++i)
-        nearest[i] = 2 - 2 * std::sqrt(candidates[i].maxCoeff()); // to the poses
+    std::vector<Eigen::VectorXd> roots;
+    std::vector<double> nearest;
+    for (const Weights& candidate : candidates) {
+        roots.push_back(candidate.cwiseSqrt());
+        nearest.push_back(2 - 2 * roots.back().maxCoeff()); // to the poses
+    }
     std::vector<Weights> out;
     for (std::size_t chosen = 0; out.size() < count;) {
         out.push_back(candidates[chosen]);
-        const Eigen::VectorXd root = candidates[chosen].cwiseSqrt();
         std::size_t farthest = 0;
         for (std::size_t i = 0; i < candidates.size(); ++i) {
-            nearest[i] = std::min(nearest[i], 2 - 2 * root.dot(candidates[i].cwiseSqrt()));
+            nearest[i] = std::min(nearest[i], 2 - 2 * roots[chosen].dot(roots[i]));
             if (nearest[i] > nearest[farthest]) farthest = i;
         }
         chosen = farthest;

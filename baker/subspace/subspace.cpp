@@ -80,17 +80,6 @@ Subspace leading(const Subspace& subspace, Eigen::Index dimension)
     return { subspace.origin, subspace.basis.leftCols(dimension), subspace.pose_coordinates.topRows(dimension) };
 }
 
-bool append_direction(Subspace& subspace, const Shape& displacement, const Eigen::VectorXd& masses)
-{
-    const Factored added = orthonormalise(displacement, subspace.basis, masses);
-    if (added.columns.cols() == 0) return false;
-    subspace.basis.conservativeResize(Eigen::NoChange, subspace.basis.cols() + 1);
-    subspace.basis.rightCols<1>() = added.columns;
-    subspace.pose_coordinates.conservativeResize(subspace.pose_coordinates.rows() + 1, Eigen::NoChange);
-    subspace.pose_coordinates.bottomRows<1>().setZero(); // the differences are spanned by the first columns
-    return true;
-}
-
 Eigen::VectorXd project(const Subspace& subspace, const Shape& shape, const Eigen::VectorXd& masses)
 {
     return subspace.basis.transpose() * times_mass(shape - subspace.origin, masses);

@@ -22,10 +22,6 @@ Subspace build_subspace(const ShapeSet& set, const Eigen::MatrixXd& vectors, Eig
 // The same with the first `dimension` columns only (at least as many as there are differences).
 Subspace leading(const Subspace& subspace, Eigen::Index dimension);
 
-// Appends the part of a displacement that the basis does not span yet, as one more column; the others stay as they are. False, and no
-// change, if nothing but rounding is left of it.
-bool append_direction(Subspace& subspace, const Shape& displacement, const Eigen::VectorXd& masses);
-
 // Coordinates of the shape's projection onto the subspace.
 Eigen::VectorXd project(const Subspace& subspace, const Shape& shape, const Eigen::VectorXd& masses);
 

@@ -16,24 +16,25 @@ constexpr std::size_t least_known_per_pose = 3;
 
 constexpr std::size_t smallest_wave = 8; // keeps threads busy
 
-// All that is known so far, and an interpolation of it.
+// All that is known so far, and an interpolation of it. The averages must stay where they are.
 class Known {
 public:
-    Known(const ShapeSet& set, const std::vector<KnownAverage>& averages)
+    explicit Known(const ShapeSet& set)
         : set_(set)
-        , averages_(averages)
     {
     }
 
-    void add(const CheckPoint& point) { averages_.push_back({ point.weights, point.truth }); }
+    void add(const Weights& weights, const Shape& shape) { averages_.push_back({ &weights, &shape }); }
 
     std::size_t count() const { return averages_.size(); }
 
-    const KnownAverage& nearest(const Weights& w) const
+    KnownAverage nearest(const Weights& w) const
     {
-        return *std::min_element(averages_.begin(), averages_.end(), [&](const KnownAverage& a, const KnownAverage& b) {
-            return (a.weights - w).lpNorm<1>() < (b.weights - w).lpNorm<1>();
-        });
+        const Average& average
+            = *std::min_element(averages_.begin(), averages_.end(), [&](const Average& a, const Average& b) {
+                  return (*a.weights - w).lpNorm<1>() < (*b.weights - w).lpNorm<1>();
+              });
+        return { *average.weights, *average.shape };
     }
 
     // Call before shape() after add(). Shapes are interpolated by combining them with interpolated numbers: one for each, 1 at its own
@@ -43,7 +44,7 @@ public:
         centres_.clear();
         shapes_.clear();
         for (std::size_t k = 0; k < set_.pose_count(); ++k) add_centre(corner_weights(set_.pose_count(), k), set_.shapes[k]);
-        for (const KnownAverage& average : averages_) add_centre(average.weights, average.shape);
+        for (const Average& average : averages_) add_centre(*average.weights, *average.shape);
         const Eigen::Index n = Eigen::Index(centres_.size());
         parts_ = fit_predictor(centres_, Eigen::MatrixXd::Identity(n, n));
     }
@@ -57,6 +58,11 @@ public:
     }
 
 private:
+    struct Average {
+        const Weights* weights;
+        const Shape* shape;
+    };
+
     void add_centre(const Weights& w, const Shape& shape)
     {
         for (const Weights& other : centres_)
@@ -66,7 +72,7 @@ private:
     }
 
     const ShapeSet& set_;
-    std::vector<KnownAverage> averages_;
+    std::vector<Average> averages_;
     std::vector<Weights> centres_;
     std::vector<const Shape*> shapes_;
     Predictor parts_;
@@ -92,7 +98,8 @@ std::vector<CheckPoint> sweep(const AverageFamily& family, const std::vector<Kno
 {
     SharedProgress shared(progress);
     std::vector<CheckPoint> points(weights.size());
-    Known all(family.pool().set(), known);
+    Known all(family.pool().set());
+    for (const KnownAverage& average : known) all.add(average.weights, average.shape);
     // Each wave is half as large as all that was known before it.
     for (std::size_t done = 0; done < weights.size();) {
         const std::size_t end = std::min(weights.size(), done + std::max(smallest_wave, all.count() / 2));
@@ -101,7 +108,7 @@ std::vector<CheckPoint> sweep(const AverageFamily& family, const std::vector<Kno
         for_each_task(end - done, [&](std::size_t i, std::size_t worker) {
             points[done + i] = find(family, all, weights[done + i], worker, &shared);
         });
-        for (; done < end; ++done) all.add(points[done]);
+        for (; done < end; ++done) all.add(points[done].weights, points[done].truth);
     }
     return points;
 }

@@ -24,6 +24,21 @@ struct Variant {
     double error; // largest relative L2 allowed against the unreduced average
 };
 
+// The averages of a bent tube, with Newton's default accuracy.
+struct Tube {
+    explicit Tube(std::size_t pose_count)
+        : set(normalise(tube_poses(pose_count)))
+        , energy(set, ShellOptions())
+        , pool(energy, set, default_solver())
+        , family(pool, NewtonOptions(), nullptr)
+    {
+    }
+    ShapeSet set;
+    DiscreteShells energy;
+    SolverPool pool;
+    AverageFamily family;
+};
+
 std::vector<Variant> variants()
 {
     BakeOptions shells;
@@ -152,10 +167,8 @@ TEST_CASE("training weights are spread over the simplex, the equal ones first")
 
 TEST_CASE("averages next to others or to poses are no training data of their own")
 {
-    const ShapeSet set = normalise(tube_poses(2));
-    const DiscreteShells energy(set, ShellOptions());
-    SolverPool pool(energy, set, default_solver());
-    AverageFamily family(pool, NewtonOptions(), nullptr);
+    Tube tube(2);
+    auto& [set, energy, pool, family] = tube;
     const Shape& mean = family.mean().y;
     const Subspace subspace = build_subspace(set, mean - set.shapes[0], 2);
     const ReducedSolver reduced(energy, subspace, family.mean_hessian(), family.mean().energy);
@@ -177,10 +190,8 @@ TEST_CASE("averages next to others or to poses are no training data of their own
 
 TEST_CASE("training data lie between the reduced average and the projection of the true one")
 {
-    const ShapeSet set = normalise(tube_poses(2));
-    const DiscreteShells energy(set, ShellOptions());
-    SolverPool pool(energy, set, default_solver());
-    AverageFamily family(pool, NewtonOptions(), nullptr);
+    Tube tube(2);
+    auto& [set, energy, pool, family] = tube;
     const Shape& mean = family.mean().y;
     const Subspace subspace = build_subspace(set, Eigen::MatrixXd(set.dof_count(), 0), 1); // the difference alone
     const ReducedSolver reduced(energy, subspace, family.mean_hessian(), family.mean().energy);
@@ -236,10 +247,8 @@ TEST_CASE("all poses lead to one average, and a branch is known by its energy")
 
 TEST_CASE("averages followed from their neighbours are those followed from the mean")
 {
-    const ShapeSet set = normalise(tube_poses(3));
-    const DiscreteShells energy(set, ShellOptions());
-    SolverPool pool(energy, set, default_solver());
-    AverageFamily family(pool, NewtonOptions(), nullptr);
+    Tube tube(3);
+    auto& [set, energy, pool, family] = tube;
     const std::vector<Weights> weights = training_weights(3, 30, 1);
     const int before = pool.factorization_count();
     const std::vector<CheckPoint> points = sweep(family, { { weights[0], family.mean().y } }, weights, nullptr);
