@@ -67,17 +67,18 @@ ShapeSet normalise(const PoseSet& poses, bool keep_placement)
     const Eigen::Vector3d centre = centroid(set.shapes[0], set.masses);
     set.origin = (middle + centre).cast<float>().cast<double>();
     const Eigen::Vector3d shift = middle - set.origin;
+    const Shape rest = set.shapes[0]; // the loop moves and scales shapes[0] before the others are fitted to it
     for (std::size_t k = 0; k < set.pose_count(); ++k) {
         RigidMotion fit;
-        if (!keep_placement && k > 0) fit = best_rigid_motion(set.shapes[k], set.shapes[0], set.masses);
+        if (!keep_placement && k > 0) fit = best_rigid_motion(set.shapes[k], rest, set.masses);
         apply(fit, set.shapes[k]);
         set.motions[k].rotation = fit.rotation;
         set.motions[k].translation = fit.rotation * set.motions[k].translation + fit.translation + middle;
         for (Eigen::Index i = 0; i < 3 * n; i += 3)
             set.shapes[k].segment<3>(i) = (set.shapes[k].segment<3>(i) + shift) / set.length;
     }
-    const auto rest = rows(set.shapes[0]);
-    set.diagonal = (rest.colwise().maxCoeff() - rest.colwise().minCoeff()).norm();
+    const auto first = rows(set.shapes[0]);
+    set.diagonal = (first.colwise().maxCoeff() - first.colwise().minCoeff()).norm();
     return set;
 }
 

@@ -45,6 +45,15 @@ TEST_CASE("normalised poses have unit mean area, unit mass, and meet pose 0")
     CHECK((a.shapes[1] - b.shapes[1]).norm() < 1e-12 * a.shapes[1].norm() * 100);
     const Positions back = to_input_units(a, a.shapes[0]);
     CHECK((back - poses.positions[0]).norm() < 1e-12 * back.norm());
+    for (std::size_t k = 0; k < 3; ++k) {
+        // Best alignment puts all centroids at the same place; the motions that are reported lead there.
+        const Eigen::Map<const Positions> rows(a.shapes[k].data(), a.masses.size(), 3);
+        CHECK((rows.transpose() * a.masses).norm() < 1e-7); // the origin is rounded to single precision
+        Shape x = Eigen::Map<const Shape>(poses.positions[k].data(), a.shapes[k].size());
+        apply(a.motions[k], x);
+        const Positions placed = to_input_units(a, a.shapes[k]);
+        CHECK((x - Eigen::Map<const Shape>(placed.data(), x.size())).norm() < 1e-12 * x.norm());
+    }
 }
 
 TEST_CASE("a subspace is mass-orthonormal and holds the poses exactly")
