@@ -29,7 +29,7 @@ float pliant_bfgs_direction(pliant_solver* solver)
 {
     const size_t d = solver->asset.padded_dimension;
     float* PLIANT_RESTRICT direction = solver->direction;
-    pliant_combine_columns(direction, solver->inverse_hessian, solver->gradient, solver->asset.dimension, d);
+    solver->kernels->combine_columns(direction, solver->inverse_hessian, solver->gradient, solver->asset.dimension, d);
     for (size_t j = 0; j < d; ++j) direction[j] = -direction[j];
     return -pliant_dot(solver->gradient, direction, d);
 }
@@ -49,13 +49,13 @@ static void learn_curvature(pliant_solver* solver)
     const float sy = pliant_dot(s, y, d);
     const float floor = CURVATURE_FLOOR * sqrtf(pliant_dot(s, s, d)) * sqrtf(pliant_dot(y, y, d));
     if (!(sy > floor)) return;
-    pliant_combine_columns(solver->product, solver->inverse_hessian, y, solver->asset.dimension, d);
+    solver->kernels->combine_columns(solver->product, solver->inverse_hessian, y, solver->asset.dimension, d);
     const float r = 1.0f / sy;
     const float half = 0.5f * r * (1.0f + r * pliant_dot(y, solver->product, d));
     float* v = solver->change; /* y is not needed any more */
     for (size_t j = 0; j < d; ++j) v[j] = half * s[j] - r * solver->product[j];
     if (!pliant_is_finite(pliant_dot(v, v, d))) return;
-    pliant_add_symmetric(solver->inverse_hessian, s, v, d);
+    solver->kernels->add_symmetric(solver->inverse_hessian, s, v, d);
     solver->is_identity = 0;
 }
 

@@ -61,21 +61,22 @@ pliant_elements_layout pliant_elements_measure(const pliant_asset* asset)
     return layout;
 }
 
-void pliant_elements_combine(const pliant_asset* asset, const float* weights, float* combined)
+void pliant_elements_combine(const pliant_kernels* kernels, const pliant_asset* asset, const float* weights, float* combined)
 {
     for (uint32_t i = 0; i < asset->batch_count; ++i) {
         const batch_view batch = view_batch(asset, i);
         if (!is_combined(&batch)) continue;
         const size_t count = batch.pose_number_count * batch.stride;
-        pliant_combine_columns(combined, batch.pose_numbers, weights, asset->pose_count, count);
+        kernels->combine_columns(combined, batch.pose_numbers, weights, asset->pose_count, count);
         combined += count;
     }
 }
 
 /* change = sum over j of z[j] * rows[1+j], for `lanes` lanes. Without rows[0]: the elements want the change by itself,
    free of cancellation. Four columns at a time, so that four loads share one trip of the sum to the cache. */
-static void add_four_columns(float* PLIANT_RESTRICT change, const float* PLIANT_RESTRICT columns, size_t column_floats,
-                             const float* z, size_t row_count, size_t stride, size_t lanes)
+static PLIANT_INLINE void add_four_columns(float* PLIANT_RESTRICT change, const float* PLIANT_RESTRICT columns,
+                                           size_t column_floats, const float* z, size_t row_count, size_t stride,
+                                           size_t lanes)
 {
     const float z0 = z[0], z1 = z[1], z2 = z[2], z3 = z[3];
     for (size_t r = 0; r < row_count; ++r) {
@@ -88,28 +89,28 @@ static void add_four_columns(float* PLIANT_RESTRICT change, const float* PLIANT_
     }
 }
 
-static void add_column(float* PLIANT_RESTRICT change, const float* PLIANT_RESTRICT column, float z, size_t row_count,
-                       size_t stride, size_t lanes)
+static PLIANT_INLINE void add_column(float* PLIANT_RESTRICT change, const float* PLIANT_RESTRICT column, float z,
+                                     size_t row_count, size_t stride, size_t lanes)
 {
     for (size_t r = 0; r < row_count; ++r) pliant_add_scaled(change + r * lanes, z, column + r * stride, lanes);
 }
 
-static void pass_forward(const batch_view* batch, size_t first, size_t lanes, const float* z, size_t dimension,
-                         float* change)
+static PLIANT_INLINE void pass_forward(const pliant_block* block, const float* z, float* change)
 {
-    const size_t column_floats = batch->row_count * batch->stride;
-    const float* column = batch->rows + column_floats + first;
+    const size_t rows = block->row_count, stride = block->stride, lanes = block->lanes;
+    const float* column = block->columns;
     size_t j = 0;
-    memset(change, 0, batch->row_count * lanes * sizeof *change);
-    for (; j + 4 <= dimension; j += 4)
-        add_four_columns(change, column + j * column_floats, column_floats, z + j, batch->row_count, batch->stride, lanes);
-    for (; j < dimension; ++j) add_column(change, column + j * column_floats, z[j], batch->row_count, batch->stride, lanes);
+    memset(change, 0, rows * lanes * sizeof *change);
+    for (; j + 4 <= block->column_count; j += 4, column += 4 * block->column_floats)
+        add_four_columns(change, column, block->column_floats, z + j, rows, stride, lanes);
+    for (; j < block->column_count; ++j, column += block->column_floats)
+        add_column(change, column, z[j], rows, stride, lanes);
 }
 
 /* gradient[0..1] += <force, two columns>: two share the loads of the force. */
-static void project_two_columns(const float* PLIANT_RESTRICT force, const float* PLIANT_RESTRICT c0,
-                                const float* PLIANT_RESTRICT c1, size_t row_count, size_t stride, size_t lanes,
-                                float* PLIANT_RESTRICT gradient)
+static PLIANT_INLINE void project_two_columns(const float* PLIANT_RESTRICT force, const float* PLIANT_RESTRICT c0,
+                                              const float* PLIANT_RESTRICT c1, size_t row_count, size_t stride, size_t lanes,
+                                              float* PLIANT_RESTRICT gradient)
 {
     float sum0[PLIANT_LANES] = { 0 };
     float sum1[PLIANT_LANES] = { 0 };
@@ -123,8 +124,8 @@ static void project_two_columns(const float* PLIANT_RESTRICT force, const float*
     gradient[1] += pliant_sum_lanes(sum1);
 }
 
-static void project_column(const float* PLIANT_RESTRICT force, const float* PLIANT_RESTRICT column, size_t row_count,
-                           size_t stride, size_t lanes, float* gradient)
+static PLIANT_INLINE void project_column(const float* PLIANT_RESTRICT force, const float* PLIANT_RESTRICT column,
+                                         size_t row_count, size_t stride, size_t lanes, float* gradient)
 {
     float sum[PLIANT_LANES] = { 0 };
     for (size_t r = 0; r < row_count; ++r)
@@ -133,31 +134,28 @@ static void project_column(const float* PLIANT_RESTRICT force, const float* PLIA
     *gradient += pliant_sum_lanes(sum);
 }
 
-static void pass_backward(const batch_view* batch, size_t first, size_t lanes, const float* force, size_t dimension,
-                          float* gradient)
+static PLIANT_INLINE void pass_backward(const pliant_block* block, const float* force, float* gradient)
 {
-    const size_t column_floats = batch->row_count * batch->stride;
-    const float* column = batch->rows + column_floats + first;
+    const size_t rows = block->row_count, stride = block->stride, lanes = block->lanes;
+    const float* column = block->columns;
     size_t j = 0;
-    for (; j + 2 <= dimension; j += 2) {
-        const float* c = column + j * column_floats;
-        project_two_columns(force, c, c + column_floats, batch->row_count, batch->stride, lanes, gradient + j);
-    }
-    if (j < dimension)
-        project_column(force, column + j * column_floats, batch->row_count, batch->stride, lanes, gradient + j);
+    for (; j + 2 <= block->column_count; j += 2, column += 2 * block->column_floats)
+        project_two_columns(force, column, column + block->column_floats, rows, stride, lanes, gradient + j);
+    if (j < block->column_count) project_column(force, column, rows, stride, lanes, gradient + j);
 }
 
-static void evaluate_group(const batch_view* batch, const pliant_element_group* group, const pliant_arap_poses* poses,
-                           float* force, float* energy)
+PLIANT_KERNEL(pass_forward, (const pliant_block* block, const float* z, float* change), (block, z, change))
+PLIANT_KERNEL(pass_backward, (const pliant_block* block, const float* force, float* gradient), (block, force, gradient))
+
+static void evaluate_group(const pliant_kernels* kernels, uint32_t kind, const pliant_element_group* group,
+                           const pliant_arap_poses* poses, float* force, float* energy)
 {
-    switch (batch->kind) {
-    case PLIANT_ELEMENT_HINGE: pliant_hinge_evaluate(group, force, energy); break;
-    case PLIANT_ELEMENT_FACE_NEO_HOOKEAN: pliant_face_neo_hookean_evaluate(group, force, energy); break;
-    case PLIANT_ELEMENT_FACE_STVK: pliant_face_stvk_evaluate(group, force, energy); break;
-    case PLIANT_ELEMENT_FACE_EDGE: pliant_face_edge_evaluate(group, force, energy); break;
-    default: /* ARAP; pliant_asset_open lets no other kind pass */
-        pliant_arap_cell_evaluate(group, poses, force, energy);
-        break;
+    switch (kind) {
+    case PLIANT_ELEMENT_HINGE: kernels->hinge(group, force, energy); break;
+    case PLIANT_ELEMENT_FACE_NEO_HOOKEAN: kernels->face_neo_hookean(group, force, energy); break;
+    case PLIANT_ELEMENT_FACE_STVK: kernels->face_stvk(group, force, energy); break;
+    case PLIANT_ELEMENT_FACE_EDGE: kernels->face_edge(group, force, energy); break;
+    default: /* ARAP; pliant_asset_open lets no other kind pass */ kernels->arap_cell(group, poses, force, energy); break;
     }
 }
 
@@ -169,31 +167,34 @@ static double sum_energy(const float* energy)
     return sum;
 }
 
-double pliant_elements_evaluate(const pliant_asset* asset, const float* weights, const float* combined, const float* z,
-                                float* gradient, float* scratch)
+double pliant_elements_evaluate(const pliant_kernels* kernels, const pliant_asset* asset, const float* weights,
+                                const float* combined, const float* z, float* gradient, float* scratch)
 {
     double total = 0.0;
     memset(gradient, 0, asset->padded_dimension * sizeof *gradient);
     for (uint32_t i = 0; i < asset->batch_count; ++i) {
         const batch_view batch = view_batch(asset, i);
-        const size_t block = block_lanes(batch.row_count);
+        const size_t size = block_lanes(batch.row_count), column_floats = batch.row_count * batch.stride;
         const float* numbers = is_combined(&batch) ? combined : batch.pose_numbers;
         const pliant_arap_poses poses
             = { batch.valence, batch.edge_count, weights, asset->pose_count, batch.pose_number_count * batch.stride };
-        for (size_t first = 0; first < batch.stride; first += block) {
-            const size_t lanes = batch.stride - first < block ? batch.stride - first : block;
+        for (size_t first = 0; first < batch.stride; first += size) {
+            const size_t lanes = batch.stride - first < size ? batch.stride - first : size;
+            const pliant_block block = {
+                batch.rows + column_floats + first, column_floats, asset->dimension, batch.row_count, batch.stride, lanes
+            };
             float* change = scratch;
-            float* force = scratch + batch.row_count * block;
+            float* force = scratch + batch.row_count * size;
             float energy[PLIANT_LANES] = { 0 };
-            pass_forward(&batch, first, lanes, z, asset->dimension, change);
+            kernels->pass_forward(&block, z, change);
             for (size_t l = 0; l < lanes; l += PLIANT_LANES) {
                 const pliant_element_group group = {
                     batch.rows + first + l, batch.fixed + first + l, numbers + first + l, batch.stride, change + l, lanes
                 };
-                evaluate_group(&batch, &group, &poses, force + l, energy);
+                evaluate_group(kernels, batch.kind, &group, &poses, force + l, energy);
             }
             total += sum_energy(energy);
-            pass_backward(&batch, first, lanes, force, asset->dimension, gradient);
+            kernels->pass_backward(&block, force, gradient);
         }
         if (is_combined(&batch)) combined += batch.pose_number_count * batch.stride;
     }

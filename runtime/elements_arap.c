@@ -24,7 +24,7 @@ typedef double wide_t[PLIANT_LANES];
 
 /* Turns the plane (p, q) so that k[p][q] vanishes, and the rows of `vectors` alike; r and t are the other two indices. k
    holds the whole symmetric matrix. Inlined with constants, or compilers could not tell the rows apart. */
-static inline void rotate_plane(lanes_t k[4][4], lanes_t vectors[4][4], int p, int q, int r, int t)
+static PLIANT_INLINE void rotate_plane(lanes_t k[4][4], lanes_t vectors[4][4], int p, int q, int r, int t)
 {
     lanes_t cosine, sine;
     for (size_t l = 0; l < PLIANT_LANES; ++l) {
@@ -56,7 +56,7 @@ static inline void rotate_plane(lanes_t k[4][4], lanes_t vectors[4][4], int p, i
 
 /* Horn's matrix of moments = sum edge p^T (row-major), scaled so that its entries are of size 1. The rotation takes p to the
    edge. */
-static void make_horn_matrix(wide_t moments[9], lanes_t k[4][4])
+static PLIANT_INLINE void make_horn_matrix(wide_t moments[9], lanes_t k[4][4])
 {
     lanes_t scale = { 0 }, m[9];
     for (int i = 0; i < 9; ++i)
@@ -82,7 +82,7 @@ static void make_horn_matrix(wide_t moments[9], lanes_t k[4][4])
 }
 
 /* The eigenvector of the largest eigenvalue: w, x, y, z. */
-static void pick_quaternion(lanes_t k[4][4], lanes_t vectors[4][4], lanes_t quaternion[4])
+static PLIANT_INLINE void pick_quaternion(lanes_t k[4][4], lanes_t vectors[4][4], lanes_t quaternion[4])
 {
     lanes_t best;
     memcpy(best, k[0][0], sizeof best);
@@ -96,7 +96,7 @@ static void pick_quaternion(lanes_t k[4][4], lanes_t vectors[4][4], lanes_t quat
 }
 
 /* Orthonormal to double precision whatever the rounding of the quaternion: tr(R^T M) then depends on that by its square. */
-static void make_rotation(lanes_t quaternion[4], wide_t rotation[9])
+static PLIANT_INLINE void make_rotation(lanes_t quaternion[4], wide_t rotation[9])
 {
     for (size_t l = 0; l < PLIANT_LANES; ++l) {
         const double w = (double)quaternion[0][l], x = (double)quaternion[1][l];
@@ -114,7 +114,7 @@ static void make_rotation(lanes_t quaternion[4], wide_t rotation[9])
     }
 }
 
-static void find_rotation(wide_t moments[9], wide_t rotation[9])
+static PLIANT_INLINE void find_rotation(wide_t moments[9], wide_t rotation[9])
 {
     lanes_t k[4][4], vectors[4][4], quaternion[4];
     make_horn_matrix(moments, k);
@@ -140,7 +140,7 @@ typedef struct edge_rows {
     int is_rim;
 } edge_rows;
 
-static edge_rows locate_edge(uint32_t edge, uint32_t valence)
+static PLIANT_INLINE edge_rows locate_edge(uint32_t edge, uint32_t valence)
 {
     edge_rows rows = { 3u * (size_t)edge, 0, 0 };
     if (edge >= valence) {
@@ -153,7 +153,8 @@ static edge_rows locate_edge(uint32_t edge, uint32_t valence)
 }
 
 /* Coordinate c of an edge at z = 0, and its change since. */
-static inline void read_edge(const pliant_element_group* group, edge_rows rows, size_t c, lanes_t start, lanes_t grown)
+static PLIANT_INLINE void read_edge(const pliant_element_group* group, edge_rows rows, size_t c, lanes_t start,
+                                    lanes_t grown)
 {
     memcpy(start, group->rows + (rows.head + c) * group->stride, sizeof(lanes_t));
     memcpy(grown, group->change + (rows.head + c) * group->block_stride, sizeof(lanes_t));
@@ -166,8 +167,8 @@ static inline void read_edge(const pliant_element_group* group, edge_rows rows, 
     }
 }
 
-static inline void add_edge_force(const pliant_element_group* group, edge_rows rows, size_t c, const lanes_t edge_force,
-                                  float* PLIANT_RESTRICT force)
+static PLIANT_INLINE void add_edge_force(const pliant_element_group* group, edge_rows rows, size_t c,
+                                         const lanes_t edge_force, float* PLIANT_RESTRICT force)
 {
     float* head = force + (rows.head + c) * group->block_stride;
     for (size_t l = 0; l < PLIANT_LANES; ++l) head[l] += edge_force[l];
@@ -178,8 +179,8 @@ static inline void add_edge_force(const pliant_element_group* group, edge_rows r
 
 /* sum over edges of c (|edge|^2 - |edge0|^2) with c = sum_k w_k c_k, and its force: the part without a rotation, which does
    combine over poses. */
-static void add_lengths(const pliant_element_group* group, const pliant_arap_poses* poses, float* PLIANT_RESTRICT force,
-                        wide_t energy)
+static PLIANT_INLINE void add_lengths(const pliant_element_group* group, const pliant_arap_poses* poses,
+                                      float* PLIANT_RESTRICT force, wide_t energy)
 {
     for (uint32_t i = 0; i < poses->edge_count; ++i) {
         const edge_rows rows = locate_edge(i, poses->valence);
@@ -202,8 +203,8 @@ static void add_lengths(const pliant_element_group* group, const pliant_arap_pos
 }
 
 /* moments = sum over edges of edge p^T for one pose, row-major. */
-static void sum_moments(const pliant_element_group* group, const pliant_arap_poses* poses, const float* numbers,
-                        wide_t moments[9])
+static PLIANT_INLINE void sum_moments(const pliant_element_group* group, const pliant_arap_poses* poses,
+                                      const float* numbers, wide_t moments[9])
 {
     memset(moments, 0, 9 * sizeof(wide_t));
     for (uint32_t i = 0; i < poses->edge_count; ++i) {
@@ -221,8 +222,8 @@ static void sum_moments(const pliant_element_group* group, const pliant_arap_pos
 }
 
 /* Adds -2 w (sigma(M) - sigma0) and its force -2 w R p for one pose. */
-static void add_rotated_pose(const pliant_element_group* group, const pliant_arap_poses* poses, uint32_t pose,
-                             float* PLIANT_RESTRICT force, wide_t energy)
+static PLIANT_INLINE void add_rotated_pose(const pliant_element_group* group, const pliant_arap_poses* poses, uint32_t pose,
+                                           float* PLIANT_RESTRICT force, wide_t energy)
 {
     const float* numbers = group->numbers + pose * poses->pose_stride;
     const float* sigma0 = numbers + 4u * (size_t)poses->edge_count * group->stride;
@@ -252,8 +253,8 @@ static void add_rotated_pose(const pliant_element_group* group, const pliant_ara
     }
 }
 
-void pliant_arap_cell_evaluate(const pliant_element_group* group, const pliant_arap_poses* poses,
-                               float* PLIANT_RESTRICT force, float* PLIANT_RESTRICT energy)
+static PLIANT_INLINE void evaluate_arap_cell(const pliant_element_group* group, const pliant_arap_poses* poses,
+                                             float* PLIANT_RESTRICT force, float* PLIANT_RESTRICT energy)
 {
     wide_t sum = { 0 };
     for (size_t r = 0; r < 3u * (size_t)poses->valence; ++r) memset(force + r * group->block_stride, 0, sizeof(lanes_t));
@@ -262,3 +263,8 @@ void pliant_arap_cell_evaluate(const pliant_element_group* group, const pliant_a
         if (poses->weights[k] > 0.0f) add_rotated_pose(group, poses, k, force, sum);
     for (size_t l = 0; l < PLIANT_LANES; ++l) energy[l] += (float)sum[l];
 }
+
+PLIANT_KERNEL(evaluate_arap_cell,
+              (const pliant_element_group* group, const pliant_arap_poses* poses, float* PLIANT_RESTRICT force,
+               float* PLIANT_RESTRICT energy),
+              (group, poses, force, energy))

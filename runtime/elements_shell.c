@@ -8,13 +8,15 @@
 
 typedef float lanes_t[PLIANT_LANES];
 
-static void store_rows(float* PLIANT_RESTRICT force, size_t block_stride, lanes_t* PLIANT_RESTRICT rows, size_t row_count)
+static PLIANT_INLINE void store_rows(float* PLIANT_RESTRICT force, size_t block_stride, lanes_t* PLIANT_RESTRICT rows,
+                                     size_t row_count)
 {
     for (size_t r = 0; r < row_count; ++r) memcpy(force + r * block_stride, rows[r], sizeof(lanes_t));
 }
 
 /* Discrete Shells: Grinspun, Hirani, Desbrun, Schroeder, "Discrete Shells", SCA 2003. */
-void pliant_hinge_evaluate(const pliant_element_group* group, float* PLIANT_RESTRICT force, float* PLIANT_RESTRICT energy)
+static PLIANT_INLINE void evaluate_hinge(const pliant_element_group* group, float* PLIANT_RESTRICT force,
+                                         float* PLIANT_RESTRICT energy)
 {
     const float* rows = group->rows;
     const float* fixed = group->fixed;
@@ -74,7 +76,7 @@ typedef struct face_metric {
     float det;           /* g11 g22 - g12^2 */
 } face_metric;
 
-static inline face_metric measure_face(const float* rows, const float* change, size_t s, size_t b, size_t l)
+static PLIANT_INLINE face_metric measure_face(const float* rows, const float* change, size_t s, size_t b, size_t l)
 {
     const float e0x = rows[0 * s + l], e0y = rows[1 * s + l], e0z = rows[2 * s + l];
     const float a0x = rows[3 * s + l], a0y = rows[4 * s + l], a0z = rows[5 * s + l];
@@ -95,7 +97,7 @@ static inline face_metric measure_face(const float* rows, const float* change, s
 }
 
 /* Forces from the derivatives of the energy by g11, g12, g22. */
-static inline void write_face_force(lanes_t out[6], size_t l, face_metric m, float f11, float f12, float f22)
+static PLIANT_INLINE void write_face_force(lanes_t out[6], size_t l, face_metric m, float f11, float f12, float f22)
 {
     const float ee = 2.0f * f11, aa = 2.0f * f22;
     out[0][l] = ee * m.ex + f12 * m.ax;
@@ -107,8 +109,8 @@ static inline void write_face_force(lanes_t out[6], size_t l, face_metric m, flo
 }
 
 /* Compressible neo-Hookean membrane: W of Heeren et al., "Splines in the Space of Shells", SGP 2016, eq. 4. */
-void pliant_face_neo_hookean_evaluate(const pliant_element_group* group, float* PLIANT_RESTRICT force,
-                                      float* PLIANT_RESTRICT energy)
+static PLIANT_INLINE void evaluate_face_neo_hookean(const pliant_element_group* group, float* PLIANT_RESTRICT force,
+                                                    float* PLIANT_RESTRICT energy)
 {
     const float* fixed = group->fixed;
     const float* numbers = group->numbers;
@@ -137,8 +139,8 @@ void pliant_face_neo_hookean_evaluate(const pliant_element_group* group, float* 
 }
 
 /* St. Venant-Kirchhoff membrane: a quadratic form in the metric. */
-void pliant_face_stvk_evaluate(const pliant_element_group* group, float* PLIANT_RESTRICT force,
-                               float* PLIANT_RESTRICT energy)
+static PLIANT_INLINE void evaluate_face_stvk(const pliant_element_group* group, float* PLIANT_RESTRICT force,
+                                             float* PLIANT_RESTRICT energy)
 {
     const float* numbers = group->numbers;
     const float* rows = group->rows;
@@ -161,7 +163,7 @@ void pliant_face_stvk_evaluate(const pliant_element_group* group, float* PLIANT_
 
 /* One length of the edge-and-area membrane: adds its energy, returns the derivative by the square of the length. `square` is
    the length's square now, `grown` its change since z = 0: l - l0 = grown / (l + l0) has no cancellation. */
-static inline float evaluate_length(float square, float grown, float start, float c, float target, float* energy)
+static PLIANT_INLINE float evaluate_length(float square, float grown, float start, float c, float target, float* energy)
 {
     const float length = sqrtf(square);
     *energy += c * grown - 2.0f * target * (grown / (length + start));
@@ -169,8 +171,8 @@ static inline float evaluate_length(float square, float grown, float start, floa
 }
 
 /* Edge lengths and areas as springs. */
-void pliant_face_edge_evaluate(const pliant_element_group* group, float* PLIANT_RESTRICT force,
-                               float* PLIANT_RESTRICT energy)
+static PLIANT_INLINE void evaluate_face_edge(const pliant_element_group* group, float* PLIANT_RESTRICT force,
+                                             float* PLIANT_RESTRICT energy)
 {
     const float* fixed = group->fixed;
     const float* numbers = group->numbers;
@@ -201,3 +203,16 @@ void pliant_face_edge_evaluate(const pliant_element_group* group, float* PLIANT_
     }
     store_rows(force, b, out, 6);
 }
+
+PLIANT_KERNEL(evaluate_hinge,
+              (const pliant_element_group* group, float* PLIANT_RESTRICT force, float* PLIANT_RESTRICT energy),
+              (group, force, energy))
+PLIANT_KERNEL(evaluate_face_neo_hookean,
+              (const pliant_element_group* group, float* PLIANT_RESTRICT force, float* PLIANT_RESTRICT energy),
+              (group, force, energy))
+PLIANT_KERNEL(evaluate_face_stvk,
+              (const pliant_element_group* group, float* PLIANT_RESTRICT force, float* PLIANT_RESTRICT energy),
+              (group, force, energy))
+PLIANT_KERNEL(evaluate_face_edge,
+              (const pliant_element_group* group, float* PLIANT_RESTRICT force, float* PLIANT_RESTRICT energy),
+              (group, force, energy))

@@ -18,6 +18,30 @@
 #define PLIANT_RESTRICT
 #endif
 
+/* Vector code that counts is compiled twice where that can be: for the compiler's default and for AVX2. The processor is asked
+   when a solver is made and in every reconstruction. Both do the same operations in the same order, hence the same bits; FMA,
+   which rounds once where they round twice, stays off. No second copy where all is compiled for AVX2 anyway, for MSVC, whose
+   library cannot be asked, and where PLIANT_NO_DISPATCH is defined. */
+#if defined(__x86_64__) && defined(__GNUC__) && !defined(_MSC_VER) && !defined(__AVX2__) && !defined(PLIANT_NO_DISPATCH)
+#define PLIANT_HAS_AVX2_COPY 1
+#define PLIANT_AVX2 __attribute__((target("avx2")))
+/* Makes the kernel pliant_NAME out of the function NAME, and pliant_NAME_avx2 out of the same. */
+#define PLIANT_KERNEL(name, parameters, arguments)    \
+    void pliant_##name parameters { name arguments; } \
+    PLIANT_AVX2 void pliant_##name##_avx2 parameters { name arguments; }
+#else
+#define PLIANT_HAS_AVX2_COPY 0
+#define PLIANT_KERNEL(name, parameters, arguments) \
+    void pliant_##name parameters { name arguments; }
+#endif
+
+/* What a kernel calls becomes part of it, or it would remain code for the compiler's default. */
+#if defined(__GNUC__)
+#define PLIANT_INLINE inline __attribute__((always_inline))
+#else
+#define PLIANT_INLINE inline
+#endif
+
 static inline size_t pliant_pad_lanes(size_t count) { return (count + (PLIANT_LANES - 1)) & ~(size_t)(PLIANT_LANES - 1); }
 
 /* True unless `value` is an infinity or not a number. By its bits, so that a host that compiles us with finite-math
@@ -28,6 +52,99 @@ static inline int pliant_is_finite(float value)
     memcpy(&bits, &value, sizeof bits);
     return (bits & 0x7F800000u) != 0x7F800000u;
 }
+
+/* ------------------------------------------------------------------------------------------------------ kernels ---- */
+
+/* Rows of a block: some lanes of a batch, one column for each reduced coordinate. */
+typedef struct pliant_block {
+    const float* columns; /* the first one's first row */
+    size_t column_floats; /* from one column to the next */
+    size_t column_count;
+    size_t row_count;
+    size_t stride; /* from one row of a column to the next */
+    size_t lanes;  /* how many of a row belong to the block; rows of differences and forces lie this far apart */
+} pliant_block;
+
+/* One group of PLIANT_LANES elements. Row r of an array lies at `r * its stride`. */
+typedef struct pliant_element_group {
+    const float* rows; /* differences at z = 0 */
+    const float* fixed;
+    const float* numbers; /* combined pose numbers; for ARAP those of pose 0 as stored */
+    size_t stride;        /* of rows, fixed and numbers: the padded element count of the batch */
+    const float* change;  /* differences minus those at z = 0 */
+    size_t block_stride;  /* of change, and of the forces written: derivatives by the differences */
+} pliant_element_group;
+
+/* What an ARAP cell needs beside its group. The numbers of pose k lie pose_stride floats behind those of pose k-1. */
+typedef struct pliant_arap_poses {
+    uint32_t valence;
+    uint32_t edge_count;
+    const float* weights;
+    uint32_t pose_count;
+    size_t pose_stride;
+} pliant_arap_poses;
+
+/* y = sum over j < columns of x[j] * matrix[j], each matrix[j] being `count` floats: a product with the columns' matrix. */
+typedef void pliant_combine_kernel(float* PLIANT_RESTRICT y, const float* PLIANT_RESTRICT matrix,
+                                   const float* PLIANT_RESTRICT x, size_t columns, size_t count);
+
+/* matrix += u v^T + v u^T, of `count` squared. */
+typedef void pliant_symmetric_kernel(float* PLIANT_RESTRICT matrix, const float* PLIANT_RESTRICT u,
+                                     const float* PLIANT_RESTRICT v, size_t count);
+
+/* change = sum over columns of z[j] * column j */
+typedef void pliant_forward_kernel(const pliant_block* block, const float* z, float* change);
+
+/* gradient[j] += <force, column j> */
+typedef void pliant_backward_kernel(const pliant_block* block, const float* force, float* gradient);
+
+/* Writes the forces of a group of elements and adds their energy to energy[PLIANT_LANES]. */
+typedef void pliant_element_kernel(const pliant_element_group* group, float* PLIANT_RESTRICT force,
+                                   float* PLIANT_RESTRICT energy);
+typedef void pliant_arap_kernel(const pliant_element_group* group, const pliant_arap_poses* poses,
+                                float* PLIANT_RESTRICT force, float* PLIANT_RESTRICT energy);
+
+/* The vertices of tile `tile` for the coordinates q. */
+typedef void pliant_tile_kernel(const pliant_asset* asset, const float* PLIANT_RESTRICT q, size_t tile,
+                                float* PLIANT_RESTRICT out);
+
+/* One instruction set's. */
+typedef struct pliant_kernels {
+    pliant_combine_kernel* combine_columns;
+    pliant_symmetric_kernel* add_symmetric;
+    pliant_forward_kernel* pass_forward;
+    pliant_backward_kernel* pass_backward;
+    pliant_element_kernel* hinge;
+    pliant_element_kernel* face_neo_hookean;
+    pliant_element_kernel* face_stvk;
+    pliant_element_kernel* face_edge;
+    pliant_arap_kernel* arap_cell;
+    pliant_tile_kernel* rebuild_tile;
+} pliant_kernels;
+
+/* Those for the compiler's default, and the best for this processor. */
+extern const pliant_kernels pliant_kernels_plain;
+const pliant_kernels* pliant_kernels_choose(void);
+
+/* What the tables name. */
+pliant_combine_kernel pliant_combine_columns;
+pliant_symmetric_kernel pliant_add_symmetric;
+pliant_forward_kernel pliant_pass_forward;
+pliant_backward_kernel pliant_pass_backward;
+pliant_element_kernel pliant_evaluate_hinge, pliant_evaluate_face_neo_hookean, pliant_evaluate_face_stvk,
+    pliant_evaluate_face_edge;
+pliant_arap_kernel pliant_evaluate_arap_cell;
+pliant_tile_kernel pliant_rebuild_tile;
+#if PLIANT_HAS_AVX2_COPY
+PLIANT_AVX2 pliant_combine_kernel pliant_combine_columns_avx2;
+PLIANT_AVX2 pliant_symmetric_kernel pliant_add_symmetric_avx2;
+PLIANT_AVX2 pliant_forward_kernel pliant_pass_forward_avx2;
+PLIANT_AVX2 pliant_backward_kernel pliant_pass_backward_avx2;
+PLIANT_AVX2 pliant_element_kernel pliant_evaluate_hinge_avx2, pliant_evaluate_face_neo_hookean_avx2,
+    pliant_evaluate_face_stvk_avx2, pliant_evaluate_face_edge_avx2;
+PLIANT_AVX2 pliant_arap_kernel pliant_evaluate_arap_cell_avx2;
+PLIANT_AVX2 pliant_tile_kernel pliant_rebuild_tile_avx2;
+#endif
 
 /* --------------------------------------------------------------------------------------------- stand-in energy ---- */
 
@@ -40,43 +157,13 @@ typedef struct pliant_elements_layout {
 pliant_elements_layout pliant_elements_measure(const pliant_asset* asset);
 
 /* Combines the per-pose numbers of all batches (those of ARAP excepted, which are not linear) for normalised weights. */
-void pliant_elements_combine(const pliant_asset* asset, const float* weights, float* combined);
+void pliant_elements_combine(const pliant_kernels* kernels, const pliant_asset* asset, const float* weights,
+                             float* combined);
 
 /* Value and gradient of the stand-in at z. Arrays of z and gradient have padded_dimension floats; the padding of the
    gradient comes back as zero. The value may come back as infinity or not-a-number: the caller decides. */
-double pliant_elements_evaluate(const pliant_asset* asset, const float* weights, const float* combined, const float* z,
-                                float* gradient, float* scratch);
-
-/* One group of PLIANT_LANES elements. Row r of an array lies at `r * its stride`. */
-typedef struct pliant_element_group {
-    const float* rows; /* differences at z = 0 */
-    const float* fixed;
-    const float* numbers; /* combined pose numbers; for ARAP those of pose 0 as stored */
-    size_t stride;        /* of rows, fixed and numbers: the padded element count of the batch */
-    const float* change;  /* differences minus those at z = 0 */
-    size_t block_stride;  /* of change, and of the forces written: derivatives by the differences */
-} pliant_element_group;
-
-/* Each writes the forces of its elements and adds their energy to energy[PLIANT_LANES]. */
-void pliant_hinge_evaluate(const pliant_element_group* group, float* PLIANT_RESTRICT force, float* PLIANT_RESTRICT energy);
-void pliant_face_neo_hookean_evaluate(const pliant_element_group* group, float* PLIANT_RESTRICT force,
-                                      float* PLIANT_RESTRICT energy);
-void pliant_face_stvk_evaluate(const pliant_element_group* group, float* PLIANT_RESTRICT force,
-                               float* PLIANT_RESTRICT energy);
-void pliant_face_edge_evaluate(const pliant_element_group* group, float* PLIANT_RESTRICT force,
-                               float* PLIANT_RESTRICT energy);
-
-/* What an ARAP cell needs beside its group. The numbers of pose k lie pose_stride floats behind those of pose k-1. */
-typedef struct pliant_arap_poses {
-    uint32_t valence;
-    uint32_t edge_count;
-    const float* weights;
-    uint32_t pose_count;
-    size_t pose_stride;
-} pliant_arap_poses;
-
-void pliant_arap_cell_evaluate(const pliant_element_group* group, const pliant_arap_poses* poses,
-                               float* PLIANT_RESTRICT force, float* PLIANT_RESTRICT energy);
+double pliant_elements_evaluate(const pliant_kernels* kernels, const pliant_asset* asset, const float* weights,
+                                const float* combined, const float* z, float* gradient, float* scratch);
 
 /* ----------------------------------------------------------------------------------------- functions of the weights ---- */
 
@@ -95,6 +182,7 @@ struct pliant_solver {
     uint32_t magic; /* says that this memory was initialised */
     pliant_solver_desc desc;
     pliant_asset asset;
+    const pliant_kernels* kernels;
 
     int history;             /* how many frames before this one are known: 0, 1, 2 (then both steps were small) */
     float* weights;          /* of this frame, normalised; padded pose count */

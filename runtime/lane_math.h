@@ -4,6 +4,8 @@
 #ifndef PLIANT_LANE_MATH_H
 #define PLIANT_LANE_MATH_H
 
+#include "internal.h"
+
 #include <float.h>
 #include <math.h>
 #include <stdint.h>
@@ -13,14 +15,14 @@
 #define PLIANT_HALF_PI 1.57079637f
 #define PLIANT_QUARTER_PI 0.785398185f
 
-static inline uint32_t pliant_float_bits(float value)
+static PLIANT_INLINE uint32_t pliant_float_bits(float value)
 {
     uint32_t bits;
     memcpy(&bits, &value, sizeof bits);
     return bits;
 }
 
-static inline float pliant_bits_float(uint32_t bits)
+static PLIANT_INLINE float pliant_bits_float(uint32_t bits)
 {
     float value;
     memcpy(&value, &bits, sizeof value);
@@ -30,7 +32,7 @@ static inline float pliant_bits_float(uint32_t bits)
 /* atan2(y, x) to 3 ulp; atan2(0, 0) is not a number, which an evaluation treats as a refused point (libm's answer, 0, would
    hide a collapsed hinge). The arguments' squares are not formed: any size will do, but at least one must be normal.
    Polynomial: Cephes atanf on [0, tan(pi/8)]. */
-static inline float pliant_atan2(float y, float x)
+static PLIANT_INLINE float pliant_atan2(float y, float x)
 {
     const float ay = fabsf(y), ax = fabsf(x);
     const float small = ay < ax ? ay : ax;
@@ -50,7 +52,7 @@ static inline float pliant_atan2(float y, float x)
 
 /* angle minus the multiple of 2 pi that brings it nearest to 0. Exact reduction (Cody and Waite) for the few turns that
    occur; beyond 2^22 turns the answer is finite and meaningless. */
-static inline float pliant_wrap_angle(float angle)
+static PLIANT_INLINE float pliant_wrap_angle(float angle)
 {
     /* Adding and subtracting 1.5 * 2^23 rounds to the nearest integer, without the library call that SSE2 lacks. */
     const float turns = (angle * 0.159154943f + 12582912.0f) - 12582912.0f;
@@ -60,7 +62,7 @@ static inline float pliant_wrap_angle(float angle)
 /* log(1 + u) - u for u > -1, to 8 ulp (3 for |u| < 0.29) also where it is tiny: near 0 the value is -u^2/2 and no leading
    digits are subtracted. For u <= -1 the answer is finite and meaningless; callers test. Polynomial: Cephes logf,
    log(1+x) - x on sqrt(1/2)-1 .. sqrt(2)-1. */
-static inline float pliant_log1p_minus(float u)
+static PLIANT_INLINE float pliant_log1p_minus(float u)
 {
     /* 1 + u = 2^exponent * m with m in [sqrt(1/2), sqrt(2)): the exponent is read where the bits of sqrt(1/2) carry over. */
     const float v = 1.0f + u;

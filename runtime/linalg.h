@@ -5,7 +5,7 @@
 
 #include "internal.h"
 
-static inline float pliant_sum_lanes(const float* lanes)
+static PLIANT_INLINE float pliant_sum_lanes(const float* lanes)
 {
     float half[8], quarter[4];
     for (int i = 0; i < 8; ++i) half[i] = lanes[i] + lanes[i + 8];
@@ -13,7 +13,7 @@ static inline float pliant_sum_lanes(const float* lanes)
     return (quarter[0] + quarter[2]) + (quarter[1] + quarter[3]);
 }
 
-static inline float pliant_dot(const float* PLIANT_RESTRICT a, const float* PLIANT_RESTRICT b, size_t count)
+static PLIANT_INLINE float pliant_dot(const float* PLIANT_RESTRICT a, const float* PLIANT_RESTRICT b, size_t count)
 {
     float sum[PLIANT_LANES] = { 0 };
     for (size_t i = 0; i < count; i += PLIANT_LANES)
@@ -22,40 +22,21 @@ static inline float pliant_dot(const float* PLIANT_RESTRICT a, const float* PLIA
 }
 
 /* y = x + factor * direction */
-static inline void pliant_move(float* PLIANT_RESTRICT y, const float* PLIANT_RESTRICT x, float factor,
-                               const float* PLIANT_RESTRICT direction, size_t count)
+static PLIANT_INLINE void pliant_move(float* PLIANT_RESTRICT y, const float* PLIANT_RESTRICT x, float factor,
+                                      const float* PLIANT_RESTRICT direction, size_t count)
 {
     for (size_t i = 0; i < count; ++i) y[i] = x[i] + factor * direction[i];
 }
 
 /* y += factor * x */
-static inline void pliant_add_scaled(float* PLIANT_RESTRICT y, float factor, const float* PLIANT_RESTRICT x, size_t count)
+static PLIANT_INLINE void pliant_add_scaled(float* PLIANT_RESTRICT y, float factor, const float* PLIANT_RESTRICT x,
+                                            size_t count)
 {
     for (size_t i = 0; i < count; ++i) y[i] += factor * x[i];
 }
 
-/* y = sum over j < columns of x[j] * matrix[j], each matrix[j] being `count` floats: a product with the columns' matrix. */
-static inline void pliant_combine_columns(float* PLIANT_RESTRICT y, const float* PLIANT_RESTRICT matrix,
-                                          const float* PLIANT_RESTRICT x, size_t columns, size_t count)
-{
-    memset(y, 0, count * sizeof *y);
-    for (size_t j = 0; j < columns; ++j) pliant_add_scaled(y, x[j], matrix + j * count, count);
-}
-
-/* matrix += u v^T + v u^T. Both triangles get the same two products in the same order up to commutation, which floating
-   point respects: a symmetric matrix stays symmetric to the bit. */
-static inline void pliant_add_symmetric(float* PLIANT_RESTRICT matrix, const float* PLIANT_RESTRICT u,
-                                        const float* PLIANT_RESTRICT v, size_t count)
-{
-    for (size_t i = 0; i < count; ++i) {
-        float* PLIANT_RESTRICT row = matrix + i * count;
-        const float ui = u[i], vi = v[i];
-        for (size_t j = 0; j < count; ++j) row[j] += ui * v[j] + vi * u[j];
-    }
-}
-
 /* The identity in the leading `dimension` rows, zero elsewhere. */
-static inline void pliant_set_identity(float* matrix, size_t dimension, size_t count)
+static PLIANT_INLINE void pliant_set_identity(float* matrix, size_t dimension, size_t count)
 {
     memset(matrix, 0, count * count * sizeof *matrix);
     for (size_t i = 0; i < dimension; ++i) matrix[i * count + i] = 1.0f;

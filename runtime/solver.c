@@ -115,6 +115,7 @@ pliant_result pliant_solver_init(pliant_solver** out, const pliant_asset* asset,
     solver->magic = SOLVER_MAGIC;
     solver->desc = *desc;
     solver->asset = *asset;
+    solver->kernels = pliant_kernels_choose();
     *out = solver;
     return PLIANT_OK;
 }
@@ -164,7 +165,8 @@ int pliant_solver_evaluate(pliant_solver* solver, const float* z, double* energy
 {
     const size_t d = solver->asset.padded_dimension;
     ++solver->evaluations;
-    *energy = pliant_elements_evaluate(&solver->asset, solver->weights, solver->combined, z, gradient, solver->scratch);
+    *energy = pliant_elements_evaluate(solver->kernels, &solver->asset, solver->weights, solver->combined, z, gradient,
+                                       solver->scratch);
     if (solver->load) {
         *energy += (double)pliant_dot(solver->load, z, d);
         pliant_add_scaled(gradient, 1.0f, solver->load, d);
@@ -273,7 +275,7 @@ static int write_coordinates(const pliant_solver* solver, float* q)
     const pliant_asset* asset = &solver->asset;
     const size_t d = asset->padded_dimension;
     float* sum = solver->product;
-    pliant_combine_columns(sum, asset->whitening, solver->z, asset->dimension, d);
+    solver->kernels->combine_columns(sum, asset->whitening, solver->z, asset->dimension, d);
     for (size_t j = 0; j < d; ++j) sum[j] += asset->mean[j];
     for (size_t j = 0; j < asset->dimension; ++j)
         if (!pliant_is_finite(sum[j])) return 0;
@@ -362,7 +364,7 @@ pliant_result pliant_solve(pliant_solver* solver, const float* weights, float* q
     if (result != PLIANT_OK) return result;
 
     normalise_weights(weights, m, solver->weights);
-    pliant_elements_combine(&solver->asset, solver->weights, solver->combined);
+    pliant_elements_combine(solver->kernels, &solver->asset, solver->weights, solver->combined);
     solver->iterations = 0;
     solver->evaluations = 0;
     solver->evaluation_limit = solver->desc.max_evaluations;

@@ -15,8 +15,8 @@ MEMORY = {"memcpy", "memmove", "memset", "memcmp", "strlen", "strcmp"}
 MATHEMATICS = {name + suffix for suffix in ("", "f") for name in (
     "sqrt", "fabs", "floor", "ceil", "rint", "round", "fmin", "fmax", "ldexp", "frexp", "exp", "log", "log1p", "expm1", "pow",
     "sin", "cos", "tan", "asin", "acos", "atan", "atan2", "cbrt")}
-# Put in by the compiler: position-independent code, stack protector.
-COMPILER = {"_GLOBAL_OFFSET_TABLE_", "__stack_chk_fail", "__stack_chk_guard"}
+# Put in by the compiler: position-independent code, stack protector, what its own library knows of the processor.
+COMPILER = {"_GLOBAL_OFFSET_TABLE_", "__stack_chk_fail", "__stack_chk_guard", "__cpu_model", "__cpu_indicator_init"}
 ALLOWED = MEMORY | MATHEMATICS | COMPILER
 
 # objdump -t: address, seven flag columns, section, size, name.

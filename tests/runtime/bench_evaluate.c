@@ -74,6 +74,7 @@ static uint64_t bench_evaluation(pliant_asset* asset, uint32_t hinges, uint32_t 
     asset->batches = batches;
     asset->batch_count = 2;
     asset->elements = chunk;
+    const pliant_kernels* kernels = pliant_kernels_choose();
     const pliant_elements_layout layout = pliant_elements_measure(asset);
     float* combined = fill(layout.combined_floats, 0.0f, 0.0f, state);
     float* scratch = fill(layout.scratch_floats, 0.0f, 0.0f, state);
@@ -83,9 +84,9 @@ static uint64_t bench_evaluation(pliant_asset* asset, uint32_t hinges, uint32_t 
     double best_combine = 1.0, best = 1.0, energy = 0.0;
     for (int round = 0; round < 2000; ++round) {
         const double t0 = now();
-        pliant_elements_combine(asset, weights, combined);
+        pliant_elements_combine(kernels, asset, weights, combined);
         const double t1 = now();
-        energy = pliant_elements_evaluate(asset, weights, combined, z, gradient, scratch);
+        energy = pliant_elements_evaluate(kernels, asset, weights, combined, z, gradient, scratch);
         const double t2 = now();
         if (t1 - t0 < best_combine) best_combine = t1 - t0;
         if (t2 - t1 < best) best = t2 - t1;

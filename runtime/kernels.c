@@ -1,0 +1,58 @@
+/* Which kernels a processor gets, and those of dense algebra. */
+#include "internal.h"
+#include "linalg.h"
+
+static PLIANT_INLINE void combine_columns(float* PLIANT_RESTRICT y, const float* PLIANT_RESTRICT matrix,
+                                          const float* PLIANT_RESTRICT x, size_t columns, size_t count)
+{
+    memset(y, 0, count * sizeof *y);
+    for (size_t j = 0; j < columns; ++j) pliant_add_scaled(y, x[j], matrix + j * count, count);
+}
+
+/* Both triangles get the same two products in the same order up to commutation, which floating point respects: a symmetric
+   matrix stays symmetric to the bit. */
+static PLIANT_INLINE void add_symmetric(float* PLIANT_RESTRICT matrix, const float* PLIANT_RESTRICT u,
+                                        const float* PLIANT_RESTRICT v, size_t count)
+{
+    for (size_t i = 0; i < count; ++i) {
+        float* PLIANT_RESTRICT row = matrix + i * count;
+        const float ui = u[i], vi = v[i];
+        for (size_t j = 0; j < count; ++j) row[j] += ui * v[j] + vi * u[j];
+    }
+}
+
+PLIANT_KERNEL(combine_columns,
+              (float* PLIANT_RESTRICT y, const float* PLIANT_RESTRICT matrix, const float* PLIANT_RESTRICT x, size_t columns,
+               size_t count),
+              (y, matrix, x, columns, count))
+PLIANT_KERNEL(add_symmetric,
+              (float* PLIANT_RESTRICT matrix, const float* PLIANT_RESTRICT u, const float* PLIANT_RESTRICT v, size_t count),
+              (matrix, u, v, count))
+
+const pliant_kernels pliant_kernels_plain = {
+    pliant_combine_columns,    pliant_add_symmetric,      pliant_pass_forward,
+    pliant_pass_backward,      pliant_evaluate_hinge,     pliant_evaluate_face_neo_hookean,
+    pliant_evaluate_face_stvk, pliant_evaluate_face_edge, pliant_evaluate_arap_cell,
+    pliant_rebuild_tile,
+};
+
+#if PLIANT_HAS_AVX2_COPY
+
+static const pliant_kernels kernels_avx2 = {
+    pliant_combine_columns_avx2,    pliant_add_symmetric_avx2,      pliant_pass_forward_avx2,
+    pliant_pass_backward_avx2,      pliant_evaluate_hinge_avx2,     pliant_evaluate_face_neo_hookean_avx2,
+    pliant_evaluate_face_stvk_avx2, pliant_evaluate_face_edge_avx2, pliant_evaluate_arap_cell_avx2,
+    pliant_rebuild_tile_avx2,
+};
+
+const pliant_kernels* pliant_kernels_choose(void)
+{
+    __builtin_cpu_init(); /* for callers that run before the C library's constructors do */
+    return __builtin_cpu_supports("avx2") ? &kernels_avx2 : &pliant_kernels_plain;
+}
+
+#else
+
+const pliant_kernels* pliant_kernels_choose(void) { return &pliant_kernels_plain; }
+
+#endif
