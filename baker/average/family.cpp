@@ -229,8 +229,8 @@ CheckPoint AverageFamily::check(const Weights& w, const Shape& blend, double sus
 {
     const ShapeSet& set = pool_.set();
     NewtonResult beside = near(blend, w, worker, progress);
-    CheckPoint point { w, std::move(beside.y), 0, beside.has_converged, {} };
-    point.error = relative_distance(set, blend, point.truth);
+    CheckPoint point { w, std::move(beside.y), 0, 0, beside.has_converged, {} };
+    point.error = point.nearest_error = relative_distance(set, blend, point.truth);
     if (point.error <= suspicion && point.has_converged) return point;
     FamilyPoint defined = at(w, worker, progress);
     const double distance = relative_distance(set, point.truth, defined.average.y);

@@ -36,8 +36,9 @@ struct FamilyPoint {
 // A blend that was compared with the truth.
 struct CheckPoint {
     Weights weights;
-    Shape truth;      // in the gauge of pose 0
-    double error = 0; // of the blend, relative L2
+    Shape truth;              // in the gauge of pose 0
+    double error = 0;         // of the blend, relative L2
+    double nearest_error = 0; // its distance from the average next to it: smaller, where that is another one
     bool has_converged = false;
     std::vector<BranchFinding> findings;
 };

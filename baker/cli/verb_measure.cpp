@@ -31,6 +31,7 @@ struct Sample {
     std::string kind; // uniform, edge, corner
     Weights weights;
     ShapeError error, linear;
+    double nearest_error = 0; // relative L2, to the average next to the blend
     pliant_solve_info info {};
     double microseconds = 0;
     bool has_converged = false;   // the unreduced average
@@ -76,6 +77,7 @@ nlohmann::ordered_json to_json(const Sample& s)
     return { { "kind", s.kind },
              { "weights", std::vector<double>(s.weights.data(), s.weights.data() + s.weights.size()) },
              { "relative_l2", s.error.relative_l2 },
+             { "nearest_relative_l2", s.nearest_error },
              { "largest_distance", s.error.largest_distance },
              { "energy_excess", s.error.energy_excess },
              { "linear_relative_l2", s.linear.relative_l2 },
@@ -90,8 +92,8 @@ void print_table(const std::vector<Sample>& samples)
 {
     fmt::print("{:<8} {:>11} {:>10} {:>10} {:>11} {:>5} {:>6} {:>7}  weights\n", "kind", "relative L2", "farthest %",
                "energy +%", "linear L2", "iter", "eval", "us");
-    double mean = 0, worst = 0, farthest = 0;
-    int unconverged = 0;
+    double mean = 0, worst = 0, farthest = 0, nearest_mean = 0, nearest_worst = 0;
+    int unconverged = 0, branched = 0;
     std::vector<double> times;
     for (const Sample& s : samples) {
         std::string w;
@@ -100,17 +102,25 @@ void print_table(const std::vector<Sample>& samples)
                    100 * s.error.largest_distance, 100 * s.error.energy_excess, s.linear.relative_l2, s.info.iterations,
                    s.info.evaluations, s.microseconds, w,
                    !s.has_converged     ? "  (unreduced average did not converge)"
-                       : s.branch_count ? "  (there is another average here)"
+                       : s.branch_count ? fmt::format("  (another average is here: {:.1e})", s.nearest_error)
                                         : "");
         mean += s.error.relative_l2 / double(samples.size());
         worst = std::max(worst, s.error.relative_l2);
         farthest = std::max(farthest, s.error.largest_distance);
+        nearest_mean += s.nearest_error / double(samples.size());
+        nearest_worst = std::max(nearest_worst, s.nearest_error);
         unconverged += !s.has_converged;
+        branched += s.branch_count > 0;
         times.push_back(s.microseconds);
     }
     fmt::print("relative L2: mean {:.2e}, largest {:.2e}; farthest vertex {:.3f} % of the diagonal; solve {:.1f} us "
                "(median, cold)\n",
                mean, worst, 100 * farthest, median(times));
+    if (branched)
+        fmt::print(
+            "{} of {} weights have another average than the one that the straight line from the mean leads to; relative "
+            "L2 to the average next to the blend: mean {:.2e}, largest {:.2e}\n",
+            branched, samples.size(), nearest_mean, nearest_worst);
     if (unconverged)
         fmt::print("{} of {} unreduced averages did not converge: their rows are upper bounds at best\n", unconverged,
                    samples.size());
@@ -136,6 +146,7 @@ void compare(const AverageFamily& family, std::size_t worker, SharedProgress& pr
     const Shape& truth = check.truth;
     s.has_converged = check.has_converged;
     s.branch_count = check.findings.size();
+    s.nearest_error = check.nearest_error;
     const Energy& energy = family.pool().energy();
     s.error = shape_error(energy, set, s.weights, blend, truth);
     Shape linear = Shape::Zero(set.dof_count());

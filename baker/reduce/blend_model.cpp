@@ -5,6 +5,7 @@
 
 #include <Eigen/Dense>
 #include <algorithm>
+#include <numeric>
 
 namespace pliant {
 
@@ -27,11 +28,22 @@ double mean_energy(const StandIn& stand_in, const TrainingSet& training)
     return std::max(energy / double(training.weights.size()), 1e-13); // identical poses have no energy
 }
 
+// Mean of the Hessians at the averages: it serves all weights better than the one at the mean does, which is softer in directions that
+// stiffen away from there.
+Eigen::MatrixXd mean_hessian(const StandIn& stand_in, const TrainingSet& training)
+{
+    std::vector<Eigen::MatrixXd> hessians(training.weights.size());
+    for_each_task(hessians.size(), [&](std::size_t t, std::size_t) {
+        hessians[t] = stand_in.hessian(training.weights[t], training.averages[t], HessianKind::exact);
+    });
+    return std::accumulate(hessians.begin() + 1, hessians.end(), hessians[0]) / double(hessians.size());
+}
+
 BlendModel model_around(std::shared_ptr<const StandIn> stand_in, const TrainingSet& training, const Eigen::VectorXd& mean)
 {
     BlendModel model;
     model.mean = mean;
-    model.root = inverse_root(stand_in->hessian(training.weights[0], mean, HessianKind::exact), metric_floor);
+    model.root = inverse_root(mean_hessian(*stand_in, training), metric_floor);
     model.energy_scale = mean_energy(*stand_in, training);
     model.stand_in = std::move(stand_in);
     return model;

@@ -14,7 +14,7 @@ namespace pliant {
 struct BlendModel {
     std::shared_ptr<const StandIn> stand_in;
     Eigen::VectorXd mean;
-    Eigen::MatrixXd root; // S: S S^T = inverse Hessian of the stand-in at the mean
+    Eigen::MatrixXd root; // S: S S^T = inverse of the stand-in's Hessian, averaged over the training weights
     double energy_scale = 1;
     Predictor predictor;
     std::optional<Predictor> load;

@@ -184,7 +184,7 @@ Eigen::MatrixXd target_of(const ReducedEnergy& reduced, const TrainingSet& train
 }
 
 // Blocks of rows that are larger than usual count as usual ones: a few creased triangles near an average can be stiffer than all the
-// rest, and the fit would see nothing else. Usual are forces of the root of the energy, and the curvature at the mean, 1.
+// rest, and the fit would see nothing else. Usual are forces of the root of the energy, and the mean curvature, 1.
 void limit_scale(Probe& probe, const Eigen::MatrixXd& target, double energy_scale)
 {
     if (probe.kind == Probe::Kind::curvature) return;

@@ -134,15 +134,17 @@ TrainingSet training_of(const ReducedSolver& reduced, const std::vector<Projecte
     const Subspace& subspace = reduced.subspace();
     const Eigen::Index d = subspace.dimension();
     TrainingSet training;
-    training.root = reduced.root();
+    Eigen::MatrixXd mean_stiffness = Eigen::MatrixXd::Zero(d, d);
     for (const ProjectedAverage& average : averages) {
         Eigen::MatrixXd stiffness = average.stiffness.topLeftCorner(d, d);
+        mean_stiffness += stiffness / double(averages.size());
         training.shapes.push_back(average.shape);
         training.stiffness.push_back(stiffness);
         stiffness.diagonal().array() += nearness;
         training.weights.push_back(average.weights);
         training.averages.push_back(stiffness.ldlt().solve(average.pull.head(d) + nearness * average.nearest.head(d)));
     }
+    training.root = inverse_root(mean_stiffness, metric_floor);
     std::vector<double> energies(averages.size());
     for_each_task(energies.size(), [&](std::size_t t, std::size_t) {
         energies[t] = energy_value(reduced.energy().energy(), training.weights[t], subspace.shape(training.averages[t]));

@@ -37,8 +37,9 @@ std::vector<Weights> training_weights(std::size_t pose_count, std::size_t count,
 struct TrainingSet {
     std::vector<Weights> weights;
     std::vector<Eigen::VectorXd> averages; // reduced averages for them, in q
-    Eigen::MatrixXd root;                  // S with S S^T = inverse reduced Hessian at the mean: the metric of all fits
-    double energy_scale = 1;               // mean energy over the averages
+    Eigen::MatrixXd
+        root; // S with S S^T = an inverse reduced Hessian (mean over the averages; of reduced ones the one at the mean): metric of all fits
+    double energy_scale = 1; // mean energy over the averages
     int unconverged_count = 0;
     // Of true averages: what the mesh does there, which is what a stand-in is to do at `averages`. Empty for reduced ones.
     std::vector<const Shape*> shapes;

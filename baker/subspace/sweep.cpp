@@ -6,7 +6,6 @@
 
 #include <algorithm>
 #include <fmt/core.h>
-#include <numeric>
 
 namespace pliant {
 
@@ -86,22 +85,10 @@ CheckPoint find(const AverageFamily& family, const Known& known, const Weights& 
         const Shape guess = known.shape(w);
         NewtonResult near = family.near(guess, w, worker, progress);
         if (near.has_converged && relative_distance(set, near.y, guess) < correction_limit)
-            return { w, std::move(near.y), 0, true, {} };
+            return { w, std::move(near.y), 0, 0, true, {} };
     }
     FamilyPoint point = family.from(known.nearest(w), w, worker, progress);
-    return { w, std::move(point.average.y), 0, point.average.has_converged, std::move(point.jumps) };
-}
-
-// Averages next to the mean come first, so that each is found from those that lie between it and the mean.
-std::vector<std::size_t> from_the_mean_outwards(const std::vector<Weights>& weights)
-{
-    std::vector<std::size_t> order(weights.size());
-    std::iota(order.begin(), order.end(), std::size_t(0));
-    std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
-        const auto distance = [](const Weights& w) { return (w - equal_weights(std::size_t(w.size()))).lpNorm<1>(); };
-        return distance(weights[a]) < distance(weights[b]);
-    });
-    return order;
+    return { w, std::move(point.average.y), 0, 0, point.average.has_converged, std::move(point.jumps) };
 }
 
 } // namespace
@@ -113,17 +100,15 @@ std::vector<CheckPoint> sweep(const AverageFamily& family, const std::vector<Kno
     std::vector<CheckPoint> points(weights.size());
     Known all(family.pool().set());
     for (const KnownAverage& average : known) all.add(average.weights, average.shape);
-    const std::vector<std::size_t> order = from_the_mean_outwards(weights);
     // Each wave is half as large as all that was known before it.
     for (std::size_t done = 0; done < weights.size();) {
         const std::size_t end = std::min(weights.size(), done + std::max(smallest_wave, all.count() / 2));
         shared.describe("averages", double(done) / double(weights.size()), fmt::format("{} of {}", done, weights.size()));
         all.fit();
         for_each_task(end - done, [&](std::size_t i, std::size_t worker) {
-            const std::size_t at = order[done + i];
-            points[at] = find(family, all, weights[at], worker, &shared);
+            points[done + i] = find(family, all, weights[done + i], worker, &shared);
         });
-        for (; done < end; ++done) all.add(points[order[done]].weights, points[order[done]].truth);
+        for (; done < end; ++done) all.add(points[done].weights, points[done].truth);
     }
     return points;
 }

@@ -25,8 +25,8 @@ struct Variant {
 };
 
 // The averages of a bent tube, with Newton's default accuracy.
-struct Tube {
-    explicit Tube(std::size_t pose_count)
+struct TubeFamily {
+    explicit TubeFamily(std::size_t pose_count)
         : set(normalise(tube_poses(pose_count)))
         , energy(set, ShellOptions())
         , pool(energy, set, default_solver())
@@ -167,7 +167,7 @@ TEST_CASE("training weights are spread over the simplex, the equal ones first")
 
 TEST_CASE("averages next to others or to poses are no training data of their own")
 {
-    Tube tube(2);
+    TubeFamily tube(2);
     auto& [set, energy, pool, family] = tube;
     const Shape& mean = family.mean().y;
     const Subspace subspace = build_subspace(set, mean - set.shapes[0], 2);
@@ -190,7 +190,7 @@ TEST_CASE("averages next to others or to poses are no training data of their own
 
 TEST_CASE("training data lie between the reduced average and the projection of the true one")
 {
-    Tube tube(2);
+    TubeFamily tube(2);
     auto& [set, energy, pool, family] = tube;
     const Shape& mean = family.mean().y;
     const Subspace subspace = build_subspace(set, Eigen::MatrixXd(set.dof_count(), 0), 1); // the difference alone
@@ -247,7 +247,7 @@ TEST_CASE("all poses lead to one average, and a branch is known by its energy")
 
 TEST_CASE("averages followed from their neighbours are those followed from the mean")
 {
-    Tube tube(3);
+    TubeFamily tube(3);
     auto& [set, energy, pool, family] = tube;
     const std::vector<Weights> weights = training_weights(3, 30, 1);
     const int before = pool.factorization_count();

@@ -175,6 +175,26 @@ TEST_CASE("a few elements give the reduced average within a per cent, and the er
     CHECK(errors[1] < errors[0]);
 }
 
+TEST_CASE(
+    "solver coordinates are whitened for all training weights together, and a loaded model has their averages as minimisers")
+{
+    Problem p(3);
+    const Subspace subspace = build_krylov_subspace(p.solver, { 1, 0, 256 }, nullptr);
+    const ReducedEnergy reduced(p.energy, subspace);
+    const TrainingSet training = train(p.solver, subspace, 24);
+    CubatureFit fit(reduced, training, CubatureOptions(), nullptr);
+    const auto stand_in = std::make_shared<const StandIn>(fit.fit(std::size_t(8 * subspace.dimension())));
+    const BlendModel model = loaded_model(stand_in, training, subspace);
+    Eigen::MatrixXd sum = Eigen::MatrixXd::Zero(subspace.dimension(), subspace.dimension());
+    for (std::size_t t = 0; t < training.weights.size(); ++t) {
+        sum += model.root.transpose() * stand_in->hessian(training.weights[t], training.averages[t], HessianKind::exact)
+            * model.root / double(training.weights.size());
+        const MinimiseResult average = model.solve(training.weights[t]);
+        CHECK((average.q - training.averages[t]).norm() < 1e-5 * training.averages[t].norm());
+    }
+    CHECK((sum - Eigen::MatrixXd::Identity(sum.rows(), sum.cols())).norm() < 1e-9);
+}
+
 TEST_CASE("a ghost keeps a subset of the vertices, in all poses")
 {
     Tube fine { 60, 24 };

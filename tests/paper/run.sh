@@ -74,7 +74,7 @@ poses_of() {
 }
 
 # The tolerance says how accurate snapshots are to be; --dim says how many dimensions, whatever error that gives.
-adaptive=(--subspace adaptive --tolerance 1e-5)
+adaptive=(--subspace adaptive --tolerance 1e-4)
 
 # asset_of NAME OPTION...: bakes assets/NAME.pliant from `poses` unless it is there and newer than the tool. Exit code 4, a missed
 # tolerance, is a result of the study and no failure of it.
