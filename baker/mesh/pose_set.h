@@ -1,4 +1,4 @@
-// What the baker works on: several poses of one triangle mesh. Plain data, no behaviour.
+// What the baker works on: several poses of one mesh, a surface of faces or a solid of tetrahedra. Plain data, no behaviour.
 #pragma once
 
 #include <Eigen/Core>
@@ -13,6 +13,22 @@ namespace pliant {
 // n x 3, one row per vertex, in the units of the file it came from.
 using Positions = Eigen::Matrix<double, Eigen::Dynamic, 3, Eigen::RowMajor>;
 using Triangle = std::array<std::uint32_t, 3>;
+
+// Corners a b c d of positive volume: det[b - a, c - a, d - a] > 0.
+using Tetrahedron = std::array<std::uint32_t, 4>;
+
+// Moduli that a file gives to a part of a solid.
+struct SolidMaterial {
+    std::string name;
+    double young = 1; // only ratios between parts matter
+    double poisson = 0.4;
+};
+
+// Which tetrahedron has which material.
+struct SolidRegions {
+    std::vector<SolidMaterial> materials;
+    std::vector<std::uint32_t> of_tet; // per tetrahedron, an index into materials; empty: the solid is uniform
+};
 
 // Faces as a file gave them: face f has corners indices[offsets[f]] .. indices[offsets[f + 1] - 1].
 struct Polygons {
@@ -29,16 +45,33 @@ struct MeshFile {
     Positions positions;
     Polygons faces;
     std::vector<std::uint32_t> face_lines; // line of each face in a text file, empty for binary ones; for messages
+
+    // A solid has these instead of faces.
+    std::vector<Tetrahedron> tets;
+    std::vector<std::uint32_t> tet_lines; // as face_lines
+    SolidRegions regions;
 };
 
-// Poses of one character: same faces, other positions. Pose 0 is the rest pose of the subspace (tau).
+// Poses of one character: same faces or tetrahedra, other positions. Pose 0 is the rest pose of the subspace (tau).
+// Vertices of a surface come in the order of the files. Those of a solid are numbered anew: the ones on its boundary first, in the
+// order of the files, so that drawing needs a leading part only, then those inside.
 struct PoseSet {
     std::vector<std::string> paths;
     std::vector<std::string> names;   // file names without folder and extension, for people
     std::vector<Positions> positions; // per pose
-    Polygons polygons;                // as pose 0 gave them, for writing
-    std::vector<Triangle> triangles;  // the same, triangulated alike in all poses: a fan from the first corner
+    Polygons polygons;                // as pose 0 gave them, for writing; of a solid: the triangles
+    std::vector<Triangle>
+        triangles; // the same, triangulated alike in all poses: a fan from the first corner. Of a solid: its
+                   // boundary, counter-clockwise seen from outside
 
+    std::vector<Tetrahedron> tets;              // empty: a surface
+    SolidRegions regions;                       // of pose 0
+    std::vector<std::uint32_t> source_vertices; // per vertex its number in the files; empty: the same
+    std::size_t boundary_vertex_count = 0;      // of a solid: the leading vertices, which triangles use
+
+    std::vector<std::uint32_t> fixed_vertices; // ascending; they stay where they are in every blend
+
+    bool is_solid() const { return !tets.empty(); }
     std::size_t pose_count() const { return positions.size(); }
     std::size_t vertex_count() const { return positions.empty() ? 0 : static_cast<std::size_t>(positions[0].rows()); }
 };

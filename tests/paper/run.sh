@@ -64,8 +64,8 @@ poses_of() {
         human_pair) poses=("$data"/human_pair/{man,woman}.ply) ;;
         creature2) poses=("${creature}"_{rest,curl}.ply) ;;
         creature5) poses=("${creature}"_{rest,reach,curl,leap,twist}.ply) ;;
-        makehuman3) poses=("$data"/makehuman_body/{tpose,dance1_f00,walk1_f03}.ply) ;;
         makehuman4) poses=("$data"/makehuman_body/{tpose,dance1_f00,walk1_f03,zombieWalk1_f20}.ply) ;;
+        ict_face7) poses=("$data"/ict_face/{neutral,jaw_open,smile,pucker,cheek_puff,sneer_frown,blink_brow_down}.ply) ;;
         mhr5) poses=("$data"/mhr_body/{rest,pose0,pose1,pose2,pose3}.ply) ;;
     esac
     for pose in "${poses[@]}"; do
@@ -140,17 +140,18 @@ if wants subspace; then
     else
         subspace human_pair 3,5,9,17 17 19
         subspace creature2 3,5,9,17 17 19
-        subspace makehuman3 8,14,20,32 36 9
-        subspace creature5 8,16,32,48 60 12
-        subspace mhr5 8,16,32,48 48 9
+        subspace ict_face7 8,12,16 24 9
+        subspace makehuman4 12,24,36 24 9
+        subspace creature5 16,32,48 36 9
+        subspace mhr5 16,32,48 36 9
     fi
 fi
 if wants standin; then
     if ((quick)); then
         standin human_pair 5 7 "2 4 8" "200 1000"
     else
-        standin human_pair 9 15 "1 2 3 4 6 8 12" "200 500 1000"
-        standin creature2 17 15 "1 2 3 4 6 8 12" "200 500 1000"
+        standin human_pair 9 15 "1 2 4 6 8 12" "200 500 1000"
+        standin creature2 17 15 "1 2 4 6 8 12" "200 500 1000"
     fi
 fi
 if wants sheets; then
@@ -158,7 +159,7 @@ if wants sheets; then
         sheet creature2 17 --weights 0.5,0.5 --weights 0.25,0.75 --up z
     else
         sheet mhr5 48 --weights 1,1,1,1,1 --weights 0,1,0,1,0 --weights 0,0,1,0,2 --weights 3,0,1,1,1 --up y
-        sheet makehuman4 32 --weights 1,1,1,1 --weights 1,1,0,0 --weights 0,1,0,1 --weights 1,0,2,1 --up y
+        sheet makehuman4 36 --weights 1,1,1,1 --weights 1,1,0,0 --weights 0,1,0,1 --weights 1,0,2,1 --up y
     fi
 fi
 if wants manifold; then
