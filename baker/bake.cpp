@@ -4,6 +4,9 @@
 #include "average/rigid_modes.h"
 #include "energy/arap.h"
 #include "energy/parallel.h"
+#include "energy/solid.h"
+#include "mesh/tets.h"
+#include "pliant_format.h"
 #include "reduce/ghost.h"
 #include "report/certificate.h"
 #include "report/diagnostics.h"
@@ -59,6 +62,8 @@ struct BuiltModel {
 // The runtime holds at most this many dimensions (formats/SPEC.md); an adaptive basis stops at a quarter of it, where frames stay cheap.
 constexpr Eigen::Index format_dimension_limit = 256;
 
+constexpr double default_tolerance = 1e-3;
+
 // Truths are wanted to this part of the tolerance.
 constexpr double truth_share = 0.05;
 
@@ -68,7 +73,8 @@ constexpr double truth_share = 0.05;
 NewtonOptions truth_options(const BakeOptions& options, const ShapeSet& set)
 {
     NewtonOptions newton;
-    newton.decrement = 1e-5;
+    // Below the default tolerance the energy has to say more, too: it goes with the square of what is off.
+    newton.decrement = 1e-5 * std::clamp(std::pow(options.tolerance / default_tolerance, 2), 1e-8, 1.0);
     newton.residual = 3e-2;
     newton.step_ratio = 0.05;
     newton.step_floor = truth_share * options.tolerance * mass_norm(set.shapes[0], set.masses); // shapes are centred
@@ -118,24 +124,38 @@ StandInOptions stand_in_options(const BakeOptions& options)
     return { options.tolerance, options.tolerance_max, options.element_count, options.seed };
 }
 
-BuiltModel build_model(const ShapeSet& set, const ReducedEnergy& reduced, const TrainingSet& training,
+BuiltModel build_ghost(const ShapeSet& set, const ReducedEnergy& reduced, const TrainingSet& training,
                        const std::vector<CheckPoint>& checks, const BakeOptions& options, Progress& progress,
                        StandInReport& report)
 {
-    BuiltModel built;
-    const StandInOptions wanted = stand_in_options(options);
-    if (options.stand_in == StandInKind::cubature) {
-        built.model = choose_cubature(reduced, set, training, checks, wanted, &progress, report);
-        return built;
-    }
     progress.update("ghost", 0);
+    BuiltModel built;
     built.ghost = std::make_unique<Ghost>(make_ghost(set, reduced.subspace(), options.ghost_vertex_count));
     built.ghost_energy = make_energy(built.ghost->set, options.energy);
     std::vector<std::size_t> elements(built.ghost_energy->element_count());
     for (std::size_t i = 0; i < elements.size(); ++i) elements[i] = i;
     auto stand_in = std::make_shared<const StandIn>(*built.ghost_energy, built.ghost->set.shapes[0], built.ghost->basis,
                                                     elements, Eigen::VectorXd::Ones(Eigen::Index(elements.size())));
-    built.model = fit_model(stand_in, reduced.subspace(), set, training, checks, false, wanted, report);
+    built.model = fit_model(stand_in, reduced.subspace(), set, training, checks, false, stand_in_options(options), report);
+    return built;
+}
+
+// Of the kind that options.stand_in says. `quartic`: of at least as many dimensions, where it is that.
+BuiltModel build_model(const ShapeSet& set, const ReducedEnergy& reduced, const TrainingSet& training,
+                       const std::vector<CheckPoint>& checks, const Quartic* quartic, const BakeOptions& options,
+                       Progress& progress, StandInReport& report)
+{
+    if (options.stand_in == StandInKind::ghost)
+        return build_ghost(set, reduced, training, checks, options, progress, report);
+    BuiltModel built;
+    const StandInOptions wanted = stand_in_options(options);
+    if (!quartic) {
+        built.model = choose_cubature(reduced, set, training, checks, wanted, &progress, report);
+        return built;
+    }
+    const Subspace& subspace = reduced.subspace();
+    auto stand_in = std::make_shared<const StandIn>(reduced.energy(), quartic->leading(subspace.dimension()));
+    built.model = fit_model(std::move(stand_in), subspace, set, training, checks, false, wanted, report);
     return built;
 }
 
@@ -157,17 +177,26 @@ double nearness_wanted(const ShapeSet& set, double mean_energy, double tolerance
     return 2 * nearness_share * std::max(mean_energy, 1e-13) / (off * off);
 }
 
-Fitted fit(const Energy& energy, AverageFamily& family, const ShapeSet& set, const AdaptiveSubspace& found,
-           const std::vector<ProjectedAverage>& averages, Eigen::Index d, const BakeOptions& options, Progress& progress)
+// What a fit works on, whatever the dimension.
+struct FitProblem {
+    const Energy& energy;
+    AverageFamily& family;
+    const ShapeSet& set;
+    const AdaptiveSubspace& found;
+    std::vector<ProjectedAverage> averages;
+};
+
+Fitted fit(const FitProblem& p, Eigen::Index d, const Quartic* quartic, const BakeOptions& options, Progress& progress)
 {
     Fitted out;
-    out.subspace = leading(found.subspace, d);
-    const ReducedSolver reduced(energy, out.subspace, family.mean_hessian(), family.mean().energy);
-    const std::size_t m = set.pose_count();
-    out.training = averages.empty()
-        ? solve_training_set(reduced, set, training_weights(m, training_count(m), options.seed), &progress)
-        : training_of(reduced, averages, nearness_wanted(set, family.mean().energy, options.tolerance));
-    out.built = build_model(set, reduced.energy(), out.training, found.checks, options, progress, out.stand_in);
+    out.subspace = leading(p.found.subspace, d);
+    const double mean_energy = p.family.mean().energy;
+    const ReducedSolver reduced(p.energy, out.subspace, p.family.mean_hessian(), mean_energy);
+    const std::size_t m = p.set.pose_count();
+    out.training = p.averages.empty()
+        ? solve_training_set(reduced, p.set, training_weights(m, training_count(m), options.seed), &progress)
+        : training_of(reduced, p.averages, nearness_wanted(p.set, mean_energy, options.tolerance));
+    out.built = build_model(p.set, reduced.energy(), out.training, p.found.checks, quartic, options, progress, out.stand_in);
     return out;
 }
 
@@ -189,21 +218,56 @@ Eigen::Index least_dimension(const ShapeSet& set, const AdaptiveSubspace& found,
     return std::min(d, most);
 }
 
-// An adaptive subspace holds more dimensions than it may need.
-Fitted choose_dimension_and_fit(const Energy& energy, AverageFamily& family, const ShapeSet& set,
-                                const AdaptiveSubspace& found, const BakeOptions& options, Progress& progress)
+// An adaptive subspace holds more dimensions than it may need: as few of at most `most` as keep the tolerance.
+Fitted fit_least(const FitProblem& p, Eigen::Index most, const Quartic* quartic, const BakeOptions& options,
+                 Progress& progress)
 {
-    const Eigen::Index most = found.subspace.dimension();
-    const std::vector<ProjectedAverage> averages = project_averages(energy, found.subspace, set, found.averages, &progress);
-    if (averages.empty() || options.dimension || found.checks.empty())
-        return fit(energy, family, set, found, averages, most, options, progress);
+    if (p.averages.empty() || options.dimension || p.found.checks.empty()) return fit(p, most, quartic, options, progress);
     Fitted out;
-    choose_dimension(least_dimension(set, found, options.tolerance), most, stand_in_options(options), [&](Eigen::Index d) {
+    const Eigen::Index least = std::min(most, least_dimension(p.set, p.found, options.tolerance));
+    choose_dimension(least, most, stand_in_options(options), [&](Eigen::Index d) {
         progress.update("dimension", 0, fmt::format("d = {}", d));
-        out = fit(energy, family, set, found, averages, d, options, progress);
+        out = fit(p, d, quartic, options, progress);
         return out.stand_in.error();
     });
     return out;
+}
+
+// Above this many dimensions a frame with the quartic costs more than one with cubature (tests/bench/README.md): its table grows with
+// their fourth power.
+constexpr Eigen::Index quartic_dimension_wanted = 32;
+
+// Whether `auto` tries the quartic, and why not.
+bool wants_quartic(const FitProblem& p, const BakeOptions& options, BakeReport& report)
+{
+    const auto* solid = dynamic_cast<const Solid*>(&p.energy);
+    if (options.stand_in == StandInKind::quartic) return true;
+    if (options.stand_in != StandInKind::automatic || !solid || solid->law() != SolidLaw::stvk) return false;
+    const Eigen::Index most = p.found.subspace.dimension();
+    const bool is_free = !p.averages.empty() && !options.dimension && !p.found.checks.empty();
+    const Eigen::Index least = is_free ? least_dimension(p.set, p.found, options.tolerance) : most;
+    if (least <= quartic_dimension_wanted) return true;
+    report.stand_in_reason
+        = fmt::format("d = {} at least, and above {} a quartic is slower than cubature", least, quartic_dimension_wanted);
+    return false;
+}
+
+Fitted choose_and_fit(const FitProblem& p, BakeOptions options, Progress& progress, BakeReport& report)
+{
+    const Eigen::Index all = p.found.subspace.dimension();
+    if (wants_quartic(p, options, report)) {
+        const bool is_asked = options.stand_in == StandInKind::quartic;
+        const Eigen::Index most
+            = std::min<Eigen::Index>(all, is_asked ? PLIANT_FORMAT_MAX_QUARTIC_DIMENSION : quartic_dimension_wanted);
+        const Quartic quartic(dynamic_cast<const Solid&>(p.energy), leading(p.found.subspace, most), &progress);
+        Fitted out = fit_least(p, most, &quartic, options, progress);
+        report.stand_in_kind = StandInKind::quartic;
+        if (is_asked || most == all || out.stand_in.error().mean <= options.tolerance) return out;
+        report.stand_in_reason = fmt::format("at d = {} the tolerance is not kept, and above it a quartic is slower", most);
+    }
+    if (options.stand_in != StandInKind::ghost) options.stand_in = StandInKind::cubature;
+    report.stand_in_kind = options.stand_in;
+    return fit_least(p, all, nullptr, options, progress);
 }
 
 std::vector<float> to_floats(const Weights& w)
@@ -236,12 +300,15 @@ void collect_answers(AssetModel& asset, const BlendModel& model, const TrainingS
     }
 }
 
-// Smallest area of a triangle of the blend over the smallest that it has in any pose.
-double smallest_triangle_ratio(const ShapeSet& set, const Shape& blend)
+// Triangles are compared with the smallest that they are in any pose, tetrahedra with the largest: that is the smallest J.
+double smallest_cell_ratio(const ShapeSet& set, const Shape& blend)
 {
-    Eigen::VectorXd least = triangle_areas(set.shapes[0], set.triangles);
-    for (const Shape& shape : set.shapes) least = least.cwiseMin(triangle_areas(shape, set.triangles));
-    return triangle_areas(blend, set.triangles).cwiseQuotient(least).minCoeff();
+    Eigen::VectorXd unit = cell_sizes(set, set.shapes[0]);
+    for (const Shape& shape : set.shapes) {
+        const Eigen::VectorXd sizes = cell_sizes(set, shape);
+        unit = set.is_solid() ? unit.cwiseMax(sizes).eval() : unit.cwiseMin(sizes).eval();
+    }
+    return cell_sizes(set, blend).cwiseQuotient(unit).minCoeff();
 }
 
 void judge(const BakeOptions& options, BakeReport& report)
@@ -249,7 +316,7 @@ void judge(const BakeOptions& options, BakeReport& report)
     for (const AssetCheck& check : report.checks) {
         report.mean_error += check.error.relative_l2 / double(report.checks.size());
         report.largest_distance = std::max(report.largest_distance, check.error.largest_distance);
-        report.triangle_ratio = std::min(report.triangle_ratio, check.triangle_ratio);
+        report.cell_ratio = std::min(report.cell_ratio, check.cell_ratio);
         if (check.error.relative_l2 < report.largest_error) continue;
         report.largest_error = check.error.relative_l2;
         report.worst_weights = check.weights;
@@ -281,7 +348,7 @@ void check_asset(const std::vector<std::uint8_t>& bytes, AverageFamily& family, 
         const CheckPoint& check = checks[i];
         const Shape blend = blend_at(check.weights);
         report.checks.push_back({ check.weights, shape_error(pool.energy(), set, check.weights, blend, check.truth),
-                                  smallest_triangle_ratio(set, blend), i >= known_count, check.has_converged });
+                                  smallest_cell_ratio(set, blend), i >= known_count, check.has_converged });
         report.findings.insert(report.findings.end(), check.findings.begin(), check.findings.end());
     }
     judge(options, report);
@@ -303,6 +370,13 @@ void tell_findings(const BakeReport& report, const PoseSet& poses, Progress& pro
     }
 }
 
+void tell_inversion(const BakeReport& report, Progress& progress)
+{
+    if (!report.tet_count || report.checks.empty() || report.cell_ratio > 0) return;
+    progress.warn(4407, fmt::format("blends have tetrahedra inside out (smallest J {:.3f})", report.cell_ratio),
+                  "use --material mooney-rivlin, or add a pose in between");
+}
+
 void tell_fit(const Fitted& fitted, Progress& progress, BakeReport& report)
 {
     report.dimension = fitted.subspace.dimension();
@@ -317,8 +391,27 @@ void tell_fit(const Fitted& fitted, Progress& progress, BakeReport& report)
                       "raise --elements, or add an in-between pose");
 }
 
-void describe(BakeReport& report, const ShapeSet& set, const Energy& energy)
+// A stand-in that the material does not have is a wrong command line.
+void check_stand_in(const BakeOptions& options)
 {
+    const Material material = *options.energy.material;
+    const bool is_solid = material == Material::stvk || material == Material::mooney_rivlin;
+    if (options.stand_in == StandInKind::quartic && material != Material::stvk)
+        throw Failure(ExitCode::usage,
+                      error_at(1207, "", fmt::format("--energy quartic needs --material stvk, not {}", name_of(material)),
+                               "leave it out, or use --energy cubature"));
+    if (options.stand_in == StandInKind::ghost && is_solid)
+        throw Failure(ExitCode::usage,
+                      error_at(1208, "", "--energy ghost is for surfaces, the poses are solids",
+                               "leave it out, or use --energy cubature"));
+}
+
+void describe(BakeReport& report, const PoseSet& poses, const ShapeSet& set, const Energy& energy)
+{
+    report.tet_count = set.tets.size();
+    for (std::uint32_t v : set.fixed_vertices)
+        report.fixed_vertices.push_back(poses.source_vertices.empty() ? v : poses.source_vertices[v]);
+    std::sort(report.fixed_vertices.begin(), report.fixed_vertices.end());
     report.vertex_count = std::size_t(set.dof_count() / 3);
     report.pose_count = set.pose_count();
     if (const auto* shells = dynamic_cast<const DiscreteShells*>(&energy))
@@ -327,21 +420,42 @@ void describe(BakeReport& report, const ShapeSet& set, const Energy& energy)
 
 } // namespace
 
-std::unique_ptr<Energy> make_energy(const ShapeSet& set, const EnergyOptions& options)
+Material material_for(const EnergyOptions& options, bool is_solid)
 {
-    if (options.material == Material::arap) return std::make_unique<Arap>(set);
-    return std::make_unique<DiscreteShells>(set, options.shell);
+    const Material material = options.material.value_or(is_solid ? Material::stvk : Material::discrete_shells);
+    const bool is_of_solids = material == Material::stvk || material == Material::mooney_rivlin;
+    if (is_of_solids != is_solid)
+        throw Failure(ExitCode::usage,
+                      error_at(1206, "",
+                               fmt::format("--material {} is for {}, the poses are {}", name_of(material),
+                                           is_of_solids ? "solids" : "surfaces", is_solid ? "solids" : "surfaces"),
+                               is_solid ? "solids are stvk or mooney-rivlin" : "surfaces are discrete-shells or arap"));
+    return material;
 }
 
-BakedAsset bake(const PoseSet& poses, const BakeOptions& options, Progress& progress)
+std::unique_ptr<Energy> make_energy(const ShapeSet& set, const EnergyOptions& options)
 {
+    switch (material_for(options, set.is_solid())) {
+    case Material::arap: return std::make_unique<Arap>(set);
+    case Material::stvk: return std::make_unique<Solid>(set, SolidOptions { SolidLaw::stvk, options.poisson });
+    case Material::mooney_rivlin:
+        return std::make_unique<Solid>(set, SolidOptions { SolidLaw::mooney_rivlin, options.poisson });
+    default: return std::make_unique<DiscreteShells>(set, options.shell);
+    }
+}
+
+BakedAsset bake(const PoseSet& poses, const BakeOptions& given, Progress& progress)
+{
+    BakeOptions options = given;
+    options.energy.material = material_for(given.energy, poses.is_solid());
+    check_stand_in(options);
     BakedAsset out;
     BakeReport& report = out.report;
     Stopwatch watch(report.stages);
     progress.update("poses", 0);
     const ShapeSet set = normalise(poses, options.energy.keep_placement);
     const std::unique_ptr<Energy> energy = make_energy(set, options.energy);
-    describe(report, set, *energy);
+    describe(report, poses, set, *energy);
     if (report.foldover_count)
         progress.warn(
             4403,
@@ -360,9 +474,11 @@ BakedAsset bake(const PoseSet& poses, const BakeOptions& options, Progress& prog
     AdaptiveSubspace found = make_subspace(family, pool, options, progress, report);
     watch.stage_done("subspace");
 
-    const Fitted fitted = choose_dimension_and_fit(*energy, family, set, found, options, progress);
+    const Fitted fitted = choose_and_fit(
+        { *energy, family, set, found, project_averages(*energy, found.subspace, set, found.averages, &progress) }, options,
+        progress, report);
     tell_fit(fitted, progress, report);
-    watch.stage_done(options.stand_in == StandInKind::ghost ? "ghost" : "cubature");
+    watch.stage_done(name_of(report.stand_in_kind));
     const Subspace& subspace = fitted.subspace;
     const BuiltModel& built = fitted.built;
     report.subspace_error
@@ -380,6 +496,8 @@ BakedAsset bake(const PoseSet& poses, const BakeOptions& options, Progress& prog
     asset.load = built.model.load;
     asset.names = poses.names;
     asset.polygons = &poses.polygons;
+    asset.source_vertices = &poses.source_vertices;
+    asset.boundary_vertex_count = poses.boundary_vertex_count;
 
     // A first encoding to let the real runtime answer; answers and certificate are written last.
     asset.certificate = "{}";
@@ -389,6 +507,7 @@ BakedAsset bake(const PoseSet& poses, const BakeOptions& options, Progress& prog
     check_asset(encode_asset(asset), family, pool, found.checks, options, progress, report);
     report.factorization_count = pool.factorization_count();
     tell_findings(report, poses, progress);
+    tell_inversion(report, progress);
     report.certificate = write_certificate(report, options, poses.names);
     asset.certificate = report.certificate;
     out.bytes = encode_asset(asset);

@@ -9,20 +9,23 @@
 
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
 namespace pliant {
 
-enum class Material { discrete_shells, arap };
+enum class Material { discrete_shells, arap, stvk, mooney_rivlin };
 enum class SubspaceKind { adaptive, krylov, barbic };
-enum class StandInKind { cubature, ghost };
+enum class StandInKind { automatic, quartic, cubature, ghost };
 
 // What an elastic energy is made of: shared by all verbs that need one.
 struct EnergyOptions {
-    Material material = Material::discrete_shells;
+    std::optional<Material> material; // none: discrete shells for surfaces, stvk for solids
     ShellOptions shell;
-    bool keep_placement = false; // do not align the poses
+    double poisson = -1;                       // of solids; negative: 0.4 for stvk, 0.45 for mooney-rivlin
+    bool keep_placement = false;               // do not align the poses
+    std::vector<std::uint32_t> fixed_vertices; // by the files' numbers; where a certificate names them
     SolverKind solver = default_solver();
 };
 
@@ -33,8 +36,8 @@ struct BakeOptions {
     double tolerance_max = 0;   // the largest over them; 0: not bounded
     int ritz_count = 2;         // krylov: vectors per tangent
     Eigen::Index dimension = 0; // 0: what the tolerance or ritz_count asks for (barbic: 4 modes a pose); else exactly this
-    StandInKind stand_in = StandInKind::cubature;
-    std::size_t element_count = 0; // cubature elements; 0: as few as keep the tolerance
+    StandInKind stand_in = StandInKind::automatic; // quartic for stvk up to 32 dimensions, else cubature
+    std::size_t element_count = 0;                 // cubature elements; 0: as few as keep the tolerance
     std::size_t ghost_vertex_count = 800;
     std::uint64_t seed = 1;
     int check_count = 24; // weights at which d, the elements and the dead load are judged
@@ -50,13 +53,18 @@ struct StageTime {
 struct AssetCheck {
     Weights weights;
     ShapeError error;
-    double triangle_ratio = 1; // smallest area of a triangle over the smallest it has in any pose
+    double cell_ratio
+        = 1; // smallest area of a triangle over the smallest it has in any pose; of a solid the smallest J = volume of
+             // a tetrahedron over the largest it has in any pose
     bool is_fresh = false;     // nothing was chosen by it
     bool has_converged = true; // the truth
 };
 
 struct BakeReport {
-    std::size_t vertex_count = 0, pose_count = 0, element_count = 0, foldover_count = 0;
+    std::size_t vertex_count = 0, tet_count = 0, pose_count = 0, element_count = 0, foldover_count = 0;
+    StandInKind stand_in_kind = StandInKind::cubature; // what was chosen
+    std::string stand_in_reason;                       // why, where there was a choice
+    std::vector<std::uint32_t> fixed_vertices;         // numbers of the files
     Eigen::Index dimension = 0;
     std::vector<StageTime> stages;
     int factorization_count = 0;
@@ -70,7 +78,7 @@ struct BakeReport {
     double runtime_error = 0; // largest relative distance of runtime and double-precision model, relative L2
     std::vector<AssetCheck> checks;
     double mean_error = 0, largest_error = 0; // total, over all of them
-    double largest_distance = 0, triangle_ratio = 1;
+    double largest_distance = 0, cell_ratio = 1;
     Weights worst_weights;
     bool meets_tolerance = false;
     std::string certificate; // the JSON that went into the asset
@@ -80,6 +88,9 @@ struct BakedAsset {
     std::vector<std::uint8_t> bytes;
     BakeReport report;
 };
+
+// The material that the options mean for surfaces or solids. Throws Failure (usage, P1206) for one of the other sort.
+Material material_for(const EnergyOptions& options, bool is_solid);
 
 // The energy of a shape set. The set must outlive it.
 std::unique_ptr<Energy> make_energy(const ShapeSet& set, const EnergyOptions& options);

@@ -2,6 +2,7 @@
 
 #include "average/shape_error.h"
 #include "energy/parallel.h"
+#include "mesh/tets.h"
 
 #include <algorithm>
 #include <cmath>
@@ -30,7 +31,7 @@ constexpr double hopeless_decrement = 1e-2;
 // Means from different poses are computed roughly, and compared with that in mind: energies, and distances.
 constexpr double energy_doubt = 0.02, rough_distance = 0.05;
 
-// A tangent step may change the areas of triangles by this factor.
+// A tangent step may change the areas of triangles, the volumes of tetrahedra by this factor.
 constexpr double sound_stretch = 1.5;
 
 } // namespace
@@ -38,7 +39,7 @@ constexpr double sound_stretch = 1.5;
 std::size_t farthest_vertex(const ShapeSet& set, const Shape& a, const Shape& b)
 {
     Shape moved = b;
-    apply(best_rigid_motion(b, a, set.masses), moved);
+    align_to(set, a, moved);
     Eigen::Index farthest = 0;
     const Eigen::Map<const Eigen::Matrix3Xd> from(a.data(), 3, a.size() / 3), to(moved.data(), 3, a.size() / 3);
     (from - to).colwise().squaredNorm().maxCoeff(&farthest);
@@ -71,11 +72,11 @@ Shape AverageFamily::start_of_step(Path& path, const Weights& to, double share) 
     const Shape& here = path.point.y;
     if (!path.tangent) path.tangent = path.solver.weight_derivative(path.w, here, to - path.w, HessianKind::projected);
     const Weights next = path.w + share * (to - path.w);
-    const Eigen::VectorXd areas = triangle_areas(here, pool_.set().triangles);
+    const Eigen::VectorXd sizes = cell_sizes(pool_.set(), here);
     const double energy = energy_value(pool_.energy(), next, here);
     for (double length = 1; length > 0.2; length /= 2) {
         Shape guess = here + length * share * *path.tangent;
-        const Eigen::VectorXd ratios = triangle_areas(guess, pool_.set().triangles).cwiseQuotient(areas);
+        const Eigen::VectorXd ratios = cell_sizes(pool_.set(), guess).cwiseQuotient(sizes);
         if (ratios.minCoeff() > 1 / sound_stretch && ratios.maxCoeff() < sound_stretch
             && energy_value(pool_.energy(), next, guess) < energy)
             return guess;

@@ -1,6 +1,7 @@
 #include "average/newton.h"
 
 #include "average/rigid_modes.h"
+#include "mesh/tets.h"
 #include "report/diagnostics.h"
 
 #include <algorithm>
@@ -37,7 +38,23 @@ NewtonSolver::NewtonSolver(const Energy& energy, const ShapeSet& set, SolverKind
 {
 }
 
-void fix_gauge(const ShapeSet& set, Shape& y) { apply(best_rigid_motion(y, set.shapes[0], set.masses), y); }
+void fix_gauge(const ShapeSet& set, Shape& y) { align_to(set, set.shapes[0], y); }
+
+void NewtonSolver::choose_pins(const Shape& y)
+{
+    if (set_.is_free()) {
+        pins_ = statically_determinate_pins(y);
+        return;
+    }
+    pins_.clear();
+    for (std::uint32_t v : set_.fixed_vertices)
+        for (int c = 0; c < 3; ++c) pins_.push_back(3 * Eigen::Index(v) + c);
+}
+
+void NewtonSolver::remove_free_motion(Eigen::MatrixXd& displacements, const Eigen::MatrixXd& modes) const
+{
+    if (set_.is_free()) remove_rigid_motion(displacements, modes, set_.masses);
+}
 
 // Last resort: a mass-like shift of the diagonal, relative to its mean, raised until the factorisation succeeds. It starts at the
 // square root of rounding: smaller ones are lost in the factor of an ill-conditioned shell.
@@ -60,7 +77,7 @@ void NewtonSolver::factorize_shifted(const Weights& w, const Shape& y, HessianKi
 
 bool NewtonSolver::factorize_model(const Weights& w, const Shape& y, bool try_exact)
 {
-    pins_ = statically_determinate_pins(y);
+    choose_pins(y);
     if (try_exact) {
         assembler_.assemble(w, y, HessianKind::exact);
         pin(assembler_.matrix(), pins_);
@@ -78,22 +95,30 @@ Shape NewtonSolver::newton_step(const Shape& y, const Shape& gradient) const
     Eigen::MatrixXd right = -gradient;
     for (Eigen::Index dof : pins_) right(dof, 0) = 0;
     Eigen::MatrixXd step = cholesky_.solve(right);
-    remove_rigid_motion(step, rigid_modes(y, set_.masses), set_.masses);
+    if (set_.is_free()) remove_free_motion(step, rigid_modes(y, set_.masses));
     return step;
 }
 
-// The largest of 1, 1/2, 1/4 ... at which no triangle shrinks below a fifth of its area or flips: beyond that the quadratic model
-// says nothing, and energies that are finite for collapsed triangles would let them collapse.
+// Whether no cell shrinks below a fifth of its size or flips.
+bool NewtonSolver::is_sound(const Shape& y, const Shape& moved) const
+{
+    if (set_.is_solid())
+        return std::all_of(set_.tets.begin(), set_.tets.end(), [&](const Tetrahedron& t) {
+            const double before = tet_edges(y, t).determinant(), after = tet_edges(moved, t).determinant();
+            return after >= 0.2 * before;
+        });
+    return std::all_of(set_.triangles.begin(), set_.triangles.end(), [&](const Triangle& t) {
+        const Eigen::Vector3d before = double_area_vector(y, t), after = double_area_vector(moved, t);
+        return after.squaredNorm() >= 0.04 * before.squaredNorm() && after.dot(before) > 0;
+    });
+}
+
+// The largest of 1, 1/2, 1/4 ... that keeps the cells sound: beyond that the quadratic model says nothing, and energies that are finite
+// for collapsed cells would let them collapse.
 double NewtonSolver::largest_step(const Shape& y, const Shape& step) const
 {
-    for (double length = 1; length > 1e-6; length /= 2) {
-        const Shape moved = y + length * step;
-        const bool is_sound = std::all_of(set_.triangles.begin(), set_.triangles.end(), [&](const Triangle& t) {
-            const Eigen::Vector3d before = double_area_vector(y, t), after = double_area_vector(moved, t);
-            return after.squaredNorm() >= 0.04 * before.squaredNorm() && after.dot(before) > 0;
-        });
-        if (is_sound) return length;
-    }
+    for (double length = 1; length > 1e-6; length /= 2)
+        if (is_sound(y, y + length * step)) return length;
     return 1e-6;
 }
 
@@ -157,8 +182,8 @@ NewtonResult NewtonSolver::minimise(const Weights& w, const Shape& start, const 
 
 void NewtonSolver::factorize_equilibrium(const Weights& w, const Shape& y, HessianKind kind)
 {
-    pins_ = statically_determinate_pins(y);
-    modes_ = rigid_modes(y, set_.masses);
+    choose_pins(y);
+    modes_ = set_.is_free() ? rigid_modes(y, set_.masses) : Eigen::MatrixXd(y.size(), 0);
     assembler_.assemble(w, y, kind);
     pin(assembler_.matrix(), pins_);
     if (!cholesky_.factorize(assembler_.matrix())) factorize_shifted(w, y, HessianKind::projected);
@@ -167,10 +192,10 @@ void NewtonSolver::factorize_equilibrium(const Weights& w, const Shape& y, Hessi
 Eigen::MatrixXd NewtonSolver::solve_equilibrium(const Eigen::MatrixXd& loads) const
 {
     Eigen::MatrixXd right = loads;
-    balance_load(right, modes_, set_.masses);
+    if (set_.is_free()) balance_load(right, modes_, set_.masses);
     for (Eigen::Index dof : pins_) right.row(dof).setZero();
     Eigen::MatrixXd x = cholesky_.solve(right);
-    remove_rigid_motion(x, modes_, set_.masses);
+    remove_free_motion(x, modes_);
     return x;
 }
 

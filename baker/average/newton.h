@@ -39,13 +39,15 @@ public:
 
     // Minimises from `start`. The result keeps the centroid and orientation in which it was found. Calls progress->update (may be
     // null) once an iteration.
+    // Fixed vertices stay where they are in `start`.
     NewtonResult minimise(const Weights& w, const Shape& start, const NewtonOptions& options, Progress* progress = nullptr);
 
     // Factors the exact Hessian of W(w, .) at an equilibrium y (a pose, an average) for solve_equilibrium. Throws Failure (P4302)
     // if it has negative or further zero eigenvalues.
     void factorize_equilibrium(const Weights& w, const Shape& y, HessianKind kind = HessianKind::exact);
 
-    // Solves K x = f (columns) at that equilibrium in the quotient by rigid motions: f is balanced, x is mass-orthogonal to them.
+    // Solves K x = f (columns) at that equilibrium. Of a free body in the quotient by rigid motions: f is balanced, x is mass-orthogonal
+    // to them. Else x vanishes at fixed vertices.
     Eigen::MatrixXd solve_equilibrium(const Eigen::MatrixXd& loads) const;
 
     // How the minimiser y moves when the weights move: -K(w)^-1 sum_k direction_k grad W_k(y). At a y that is only roughly a
@@ -62,6 +64,7 @@ private:
     bool factorize_model(const Weights& w, const Shape& y, bool try_exact);
     void factorize_shifted(const Weights& w, const Shape& y, HessianKind kind);
     Shape newton_step(const Shape& y, const Shape& gradient) const;
+    bool is_sound(const Shape& y, const Shape& moved) const;
     double largest_step(const Shape& y, const Shape& step) const;
     bool is_small_step(double step, const Shape& way, const NewtonOptions& options) const;
 
@@ -69,11 +72,15 @@ private:
     const ShapeSet& set_;
     HessianAssembler assembler_;
     SparseCholesky cholesky_;
-    std::vector<Eigen::Index> pins_;
-    Eigen::MatrixXd modes_; // rigid modes at the factored equilibrium
+    void choose_pins(const Shape& y);
+    void remove_free_motion(Eigen::MatrixXd& displacements, const Eigen::MatrixXd& modes) const;
+
+    std::vector<Eigen::Index>
+        pins_;              // degrees of freedom that are held: those of fixed vertices, or six against rigid motions
+    Eigen::MatrixXd modes_; // rigid modes at the factored equilibrium, none of a body with fixed vertices
 };
 
-// Moves a shape rigidly onto pose 0, in place: the gauge of every average that leaves the baker.
+// Moves a free shape rigidly onto pose 0, in place: the gauge of every average that leaves the baker.
 void fix_gauge(const ShapeSet& set, Shape& y);
 
 } // namespace pliant

@@ -12,7 +12,7 @@ namespace {
 Shape aligned_truth(const ShapeSet& set, const Shape& blend, const Shape& truth)
 {
     Shape aligned = truth;
-    apply(best_rigid_motion(truth, blend, set.masses), aligned);
+    align_to(set, blend, aligned);
     return aligned;
 }
 

@@ -30,6 +30,32 @@ void add_choice(CLI::App& verb, const std::string& option, Enum& value, std::vec
         ->type_name("NAME");
 }
 
+// Has no default of its own: surfaces and solids have different ones.
+void add_material(CLI::App& verb, EnergyOptions& options)
+{
+    const std::vector<Material> values
+        = { Material::discrete_shells, Material::arap, Material::stvk, Material::mooney_rivlin };
+    std::vector<std::string> names;
+    for (Material v : values) names.push_back(name_of(v));
+    verb.add_option_function<std::string>(
+            "--material",
+            [&options, values](const std::string& name) {
+                for (Material v : values)
+                    if (name == name_of(v)) options.material = v;
+            },
+            "Elastic energy. Of surfaces: discrete-shells (thin shell, the default and best for characters) or arap (as "
+            "rigid "
+            "as possible). Of solids: stvk (St. Venant-Kirchhoff, the default) or mooney-rivlin (holds its volume better, "
+            "tetrahedra never turn inside out)")
+        ->check(CLI::IsMember(names))
+        ->type_name("NAME");
+    verb.add_option(
+            "--poisson", options.poisson,
+            "Poisson's ratio of a solid (default: 0.4 for stvk, 0.45 for mooney-rivlin; above 0.45 tetrahedra lock); "
+            "where a .veg file gives its parts moduli, those count")
+        ->check(CLI::Range(0.0, 0.499));
+}
+
 } // namespace
 
 void add_pose_arguments(CLI::App& verb, std::vector<std::string>& poses)
@@ -42,9 +68,7 @@ void add_pose_arguments(CLI::App& verb, std::vector<std::string>& poses)
 
 void add_energy_options(CLI::App& verb, EnergyOptions& options)
 {
-    add_choice(
-        verb, "--material", options.material, { Material::discrete_shells, Material::arap },
-        "Elastic energy: discrete-shells (thin shell, the best choice for characters) or arap (as rigid as possible)");
+    add_material(verb, options);
     add_choice(verb, "--membrane", options.shell.membrane, { Membrane::neo_hookean, Membrane::stvk, Membrane::edge },
                "How a shell resists stretching; neo-hookean cannot collapse a triangle");
     verb.add_option("--thickness", options.shell.thickness,

@@ -13,7 +13,7 @@ namespace {
 struct Arguments {
     std::vector<std::string> poses;
     std::string output, report;
-    std::string subspace = "adaptive", stand_in = "cubature";
+    std::string subspace = "adaptive", stand_in = "auto";
     BakeOptions bake;
     bool has_tolerance = false, is_best_effort = false, is_quiet = false;
 };
@@ -21,9 +21,13 @@ struct Arguments {
 void print_summary(const Arguments& a, const BakedAsset& baked)
 {
     const BakeReport& r = baked.report;
-    fmt::print("{}: {} poses, {} vertices, d = {}, {} elements{}, {:.1f} MiB\n", a.output, r.pose_count, r.vertex_count,
-               r.dimension, r.element_count, r.stand_in.has_load ? " and a dead load" : "",
-               double(baked.bytes.size()) / 1048576.0);
+    const std::string energy = r.stand_in_kind == StandInKind::quartic
+        ? "exact quartic"
+        : fmt::format("{} elements{}", r.element_count, r.stand_in.has_load ? " and a dead load" : "");
+    fmt::print("{}: {} poses, {} vertices, d = {}, {}, {:.1f} MiB\n", a.output, r.pose_count, r.vertex_count, r.dimension,
+               energy, double(baked.bytes.size()) / 1048576.0);
+    if (!r.stand_in_reason.empty()) fmt::print("cubature, not the quartic: {}\n", r.stand_in_reason);
+    if (r.tet_count && !r.checks.empty()) fmt::print("smallest J of a tetrahedron: {:.3f}\n", r.cell_ratio);
     if (!r.checks.empty())
         fmt::print(
             "blends at {} weights: relative L2 {:.2e} (mean), {:.2e} (largest), of which the subspace {:.2e} and {:.2e}; "
@@ -72,7 +76,8 @@ ExitCode run(Arguments& a)
                                              : SubspaceKind::adaptive;
     probe_output(a.output, a.poses);
     if (!a.report.empty()) probe_output(a.report, a.poses);
-    a.bake.stand_in = a.stand_in == "ghost" ? StandInKind::ghost : StandInKind::cubature;
+    for (StandInKind kind : { StandInKind::quartic, StandInKind::cubature, StandInKind::ghost })
+        if (a.stand_in == name_of(kind)) a.bake.stand_in = kind;
     ConsoleProgress progress("bake", a.is_quiet);
     const PoseSet poses = load_with_warnings("bake", a.poses, a.bake.energy);
     const BakedAsset baked = bake(poses, a.bake, progress);
@@ -124,9 +129,11 @@ Verb add_bake(CLI::App& app)
     verb->add_option("--dim", a->bake.dimension,
                      "Dimension of the reduced space (default: what the tolerance or --ritz asks for)")
         ->check(CLI::Range(1, 256));
-    verb->add_option("--energy", a->stand_in,
-                     "Stand-in for the energy: cubature (few elements, accurate) or ghost (coarse mesh)")
-        ->check(CLI::IsMember({ "cubature", "ghost" }))
+    verb->add_option(
+            "--energy", a->stand_in,
+            "Stand-in for the energy: quartic (a polynomial, exact, of stvk solids), cubature (few elements, accurate), "
+            "ghost (coarse mesh, of surfaces), or auto: quartic where d is at most 32, else cubature")
+        ->check(CLI::IsMember({ "auto", "quartic", "cubature", "ghost" }))
         ->capture_default_str()
         ->type_name("NAME");
     verb->add_option("--elements", a->bake.element_count,

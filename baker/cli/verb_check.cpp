@@ -18,12 +18,17 @@ ExitCode run(const Arguments& a)
 {
     const PoseSet poses = load_with_warnings("check", a.poses, a.bake.energy);
     const ShapeSet set = normalise(poses, a.bake.energy.keep_placement);
-    fmt::print("{} poses of {} vertices, {} faces, {} triangles: fit to bake\n", poses.pose_count(), poses.vertex_count(),
-               poses.polygons.count(), poses.triangles.size());
+    const Material material = material_for(a.bake.energy, poses.is_solid());
+    if (poses.is_solid())
+        fmt::print("{} poses of {} vertices, {} tetrahedra, {} of the vertices on the boundary: fit to bake\n",
+                   poses.pose_count(), poses.vertex_count(), poses.tets.size(), poses.boundary_vertex_count);
+    else
+        fmt::print("{} poses of {} vertices, {} faces, {} triangles: fit to bake\n", poses.pose_count(),
+                   poses.vertex_count(), poses.polygons.count(), poses.triangles.size());
     for (std::size_t k = 1; k < poses.pose_count(); ++k)
         fmt::print("  {}: turned by {:.1f} degrees to meet {}\n", poses.names[k],
                    Eigen::AngleAxisd(set.motions[k].rotation).angle() * 57.29577951308232, poses.names[0]);
-    if (a.bake.energy.material == Material::discrete_shells) {
+    if (material == Material::discrete_shells) {
         const DiscreteShells shells(set, a.bake.energy.shell);
         if (!shells.foldover_hinges().empty())
             fmt::print("  {} of {} hinges are folded over or fold strongly between poses: their bending will be damped\n",

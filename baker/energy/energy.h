@@ -32,6 +32,7 @@ struct RuntimeElement {
     std::uint32_t valence = 0;
     bool is_closed = false;
     std::vector<std::array<std::uint32_t, 2>> differences;
+    Eigen::MatrixXd combination;  // differences x c: the element looks at these combinations of them; empty: at themselves
     std::vector<double> fixed;    // F numbers
     Eigen::MatrixXd pose_numbers; // m x K
 };

@@ -1,5 +1,7 @@
 #include "mesh/align.h"
 
+#include "mesh/tets.h"
+
 #include <Eigen/Dense>
 
 namespace pliant {
@@ -38,16 +40,25 @@ void apply(const RigidMotion& motion, Shape& shape)
         shape.segment<3>(i) = (motion.rotation * shape.segment<3>(i) + motion.translation).eval();
 }
 
+void align_to(const ShapeSet& set, const Shape& target, Shape& shape)
+{
+    if (set.is_free()) apply(best_rigid_motion(shape, target, set.masses), shape);
+}
+
 ShapeSet normalise(const PoseSet& poses, bool keep_placement)
 {
     ShapeSet set;
     set.triangles = poses.triangles;
+    set.tets = poses.tets;
+    set.regions = poses.regions;
+    set.fixed_vertices = poses.fixed_vertices;
+    keep_placement = keep_placement || !set.is_free();
     const Eigen::Index n = Eigen::Index(poses.vertex_count());
 
     // Shapes relative to the middle of pose 0, so that a far-away origin costs no digits in what follows.
     const Eigen::Vector3d middle
         = 0.5 * (poses.positions[0].colwise().minCoeff() + poses.positions[0].colwise().maxCoeff()).transpose();
-    double area = 0;
+    double size = 0; // area or volume
     set.masses = Eigen::VectorXd::Zero(n);
     for (const Positions& positions : poses.positions) {
         const Eigen::Vector3d pose_middle = keep_placement
@@ -57,11 +68,12 @@ ShapeSet normalise(const PoseSet& poses, bool keep_placement)
         set.shapes.emplace_back(Eigen::Map<const Shape>(centred.data(), 3 * n));
         set.motions.emplace_back();
         set.motions.back().translation = -pose_middle;
-        set.masses += lumped_masses(set.shapes.back(), set.triangles) / double(poses.pose_count());
-        area += triangle_areas(set.shapes.back(), set.triangles).sum() / double(poses.pose_count());
+        const Shape& shape = set.shapes.back();
+        set.masses += cell_masses(set, shape) / double(poses.pose_count());
+        size += cell_sizes(set, shape).sum() / double(poses.pose_count());
     }
-    set.length = std::sqrt(area);
-    set.masses /= area;
+    set.length = set.is_solid() ? std::cbrt(size) : std::sqrt(size);
+    set.masses /= size;
 
     // The runtime adds the origin in single precision: round it once, here, so that both sides mean the same point.
     const Eigen::Vector3d centre = centroid(set.shapes[0], set.masses);

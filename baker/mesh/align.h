@@ -16,22 +16,31 @@ RigidMotion best_rigid_motion(const Shape& from, const Shape& to, const Eigen::V
 
 void apply(const RigidMotion& motion, Shape& shape);
 
-// The normalised problem. Lengths are in units of `length` (the root of the mean surface area of the poses) around `origin`
-// (the area-weighted centroid of pose 0), so that nothing depends on the units of the files or on where the character stands.
+// The normalised problem. Lengths are in units of `length` (the root of the mean surface area of the poses, the cube root of the mean
+// volume of a solid) around `origin` (the centroid of pose 0), so that nothing depends on the units of the files or on where the
+// character stands.
 struct ShapeSet {
-    std::vector<Triangle> triangles;
-    std::vector<Shape> shapes;        // per pose, aligned to pose 0
-    Eigen::VectorXd masses;           // per vertex: lumped, mean over the poses
-    Eigen::Vector3d origin;           // input units; each coordinate is exactly a float
-    double length = 1;                // input units
-    std::vector<RigidMotion> motions; // what was applied to each pose, in input units
-    double diagonal = 1;              // bounding-box diagonal of pose 0, normalised units
+    std::vector<Triangle> triangles;           // of a solid: its boundary
+    std::vector<Tetrahedron> tets;             // empty: a surface
+    SolidRegions regions;                      // of a solid
+    std::vector<std::uint32_t> fixed_vertices; // ascending; without them bodies are free
+    std::vector<Shape> shapes;                 // per pose, aligned to pose 0
+    Eigen::VectorXd masses;                    // per vertex: lumped, mean over the poses
+    Eigen::Vector3d origin;                    // input units; each coordinate is exactly a float
+    double length = 1;                         // input units
+    std::vector<RigidMotion> motions;          // what was applied to each pose, in input units
+    double diagonal = 1;                       // bounding-box diagonal of pose 0, normalised units
 
+    bool is_solid() const { return !tets.empty(); }
+    bool is_free() const { return fixed_vertices.empty(); }
     std::size_t pose_count() const { return shapes.size(); }
     Eigen::Index dof_count() const { return shapes[0].size(); }
 };
 
-// Aligns (unless `keep_placement`) and normalises.
+// Moves `shape` rigidly to where it is closest to `target`, unless fixed vertices hold it.
+void align_to(const ShapeSet& set, const Shape& target, Shape& shape);
+
+// Aligns (unless `keep_placement`, or vertices are fixed) and normalises.
 ShapeSet normalise(const PoseSet& poses, bool keep_placement = false);
 
 // Back to input units and place.

@@ -27,8 +27,16 @@ StandIn::StandIn(const Energy& energy, const Shape& origin, const Eigen::MatrixX
     }
 }
 
+StandIn::StandIn(const Energy& energy, Quartic quartic)
+    : energy_(energy)
+    , dimension_(quartic.dimension())
+    , quartic_(std::make_shared<const Quartic>(std::move(quartic)))
+{
+}
+
 double StandIn::value(const Weights& w, const Eigen::VectorXd& q) const
 {
+    if (quartic_) return quartic_->value(w, q);
     ElementResult result;
     double sum = 0;
     for (std::size_t i = 0; i < elements_.size(); ++i) {
@@ -41,6 +49,7 @@ double StandIn::value(const Weights& w, const Eigen::VectorXd& q) const
 
 double StandIn::gradient(const Weights& w, const Eigen::VectorXd& q, Eigen::VectorXd& gradient) const
 {
+    if (quartic_) return quartic_->gradient(w, q, gradient);
     ElementResult result;
     double sum = 0;
     gradient.setZero(dimension_);
@@ -55,6 +64,11 @@ double StandIn::gradient(const Weights& w, const Eigen::VectorXd& q, Eigen::Vect
 
 Eigen::MatrixXd StandIn::hessian(const Weights& w, const Eigen::VectorXd& q, HessianKind kind) const
 {
+    if (quartic_) {
+        Eigen::MatrixXd hessian = quartic_->hessian(w, q);
+        if (kind == HessianKind::projected) project_positive(hessian);
+        return hessian;
+    }
     ElementResult result;
     Eigen::MatrixXd sum = Eigen::MatrixXd::Zero(dimension_, dimension_);
     for (std::size_t i = 0; i < elements_.size(); ++i) {

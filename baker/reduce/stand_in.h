@@ -1,10 +1,13 @@
-// The stand-in energy: a few weighted elements seen through the subspace. In double precision this is what the runtime evaluates in
-// single; with all elements at weight 1 it is the reduced energy itself.
+// The stand-in energy: a few weighted elements seen through the subspace, or a polynomial. In double precision this is what the runtime
+// evaluates in single; with all elements at weight 1, and as the polynomial, it is the reduced energy itself.
 #pragma once
 
 #include "energy/energy.h"
 #include "reduce/minimise.h"
+#include "reduce/quartic.h"
 #include "subspace/subspace.h"
+
+#include <memory>
 
 namespace pliant {
 
@@ -14,6 +17,12 @@ public:
     // cubature, the decimated one for a ghost. The energy must outlive the stand-in.
     StandIn(const Energy& energy, const Shape& origin, const Eigen::MatrixXd& basis, std::vector<std::size_t> elements,
             Eigen::VectorXd weights);
+
+    // The reduced energy of a St. Venant-Kirchhoff solid; no elements.
+    StandIn(const Energy& energy, Quartic quartic);
+
+    // Null: a sum of elements.
+    const Quartic* quartic() const { return quartic_.get(); }
 
     Eigen::Index dimension() const { return dimension_; }
     std::size_t element_count() const { return elements_.size(); }
@@ -36,6 +45,7 @@ private:
     Eigen::VectorXd weights_;
     std::vector<Eigen::MatrixXd> rows_;
     std::vector<Eigen::VectorXd> origin_rows_;
+    std::shared_ptr<const Quartic> quartic_;
 };
 
 // The reduced energy on the full mesh: exact, and as expensive as the mesh.

@@ -28,7 +28,15 @@ template <class Enum> Enum parse_name(const std::string& name, std::initializer_
 
 } // namespace
 
-const char* name_of(Material material) { return material == Material::arap ? "arap" : "discrete-shells"; }
+const char* name_of(Material material)
+{
+    switch (material) {
+    case Material::arap: return "arap";
+    case Material::stvk: return "stvk";
+    case Material::mooney_rivlin: return "mooney-rivlin";
+    default: return "discrete-shells";
+    }
+}
 
 const char* name_of(Membrane membrane)
 {
@@ -43,7 +51,15 @@ const char* name_of(SubspaceKind kind)
 {
     return kind == SubspaceKind::krylov ? "krylov" : kind == SubspaceKind::barbic ? "barbic" : "adaptive";
 }
-const char* name_of(StandInKind kind) { return kind == StandInKind::ghost ? "ghost" : "cubature"; }
+const char* name_of(StandInKind kind)
+{
+    switch (kind) {
+    case StandInKind::quartic: return "quartic";
+    case StandInKind::cubature: return "cubature";
+    case StandInKind::ghost: return "ghost";
+    default: return "auto";
+    }
+}
 const char* name_of(SolverKind kind) { return kind == SolverKind::eigen ? "eigen" : "cholmod"; }
 
 namespace {
@@ -61,10 +77,10 @@ Json subspace_of(const BakeReport& report, const BakeOptions& options)
     return subspace;
 }
 
-Json stand_in_of(const BakeReport& report, const BakeOptions& options)
+Json stand_in_of(const BakeReport& report)
 {
     const StandInReport& r = report.stand_in;
-    Json stand_in = { { "kind", name_of(options.stand_in) },
+    Json stand_in = { { "kind", name_of(report.stand_in_kind) },
                       { "elements", report.element_count },
                       { "training_weights", report.training_count },
                       { "unconverged_training_weights", report.unconverged_training_count },
@@ -73,6 +89,7 @@ Json stand_in_of(const BakeReport& report, const BakeOptions& options)
                       { "dead_load", r.has_load },
                       { "mean_error_without_load", r.plain.mean },
                       { "largest_error_without_load", r.plain.largest } };
+    if (!report.stand_in_reason.empty()) stand_in["reason"] = report.stand_in_reason;
     if (r.loaded.mean > 0) {
         stand_in["mean_error_with_load"] = r.loaded.mean;
         stand_in["largest_error_with_load"] = r.loaded.largest;
@@ -97,11 +114,12 @@ Json findings_of(const BakeReport& report, const std::vector<std::string>& pose_
 
 Json measured_of(const BakeReport& report)
 {
+    const char* const cell = report.tet_count ? "smallest_j" : "smallest_triangle_ratio";
     Json checks = Json::array();
     int unconverged = 0;
     for (const AssetCheck& check : report.checks) {
         Json json = json_of(check.error);
-        json["smallest_triangle_ratio"] = check.triangle_ratio;
+        json[cell] = check.cell_ratio;
         json["fresh"] = check.is_fresh;
         json["converged"] = check.has_converged;
         json["weights"] = json_of(check.weights);
@@ -111,7 +129,7 @@ Json measured_of(const BakeReport& report)
     Json measured = { { "mean_error", report.mean_error },
                       { "largest_error", report.largest_error },
                       { "largest_distance", report.largest_distance },
-                      { "smallest_triangle_ratio", report.triangle_ratio },
+                      { cell, report.cell_ratio },
                       { "worst_weights", json_of(report.worst_weights) },
                       { "runtime_against_double", report.runtime_error },
                       { "unconverged_checks", unconverged },
@@ -125,22 +143,28 @@ std::string write_certificate(const BakeReport& report, const BakeOptions& optio
                               const std::vector<std::string>& pose_names)
 {
     const ShellOptions& shell = options.energy.shell;
-    Json energy = { { "material", name_of(options.energy.material) } };
-    if (options.energy.material == Material::discrete_shells) {
+    const Material material = options.energy.material.value_or(Material::discrete_shells);
+    Json energy = { { "material", name_of(material) } };
+    if (report.tet_count && options.energy.poisson >= 0) energy["poisson"] = options.energy.poisson;
+    if (material == Material::discrete_shells) {
         energy["membrane"] = name_of(shell.membrane);
         energy["thickness"] = shell.thickness;
         energy["foldover_damping"] = shell.foldover_damping;
     }
     energy["aligned"] = !options.energy.keep_placement;
     energy["solver"] = name_of(options.energy.solver);
+    if (!report.fixed_vertices.empty()) energy["fixed_vertices"] = report.fixed_vertices;
 
-    Json certificate = { { "certificate", 1 },    { "baker", "pliant 0.1.0" },
-                         { "poses", pose_names }, { "vertices", report.vertex_count },
-                         { "energy", energy },    { "tolerance", options.tolerance } };
+    Json certificate = {
+        { "certificate", 1 }, { "baker", "pliant 0.1.0" }, { "poses", pose_names }, { "vertices", report.vertex_count }
+    };
+    if (report.tet_count) certificate["tetrahedra"] = report.tet_count;
+    certificate["energy"] = energy;
+    certificate["tolerance"] = options.tolerance;
     if (options.tolerance_max > 0) certificate["tolerance_max"] = options.tolerance_max;
     certificate["meets_tolerance"] = report.meets_tolerance;
     certificate["subspace"] = subspace_of(report, options);
-    certificate["stand_in"] = stand_in_of(report, options);
+    certificate["stand_in"] = stand_in_of(report);
     certificate["measured"] = measured_of(report);
     certificate["mean_from_pose"] = report.start_pose;
     certificate["branches"] = findings_of(report, pose_names);
@@ -157,7 +181,10 @@ EnergyOptions read_energy_options(const std::string& certificate, const std::str
         const Json json = Json::parse(certificate);
         const Json& energy = json.at("energy");
         options.material
-            = parse_name(energy.at("material").get<std::string>(), { Material::discrete_shells, Material::arap });
+            = parse_name(energy.at("material").get<std::string>(),
+                         { Material::discrete_shells, Material::arap, Material::stvk, Material::mooney_rivlin });
+        options.poisson = energy.value("poisson", -1.0);
+        options.fixed_vertices = energy.value("fixed_vertices", std::vector<std::uint32_t>());
         options.keep_placement = !energy.at("aligned").get<bool>();
         if (options.material == Material::discrete_shells) {
             options.shell.membrane = parse_name(energy.at("membrane").get<std::string>(),

@@ -1,6 +1,7 @@
 #include "subspace/krylov.h"
 
 #include "average/rigid_modes.h"
+#include "mesh/tets.h"
 #include "subspace/tangents.h"
 
 #include <fmt/core.h>
@@ -22,7 +23,7 @@ void normalise_columns(Eigen::MatrixXd& x, const Eigen::VectorXd& masses)
 // that every solve has m - 1 right-hand sides.
 std::vector<Eigen::MatrixXd> vectors_at_pose(NewtonSolver& solver, std::size_t k, int ritz_count)
 {
-    const Eigen::VectorXd masses = lumped_masses(solver.set().shapes[k], solver.set().triangles);
+    const Eigen::VectorXd masses = cell_masses(solver.set(), solver.set().shapes[k]);
     std::vector<Eigen::MatrixXd> out;
     Eigen::MatrixXd current = tangents_at_pose(solver, k), previous;
     normalise_columns(current, masses);

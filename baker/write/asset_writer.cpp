@@ -64,6 +64,20 @@ struct BakedElement {
     double weight;
 };
 
+// What the element looks at: the differences (three rows each), or combinations of them.
+Eigen::MatrixXd combine(const Eigen::MatrixXd& differences, const RuntimeElement& element)
+{
+    const Eigen::MatrixXd& c = element.combination;
+    if (c.size() == 0) return differences;
+    Eigen::MatrixXd out = Eigen::MatrixXd::Zero(3 * c.cols(), differences.cols());
+    for (Eigen::Index j = 0; j < c.cols(); ++j)
+        for (Eigen::Index i = 0; i < c.rows(); ++i) out.middleRows<3>(3 * j) += c(i, j) * differences.middleRows<3>(3 * i);
+    // The deformation gradient relative to z = 0 is the identity there; its rounding would be one of the format.
+    if (element.kind == PLIANT_ELEMENT_TET_STVK || element.kind == PLIANT_ELEMENT_TET_MOONEY_RIVLIN)
+        out.col(0) = Eigen::Map<const Eigen::VectorXd>(Eigen::Matrix3d::Identity().eval().data(), 9);
+    return out;
+}
+
 BakedElement bake_element(const AssetModel& model, std::size_t i)
 {
     const StandIn& stand_in = *model.stand_in;
@@ -79,10 +93,11 @@ BakedElement bake_element(const AssetModel& model, std::size_t i)
     const auto place
         = [&](std::uint32_t vertex) { return 3 * Eigen::Index(std::find(vertices, vertices + count, vertex) - vertices); };
     const auto& differences = baked.element.differences;
-    baked.rows.resize(3 * Eigen::Index(differences.size()), local.cols());
+    Eigen::MatrixXd rows(3 * Eigen::Index(differences.size()), local.cols());
     for (std::size_t r = 0; r < differences.size(); ++r)
-        baked.rows.middleRows<3>(3 * Eigen::Index(r))
+        rows.middleRows<3>(3 * Eigen::Index(r))
             = local.middleRows<3>(place(differences[r][1])) - local.middleRows<3>(place(differences[r][0]));
+    baked.rows = combine(rows, baked.element);
     return baked;
 }
 
@@ -144,6 +159,19 @@ Bytes encode_elements(const AssetModel& model)
     return out;
 }
 
+// The polynomial of z, one table per pose.
+Bytes encode_quartic(const AssetModel& model)
+{
+    const Quartic quartic = model.stand_in->quartic()->transformed(model.mean, model.root);
+    Bytes out;
+    for (std::size_t k = 0; k < quartic.pose_count(); ++k) {
+        const Eigen::VectorXd table = quartic.coefficients(k);
+        if (k == 0) out.put(count_record(std::size_t(table.size())));
+        put_padded(out, table);
+    }
+    return out;
+}
+
 void put_coefficients(Bytes& out, const Predictor& function)
 {
     for (Eigen::Index i = 0; i < function.coefficients.rows(); ++i) put_padded(out, function.coefficients.row(i));
@@ -193,6 +221,21 @@ Bytes encode_triangles(const std::vector<Triangle>& triangles)
     for (const Triangle& t : triangles)
         for (std::uint32_t v : t) out.put(v);
     return out;
+}
+
+Bytes encode_vertices(const AssetModel& model)
+{
+    Bytes out;
+    out.put(count_record(model.boundary_vertex_count));
+    for (std::uint32_t v : *model.source_vertices) out.put(v);
+    return out;
+}
+
+// The oldest version whose readers understand all that the asset holds.
+std::uint16_t format_minor(const AssetModel& model)
+{
+    if (model.set->is_solid()) return PLIANT_FORMAT_MINOR_SOLID;
+    return model.load ? PLIANT_FORMAT_MINOR_LOAD : 0;
 }
 
 Bytes encode_polygons(const Polygons& polygons)
@@ -255,11 +298,16 @@ std::vector<std::uint8_t> encode_asset(const AssetModel& model)
     constexpr std::uint32_t required = PLIANT_CHUNK_FLAG_REQUIRED;
     std::vector<Chunk> chunks;
     chunks.push_back({ PLIANT_CHUNK_SOLVER, required, encode_solver(model) });
-    chunks.push_back({ PLIANT_CHUNK_ELEMENTS, required, encode_elements(model) });
+    if (model.stand_in->quartic())
+        chunks.push_back({ PLIANT_CHUNK_QUARTIC, required, encode_quartic(model) });
+    else
+        chunks.push_back({ PLIANT_CHUNK_ELEMENTS, required, encode_elements(model) });
     if (!model.predictor.centres.empty()) chunks.push_back({ PLIANT_CHUNK_PREDICTOR, 0, encode_predictor(model) });
     if (model.load) chunks.push_back({ PLIANT_CHUNK_LOAD, required, encode_load(model) });
     chunks.push_back({ PLIANT_CHUNK_REST, required, encode_tiles(model.subspace->origin, model.set->length) });
     chunks.push_back({ PLIANT_CHUNK_TRIANGLES, required, encode_triangles(model.set->triangles) });
+    if (model.source_vertices && !model.source_vertices->empty())
+        chunks.push_back({ PLIANT_CHUNK_VERTICES, 0, encode_vertices(model) });
     if (model.polygons && !is_all_triangles(*model.polygons))
         chunks.push_back({ PLIANT_CHUNK_POLYGONS, 0, encode_polygons(*model.polygons) });
     chunks.push_back({ PLIANT_CHUNK_NAMES, required, encode_names(model.names) });
@@ -270,7 +318,7 @@ std::vector<std::uint8_t> encode_asset(const AssetModel& model)
     const pliant_format_header blank
         = { PLIANT_FORMAT_IDENTIFIER,
             PLIANT_FORMAT_MAJOR,
-            std::uint16_t(model.load ? PLIANT_FORMAT_MINOR_LOAD : 0),
+            format_minor(model),
             0,
             std::uint32_t(chunks.size()),
             0,

@@ -1,4 +1,4 @@
-// A baked character as bytes: formats/SPEC.md, format 1.1 (1.0 without a dead load).
+// A baked character as bytes: formats/SPEC.md: of the oldest minor version that has what it holds.
 #pragma once
 
 #include "reduce/stand_in.h"
@@ -23,9 +23,11 @@ struct AssetModel {
     Predictor predictor;           // of z
     std::optional<Predictor> load; // c(w), a gradient by z; same centres as the predictor
     std::vector<std::string> names;
-    const Polygons* polygons = nullptr;                       // faces as given
-    std::string certificate;                                  // JSON text
-    std::vector<std::pair<Weights, Eigen::VectorXf>> answers; // weights and the q that the runtime found
+    const Polygons* polygons = nullptr;                          // faces as given
+    const std::vector<std::uint32_t>* source_vertices = nullptr; // of a solid: numbers in the files; null or empty: the same
+    std::size_t boundary_vertex_count = 0;                       // of a solid
+    std::string certificate;                                     // JSON text
+    std::vector<std::pair<Weights, Eigen::VectorXf>> answers;    // weights and the q that the runtime found
 };
 
 // The bytes of the asset. Throws Failure (P4501) if a number does not fit the format, std::invalid_argument for a load whose centres
