@@ -1,4 +1,4 @@
-/* The structures of a .pliant asset, as SPEC.md (format 1.1) defines them. C99 and C++11. Shared by the runtime, which
+/* The structures of a .pliant asset, as SPEC.md (format 1.2) defines them. C99 and C++11. Shared by the runtime, which
    reads them, and the baker, which writes them. Plain little-endian data: no pointers, no padding. */
 #ifndef PLIANT_FORMAT_H
 #define PLIANT_FORMAT_H
@@ -6,8 +6,9 @@
 #include <stdint.h>
 
 #define PLIANT_FORMAT_MAJOR 1
-#define PLIANT_FORMAT_MINOR 1      /* the newest described here; a file states the oldest that has all its chunks */
-#define PLIANT_FORMAT_MINOR_LOAD 1 /* the first with LOAD */
+#define PLIANT_FORMAT_MINOR 2       /* the newest described here; a file states the oldest that has all that it holds */
+#define PLIANT_FORMAT_MINOR_LOAD 1  /* the first with LOAD */
+#define PLIANT_FORMAT_MINOR_SOLID 2 /* the first with QUAR, VERT and elements for tetrahedra */
 
 /* "«PLIANT»" with CR LF EOF LF behind it: a transfer in text mode breaks it visibly. */
 #define PLIANT_FORMAT_IDENTIFIER                                               \
@@ -19,10 +20,12 @@
 #define PLIANT_FORMAT_TAG(a, b, c, d) ((uint32_t)(a) | ((uint32_t)(b) << 8) | ((uint32_t)(c) << 16) | ((uint32_t)(d) << 24))
 #define PLIANT_CHUNK_SOLVER PLIANT_FORMAT_TAG('S', 'O', 'L', 'V')
 #define PLIANT_CHUNK_ELEMENTS PLIANT_FORMAT_TAG('E', 'L', 'E', 'M')
+#define PLIANT_CHUNK_QUARTIC PLIANT_FORMAT_TAG('Q', 'U', 'A', 'R')
 #define PLIANT_CHUNK_PREDICTOR PLIANT_FORMAT_TAG('P', 'R', 'E', 'D')
 #define PLIANT_CHUNK_LOAD PLIANT_FORMAT_TAG('L', 'O', 'A', 'D')
 #define PLIANT_CHUNK_REST PLIANT_FORMAT_TAG('R', 'E', 'S', 'T')
 #define PLIANT_CHUNK_TRIANGLES PLIANT_FORMAT_TAG('T', 'R', 'I', 'S')
+#define PLIANT_CHUNK_VERTICES PLIANT_FORMAT_TAG('V', 'E', 'R', 'T')
 #define PLIANT_CHUNK_POLYGONS PLIANT_FORMAT_TAG('P', 'O', 'L', 'Y')
 #define PLIANT_CHUNK_NAMES PLIANT_FORMAT_TAG('N', 'A', 'M', 'E')
 #define PLIANT_CHUNK_ANSWERS PLIANT_FORMAT_TAG('A', 'N', 'S', 'W')
@@ -35,6 +38,7 @@
 #define PLIANT_FORMAT_MAX_VERTICES (1u << 26)
 #define PLIANT_FORMAT_MAX_TRIANGLES (1u << 27)
 #define PLIANT_FORMAT_MAX_DIMENSION 256u
+#define PLIANT_FORMAT_MAX_QUARTIC_DIMENSION 64u /* of an asset with QUAR */
 #define PLIANT_FORMAT_MAX_POSES 64u
 #define PLIANT_FORMAT_MAX_CHUNKS 64u
 #define PLIANT_FORMAT_MAX_BATCHES 64u
@@ -49,6 +53,7 @@
 #define PLIANT_FORMAT_LANES 16u         /* element lanes and vector padding, in floats */
 #define PLIANT_FORMAT_TILE_VERTICES 16u /* vertices of a REST or BASI tile */
 #define PLIANT_FORMAT_TILE_FLOATS 48u
+#define PLIANT_FORMAT_QUARTIC_LANES 8u /* rows of QUAR start and end at multiples of this */
 
 typedef struct pliant_format_header {
     uint8_t identifier[12];
@@ -80,7 +85,8 @@ typedef struct pliant_format_solver {
     uint32_t reserved[15];
 } pliant_format_solver;
 
-/* First 64 bytes of ELEM, PRED, LOAD and ANSW: how many records, centres or answers follow. */
+/* First 64 bytes of ELEM, QUAR, PRED, LOAD, VERT and ANSW: how many records, floats of a table, centres, vertices of the
+   boundary or answers there are. */
 typedef struct pliant_format_count {
     uint32_t count;
     uint32_t reserved[15];
@@ -91,7 +97,9 @@ typedef enum pliant_element_kind {
     PLIANT_ELEMENT_FACE_NEO_HOOKEAN = 2,
     PLIANT_ELEMENT_FACE_STVK = 3,
     PLIANT_ELEMENT_FACE_EDGE = 4,
-    PLIANT_ELEMENT_ARAP_CELL = 5
+    PLIANT_ELEMENT_ARAP_CELL = 5,
+    PLIANT_ELEMENT_TET_STVK = 6,
+    PLIANT_ELEMENT_TET_MOONEY_RIVLIN = 7
 } pliant_element_kind;
 
 typedef struct pliant_format_batch {
@@ -126,10 +134,42 @@ static inline pliant_format_shape pliant_format_batch_shape(uint32_t kind, uint3
         shape.row_count = 3 * valence;
         shape.pose_number_count = 4 * (valence + (is_closed ? valence : valence - 1)) + 1;
         break;
+    case PLIANT_ELEMENT_TET_STVK: shape.row_count = 9; shape.pose_number_count = 27; break;
+    case PLIANT_ELEMENT_TET_MOONEY_RIVLIN: shape.row_count = 9; shape.pose_number_count = 20; break;
     default: break;
     }
     return shape;
 }
 /* clang-format on */
+
+/* QUAR is a polynomial in x = (1, z), N = d+1 numbers. The pairs (a, b) with a <= b < N are numbered by a, then b: this is the
+   number of (a, a). With a = N it is how many pairs there are. */
+static inline uint32_t pliant_format_quartic_pair(uint32_t dimension, uint32_t a)
+{
+    return a * (dimension + 1) - a * (a - 1) / 2;
+}
+
+/* Where the rows (i, j) of a table end: the number of pairs, rounded up. */
+static inline uint32_t pliant_format_quartic_row_end(uint32_t dimension)
+{
+    const uint32_t pairs = pliant_format_quartic_pair(dimension, dimension + 1);
+    return (pairs + PLIANT_FORMAT_QUARTIC_LANES - 1) / PLIANT_FORMAT_QUARTIC_LANES * PLIANT_FORMAT_QUARTIC_LANES;
+}
+
+/* Where the rows (0, j) .. (j, j) start: the number of (j, j), rounded down. */
+static inline uint32_t pliant_format_quartic_row_start(uint32_t dimension, uint32_t j)
+{
+    return pliant_format_quartic_pair(dimension, j) / PLIANT_FORMAT_QUARTIC_LANES * PLIANT_FORMAT_QUARTIC_LANES;
+}
+
+/* T, the floats of one pose's table; tables lie this many, rounded up to a multiple of 16, apart. */
+static inline uint64_t pliant_format_quartic_floats(uint32_t dimension)
+{
+    uint64_t sum = 0;
+    for (uint32_t j = 0; j <= dimension; ++j)
+        sum += (uint64_t)(j + 1)
+            * (pliant_format_quartic_row_end(dimension) - pliant_format_quartic_row_start(dimension, j));
+    return sum;
+}
 
 #endif

@@ -67,7 +67,7 @@ typedef struct pliant_block {
 
 /* One group of PLIANT_LANES elements. Row r of an array lies at `r * its stride`. */
 typedef struct pliant_element_group {
-    const float* rows; /* differences at z = 0 */
+    const float* rows; /* differences at z = 0; tetrahedra know theirs */
     const float* fixed;
     const float* numbers; /* combined pose numbers; for ARAP those of pose 0 as stored */
     size_t stride;        /* of rows, fixed and numbers: the padded element count of the batch */
@@ -119,6 +119,8 @@ typedef struct pliant_kernels {
     pliant_element_kernel* face_stvk;
     pliant_element_kernel* face_edge;
     pliant_arap_kernel* arap_cell;
+    pliant_element_kernel* tet_stvk;
+    pliant_element_kernel* tet_mooney_rivlin;
     pliant_tile_kernel* rebuild_tile;
 } pliant_kernels;
 
@@ -132,7 +134,7 @@ pliant_symmetric_kernel pliant_add_symmetric;
 pliant_forward_kernel pliant_pass_forward;
 pliant_backward_kernel pliant_pass_backward;
 pliant_element_kernel pliant_evaluate_hinge, pliant_evaluate_face_neo_hookean, pliant_evaluate_face_stvk,
-    pliant_evaluate_face_edge;
+    pliant_evaluate_face_edge, pliant_evaluate_tet_stvk, pliant_evaluate_tet_mooney_rivlin;
 pliant_arap_kernel pliant_evaluate_arap_cell;
 pliant_tile_kernel pliant_rebuild_tile;
 #if PLIANT_HAS_AVX2_COPY
@@ -141,7 +143,8 @@ PLIANT_AVX2 pliant_symmetric_kernel pliant_add_symmetric_avx2;
 PLIANT_AVX2 pliant_forward_kernel pliant_pass_forward_avx2;
 PLIANT_AVX2 pliant_backward_kernel pliant_pass_backward_avx2;
 PLIANT_AVX2 pliant_element_kernel pliant_evaluate_hinge_avx2, pliant_evaluate_face_neo_hookean_avx2,
-    pliant_evaluate_face_stvk_avx2, pliant_evaluate_face_edge_avx2;
+    pliant_evaluate_face_stvk_avx2, pliant_evaluate_face_edge_avx2, pliant_evaluate_tet_stvk_avx2,
+    pliant_evaluate_tet_mooney_rivlin_avx2;
 PLIANT_AVX2 pliant_arap_kernel pliant_evaluate_arap_cell_avx2;
 PLIANT_AVX2 pliant_tile_kernel pliant_rebuild_tile_avx2;
 #endif

@@ -30,18 +30,34 @@ PLIANT_KERNEL(add_symmetric,
               (matrix, u, v, count))
 
 const pliant_kernels pliant_kernels_plain = {
-    pliant_combine_columns,    pliant_add_symmetric,      pliant_pass_forward,
-    pliant_pass_backward,      pliant_evaluate_hinge,     pliant_evaluate_face_neo_hookean,
-    pliant_evaluate_face_stvk, pliant_evaluate_face_edge, pliant_evaluate_arap_cell,
+    pliant_combine_columns,
+    pliant_add_symmetric,
+    pliant_pass_forward,
+    pliant_pass_backward,
+    pliant_evaluate_hinge,
+    pliant_evaluate_face_neo_hookean,
+    pliant_evaluate_face_stvk,
+    pliant_evaluate_face_edge,
+    pliant_evaluate_arap_cell,
+    pliant_evaluate_tet_stvk,
+    pliant_evaluate_tet_mooney_rivlin,
     pliant_rebuild_tile,
 };
 
 #if PLIANT_HAS_AVX2_COPY
 
 static const pliant_kernels kernels_avx2 = {
-    pliant_combine_columns_avx2,    pliant_add_symmetric_avx2,      pliant_pass_forward_avx2,
-    pliant_pass_backward_avx2,      pliant_evaluate_hinge_avx2,     pliant_evaluate_face_neo_hookean_avx2,
-    pliant_evaluate_face_stvk_avx2, pliant_evaluate_face_edge_avx2, pliant_evaluate_arap_cell_avx2,
+    pliant_combine_columns_avx2,
+    pliant_add_symmetric_avx2,
+    pliant_pass_forward_avx2,
+    pliant_pass_backward_avx2,
+    pliant_evaluate_hinge_avx2,
+    pliant_evaluate_face_neo_hookean_avx2,
+    pliant_evaluate_face_stvk_avx2,
+    pliant_evaluate_face_edge_avx2,
+    pliant_evaluate_arap_cell_avx2,
+    pliant_evaluate_tet_stvk_avx2,
+    pliant_evaluate_tet_mooney_rivlin_avx2,
     pliant_rebuild_tile_avx2,
 };
 
