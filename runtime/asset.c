@@ -31,6 +31,7 @@ static int is_known_tag(uint32_t tag)
     switch (tag) {
     case PLIANT_CHUNK_SOLVER:
     case PLIANT_CHUNK_ELEMENTS:
+    case PLIANT_CHUNK_QUARTIC:
     case PLIANT_CHUNK_PREDICTOR:
     case PLIANT_CHUNK_LOAD:
     case PLIANT_CHUNK_REST:
@@ -83,11 +84,14 @@ static pliant_result check_chunk_table(pliant_open_context* context)
 static pliant_result check_presence(const pliant_open_context* context)
 {
     static const uint32_t required[]
-        = { PLIANT_CHUNK_SOLVER, PLIANT_CHUNK_ELEMENTS, PLIANT_CHUNK_REST,        PLIANT_CHUNK_TRIANGLES,
-            PLIANT_CHUNK_NAMES,  PLIANT_CHUNK_ANSWERS,  PLIANT_CHUNK_CERTIFICATE, PLIANT_CHUNK_BASIS };
+        = { PLIANT_CHUNK_SOLVER,  PLIANT_CHUNK_REST,        PLIANT_CHUNK_TRIANGLES, PLIANT_CHUNK_NAMES,
+            PLIANT_CHUNK_ANSWERS, PLIANT_CHUNK_CERTIFICATE, PLIANT_CHUNK_BASIS };
     for (size_t i = 0; i < sizeof required / sizeof *required; ++i)
         if (!pliant_open_find(context, required[i])) return PLIANT_ERROR_LAYOUT;
-    return PLIANT_OK;
+    /* One stand-in and not two. */
+    return !pliant_open_find(context, PLIANT_CHUNK_ELEMENTS) != !pliant_open_find(context, PLIANT_CHUNK_QUARTIC)
+        ? PLIANT_OK
+        : PLIANT_ERROR_LAYOUT;
 }
 
 /* ------------------------------------------------------------------------------------------------------ checksums ---- */

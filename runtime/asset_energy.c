@@ -65,6 +65,48 @@ static pliant_result open_elements(const pliant_open_context* context, pliant_as
     return PLIANT_OK;
 }
 
+/* Of a table of QUAR: what is before and behind the tails of the rows and behind the last row, and the constant term, which is its
+   first number. */
+static int has_zero_padding(const float* table, uint32_t dimension)
+{
+    const uint32_t pairs = pliant_format_quartic_pair(dimension, dimension + 1);
+    const uint32_t end = pliant_format_quartic_row_end(dimension);
+    const float* row = table;
+    int is_zero = pliant_is_zero(table, sizeof *table);
+    for (uint32_t j = 0; j <= dimension; ++j) {
+        const uint32_t start = pliant_format_quartic_row_start(dimension, j);
+        const uint32_t tail = pliant_format_quartic_pair(dimension, j);
+        for (uint32_t i = 0; i <= j; ++i, row += end - start) {
+            is_zero &= pliant_is_zero(row, (tail - start) * sizeof *row);
+            is_zero &= pliant_is_zero(row + (pairs - start), (end - pairs) * sizeof *row);
+        }
+    }
+    const size_t floats = (size_t)(row - table);
+    return is_zero && pliant_is_zero(row, (pliant_pad_lanes(floats) - floats) * sizeof *row);
+}
+
+static pliant_result open_quartic(const pliant_open_context* context, pliant_asset* asset)
+{
+    const pliant_format_chunk* chunk = pliant_open_find(context, PLIANT_CHUNK_QUARTIC);
+    const uint32_t d = context->header.dimension, m = context->header.pose_count;
+    uint32_t count;
+    uint64_t end;
+    if (d > PLIANT_FORMAT_MAX_QUARTIC_DIMENSION) return PLIANT_ERROR_LIMIT;
+    const pliant_result result = pliant_open_count(context, chunk, UINT32_MAX, &count);
+    if (result != PLIANT_OK) return result;
+    if (!(chunk->flags & PLIANT_CHUNK_FLAG_REQUIRED)) return PLIANT_ERROR_LAYOUT; /* R16 */
+    if (count != pliant_format_quartic_floats(d)) return PLIANT_ERROR_LAYOUT;     /* R16 */
+    const uint64_t floats = pliant_pad_lanes(count);
+    if (!pliant_fits(sizeof(pliant_format_count), m, floats * sizeof(float), chunk->size, &end) || end != chunk->size)
+        return PLIANT_ERROR_LAYOUT;
+    asset->quartic = (const float*)(const void*)(context->blob + chunk->offset + sizeof(pliant_format_count));
+    asset->quartic_floats = floats;
+    if (!pliant_all_finite(asset->quartic, m * floats)) return PLIANT_ERROR_NUMBER;
+    for (uint32_t k = 0; k < m; ++k)
+        if (!has_zero_padding(asset->quartic + k * floats, d)) return PLIANT_ERROR_LAYOUT; /* R14 */
+    return PLIANT_OK;
+}
+
 static pliant_result open_predictor(const pliant_open_context* context, pliant_asset* asset)
 {
     const pliant_format_chunk* chunk = pliant_open_find(context, PLIANT_CHUNK_PREDICTOR);
@@ -116,7 +158,8 @@ static pliant_result open_load(const pliant_open_context* context, pliant_asset*
 
 pliant_result pliant_open_energy(const pliant_open_context* context, pliant_asset* asset)
 {
-    pliant_result result = open_elements(context, asset);
+    const int has_elements = pliant_open_find(context, PLIANT_CHUNK_ELEMENTS) != NULL;
+    pliant_result result = has_elements ? open_elements(context, asset) : open_quartic(context, asset);
     if (result == PLIANT_OK) result = open_predictor(context, asset);
     if (result == PLIANT_OK) result = open_load(context, asset);
     return result;

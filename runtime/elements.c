@@ -49,9 +49,9 @@ static size_t block_lanes(size_t row_count)
     return lanes > 0 ? lanes : PLIANT_LANES;
 }
 
-pliant_elements_layout pliant_elements_measure(const pliant_asset* asset)
+pliant_energy_layout pliant_elements_measure(const pliant_asset* asset)
 {
-    pliant_elements_layout layout = { 0, 0 };
+    pliant_energy_layout layout = { 0, 0 };
     for (uint32_t i = 0; i < asset->batch_count; ++i) {
         const batch_view batch = view_batch(asset, i);
         const uint64_t block = (uint64_t)batch.row_count * block_lanes(batch.row_count);

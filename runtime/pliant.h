@@ -102,7 +102,9 @@ typedef struct pliant_asset {
     const float* whitening;        /* dimension columns, padded */
     const float* pose_coordinates; /* pose_count rows, padded */
     const void* batches;
-    const unsigned char* elements;  /* start of the ELEM chunk */
+    const unsigned char* elements;  /* start of the ELEM chunk; null with a quartic */
+    const float* quartic;           /* table of pose 0; null with elements */
+    uint64_t quartic_floats;        /* from one pose's table to the next */
     const float* predictor_centres; /* null without a predictor */
     const float* predictor_coefficients;
     const float* load_coefficients; /* null without a dead load */

@@ -40,8 +40,8 @@ static void check_evaluations(const opened* o, pliant_solver* plain, pliant_solv
         random_weights(&state, m, plain->weights);
         memcpy(copy->weights, plain->weights, m * sizeof(float));
         for (uint32_t j = 0; j < d; ++j) z[j] = sizes[round % 4] * scale * (random_unit(&state) - 0.5f);
-        pliant_elements_combine(plain->kernels, &o->asset, plain->weights, plain->combined);
-        pliant_elements_combine(copy->kernels, &o->asset, copy->weights, copy->combined);
+        pliant_solver_combine(plain);
+        pliant_solver_combine(copy);
         const int is_finite = pliant_solver_evaluate(plain, z, &energy[0], plain->gradient);
         CHECK(pliant_solver_evaluate(copy, z, &energy[1], copy->gradient) == is_finite, "%s: round %d", o->name, round);
         if (!is_finite) continue;
