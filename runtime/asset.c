@@ -1,47 +1,13 @@
 /* Opening an asset: every rule of formats/SPEC.md section 5, in place, without allocating. Hostile bytes are the normal case
-   here: sizes go through fits() before anything is multiplied or added, and nothing is read before its range was checked.
+   here: see open.h. The chunks of the stand-in are in asset_energy.c.
 
    On a big-endian machine format_major reads as 256 and open answers PLIANT_ERROR_VERSION: assets are used in place, so a
    byte-swapped one would have to be converted offline. */
-#include "internal.h"
-
-typedef struct open_context {
-    const unsigned char* blob;
-    uint64_t blob_size;
-    pliant_format_header header;
-    uint64_t dimension; /* padded */
-    const pliant_format_chunk* chunks;
-} open_context;
-
-/* The only place that multiplies and adds sizes: *end = start + count * stride if that is at most limit, else 0 is returned.
-   No intermediate result can wrap around. */
-static int fits(uint64_t start, uint64_t count, uint64_t stride, uint64_t limit, uint64_t* end)
-{
-    if (start > limit) return 0;
-    if (stride != 0 && count > (limit - start) / stride) return 0;
-    *end = start + count * stride;
-    return 1;
-}
-
-static int is_zero(const void* bytes, size_t size)
-{
-    const unsigned char* p = (const unsigned char*)bytes;
-    unsigned char any = 0;
-    for (size_t i = 0; i < size; ++i) any |= p[i];
-    return any == 0;
-}
-
-static int all_finite(const void* bytes, uint64_t count)
-{
-    const float* values = (const float*)bytes;
-    uint32_t bad = 0;
-    for (uint64_t i = 0; i < count; ++i) bad |= (uint32_t)!pliant_is_finite(values[i]);
-    return bad == 0;
-}
+#include "open.h"
 
 /* ---------------------------------------------------------------------------------------- header and chunk table ---- */
 
-static pliant_result check_header(open_context* context)
+static pliant_result check_header(pliant_open_context* context)
 {
     static const uint8_t identifier[12] = PLIANT_FORMAT_IDENTIFIER;
     pliant_format_header* h = &context->header;
@@ -54,8 +20,8 @@ static pliant_result check_header(open_context* context)
     if (h->triangle_count < 1 || h->triangle_count > PLIANT_FORMAT_MAX_TRIANGLES) return PLIANT_ERROR_LIMIT;
     if (h->dimension < 1 || h->dimension > PLIANT_FORMAT_MAX_DIMENSION) return PLIANT_ERROR_LIMIT;
     if (h->pose_count < 2 || h->pose_count > PLIANT_FORMAT_MAX_POSES) return PLIANT_ERROR_LIMIT;
-    if (h->reserved != 0) return PLIANT_ERROR_LAYOUT;          /* R14 */
-    if (!all_finite(h->origin, 3)) return PLIANT_ERROR_NUMBER; /* R10 */
+    if (h->reserved != 0) return PLIANT_ERROR_LAYOUT;                 /* R14 */
+    if (!pliant_all_finite(h->origin, 3)) return PLIANT_ERROR_NUMBER; /* R10 */
     context->dimension = pliant_pad_lanes(h->dimension);
     return PLIANT_OK;
 }
@@ -65,10 +31,12 @@ static int is_known_tag(uint32_t tag)
     switch (tag) {
     case PLIANT_CHUNK_SOLVER:
     case PLIANT_CHUNK_ELEMENTS:
+    case PLIANT_CHUNK_QUARTIC:
     case PLIANT_CHUNK_PREDICTOR:
     case PLIANT_CHUNK_LOAD:
     case PLIANT_CHUNK_REST:
     case PLIANT_CHUNK_TRIANGLES:
+    case PLIANT_CHUNK_VERTICES:
     case PLIANT_CHUNK_POLYGONS:
     case PLIANT_CHUNK_NAMES:
     case PLIANT_CHUNK_ANSWERS:
@@ -85,17 +53,17 @@ static const pliant_format_chunk* find_chunk(const pliant_format_chunk* chunks, 
     return NULL;
 }
 
-static const pliant_format_chunk* chunk_of(const open_context* context, uint32_t tag)
+const pliant_format_chunk* pliant_open_find(const pliant_open_context* context, uint32_t tag)
 {
     return find_chunk(context->chunks, context->header.chunk_count, tag);
 }
 
 /* R06, R07, and R14 of the table. */
-static pliant_result check_chunk_table(open_context* context)
+static pliant_result check_chunk_table(pliant_open_context* context)
 {
     const uint32_t count = context->header.chunk_count;
     uint64_t end;
-    if (!fits(sizeof(pliant_format_header), count, sizeof(pliant_format_chunk), context->blob_size, &end))
+    if (!pliant_fits(sizeof(pliant_format_header), count, sizeof(pliant_format_chunk), context->blob_size, &end))
         return PLIANT_ERROR_LAYOUT;
     context->chunks = (const pliant_format_chunk*)(const void*)(context->blob + sizeof(pliant_format_header));
     for (uint32_t i = 0; i < count; ++i) {
@@ -103,7 +71,7 @@ static pliant_result check_chunk_table(open_context* context)
         const uint32_t alignment
             = chunk->tag == PLIANT_CHUNK_BASIS ? PLIANT_FORMAT_BASIS_ALIGNMENT : PLIANT_FORMAT_CHUNK_ALIGNMENT;
         if (chunk->offset % alignment != 0 || chunk->offset < end) return PLIANT_ERROR_LAYOUT;
-        if (!fits(chunk->offset, chunk->size, 1, context->blob_size, &end)) return PLIANT_ERROR_LAYOUT;
+        if (!pliant_fits(chunk->offset, chunk->size, 1, context->blob_size, &end)) return PLIANT_ERROR_LAYOUT;
         if (find_chunk(context->chunks, i, chunk->tag)) return PLIANT_ERROR_LAYOUT;
         if (chunk->reserved != 0 || (chunk->flags & ~PLIANT_CHUNK_FLAG_REQUIRED) != 0) return PLIANT_ERROR_LAYOUT;
     }
@@ -113,14 +81,17 @@ static pliant_result check_chunk_table(open_context* context)
     return PLIANT_OK;
 }
 
-static pliant_result check_presence(const open_context* context)
+static pliant_result check_presence(const pliant_open_context* context)
 {
     static const uint32_t required[]
-        = { PLIANT_CHUNK_SOLVER, PLIANT_CHUNK_ELEMENTS, PLIANT_CHUNK_REST,        PLIANT_CHUNK_TRIANGLES,
-            PLIANT_CHUNK_NAMES,  PLIANT_CHUNK_ANSWERS,  PLIANT_CHUNK_CERTIFICATE, PLIANT_CHUNK_BASIS };
+        = { PLIANT_CHUNK_SOLVER,  PLIANT_CHUNK_REST,        PLIANT_CHUNK_TRIANGLES, PLIANT_CHUNK_NAMES,
+            PLIANT_CHUNK_ANSWERS, PLIANT_CHUNK_CERTIFICATE, PLIANT_CHUNK_BASIS };
     for (size_t i = 0; i < sizeof required / sizeof *required; ++i)
-        if (!chunk_of(context, required[i])) return PLIANT_ERROR_LAYOUT;
-    return PLIANT_OK;
+        if (!pliant_open_find(context, required[i])) return PLIANT_ERROR_LAYOUT;
+    /* One stand-in and not two. */
+    return !pliant_open_find(context, PLIANT_CHUNK_ELEMENTS) != !pliant_open_find(context, PLIANT_CHUNK_QUARTIC)
+        ? PLIANT_OK
+        : PLIANT_ERROR_LAYOUT;
 }
 
 /* ------------------------------------------------------------------------------------------------------ checksums ---- */
@@ -142,7 +113,7 @@ static uint32_t update_crc32(const uint32_t table[256], uint32_t crc, const unsi
 }
 
 /* R08, R12 */
-static pliant_result check_checksums(const open_context* context)
+static pliant_result check_checksums(const pliant_open_context* context)
 {
     uint32_t table[256];
     pliant_format_header header = context->header;
@@ -162,134 +133,35 @@ static pliant_result check_checksums(const open_context* context)
 
 /* --------------------------------------------------------------------------------------------------- single chunks ---- */
 
-/* The reserved words behind the count that starts ELEM, PRED, LOAD and ANSW, and the count's range. */
-static pliant_result check_count(const open_context* context, const pliant_format_chunk* chunk, uint32_t limit,
-                                 uint32_t* count)
+pliant_result pliant_open_count(const pliant_open_context* context, const pliant_format_chunk* chunk, uint32_t limit,
+                                uint32_t* count)
 {
     pliant_format_count head;
     if (chunk->size < sizeof head) return PLIANT_ERROR_LAYOUT;
     memcpy(&head, context->blob + chunk->offset, sizeof head);
     if (head.count < 1 || head.count > limit) return PLIANT_ERROR_LIMIT;
-    if (!is_zero(head.reserved, sizeof head.reserved)) return PLIANT_ERROR_LAYOUT;
+    if (!pliant_is_zero(head.reserved, sizeof head.reserved)) return PLIANT_ERROR_LAYOUT;
     *count = head.count;
     return PLIANT_OK;
 }
 
-static pliant_result open_solver(const open_context* context, pliant_asset* asset)
+static pliant_result open_solver(const pliant_open_context* context, pliant_asset* asset)
 {
-    const pliant_format_chunk* chunk = chunk_of(context, PLIANT_CHUNK_SOLVER);
+    const pliant_format_chunk* chunk = pliant_open_find(context, PLIANT_CHUNK_SOLVER);
     const unsigned char* start = context->blob + chunk->offset;
     const uint64_t vectors = 1 + (uint64_t)context->header.dimension + context->header.pose_count;
     pliant_format_solver head;
     uint64_t end;
-    if (!fits(sizeof head, vectors, context->dimension * sizeof(float), chunk->size, &end) || end != chunk->size)
+    if (!pliant_fits(sizeof head, vectors, context->dimension * sizeof(float), chunk->size, &end) || end != chunk->size)
         return PLIANT_ERROR_LAYOUT;
     memcpy(&head, start, sizeof head);
-    if (!is_zero(head.reserved, sizeof head.reserved)) return PLIANT_ERROR_LAYOUT;
+    if (!pliant_is_zero(head.reserved, sizeof head.reserved)) return PLIANT_ERROR_LAYOUT;
     if (!pliant_is_finite(head.energy_scale) || !(head.energy_scale > 0.0f)) return PLIANT_ERROR_NUMBER;
     asset->energy_scale = head.energy_scale;
     asset->mean = (const float*)(const void*)(start + sizeof head);
     asset->whitening = asset->mean + context->dimension;
     asset->pose_coordinates = asset->whitening + context->header.dimension * context->dimension;
-    return all_finite(asset->mean, vectors * context->dimension) ? PLIANT_OK : PLIANT_ERROR_NUMBER;
-}
-
-/* `count` rows of `lanes` floats at `offset` of the chunk: inside it, aligned, finite. */
-static pliant_result check_lanes(const open_context* context, const pliant_format_chunk* chunk, uint64_t data_start,
-                                 uint64_t offset, uint64_t count, uint64_t lanes)
-{
-    uint64_t end;
-    if (offset % PLIANT_FORMAT_CHUNK_ALIGNMENT != 0 || offset < data_start) return PLIANT_ERROR_LAYOUT;
-    if (!fits(offset, count, lanes * sizeof(float), chunk->size, &end)) return PLIANT_ERROR_LAYOUT;
-    return all_finite(context->blob + chunk->offset + offset, count * lanes) ? PLIANT_OK : PLIANT_ERROR_NUMBER;
-}
-
-static pliant_result check_batch(const open_context* context, const pliant_format_chunk* chunk, uint64_t data_start,
-                                 const pliant_format_batch* batch)
-{
-    const pliant_format_header* h = &context->header;
-    const int is_arap = batch->kind == PLIANT_ELEMENT_ARAP_CELL;
-    if (batch->kind < PLIANT_ELEMENT_HINGE || batch->kind > PLIANT_ELEMENT_ARAP_CELL) return PLIANT_ERROR_LAYOUT;
-    if (batch->element_count < 1 || batch->element_count > PLIANT_FORMAT_MAX_ELEMENTS) return PLIANT_ERROR_LIMIT;
-    if (is_arap && (batch->valence < 2 || batch->valence > PLIANT_FORMAT_MAX_VALENCE)) return PLIANT_ERROR_LIMIT;
-    if (!is_arap && (batch->valence != 0 || batch->is_closed != 0)) return PLIANT_ERROR_LAYOUT;
-    if (batch->is_closed > 1 || (batch->is_closed == 1 && batch->valence < 3)) return PLIANT_ERROR_LAYOUT;
-    if (!is_zero(batch->reserved, sizeof batch->reserved)) return PLIANT_ERROR_LAYOUT;
-
-    /* From here the counts are small (at most 257 * 96 rows of 2^22 lanes): their products fit in 64 bits easily. */
-    const pliant_format_shape shape = pliant_format_batch_shape(batch->kind, batch->valence, batch->is_closed);
-    const uint64_t lanes = pliant_pad_lanes(batch->element_count);
-    const uint64_t rows = (1 + (uint64_t)h->dimension) * shape.row_count;
-    const uint64_t numbers = (uint64_t)h->pose_count * shape.pose_number_count;
-    pliant_result result = check_lanes(context, chunk, data_start, batch->rows_offset, rows, lanes);
-    if (result == PLIANT_OK) result = check_lanes(context, chunk, data_start, batch->fixed_offset, shape.fixed_count, lanes);
-    if (result == PLIANT_OK) result = check_lanes(context, chunk, data_start, batch->pose_offset, numbers, lanes);
-    return result;
-}
-
-static pliant_result open_elements(const open_context* context, pliant_asset* asset)
-{
-    const pliant_format_chunk* chunk = chunk_of(context, PLIANT_CHUNK_ELEMENTS);
-    uint32_t count;
-    uint64_t data_start;
-    pliant_result result = check_count(context, chunk, PLIANT_FORMAT_MAX_BATCHES, &count);
-    if (result != PLIANT_OK) return result;
-    if (!fits(sizeof(pliant_format_count), count, sizeof(pliant_format_batch), chunk->size, &data_start))
-        return PLIANT_ERROR_LAYOUT;
-    asset->elements = context->blob + chunk->offset;
-    asset->batches = asset->elements + sizeof(pliant_format_count);
-    asset->batch_count = count;
-    for (uint32_t i = 0; i < count; ++i) {
-        result = check_batch(context, chunk, data_start, (const pliant_format_batch*)asset->batches + i);
-        if (result != PLIANT_OK) return result;
-    }
-    return PLIANT_OK;
-}
-
-static pliant_result open_predictor(const open_context* context, pliant_asset* asset)
-{
-    const pliant_format_chunk* chunk = chunk_of(context, PLIANT_CHUNK_PREDICTOR);
-    const uint64_t m = context->header.pose_count;
-    uint32_t count;
-    uint64_t centres_end, end;
-    if (!chunk) return PLIANT_OK;
-    const pliant_result result = check_count(context, chunk, PLIANT_FORMAT_MAX_CENTRES, &count);
-    if (result != PLIANT_OK) return result;
-    if (!fits(sizeof(pliant_format_count), count, m * sizeof(float), chunk->size, &centres_end)) return PLIANT_ERROR_LAYOUT;
-    const uint64_t coefficients_start = (centres_end + 63) & ~(uint64_t)63;
-    if (!fits(coefficients_start, count + m, context->dimension * sizeof(float), chunk->size, &end) || end != chunk->size)
-        return PLIANT_ERROR_LAYOUT;
-    const unsigned char* start = context->blob + chunk->offset;
-    if (!is_zero(start + centres_end, (size_t)(coefficients_start - centres_end))) return PLIANT_ERROR_LAYOUT;
-    asset->predictor_count = count;
-    asset->predictor_centres = (const float*)(const void*)(start + sizeof(pliant_format_count));
-    asset->predictor_coefficients = (const float*)(const void*)(start + coefficients_start);
-    if (!all_finite(asset->predictor_centres, count * m)) return PLIANT_ERROR_NUMBER;
-    return all_finite(asset->predictor_coefficients, (count + m) * context->dimension) ? PLIANT_OK : PLIANT_ERROR_NUMBER;
-}
-
-/* It shares the centres of the predictor, which must have been opened. */
-static pliant_result open_load(const open_context* context, pliant_asset* asset)
-{
-    const pliant_format_chunk* chunk = chunk_of(context, PLIANT_CHUNK_LOAD);
-    uint32_t count;
-    uint64_t end;
-    if (!chunk) return PLIANT_OK;
-    const pliant_result result = check_count(context, chunk, PLIANT_FORMAT_MAX_CENTRES, &count);
-    if (result != PLIANT_OK) return result;
-    if (!(chunk->flags & PLIANT_CHUNK_FLAG_REQUIRED)) return PLIANT_ERROR_LAYOUT; /* R15 */
-    if (count != asset->predictor_count) return PLIANT_ERROR_LAYOUT;              /* R15: 0 without a predictor */
-    const uint64_t rows = (uint64_t)count + context->header.pose_count;
-    if (!fits(sizeof(pliant_format_count), rows, context->dimension * sizeof(float), chunk->size, &end)
-        || end != chunk->size)
-        return PLIANT_ERROR_LAYOUT;
-    const float* row = (const float*)(const void*)(context->blob + chunk->offset + sizeof(pliant_format_count));
-    asset->load_coefficients = row;
-    if (!all_finite(row, rows * context->dimension)) return PLIANT_ERROR_NUMBER;
-    const uint32_t d = context->header.dimension;
-    for (uint64_t i = 0; i < rows; ++i, row += context->dimension)
-        if (!is_zero(row + d, (size_t)(context->dimension - d) * sizeof *row)) return PLIANT_ERROR_LAYOUT; /* R14 */
-    return PLIANT_OK;
+    return pliant_all_finite(asset->mean, vectors * context->dimension) ? PLIANT_OK : PLIANT_ERROR_NUMBER;
 }
 
 static int all_below(const uint32_t* indices, uint64_t count, uint32_t limit)
@@ -299,37 +171,54 @@ static int all_below(const uint32_t* indices, uint64_t count, uint32_t limit)
     return bad == 0;
 }
 
-static pliant_result open_triangles(const open_context* context, pliant_asset* asset)
+/* Vertices of a solid: those of its boundary first. Must be opened before what names vertices. */
+static pliant_result open_vertices(const pliant_open_context* context, pliant_asset* asset)
 {
-    const pliant_format_chunk* chunk = chunk_of(context, PLIANT_CHUNK_TRIANGLES);
-    const uint64_t corners = 3 * (uint64_t)context->header.triangle_count;
+    const pliant_format_chunk* chunk = pliant_open_find(context, PLIANT_CHUNK_VERTICES);
+    const uint32_t n = context->header.vertex_count;
     uint64_t end;
-    if (!fits(0, corners, sizeof(uint32_t), chunk->size, &end) || end != chunk->size) return PLIANT_ERROR_LAYOUT;
-    asset->triangles = (const uint32_t*)(const void*)(context->blob + chunk->offset);
-    return all_below(asset->triangles, corners, context->header.vertex_count) ? PLIANT_OK : PLIANT_ERROR_INDEX;
+    asset->boundary_vertex_count = n;
+    if (!chunk) return PLIANT_OK;
+    const pliant_result result = pliant_open_count(context, chunk, n, &asset->boundary_vertex_count);
+    if (result != PLIANT_OK) return result;
+    if (!pliant_fits(sizeof(pliant_format_count), n, sizeof(uint32_t), chunk->size, &end) || end != chunk->size)
+        return PLIANT_ERROR_LAYOUT;
+    asset->source_vertices = (const uint32_t*)(const void*)(context->blob + chunk->offset + sizeof(pliant_format_count));
+    return all_below(asset->source_vertices, n, n) ? PLIANT_OK : PLIANT_ERROR_INDEX;
 }
 
-static pliant_result check_polygons(const open_context* context)
+static pliant_result open_triangles(const pliant_open_context* context, pliant_asset* asset)
 {
-    const pliant_format_chunk* chunk = chunk_of(context, PLIANT_CHUNK_POLYGONS);
+    const pliant_format_chunk* chunk = pliant_open_find(context, PLIANT_CHUNK_TRIANGLES);
+    const uint64_t corners = 3 * (uint64_t)context->header.triangle_count;
+    uint64_t end;
+    if (!pliant_fits(0, corners, sizeof(uint32_t), chunk->size, &end) || end != chunk->size) return PLIANT_ERROR_LAYOUT;
+    asset->triangles = (const uint32_t*)(const void*)(context->blob + chunk->offset);
+    return all_below(asset->triangles, corners, asset->boundary_vertex_count) ? PLIANT_OK : PLIANT_ERROR_INDEX;
+}
+
+static pliant_result check_polygons(const pliant_open_context* context, const pliant_asset* asset)
+{
+    const pliant_format_chunk* chunk = pliant_open_find(context, PLIANT_CHUNK_POLYGONS);
     uint64_t sizes_end, end;
     if (!chunk) return PLIANT_OK;
     if (chunk->size < 2 * sizeof(uint32_t)) return PLIANT_ERROR_LAYOUT;
     const uint32_t* words = (const uint32_t*)(const void*)(context->blob + chunk->offset);
-    if (!fits(2 * sizeof(uint32_t), words[0], sizeof(uint32_t), chunk->size, &sizes_end)) return PLIANT_ERROR_LAYOUT;
-    if (!fits(sizes_end, words[1], sizeof(uint32_t), chunk->size, &end) || end != chunk->size) return PLIANT_ERROR_LAYOUT;
+    if (!pliant_fits(2 * sizeof(uint32_t), words[0], sizeof(uint32_t), chunk->size, &sizes_end)) return PLIANT_ERROR_LAYOUT;
+    if (!pliant_fits(sizes_end, words[1], sizeof(uint32_t), chunk->size, &end) || end != chunk->size)
+        return PLIANT_ERROR_LAYOUT;
     uint64_t sum = 0; /* of fewer than 2^32 numbers below 2^32 */
     for (uint32_t i = 0; i < words[0]; ++i) {
         if (words[2 + (size_t)i] < 3) return PLIANT_ERROR_INDEX;
         sum += words[2 + (size_t)i];
     }
     if (sum != words[1]) return PLIANT_ERROR_INDEX;
-    return all_below(words + 2 + (size_t)words[0], words[1], context->header.vertex_count) ? PLIANT_OK : PLIANT_ERROR_INDEX;
+    return all_below(words + 2 + (size_t)words[0], words[1], asset->boundary_vertex_count) ? PLIANT_OK : PLIANT_ERROR_INDEX;
 }
 
-static pliant_result check_names(const open_context* context)
+static pliant_result check_names(const pliant_open_context* context)
 {
-    const pliant_format_chunk* chunk = chunk_of(context, PLIANT_CHUNK_NAMES);
+    const pliant_format_chunk* chunk = pliant_open_find(context, PLIANT_CHUNK_NAMES);
     const unsigned char* names = context->blob + chunk->offset;
     uint64_t ends = 0;
     for (uint64_t i = 0; i < chunk->size; ++i) ends += names[i] == 0;
@@ -337,19 +226,19 @@ static pliant_result check_names(const open_context* context)
     return PLIANT_OK;
 }
 
-static pliant_result check_answers(const open_context* context)
+static pliant_result check_answers(const pliant_open_context* context)
 {
-    const pliant_format_chunk* chunk = chunk_of(context, PLIANT_CHUNK_ANSWERS);
+    const pliant_format_chunk* chunk = pliant_open_find(context, PLIANT_CHUNK_ANSWERS);
     const uint32_t m = context->header.pose_count;
     const uint64_t width = (uint64_t)m + context->header.dimension;
     uint32_t count;
     uint64_t end;
-    const pliant_result result = check_count(context, chunk, PLIANT_FORMAT_MAX_ANSWERS, &count);
+    const pliant_result result = pliant_open_count(context, chunk, PLIANT_FORMAT_MAX_ANSWERS, &count);
     if (result != PLIANT_OK) return result;
-    if (!fits(sizeof(pliant_format_count), count, width * sizeof(float), chunk->size, &end) || end != chunk->size)
+    if (!pliant_fits(sizeof(pliant_format_count), count, width * sizeof(float), chunk->size, &end) || end != chunk->size)
         return PLIANT_ERROR_LAYOUT;
     const float* answer = (const float*)(const void*)(context->blob + chunk->offset + sizeof(pliant_format_count));
-    if (!all_finite(answer, count * width)) return PLIANT_ERROR_NUMBER;
+    if (!pliant_all_finite(answer, count * width)) return PLIANT_ERROR_NUMBER;
     for (uint32_t i = 0; i < count; ++i, answer += width) {
         double sum = 0.0;
         for (uint32_t k = 0; k < m; ++k) {
@@ -362,16 +251,16 @@ static pliant_result check_answers(const open_context* context)
 }
 
 /* REST and BASI are read by reconstruction alone: their numbers move vertices and no pointers, so only sizes are checked. */
-static pliant_result open_shape(const open_context* context, pliant_asset* asset)
+static pliant_result open_shape(const pliant_open_context* context, pliant_asset* asset)
 {
-    const pliant_format_chunk* rest = chunk_of(context, PLIANT_CHUNK_REST);
-    const pliant_format_chunk* basis = chunk_of(context, PLIANT_CHUNK_BASIS);
+    const pliant_format_chunk* rest = pliant_open_find(context, PLIANT_CHUNK_REST);
+    const pliant_format_chunk* basis = pliant_open_find(context, PLIANT_CHUNK_BASIS);
     const uint64_t tiles
         = ((uint64_t)context->header.vertex_count + PLIANT_FORMAT_TILE_VERTICES - 1) / PLIANT_FORMAT_TILE_VERTICES;
     const uint64_t tile_size = PLIANT_FORMAT_TILE_FLOATS * sizeof(float);
     uint64_t end;
-    if (!fits(0, tiles, tile_size, rest->size, &end) || end != rest->size) return PLIANT_ERROR_LAYOUT;
-    if (!fits(0, tiles, tile_size * context->header.dimension, basis->size, &end) || end != basis->size)
+    if (!pliant_fits(0, tiles, tile_size, rest->size, &end) || end != rest->size) return PLIANT_ERROR_LAYOUT;
+    if (!pliant_fits(0, tiles, tile_size * context->header.dimension, basis->size, &end) || end != basis->size)
         return PLIANT_ERROR_LAYOUT;
     asset->rest = (const float*)(const void*)(context->blob + rest->offset);
     asset->basis = (const float*)(const void*)(context->blob + basis->offset);
@@ -380,19 +269,18 @@ static pliant_result open_shape(const open_context* context, pliant_asset* asset
 
 /* ------------------------------------------------------------------------------------------------------------ API ---- */
 
-static pliant_result open_checked(open_context* context, pliant_asset* asset, uint32_t flags)
+static pliant_result open_checked(pliant_open_context* context, pliant_asset* asset, uint32_t flags)
 {
     pliant_result result = check_header(context);
     if (result == PLIANT_OK) result = check_chunk_table(context);
     if (result == PLIANT_OK) result = check_presence(context);
     if (result == PLIANT_OK && (flags & PLIANT_OPEN_VERIFY_CHECKSUMS)) result = check_checksums(context);
     if (result == PLIANT_OK) result = open_solver(context, asset);
-    if (result == PLIANT_OK) result = open_elements(context, asset);
-    if (result == PLIANT_OK) result = open_predictor(context, asset);
-    if (result == PLIANT_OK) result = open_load(context, asset);
+    if (result == PLIANT_OK) result = pliant_open_energy(context, asset);
     if (result == PLIANT_OK) result = open_shape(context, asset);
+    if (result == PLIANT_OK) result = open_vertices(context, asset);
     if (result == PLIANT_OK) result = open_triangles(context, asset);
-    if (result == PLIANT_OK) result = check_polygons(context);
+    if (result == PLIANT_OK) result = check_polygons(context, asset);
     if (result == PLIANT_OK) result = check_names(context);
     if (result == PLIANT_OK) result = check_answers(context);
     return result;
@@ -401,7 +289,7 @@ static pliant_result open_checked(open_context* context, pliant_asset* asset, ui
 pliant_result pliant_asset_open(pliant_asset* out, const void* blob, size_t blob_size, uint32_t flags)
 {
     pliant_asset asset;
-    open_context context;
+    pliant_open_context context;
     if (!out) return PLIANT_ERROR_ARGUMENT;
     memset(out, 0, sizeof *out);
     if (!blob || (flags & ~PLIANT_OPEN_VERIFY_CHECKSUMS) != 0) return PLIANT_ERROR_ARGUMENT;

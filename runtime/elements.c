@@ -49,9 +49,9 @@ static size_t block_lanes(size_t row_count)
     return lanes > 0 ? lanes : PLIANT_LANES;
 }
 
-pliant_elements_layout pliant_elements_measure(const pliant_asset* asset)
+pliant_energy_layout pliant_elements_measure(const pliant_asset* asset)
 {
-    pliant_elements_layout layout = { 0, 0 };
+    pliant_energy_layout layout = { 0, 0 };
     for (uint32_t i = 0; i < asset->batch_count; ++i) {
         const batch_view batch = view_batch(asset, i);
         const uint64_t block = (uint64_t)batch.row_count * block_lanes(batch.row_count);
@@ -155,6 +155,8 @@ static void evaluate_group(const pliant_kernels* kernels, uint32_t kind, const p
     case PLIANT_ELEMENT_FACE_NEO_HOOKEAN: kernels->face_neo_hookean(group, force, energy); break;
     case PLIANT_ELEMENT_FACE_STVK: kernels->face_stvk(group, force, energy); break;
     case PLIANT_ELEMENT_FACE_EDGE: kernels->face_edge(group, force, energy); break;
+    case PLIANT_ELEMENT_TET_STVK: kernels->tet_stvk(group, force, energy); break;
+    case PLIANT_ELEMENT_TET_MOONEY_RIVLIN: kernels->tet_mooney_rivlin(group, force, energy); break;
     default: /* ARAP; pliant_asset_open lets no other kind pass */ kernels->arap_cell(group, poses, force, energy); break;
     }
 }

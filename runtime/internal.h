@@ -67,7 +67,7 @@ typedef struct pliant_block {
 
 /* One group of PLIANT_LANES elements. Row r of an array lies at `r * its stride`. */
 typedef struct pliant_element_group {
-    const float* rows; /* differences at z = 0 */
+    const float* rows; /* differences at z = 0; tetrahedra know theirs */
     const float* fixed;
     const float* numbers; /* combined pose numbers; for ARAP those of pose 0 as stored */
     size_t stride;        /* of rows, fixed and numbers: the padded element count of the batch */
@@ -104,6 +104,10 @@ typedef void pliant_element_kernel(const pliant_element_group* group, float* PLI
 typedef void pliant_arap_kernel(const pliant_element_group* group, const pliant_arap_poses* poses,
                                 float* PLIANT_RESTRICT force, float* PLIANT_RESTRICT energy);
 
+/* Value and gradient of the quartic with the coefficients `table`, z having `dimension` numbers. */
+typedef void pliant_quartic_kernel(uint32_t dimension, const float* table, const float* z, float* PLIANT_RESTRICT gradient,
+                                   float* scratch, double* energy);
+
 /* The vertices of tile `tile` for the coordinates q. */
 typedef void pliant_tile_kernel(const pliant_asset* asset, const float* PLIANT_RESTRICT q, size_t tile,
                                 float* PLIANT_RESTRICT out);
@@ -119,6 +123,9 @@ typedef struct pliant_kernels {
     pliant_element_kernel* face_stvk;
     pliant_element_kernel* face_edge;
     pliant_arap_kernel* arap_cell;
+    pliant_element_kernel* tet_stvk;
+    pliant_element_kernel* tet_mooney_rivlin;
+    pliant_quartic_kernel* quartic;
     pliant_tile_kernel* rebuild_tile;
 } pliant_kernels;
 
@@ -132,8 +139,9 @@ pliant_symmetric_kernel pliant_add_symmetric;
 pliant_forward_kernel pliant_pass_forward;
 pliant_backward_kernel pliant_pass_backward;
 pliant_element_kernel pliant_evaluate_hinge, pliant_evaluate_face_neo_hookean, pliant_evaluate_face_stvk,
-    pliant_evaluate_face_edge;
+    pliant_evaluate_face_edge, pliant_evaluate_tet_stvk, pliant_evaluate_tet_mooney_rivlin;
 pliant_arap_kernel pliant_evaluate_arap_cell;
+pliant_quartic_kernel pliant_evaluate_quartic;
 pliant_tile_kernel pliant_rebuild_tile;
 #if PLIANT_HAS_AVX2_COPY
 PLIANT_AVX2 pliant_combine_kernel pliant_combine_columns_avx2;
@@ -141,20 +149,24 @@ PLIANT_AVX2 pliant_symmetric_kernel pliant_add_symmetric_avx2;
 PLIANT_AVX2 pliant_forward_kernel pliant_pass_forward_avx2;
 PLIANT_AVX2 pliant_backward_kernel pliant_pass_backward_avx2;
 PLIANT_AVX2 pliant_element_kernel pliant_evaluate_hinge_avx2, pliant_evaluate_face_neo_hookean_avx2,
-    pliant_evaluate_face_stvk_avx2, pliant_evaluate_face_edge_avx2;
+    pliant_evaluate_face_stvk_avx2, pliant_evaluate_face_edge_avx2, pliant_evaluate_tet_stvk_avx2,
+    pliant_evaluate_tet_mooney_rivlin_avx2;
 PLIANT_AVX2 pliant_arap_kernel pliant_evaluate_arap_cell_avx2;
+PLIANT_AVX2 pliant_quartic_kernel pliant_evaluate_quartic_avx2;
 PLIANT_AVX2 pliant_tile_kernel pliant_rebuild_tile_avx2;
 #endif
 
 /* --------------------------------------------------------------------------------------------- stand-in energy ---- */
 
-/* Memory that an evaluation of an asset's elements needs, in floats; every array starts at a multiple of 64 bytes. */
-typedef struct pliant_elements_layout {
-    uint64_t combined_floats; /* all batches' per-pose numbers, combined for the weights of the frame */
-    uint64_t scratch_floats;  /* one block of differences, and as much for the derivatives by them */
-} pliant_elements_layout;
+/* An asset has elements or a quartic polynomial: solver.c decides which three functions to call. */
 
-pliant_elements_layout pliant_elements_measure(const pliant_asset* asset);
+/* Memory that an evaluation needs, in floats; every array starts at a multiple of 64 bytes. */
+typedef struct pliant_energy_layout {
+    uint64_t combined_floats; /* all numbers that there are per pose, combined for the weights of the frame */
+    uint64_t scratch_floats;  /* elements: one block of differences, and as much for the derivatives by them */
+} pliant_energy_layout;
+
+pliant_energy_layout pliant_elements_measure(const pliant_asset* asset);
 
 /* Combines the per-pose numbers of all batches (those of ARAP excepted, which are not linear) for normalised weights. */
 void pliant_elements_combine(const pliant_kernels* kernels, const pliant_asset* asset, const float* weights,
@@ -164,6 +176,12 @@ void pliant_elements_combine(const pliant_kernels* kernels, const pliant_asset* 
    gradient comes back as zero. The value may come back as infinity or not-a-number: the caller decides. */
 double pliant_elements_evaluate(const pliant_kernels* kernels, const pliant_asset* asset, const float* weights,
                                 const float* combined, const float* z, float* gradient, float* scratch);
+
+/* The same for QUAR. */
+pliant_energy_layout pliant_quartic_measure(const pliant_asset* asset);
+void pliant_quartic_combine(const pliant_kernels* kernels, const pliant_asset* asset, const float* weights, float* combined);
+double pliant_quartic_evaluate(const pliant_kernels* kernels, const pliant_asset* asset, const float* combined,
+                               const float* z, float* gradient, float* scratch);
 
 /* ----------------------------------------------------------------------------------------- functions of the weights ---- */
 
@@ -202,9 +220,11 @@ struct pliant_solver {
     float* product;
     float* load; /* the frame's dead load; null if the asset has none */
 
-    float* inverse_hessian; /* padded_dimension squared, symmetric to the bit */
-    int is_identity;        /* whether inverse_hessian is the identity */
-    float* combined;
+    float* inverse_hessian;  /* padded_dimension squared, symmetric to the bit */
+    int is_identity;         /* whether inverse_hessian is the identity */
+    float* combined;         /* numbers of the stand-in for combined_weights */
+    float* combined_weights; /* padded pose count */
+    int is_combined;         /* whether `combined` holds anything yet */
     float* scratch;
     double energy; /* at z */
     uint32_t iterations;
@@ -212,7 +232,10 @@ struct pliant_solver {
     uint32_t evaluation_limit; /* at which a descent ends: desc.max_evaluations, or the share of it that it may use */
 };
 
-/* Evaluates elements and load at `z` and counts it. 1 if value and gradient are finite, 0 otherwise: such a point counts as +infinity. */
+/* Makes `combined` that of solver->weights, if it is not that already: a function of them alone. */
+void pliant_solver_combine(pliant_solver* solver);
+
+/* Evaluates the stand-in and the load at `z` and counts it. 1 if value and gradient are finite, 0 otherwise: such a point counts as +infinity. */
 int pliant_solver_evaluate(pliant_solver* solver, const float* z, double* energy, float* gradient);
 
 /* Minimises from solver->z, where energy and gradient are known. LIMIT at desc.max_iterations or at evaluation_limit. */

@@ -2,11 +2,20 @@
 #include "internal.h"
 #include "linalg.h"
 
+/* So much of a product at a time that it stays in the first-level cache while the columns stream through: those of a quartic are
+   hundreds of kilobytes long. */
+#define COMBINED_FLOATS 1024u
+
 static PLIANT_INLINE void combine_columns(float* PLIANT_RESTRICT y, const float* PLIANT_RESTRICT matrix,
                                           const float* PLIANT_RESTRICT x, size_t columns, size_t count)
 {
-    memset(y, 0, count * sizeof *y);
-    for (size_t j = 0; j < columns; ++j) pliant_add_scaled(y, x[j], matrix + j * count, count);
+    for (size_t start = 0; start < count; start += COMBINED_FLOATS) {
+        const size_t floats = count - start < COMBINED_FLOATS ? count - start : COMBINED_FLOATS;
+        const float* column = matrix + start;
+        memset(y + start, 0, floats * sizeof *y);
+        for (size_t j = 0; j < columns; ++j, column += count)
+            if (x[j] != 0.0f) pliant_add_scaled(y + start, x[j], column, floats); /* most sliders of a face are at rest */
+    }
 }
 
 /* Both triangles get the same two products in the same order up to commutation, which floating point respects: a symmetric
@@ -30,18 +39,36 @@ PLIANT_KERNEL(add_symmetric,
               (matrix, u, v, count))
 
 const pliant_kernels pliant_kernels_plain = {
-    pliant_combine_columns,    pliant_add_symmetric,      pliant_pass_forward,
-    pliant_pass_backward,      pliant_evaluate_hinge,     pliant_evaluate_face_neo_hookean,
-    pliant_evaluate_face_stvk, pliant_evaluate_face_edge, pliant_evaluate_arap_cell,
+    pliant_combine_columns,
+    pliant_add_symmetric,
+    pliant_pass_forward,
+    pliant_pass_backward,
+    pliant_evaluate_hinge,
+    pliant_evaluate_face_neo_hookean,
+    pliant_evaluate_face_stvk,
+    pliant_evaluate_face_edge,
+    pliant_evaluate_arap_cell,
+    pliant_evaluate_tet_stvk,
+    pliant_evaluate_tet_mooney_rivlin,
+    pliant_evaluate_quartic,
     pliant_rebuild_tile,
 };
 
 #if PLIANT_HAS_AVX2_COPY
 
 static const pliant_kernels kernels_avx2 = {
-    pliant_combine_columns_avx2,    pliant_add_symmetric_avx2,      pliant_pass_forward_avx2,
-    pliant_pass_backward_avx2,      pliant_evaluate_hinge_avx2,     pliant_evaluate_face_neo_hookean_avx2,
-    pliant_evaluate_face_stvk_avx2, pliant_evaluate_face_edge_avx2, pliant_evaluate_arap_cell_avx2,
+    pliant_combine_columns_avx2,
+    pliant_add_symmetric_avx2,
+    pliant_pass_forward_avx2,
+    pliant_pass_backward_avx2,
+    pliant_evaluate_hinge_avx2,
+    pliant_evaluate_face_neo_hookean_avx2,
+    pliant_evaluate_face_stvk_avx2,
+    pliant_evaluate_face_edge_avx2,
+    pliant_evaluate_arap_cell_avx2,
+    pliant_evaluate_tet_stvk_avx2,
+    pliant_evaluate_tet_mooney_rivlin_avx2,
+    pliant_evaluate_quartic_avx2,
     pliant_rebuild_tile_avx2,
 };
 

@@ -86,4 +86,17 @@ static PLIANT_INLINE float pliant_log1p_minus(float u)
     return series + rest;
 }
 
+/* Cube root of v > 0 to 1.5 ulp. For other v the answer is meaningless; callers test. A third of the bits is the root to 4 %
+   (Kahan), each step of Halley cubes the error and divides it by 1.5. */
+static PLIANT_INLINE float pliant_cbrt(float v)
+{
+    const float third = (float)(int32_t)pliant_float_bits(v) * 0.333333343f;
+    float k = pliant_bits_float((uint32_t)(int32_t)(third + 709958130.0f));
+    for (int step = 0; step < 2; ++step) {
+        const float cube = k * k * k;
+        k += k * ((v - cube) / (cube + cube + v));
+    }
+    return k;
+}
+
 #endif

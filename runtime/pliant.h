@@ -81,14 +81,20 @@ PLIANT_API uint32_t pliant_version(void);
 /* ---------------------------------------------------------------------------------------------------- asset ---- */
 
 /* A view of an asset. It owns nothing and holds pointers into the blob: copy it freely, drop it any time, but keep the
-   blob where it is. The fields up to `triangles` are for you to read, the others are internal. */
+   blob where it is. The fields up to `source_vertices` are for you to read, the others are internal. */
 typedef struct pliant_asset {
     uint32_t vertex_count;
     uint32_t triangle_count;
     uint32_t dimension;        /* d: how many reduced coordinates q has */
     uint32_t pose_count;       /* m: how many weights a blend has */
     float origin[3];           /* added to every position, in units of the input meshes */
-    const uint32_t* triangles; /* triangle_count x 3 vertex indices */
+    const uint32_t* triangles; /* triangle_count x 3 vertex indices, all below boundary_vertex_count */
+    uint32_t
+        boundary_vertex_count; /* for a solid, how many vertices are on its boundary: they come first, so that drawing needs
+                                        pliant_reconstruct of these only. Else vertex_count */
+    const uint32_t*
+        source_vertices; /* for a solid, vertex_count numbers that the vertices had in the input files. Else null:
+                                        their order is that of the input */
 
     const unsigned char* blob;
     uint64_t blob_size;
@@ -96,7 +102,9 @@ typedef struct pliant_asset {
     const float* whitening;        /* dimension columns, padded */
     const float* pose_coordinates; /* pose_count rows, padded */
     const void* batches;
-    const unsigned char* elements;  /* start of the ELEM chunk */
+    const unsigned char* elements;  /* start of the ELEM chunk; null with a quartic */
+    const float* quartic;           /* table of pose 0; null with elements */
+    uint64_t quartic_floats;        /* from one pose's table to the next */
     const float* predictor_centres; /* null without a predictor */
     const float* predictor_coefficients;
     const float* load_coefficients; /* null without a dead load */

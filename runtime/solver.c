@@ -56,11 +56,16 @@ static void* carve(carver* c, uint64_t size)
 
 static float* carve_floats(carver* c, uint64_t count) { return (float*)carve(c, count * sizeof(float)); }
 
+static pliant_energy_layout measure_energy(const pliant_asset* asset)
+{
+    return asset->quartic ? pliant_quartic_measure(asset) : pliant_elements_measure(asset);
+}
+
 /* The one layout: counts (solver null) and carves. */
 static void lay_out(carver* c, const pliant_asset* asset, pliant_solver* solver)
 {
     const uint64_t d = asset->padded_dimension, m = pliant_pad_lanes(asset->pose_count);
-    const pliant_elements_layout elements = pliant_elements_measure(asset);
+    const pliant_energy_layout energy = measure_energy(asset);
     pliant_solver counted;
     pliant_solver* s = solver ? solver : &counted;
     s->weights = carve_floats(c, m);
@@ -78,8 +83,9 @@ static void lay_out(carver* c, const pliant_asset* asset, pliant_solver* solver)
     s->product = carve_floats(c, d);
     s->load = asset->load_coefficients ? carve_floats(c, d) : NULL;
     s->inverse_hessian = carve_floats(c, d * d);
-    s->combined = carve_floats(c, elements.combined_floats);
-    s->scratch = carve_floats(c, elements.scratch_floats);
+    s->combined = carve_floats(c, energy.combined_floats);
+    s->combined_weights = carve_floats(c, m);
+    s->scratch = carve_floats(c, energy.scratch_floats);
 }
 
 /* Bytes from an aligned start. */
@@ -123,7 +129,7 @@ pliant_result pliant_solver_init(pliant_solver** out, const pliant_asset* asset,
 void pliant_solver_reset(pliant_solver* solver)
 {
     if (!solver || solver->magic != SOLVER_MAGIC) return;
-    solver->history = 0; /* all that a frame reads of earlier ones is guarded by it */
+    solver->history = 0; /* all that a frame reads of earlier ones is guarded by it, but for `combined`, which has no past */
 }
 
 /* ------------------------------------------------------------------------------------------------------ weights ---- */
@@ -161,12 +167,32 @@ static float distance_of_weights(const float* a, const float* b, uint32_t count)
 
 /* -------------------------------------------------------------------------------------------------------- start ---- */
 
+void pliant_solver_combine(pliant_solver* solver)
+{
+    const pliant_asset* asset = &solver->asset;
+    const size_t size = asset->pose_count * sizeof(float);
+    if (solver->is_combined && memcmp(solver->combined_weights, solver->weights, size) == 0) return;
+    if (asset->quartic)
+        pliant_quartic_combine(solver->kernels, asset, solver->weights, solver->combined);
+    else
+        pliant_elements_combine(solver->kernels, asset, solver->weights, solver->combined);
+    memcpy(solver->combined_weights, solver->weights, size);
+    solver->is_combined = 1;
+}
+
+static double evaluate_energy(const pliant_solver* solver, const float* z, float* gradient)
+{
+    const pliant_asset* asset = &solver->asset;
+    if (asset->quartic)
+        return pliant_quartic_evaluate(solver->kernels, asset, solver->combined, z, gradient, solver->scratch);
+    return pliant_elements_evaluate(solver->kernels, asset, solver->weights, solver->combined, z, gradient, solver->scratch);
+}
+
 int pliant_solver_evaluate(pliant_solver* solver, const float* z, double* energy, float* gradient)
 {
     const size_t d = solver->asset.padded_dimension;
     ++solver->evaluations;
-    *energy = pliant_elements_evaluate(solver->kernels, &solver->asset, solver->weights, solver->combined, z, gradient,
-                                       solver->scratch);
+    *energy = evaluate_energy(solver, z, gradient);
     if (solver->load) {
         *energy += (double)pliant_dot(solver->load, z, d);
         pliant_add_scaled(gradient, 1.0f, solver->load, d);
@@ -364,7 +390,7 @@ pliant_result pliant_solve(pliant_solver* solver, const float* weights, float* q
     if (result != PLIANT_OK) return result;
 
     normalise_weights(weights, m, solver->weights);
-    pliant_elements_combine(solver->kernels, &solver->asset, solver->weights, solver->combined);
+    pliant_solver_combine(solver);
     solver->iterations = 0;
     solver->evaluations = 0;
     solver->evaluation_limit = solver->desc.max_evaluations;

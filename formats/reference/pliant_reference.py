@@ -13,10 +13,12 @@ import zlib
 
 import numpy as np
 
+from pliant_reference_solid import Layout, Quartic, evaluate_tet_mooney_rivlin, evaluate_tet_stvk
+
 IDENTIFIER = bytes([0xAB]) + b"PLIANT" + bytes([0xBB]) + b"\r\n\x1a\n"
-REQUIRED = ("SOLV", "ELEM", "REST", "TRIS", "NAME", "ANSW", "CERT", "BASI")
-KNOWN = REQUIRED + ("PRED", "LOAD", "POLY")
-HINGE, NEO_HOOKEAN, STVK, EDGE, ARAP = 1, 2, 3, 4, 5
+REQUIRED = ("SOLV", "REST", "TRIS", "NAME", "ANSW", "CERT", "BASI")
+KNOWN = REQUIRED + ("ELEM", "QUAR", "PRED", "LOAD", "POLY", "VERT")
+HINGE, NEO_HOOKEAN, STVK, EDGE, ARAP, TET_STVK, TET_MOONEY_RIVLIN = range(1, 8)
 
 
 class FormatError(Exception):
@@ -41,7 +43,8 @@ def shape_of(kind, valence, is_closed):
     if kind == ARAP:
         edges = valence + (valence if is_closed else valence - 1)
         return 3 * valence, 0, 4 * edges + 1
-    return {HINGE: (9, 2, 2), NEO_HOOKEAN: (6, 4, 5), STVK: (6, 0, 9), EDGE: (6, 4, 8)}[kind]
+    return {HINGE: (9, 2, 2), NEO_HOOKEAN: (6, 4, 5), STVK: (6, 0, 9), EDGE: (6, 4, 8), TET_STVK: (9, 0, 27),
+            TET_MOONEY_RIVLIN: (9, 0, 20)}[kind]
 
 
 class Batch:
@@ -62,7 +65,11 @@ class Asset:
         if verify:
             self.verify_checksums()
         self.read_solver()
-        self.read_elements()
+        self.batches, self.quartic = [], None
+        if "ELEM" in self.chunks:
+            self.read_elements()
+        else:
+            self.read_quartic()
         self.read_predictor()
         self.read_load()
         self.read_shape()
@@ -106,6 +113,7 @@ class Asset:
         require(not unknown, "R07", f"unknown chunks are required: {unknown}")
         for tag in REQUIRED:
             require(tag in self.chunks, "R07", f"{tag} is missing")
+        require(("ELEM" in self.chunks) != ("QUAR" in self.chunks), "R07", "not exactly one of ELEM and QUAR")
 
     def verify_checksums(self):
         head = bytearray(self.blob[:64 + 32 * self.chunk_count])
@@ -145,7 +153,7 @@ class Asset:
 
     def read_batch(self, data, at, data_start):
         kind, count, valence, is_closed, rows_at, fixed_at, poses_at = struct.unpack_from("<4I3Q", data, at)
-        require(kind in (HINGE, NEO_HOOKEAN, STVK, EDGE, ARAP), "R09", f"element kind {kind}")
+        require(HINGE <= kind <= TET_MOONEY_RIVLIN, "R09", f"element kind {kind}")
         require(1 <= count <= 1 << 22, "R05", f"{count} elements")
         if kind == ARAP:
             require(2 <= valence <= 32, "R05", f"valence {valence}")
@@ -156,16 +164,33 @@ class Asset:
         row_count, fixed_count, number_count = shape_of(kind, valence, is_closed)
         lanes = pad16(count)
 
-        def array(offset, *shape):
+        def lanes_of(offset, *shape):
             require(offset % 64 == 0 and offset >= data_start, "R09", "offset of an array of ELEM")
             floats = int(np.prod(shape)) * lanes
             require(offset + 4 * floats <= len(data), "R09", "array of ELEM past its chunk")
             values = np.frombuffer(data, "<f4", floats, offset).reshape(*shape, lanes).astype(float)
             require(np.isfinite(values).all(), "R10", "ELEM")
-            return values[..., :count]
+            return values
 
-        return Batch(kind, valence, is_closed, array(rows_at, 1 + self.dimension, row_count), array(fixed_at, fixed_count),
-                     array(poses_at, self.pose_count, number_count))
+        arrays = (lanes_of(rows_at, 1 + self.dimension, row_count), lanes_of(fixed_at, fixed_count),
+                  lanes_of(poses_at, self.pose_count, number_count))
+        if kind in (TET_STVK, TET_MOONEY_RIVLIN):
+            require((arrays[0][0] == np.eye(3).reshape(9, 1)).all(), "R17", "a tetrahedron that is not the identity at z = 0")
+        return Batch(kind, valence, is_closed, *(array[..., :count] for array in arrays))
+
+    def read_quartic(self):
+        require(self.dimension <= 64, "R05", f"QUAR with dimension {self.dimension}")
+        layout, m = Layout(self.dimension), self.pose_count
+        data, count = self.counted("QUAR", (1 << 32) - 1)
+        require(self.flags["QUAR"] & 1, "R16", "QUAR without the required flag")
+        require(count == layout.count, "R16", f"QUAR counts {count} floats of a table, there are {layout.count}")
+        require(len(data) == 64 + 4 * m * layout.padded_count, "R09", "size of QUAR")
+        tables = np.frombuffer(data, "<f4", offset=64).reshape(m, -1)
+        require(np.isfinite(tables).all(), "R10", "QUAR")
+        rest = tables.view("<u4").copy()
+        rest[:, layout.places[1:]] = 0
+        require(not rest.any(), "R14", "padding or constant term of QUAR")
+        self.quartic = Quartic(layout.indices, tables[:, layout.places].astype(float))
 
     def read_predictor(self):
         self.centres = None
@@ -210,7 +235,9 @@ class Asset:
         data, n = self.bytes_of("TRIS"), self.vertex_count
         require(len(data) == 12 * self.triangle_count, "R09", "size of TRIS")
         self.triangles = np.frombuffer(data, "<u4").reshape(-1, 3)
-        require(self.triangles.max() < n, "R11", "TRIS names a vertex that does not exist")
+        self.read_vertices()
+        n = self.boundary_vertex_count
+        require(self.triangles.max() < n, "R11", "TRIS names a vertex that does not exist or is not of the boundary")
         self.polygons = None
         if "POLY" in self.chunks:
             words = self.bytes_of("POLY")
@@ -220,11 +247,19 @@ class Asset:
             sizes = np.frombuffer(words, "<u4", faces, 8)
             corners = np.frombuffer(words, "<u4", indices, 8 + 4 * faces)
             require((sizes >= 3).all() and sizes.astype(int).sum() == indices, "R11", "sizes of POLY")
-            require((corners < n).all(), "R11", "POLY names a vertex that does not exist")
+            require((corners < n).all(), "R11", "POLY names a vertex that does not exist or is not of the boundary")
             self.polygons = np.split(corners, np.cumsum(sizes)[:-1])
         names = self.bytes_of("NAME")
         require(names.count(0) == self.pose_count and names.endswith(b"\0"), "R11", "number of names")
         self.names = [name.decode("utf-8", "replace") for name in names[:-1].split(b"\0")]
+
+    def read_vertices(self):
+        self.boundary_vertex_count, self.source_vertices = self.vertex_count, None
+        if "VERT" in self.chunks:
+            data, self.boundary_vertex_count = self.counted("VERT", self.vertex_count)
+            require(len(data) == 64 + 4 * self.vertex_count, "R09", "size of VERT")
+            self.source_vertices = np.frombuffer(data, "<u4", offset=64)
+            require(self.source_vertices.max() < self.vertex_count, "R11", "VERT names a vertex that does not exist")
 
     def read_answers(self):
         data, count = self.counted("ANSW", 64)
@@ -255,6 +290,9 @@ class Asset:
         """Energy and gradient of the stand-in, its load included; (inf, None) where it is not defined."""
         gradient = self.load(weights)
         energy = gradient @ z
+        if self.quartic is not None:
+            value, slope = self.quartic.evaluate(z, weights)
+            energy, gradient = energy + value, gradient + slope
         for batch in self.batches:
             differences = batch.rows[0] + np.tensordot(z, batch.rows[1:], 1)
             value, force = EVALUATE[batch.kind](batch, differences, weights)
@@ -414,7 +452,9 @@ def evaluate_arap(batch, differences, weights):
 
 
 EVALUATE = {HINGE: evaluate_hinges, NEO_HOOKEAN: evaluate_neo_hookean, STVK: evaluate_stvk, EDGE: evaluate_edge,
-            ARAP: evaluate_arap}
+            ARAP: evaluate_arap,
+            TET_STVK: lambda batch, rows, weights: evaluate_tet_stvk(combined(batch, weights), rows),
+            TET_MOONEY_RIVLIN: lambda batch, rows, weights: evaluate_tet_mooney_rivlin(combined(batch, weights), rows)}
 
 
 def main():
@@ -431,7 +471,8 @@ def main():
         return 3
     print(f"{asset.vertex_count} vertices, {asset.triangle_count} triangles, {asset.pose_count} poses "
           f"({', '.join(asset.names)}), d = {asset.dimension}, "
-          + ", ".join(f"{batch.rows.shape[2]} elements of kind {batch.kind}" for batch in asset.batches))
+          + (", ".join(f"{batch.rows.shape[2]} elements of kind {batch.kind}" for batch in asset.batches)
+             or f"{asset.quartic.indices.shape[0]} coefficients"))
     if options.weights is None:
         return 0
     weights = np.array([float(text) for text in options.weights.split(",")])

@@ -48,7 +48,10 @@ static void use_asset(const pliant_asset* asset, size_t blob_size)
         free(memory);
     }
     for (uint32_t k = 0; k < asset->pose_count; ++k) require(strlen(pliant_asset_pose_name(asset, k)) < blob_size);
-    for (uint32_t i = 0; i < 3 * asset->triangle_count; ++i) require(asset->triangles[i] < asset->vertex_count);
+    for (uint32_t i = 0; i < 3 * asset->triangle_count; ++i) require(asset->triangles[i] < asset->boundary_vertex_count);
+    require(asset->boundary_vertex_count <= asset->vertex_count);
+    for (uint32_t v = 0; asset->source_vertices && v < asset->vertex_count; ++v)
+        require(asset->source_vertices[v] < asset->vertex_count);
 }
 
 int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size)

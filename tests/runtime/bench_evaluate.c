@@ -75,7 +75,7 @@ static uint64_t bench_evaluation(pliant_asset* asset, uint32_t hinges, uint32_t 
     asset->batch_count = 2;
     asset->elements = chunk;
     const pliant_kernels* kernels = pliant_kernels_choose();
-    const pliant_elements_layout layout = pliant_elements_measure(asset);
+    const pliant_energy_layout layout = pliant_elements_measure(asset);
     float* combined = fill(layout.combined_floats, 0.0f, 0.0f, state);
     float* scratch = fill(layout.scratch_floats, 0.0f, 0.0f, state);
     float* z = fill(asset->padded_dimension, 0.0f, 0.2f, state);

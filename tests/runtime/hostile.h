@@ -71,7 +71,11 @@ static inline pliant_result exercise(const unsigned char* bytes, size_t size)
         CHECK(name && strlen(name) < size, "pose name %u", k);
         CHECK(pliant_asset_pose_coordinates(&asset, k) != NULL, "pose %u", k);
     }
-    for (uint32_t i = 0; i < 3 * asset.triangle_count; ++i) CHECK(asset.triangles[i] < asset.vertex_count, "a triangle");
+    for (uint32_t i = 0; i < 3 * asset.triangle_count; ++i)
+        CHECK(asset.triangles[i] < asset.boundary_vertex_count, "a triangle");
+    CHECK(asset.boundary_vertex_count >= 1 && asset.boundary_vertex_count <= asset.vertex_count, "the boundary");
+    for (uint32_t v = 0; asset.source_vertices && v < asset.vertex_count; ++v)
+        CHECK(asset.source_vertices[v] < asset.vertex_count, "a vertex of the input");
     free(memory);
     return PLIANT_OK;
 }

@@ -1,6 +1,8 @@
 """The museum: one file for each way to break each rule of formats/SPEC.md section 5.
 
-    make_bad_assets.py GOOD.pliant LOADED.pliant FOLDER      LOADED: with a dead load
+    make_bad_assets.py GOOD.pliant LOADED.pliant SOLID.pliant QUARTIC.pliant FOLDER
+
+GOOD: a shell with all optional chunks but LOAD, LOADED: one with a dead load, SOLID: with tetrahedra, QUARTIC: with QUAR.
 
 Files are named RULE_what.CODE.pliant, CODE being the pliant_result that the C runtime must answer; the script itself checks
 that the numpy reference refuses each one, naming the same rule. Every file has right checksums except those that are about
@@ -135,7 +137,7 @@ def bad_files(good):
             yield f"R09_{tag.decode()}_long", LAYOUT, resized(tag, 4)
     yield "R09_POLY_short", LAYOUT, resized(b"POLY", -4)
     yield "R09_kind_0", LAYOUT, chunk(b"ELEM", 64, "I", 0)
-    yield "R09_kind_6", LAYOUT, chunk(b"ELEM", 64, "I", 6)
+    yield "R09_kind_8", LAYOUT, chunk(b"ELEM", 64, "I", 8)
     yield "R09_rows_in_records", LAYOUT, chunk(b"ELEM", 64 + 16, "Q", 0)
     yield "R09_rows_misaligned", LAYOUT, chunk(b"ELEM", 64 + 16, "Q", 64 * 4 + 4)
     yield "R09_numbers_past_end", LAYOUT, chunk(b"ELEM", 64 + 32, "Q", (len(draft().data[b"ELEM"]) + 63) // 64 * 64)
@@ -219,9 +221,50 @@ def bad_loads(loaded):
     yield "R15_not_required", LAYOUT, edited(lambda d: d.entry(b"LOAD").__setitem__(1, 0))
 
 
-def good_variants(good, loaded):
+def bad_solids(solid):
+    """(name, code, bytes): what can be wrong with tetrahedra and with VERT."""
+    def edited(tag, offset, form, *values):
+        d = Draft(solid)
+        d.put(tag, offset, form, *values)
+        return d.join()
+
+    n, t = struct.unpack_from("<2I", solid, 32)
+    vertices, size = Draft(solid).data[b"VERT"], 64 + 4 * n
+    boundary = struct.unpack_from("<I", vertices)[0]
+    count, rows = struct.unpack_from("<4xI8xQ", Draft(solid).data[b"ELEM"], 64)
+    lanes = (count + 15) // 16 * 16
+    if boundary == n or count == lanes:
+        raise SystemExit("give a solid with a vertex inside and padding")
+
+    yield "R05_VERT_no_boundary", LIMIT, edited(b"VERT", 0, "I", 0)
+    yield "R05_VERT_large_boundary", LIMIT, edited(b"VERT", 0, "I", n + 1)
+    d = Draft(solid)
+    d.data[b"VERT"] = vertices[:size - 4]
+    yield "R09_VERT_short", LAYOUT, d.join()
+    d.data[b"VERT"] = vertices + bytes(4)
+    yield "R09_VERT_long", LAYOUT, d.join()
+    d.data[b"VERT"] = vertices[:60]
+    yield "R09_VERT_head_cut", LAYOUT, d.join()
+    yield "R11_VERT_number", INDEX, edited(b"VERT", size - 4, "I", n)
+    yield "R11_triangle_inside", INDEX, edited(b"TRIS", 12 * t - 4, "I", boundary)
+    yield "R11_boundary_too_small", INDEX, edited(b"VERT", 0, "I", boundary - 1)
+    d = Draft(solid)
+    d.table.insert(-1, [b"POLY", 0, 0, 0, 0, 0])
+    d.data[b"POLY"] = bytearray(struct.pack("<6I", 1, 3, 3, 0, 1, boundary))
+    yield "R11_polygon_inside", INDEX, d.join()
+    yield "R14_VERT_head", LAYOUT, edited(b"VERT", 60, "I", 1)
+    yield "R14_tetrahedron_valence", LAYOUT, edited(b"ELEM", 64 + 8, "I", 3)
+    for name, row, lane, value in (("one", 4, 0, 1 + 2.0 ** -23), ("zero", 5, 0, 1e-45), ("padding", 8, lanes - 1, 0.0)):
+        yield f"R17_{name}", NUMBER, edited(b"ELEM", rows + 4 * (row * lanes + lane), "f", value)
+
+
+def good_variants(good, loaded, solid):
     """Files that differ in what a reader must tolerate."""
     yield "good_loaded", Draft(loaded).join()
+    yield "good_solid", Draft(solid).join()
+    d = Draft(solid)
+    d.table.remove(d.entry(b"VERT"))
+    yield "good_solid_without_source", d.join()
     d = Draft(loaded)
     struct.pack_into("<H", d.header, 14, 0)
     yield "good_loaded_older_minor", d.join()
@@ -243,13 +286,14 @@ def good_variants(good, loaded):
 
 
 def main():
-    good, loaded, folder = Path(sys.argv[1]).read_bytes(), Path(sys.argv[2]).read_bytes(), Path(sys.argv[3])
+    good, loaded, solid = (Path(path).read_bytes() for path in sys.argv[1:4])
+    folder = Path(sys.argv[-1])
     folder.mkdir(parents=True, exist_ok=True)
-    if Draft(good).join() != good or Draft(loaded).join() != loaded:
+    if any(Draft(blob).join() != blob for blob in (good, loaded, solid)):
         raise SystemExit("taking a good file apart and joining it changes it: give those of tiny_asset.py")
     rules, names = set(), []
     np.seterr(invalid="ignore")
-    for name, code, blob in [*bad_files(good), *bad_loads(loaded)]:
+    for name, code, blob in [*bad_files(good), *bad_loads(loaded), *bad_solids(solid)]:
         try:
             Asset(blob)
             raise SystemExit(f"{name}: the reference accepts it")
@@ -259,10 +303,10 @@ def main():
         rules.add(name[:3])
         names.append(f"{name}.{code}")
         (folder / f"{name}.{code}.pliant").write_bytes(blob)
-    missing = {f"R{i:02}" for i in range(1, 16)} - rules
+    missing = {f"R{i:02}" for i in range(1, 18) if i != 16} - rules
     if missing:
         raise SystemExit(f"no file breaks {missing}")
-    for name, blob in good_variants(good, loaded):
+    for name, blob in good_variants(good, loaded, solid):
         Asset(blob)
         names.append(f"{name}.0")
         (folder / f"{name}.0.pliant").write_bytes(blob)

@@ -29,6 +29,13 @@ ASSETS = {
     "tube_arap": dict(mesh="tube", size=(6, 5), poses=3, dimension=7, material="arap", predictor=True),
     "strip_load": dict(mesh="strip", size=(7, 3), poses=3, dimension=4, material="neo-hookean", predictor=True, load=True),
     "tube_load": dict(mesh="tube", size=(6, 6), poses=4, dimension=17, material="edge", predictor=True, load=True),
+    "beam_stvk": dict(mesh="beam", size=(5, 2), poses=3, dimension=6, material="tet-stvk", predictor=True),
+    "beam_mooney": dict(mesh="beam", size=(4, 3), poses=3, dimension=9, material="mooney-rivlin", predictor=True),
+    "beam_mixed": dict(mesh="beam", size=(4, 2), poses=2, dimension=4, material="tet-mixed", predictor=True, load=True),
+    "beam_quartic": dict(mesh="beam", size=(5, 2), poses=3, dimension=6, material="tet-stvk", predictor=True, quartic=True),
+    "beam_quartic_line": dict(mesh="beam", size=(3, 2), poses=2, dimension=1, material="tet-stvk", quartic=True),
+    "beam_quartic_load": dict(mesh="beam", size=(6, 2), poses=4, dimension=17, material="tet-stvk", predictor=True, load=True,
+                              quartic=True),
     "twelve_poses": dict(mesh="strip", size=(8, 4), poses=12, dimension=16, material="neo-hookean", predictor=True),
 }
 
@@ -60,7 +67,7 @@ def expectations(asset):
 def main():
     folder, sources = Path(sys.argv[1]), Path(__file__).parent
     folder.mkdir(parents=True, exist_ok=True)
-    newest = max(path.stat().st_mtime for path in [*sources.glob("*.py"), Path(pliant_reference_path.FILE)])
+    newest = max(path.stat().st_mtime for path in [*sources.glob("*.py"), *pliant_reference_path.FILES])
     for name, options in ASSETS.items():
         target, expect = folder / f"{name}.pliant", folder / f"{name}.expect"
         if expect.exists() and expect.stat().st_mtime > newest:

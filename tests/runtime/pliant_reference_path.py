@@ -2,5 +2,6 @@
 import sys
 from pathlib import Path
 
-FILE = Path(__file__).resolve().parents[2] / "formats" / "reference" / "pliant_reference.py"
-sys.path.insert(0, str(FILE.parent))
+FOLDER = Path(__file__).resolve().parents[2] / "formats" / "reference"
+FILES = sorted(FOLDER.glob("*.py"))
+sys.path.insert(0, str(FOLDER))

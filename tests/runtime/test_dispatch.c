@@ -1,12 +1,12 @@
 /* The AVX2 copies of the kernels give the bits of the plain ones: energy and gradient at random points, blends while dragging
-   and jumping, tiles of vertices, for all five kinds of elements. Where a processor has AVX2 they are what it gets. */
+   and jumping, tiles of vertices, for all seven kinds of elements. Where a processor has AVX2 they are what it gets. */
 #include "internal.h"
 #include "support.h"
 
 #include <math.h>
 
 static const pliant_kernels* chosen;
-static int seen[PLIANT_ELEMENT_ARAP_CELL + 1]; /* elements of each kind */
+static int seen[PLIANT_ELEMENT_TET_MOONEY_RIVLIN + 1]; /* elements of each kind */
 
 static int are_same(const float* a, const float* b, size_t count) { return memcmp(a, b, count * sizeof *a) == 0; }
 
@@ -40,8 +40,8 @@ static void check_evaluations(const opened* o, pliant_solver* plain, pliant_solv
         random_weights(&state, m, plain->weights);
         memcpy(copy->weights, plain->weights, m * sizeof(float));
         for (uint32_t j = 0; j < d; ++j) z[j] = sizes[round % 4] * scale * (random_unit(&state) - 0.5f);
-        pliant_elements_combine(plain->kernels, &o->asset, plain->weights, plain->combined);
-        pliant_elements_combine(copy->kernels, &o->asset, copy->weights, copy->combined);
+        pliant_solver_combine(plain);
+        pliant_solver_combine(copy);
         const int is_finite = pliant_solver_evaluate(plain, z, &energy[0], plain->gradient);
         CHECK(pliant_solver_evaluate(copy, z, &energy[1], copy->gradient) == is_finite, "%s: round %d", o->name, round);
         if (!is_finite) continue;
@@ -117,7 +117,7 @@ int main(int argc, char** argv)
 #endif
     CHECK(chosen != &pliant_kernels_plain, "a processor with AVX2 gets the plain kernels");
     for_each_asset(argv[1], check_asset);
-    for (int kind = PLIANT_ELEMENT_HINGE; kind <= PLIANT_ELEMENT_ARAP_CELL; ++kind)
+    for (int kind = PLIANT_ELEMENT_HINGE; kind <= PLIANT_ELEMENT_TET_MOONEY_RIVLIN; ++kind)
         CHECK(seen[kind] > 0, "no element of kind %d in any asset", kind);
     return report("dispatch");
 }

@@ -53,6 +53,22 @@ static void test_log1p_minus(void)
     }
 }
 
+static void test_cbrt(void)
+{
+    uint64_t state = 4;
+    double worst = 0.0;
+    for (int i = 0; i < 2000000; ++i) {
+        const float v = ldexpf(0.5f + random_unit(&state), (int)random_below(&state, 240) - 120);
+        const double error = ulps(pliant_cbrt(v), cbrt((double)v));
+        if (error > worst) worst = error;
+    }
+    printf("cbrt: %.2f ulp\n", worst);
+    CHECK(worst <= 1.5, "%.2f ulp", worst);
+    CHECK(pliant_cbrt(1.0f) == 1.0f, "the root of 1 is %.9g: nothing may happen without deformation",
+          (double)pliant_cbrt(1.0f));
+    CHECK(fabsf(pliant_cbrt(5.96046448e-8f) - 0.00390625f) < 1e-9f, "2^-24, the smallest 1 + u");
+}
+
 static void test_wrap_angle(void)
 {
     uint64_t state = 3;
@@ -72,6 +88,7 @@ int main(void)
 {
     test_atan2();
     test_log1p_minus();
+    test_cbrt();
     test_wrap_angle();
     return report("lane math");
 }

@@ -32,7 +32,7 @@ static double evaluate(evaluator* e)
 {
     pliant_solver* s = e->made.solver;
     double energy = 0.0;
-    pliant_elements_combine(s->kernels, &s->asset, s->weights, s->combined);
+    pliant_solver_combine(s);
     pliant_radial_evaluate(&s->asset, s->weights, NULL, s->load);
     CHECK(pliant_solver_evaluate(s, s->z, &energy, s->gradient), "not finite");
     return energy;

@@ -13,7 +13,9 @@ import numpy as np
 
 import tiny_elements
 import tiny_mesh
-from pliant_reference import IDENTIFIER, Asset, Batch, pad16
+import tiny_solids
+from pliant_reference import IDENTIFIER, TET_STVK, Asset, Batch, pad16
+from pliant_reference_solid import Layout, Quartic
 
 
 # ---------------------------------------------------------------------------------------------------------- model --
@@ -23,7 +25,7 @@ class StandIn(Asset):
 
     def __init__(self, batches, dimension, energy_scale=1.0):
         self.batches, self.dimension, self.energy_scale = batches, dimension, energy_scale
-        self.centres = self.load_coefficients = None
+        self.centres = self.load_coefficients = self.quartic = None
 
 
 def sample_weights(m):
@@ -33,41 +35,52 @@ def sample_weights(m):
     return np.array(corners + middles + ([np.full(m, 1 / m)] if m > 2 else []))
 
 
-def make_model(mesh, size, poses, dimension, material, predictor, load, seed):
+def make_mesh(mesh, size):
+    """Rest positions, triangles, cells, the module that knows their elements, and for a solid what VERT says."""
+    if mesh == "beam":
+        rest, tets, source, boundary_count = tiny_solids.beam(*size)
+        return rest, tiny_solids.boundary_of(tets), tets, tiny_solids, (source, boundary_count)
+    rest, faces = getattr(tiny_mesh, mesh)(*size)
+    return rest, faces, tiny_elements.Topology(faces, len(rest)), tiny_elements, None
+
+
+def make_model(mesh, size, poses, dimension, material, predictor, load, seed, quartic=False):
     """All numbers of an asset, in double precision."""
     random = np.random.default_rng(seed)
-    rest, faces = getattr(tiny_mesh, mesh)(*size)
+    rest, faces, topology, elements, vertices = make_mesh(mesh, size)
     x = tiny_mesh.make_poses(rest, poses, random)
-    topology = tiny_elements.Topology(faces, len(rest))
     basis = tiny_mesh.make_subspace(x, rest, dimension, random)
     equal = np.full(poses, 1 / poses)
 
     # The equal-weight average is z = 0, its inverse Hessian S S^T: first around pose 0, then around the average.
-    stand_in = StandIn(tiny_elements.make_batches(topology, x, material, x[0], basis), dimension)
+    stand_in = StandIn(elements.make_batches(topology, x, material, x[0], basis), dimension)
     mean, _ = stand_in.minimise(equal, np.tensordot(basis, x.mean(axis=0) - x[0], 2))
     centre = x[0] + np.tensordot(mean, basis, 1)
-    stand_in = StandIn(tiny_elements.make_batches(topology, x, material, centre, basis), dimension)
+    stand_in = StandIn(elements.make_batches(topology, x, material, centre, basis), dimension)
     values, vectors = np.linalg.eigh(stand_in.hessian(np.zeros(dimension), equal))
     whitening = vectors / np.sqrt(values)
     directions = np.tensordot(whitening.T, basis, 1)
-    stand_in = StandIn(tiny_elements.make_batches(topology, x, material, centre, directions), dimension)
+    stand_in = StandIn(elements.make_batches(topology, x, material, centre, directions), dimension)
 
     def absolute(weights, y):
-        return tiny_elements.absolute_energy(topology, x, material, weights, y)
+        return elements.absolute_energy(topology, x, material, weights, y)
 
-    # The batches and the textbook differ by a constant, or one of them is wrong.
+    if quartic:
+        stand_in.quartic, stand_in.batches = tiny_solids.quartic_of(stand_in.batches[0], dimension), []
+
+    # The stand-in and the textbook differ by a constant, or one of them is wrong.
     w = random.dirichlet(np.ones(poses))
     z = 0.05 * random.standard_normal(dimension)
     relative = stand_in.evaluate(z, w)[0]
     textbook = absolute(w, centre + np.tensordot(z, directions, 1)) - absolute(w, centre)
     if not abs(relative - textbook) < 1e-9 * absolute(equal, centre):
-        raise AssertionError(f"{material}: batches give {relative}, the definition {textbook}")
+        raise AssertionError(f"{material}: the stand-in gives {relative}, the definition {textbook}")
 
     samples = sample_weights(poses)
     answers = [stand_in.minimise(w, np.zeros(dimension))[0] for w in samples]
     scale = np.mean([absolute(w, centre) + stand_in.evaluate(z, w)[0] for w, z in zip(samples, answers)])
     model = SimpleNamespace(x=x, faces=faces, basis=basis, mean=mean, whitening=whitening, stand_in=stand_in, scale=scale,
-                            samples=samples, answers=answers, centres=None, coefficients=None, load=None,
+                            samples=samples, answers=answers, centres=None, coefficients=None, load=None, vertices=vertices,
                             pose_coordinates=np.array([np.tensordot(basis, pose - x[0], 2) for pose in x]))
     if predictor:
         model.centres = samples
@@ -81,9 +94,13 @@ def add_load(model, random):
     """Elements with wrong weights, as a coarse sample of a mesh has them, and the load that puts the minimisers back where those
     of the right ones are. z stays whitened for the right ones."""
     dimension = len(model.mean)
+    quartic = model.stand_in.quartic
+    if quartic is not None:
+        quartic = Quartic(quartic.indices, quartic.coefficients * random.uniform(0.7, 1.3, (len(quartic.coefficients), 1)))
     rough = [Batch(batch.kind, batch.valence, batch.is_closed, batch.rows, batch.fixed,
                    batch.poses * random.uniform(0.6, 1.4, batch.poses.shape[2])) for batch in model.stand_in.batches]
     unloaded, loaded = StandIn(rough, dimension), StandIn(rough, dimension)
+    unloaded.quartic = loaded.quartic = quartic
     forces = [unloaded.evaluate(z, w)[1] for w, z in zip(model.samples, model.answers)]
     model.load = fit_predictor(model.samples, -np.array(forces))
     loaded.centres, loaded.load_coefficients = model.samples, model.load
@@ -145,6 +162,17 @@ def element_chunk(batches):
     return head + data
 
 
+def quartic_chunk(quartic, dimension):
+    layout = Layout(dimension)
+    tables = np.zeros((len(quartic.coefficients), layout.padded_count))
+    tables[:, layout.places] = quartic.coefficients
+    return struct.pack("<I60x", layout.count) + floats(tables)
+
+
+def vertex_chunk(source, boundary_count):
+    return struct.pack("<I60x", boundary_count) + np.array(source, "<u4").tobytes()
+
+
 def predictor_chunk(model):
     centres = struct.pack("<I60x", len(model.centres)) + floats(model.centres)
     return align(centres, 64) + floats(padded(model.coefficients, pad16(len(model.mean))))
@@ -177,13 +205,19 @@ def chunks_of(model, polygons):
     origin = model.x[0].mean(axis=0)
     answers = np.array([np.concatenate([w, model.mean + model.whitening @ z])
                         for w, z in zip(model.samples, model.answers)])[:8]
-    chunks = [("SOLV", 1, solver_chunk(model)), ("ELEM", 1, element_chunk(model.stand_in.batches))]
+    chunks = [("SOLV", 1, solver_chunk(model))]
+    if model.stand_in.quartic is not None:
+        chunks.append(("QUAR", 1, quartic_chunk(model.stand_in.quartic, d)))
+    else:
+        chunks.append(("ELEM", 1, element_chunk(model.stand_in.batches)))
     if model.centres is not None:
         chunks.append(("PRED", 0, predictor_chunk(model)))
     if model.load is not None:
         chunks.append(("LOAD", 1, load_chunk(model)))
     chunks += [("REST", 1, floats(tiles_of(model.x[0] - np.float32(origin)))),
                ("TRIS", 1, np.array(model.faces, "<u4").tobytes())]
+    if model.vertices is not None:
+        chunks.append(("VERT", 0, vertex_chunk(*model.vertices)))
     if polygons:
         chunks.append(("POLY", 0, polygon_chunk(model.faces)))
     names = "".join(f"pose {k}\0" for k in range(m)).encode()
@@ -192,6 +226,15 @@ def chunks_of(model, polygons):
                ("CERT", 1, certificate), ("BASI", 1, floats(tiles_of(model.basis)))]
     counts = (len(model.x[0]), len(model.faces), d, m)
     return counts, origin, chunks
+
+
+def oldest_minor(chunks):
+    """The format version that has all that a file holds."""
+    elements = chunks.get("ELEM", bytes(64))
+    kinds = [struct.unpack_from("<I", elements, 64 + 64 * i)[0] for i in range(struct.unpack_from("<I", elements)[0])]
+    if "QUAR" in chunks or "VERT" in chunks or any(kind >= TET_STVK for kind in kinds):
+        return 2
+    return int("LOAD" in chunks)
 
 
 def assemble(counts, origin, chunks):
@@ -203,7 +246,7 @@ def assemble(counts, origin, chunks):
         table += struct.pack("<4sIQQII", tag.encode(), flags, at + len(body), len(data), zlib.crc32(data), 0)
         body += data
     size = at + len(body)
-    minor = int(any(tag == "LOAD" for tag, _, _ in chunks))
+    minor = oldest_minor({tag: data for tag, _, data in chunks})
 
     def header(crc):
         return (IDENTIFIER + struct.pack("<HHQII4I", 1, minor, size, len(chunks), crc, *counts) + floats(origin)
@@ -213,18 +256,20 @@ def assemble(counts, origin, chunks):
 
 
 def make_asset(mesh="strip", size=(7, 3), poses=2, dimension=4, material="neo-hookean", predictor=False, load=False,
-               polygons=False, seed=1):
-    return assemble(*chunks_of(make_model(mesh, size, poses, dimension, material, predictor, load, seed), polygons))
+               polygons=False, seed=1, quartic=False):
+    return assemble(*chunks_of(make_model(mesh, size, poses, dimension, material, predictor, load, seed, quartic), polygons))
 
 
 def main():
     parser = argparse.ArgumentParser(description="builds a tiny asset for tests")
     parser.add_argument("output")
-    parser.add_argument("--mesh", choices=["strip", "tube"], default="strip")
+    parser.add_argument("--mesh", choices=["strip", "tube", "beam"], default="strip")
     parser.add_argument("--size", type=int, nargs=2, default=(7, 3), metavar=("COLUMNS", "ROWS"))
     parser.add_argument("--poses", type=int, default=2)
     parser.add_argument("--dim", type=int, default=4)
-    parser.add_argument("--material", choices=["neo-hookean", "stvk", "edge", "arap", "mixed"], default="neo-hookean")
+    parser.add_argument("--material", default="neo-hookean",
+                        choices=["neo-hookean", "stvk", "edge", "arap", "mixed", "tet-stvk", "mooney-rivlin", "tet-mixed"])
+    parser.add_argument("--quartic", action="store_true", help="QUAR instead of ELEM, for tet-stvk")
     parser.add_argument("--predictor", action="store_true")
     parser.add_argument("--load", action="store_true", help="needs --predictor")
     parser.add_argument("--polygons", action="store_true")
@@ -232,8 +277,12 @@ def main():
     options = parser.parse_args()
     if options.load and not options.predictor:
         parser.error("--load needs --predictor: it shares its centres")
+    if (options.mesh == "beam") != (options.material in ("tet-stvk", "mooney-rivlin", "tet-mixed")):
+        parser.error("a beam and the materials of tetrahedra go together")
+    if options.quartic and options.material != "tet-stvk":
+        parser.error("--quartic needs --material tet-stvk: no other is a polynomial")
     blob = make_asset(options.mesh, options.size, options.poses, options.dim, options.material, options.predictor,
-                      options.load, options.polygons, options.seed)
+                      options.load, options.polygons, options.seed, options.quartic)
     with open(options.output, "wb") as file:
         file.write(blob)
     return 0

@@ -1,0 +1,166 @@
+/* Opening what a frame reads: the stand-in energy, the start and the dead load. formats/SPEC.md section 4, ELEM, QUAR, PRED and
+   LOAD. */
+#include "open.h"
+
+/* `count` rows of `lanes` floats at `offset` of the chunk: inside it, aligned, finite. */
+static pliant_result check_lanes(const pliant_open_context* context, const pliant_format_chunk* chunk, uint64_t data_start,
+                                 uint64_t offset, uint64_t count, uint64_t lanes)
+{
+    uint64_t end;
+    if (offset % PLIANT_FORMAT_CHUNK_ALIGNMENT != 0 || offset < data_start) return PLIANT_ERROR_LAYOUT;
+    if (!pliant_fits(offset, count, lanes * sizeof(float), chunk->size, &end)) return PLIANT_ERROR_LAYOUT;
+    return pliant_all_finite(context->blob + chunk->offset + offset, count * lanes) ? PLIANT_OK : PLIANT_ERROR_NUMBER;
+}
+
+/* R17: a tetrahedron's rows at z = 0 are the identity, in every lane. */
+static int are_identities(const float* rows, uint64_t lanes)
+{
+    uint32_t bad = 0;
+    for (uint32_t r = 0; r < 9; ++r)
+        for (uint64_t l = 0; l < lanes; ++l) bad |= (uint32_t)(rows[r * lanes + l] != (r % 4 == 0 ? 1.0f : 0.0f));
+    return bad == 0;
+}
+
+static pliant_result check_batch(const pliant_open_context* context, const pliant_format_chunk* chunk, uint64_t data_start,
+                                 const pliant_format_batch* batch)
+{
+    const pliant_format_header* h = &context->header;
+    const int is_arap = batch->kind == PLIANT_ELEMENT_ARAP_CELL;
+    if (batch->kind < PLIANT_ELEMENT_HINGE || batch->kind > PLIANT_ELEMENT_TET_MOONEY_RIVLIN) return PLIANT_ERROR_LAYOUT;
+    if (batch->element_count < 1 || batch->element_count > PLIANT_FORMAT_MAX_ELEMENTS) return PLIANT_ERROR_LIMIT;
+    if (is_arap && (batch->valence < 2 || batch->valence > PLIANT_FORMAT_MAX_VALENCE)) return PLIANT_ERROR_LIMIT;
+    if (!is_arap && (batch->valence != 0 || batch->is_closed != 0)) return PLIANT_ERROR_LAYOUT;
+    if (batch->is_closed > 1 || (batch->is_closed == 1 && batch->valence < 3)) return PLIANT_ERROR_LAYOUT;
+    if (!pliant_is_zero(batch->reserved, sizeof batch->reserved)) return PLIANT_ERROR_LAYOUT;
+
+    /* From here the counts are small (at most 257 * 96 rows of 2^22 lanes): their products fit in 64 bits easily. */
+    const pliant_format_shape shape = pliant_format_batch_shape(batch->kind, batch->valence, batch->is_closed);
+    const uint64_t lanes = pliant_pad_lanes(batch->element_count);
+    const uint64_t rows = (1 + (uint64_t)h->dimension) * shape.row_count;
+    const uint64_t numbers = (uint64_t)h->pose_count * shape.pose_number_count;
+    pliant_result result = check_lanes(context, chunk, data_start, batch->rows_offset, rows, lanes);
+    if (result == PLIANT_OK) result = check_lanes(context, chunk, data_start, batch->fixed_offset, shape.fixed_count, lanes);
+    if (result == PLIANT_OK) result = check_lanes(context, chunk, data_start, batch->pose_offset, numbers, lanes);
+    if (result != PLIANT_OK || batch->kind < PLIANT_ELEMENT_TET_STVK) return result;
+    const float* at_zero = (const float*)(const void*)(context->blob + chunk->offset + batch->rows_offset);
+    return are_identities(at_zero, lanes) ? PLIANT_OK : PLIANT_ERROR_NUMBER;
+}
+
+static pliant_result open_elements(const pliant_open_context* context, pliant_asset* asset)
+{
+    const pliant_format_chunk* chunk = pliant_open_find(context, PLIANT_CHUNK_ELEMENTS);
+    uint32_t count;
+    uint64_t data_start;
+    pliant_result result = pliant_open_count(context, chunk, PLIANT_FORMAT_MAX_BATCHES, &count);
+    if (result != PLIANT_OK) return result;
+    if (!pliant_fits(sizeof(pliant_format_count), count, sizeof(pliant_format_batch), chunk->size, &data_start))
+        return PLIANT_ERROR_LAYOUT;
+    asset->elements = context->blob + chunk->offset;
+    asset->batches = asset->elements + sizeof(pliant_format_count);
+    asset->batch_count = count;
+    for (uint32_t i = 0; i < count; ++i) {
+        result = check_batch(context, chunk, data_start, (const pliant_format_batch*)asset->batches + i);
+        if (result != PLIANT_OK) return result;
+    }
+    return PLIANT_OK;
+}
+
+/* Of a table of QUAR: what is before and behind the tails of the rows and behind the last row, and the constant term, which is its
+   first number. */
+static int has_zero_padding(const float* table, uint32_t dimension)
+{
+    const uint32_t pairs = pliant_format_quartic_pair(dimension, dimension + 1);
+    const uint32_t end = pliant_format_quartic_row_end(dimension);
+    const float* row = table;
+    int is_zero = pliant_is_zero(table, sizeof *table);
+    for (uint32_t j = 0; j <= dimension; ++j) {
+        const uint32_t start = pliant_format_quartic_row_start(dimension, j);
+        const uint32_t tail = pliant_format_quartic_pair(dimension, j);
+        for (uint32_t i = 0; i <= j; ++i, row += end - start) {
+            is_zero &= pliant_is_zero(row, (tail - start) * sizeof *row);
+            is_zero &= pliant_is_zero(row + (pairs - start), (end - pairs) * sizeof *row);
+        }
+    }
+    const size_t floats = (size_t)(row - table);
+    return is_zero && pliant_is_zero(row, (pliant_pad_lanes(floats) - floats) * sizeof *row);
+}
+
+static pliant_result open_quartic(const pliant_open_context* context, pliant_asset* asset)
+{
+    const pliant_format_chunk* chunk = pliant_open_find(context, PLIANT_CHUNK_QUARTIC);
+    const uint32_t d = context->header.dimension, m = context->header.pose_count;
+    uint32_t count;
+    uint64_t end;
+    if (d > PLIANT_FORMAT_MAX_QUARTIC_DIMENSION) return PLIANT_ERROR_LIMIT;
+    const pliant_result result = pliant_open_count(context, chunk, UINT32_MAX, &count);
+    if (result != PLIANT_OK) return result;
+    if (!(chunk->flags & PLIANT_CHUNK_FLAG_REQUIRED)) return PLIANT_ERROR_LAYOUT; /* R16 */
+    if (count != pliant_format_quartic_floats(d)) return PLIANT_ERROR_LAYOUT;     /* R16 */
+    const uint64_t floats = pliant_pad_lanes(count);
+    if (!pliant_fits(sizeof(pliant_format_count), m, floats * sizeof(float), chunk->size, &end) || end != chunk->size)
+        return PLIANT_ERROR_LAYOUT;
+    asset->quartic = (const float*)(const void*)(context->blob + chunk->offset + sizeof(pliant_format_count));
+    asset->quartic_floats = floats;
+    if (!pliant_all_finite(asset->quartic, m * floats)) return PLIANT_ERROR_NUMBER;
+    for (uint32_t k = 0; k < m; ++k)
+        if (!has_zero_padding(asset->quartic + k * floats, d)) return PLIANT_ERROR_LAYOUT; /* R14 */
+    return PLIANT_OK;
+}
+
+static pliant_result open_predictor(const pliant_open_context* context, pliant_asset* asset)
+{
+    const pliant_format_chunk* chunk = pliant_open_find(context, PLIANT_CHUNK_PREDICTOR);
+    const uint64_t m = context->header.pose_count;
+    uint32_t count;
+    uint64_t centres_end, end;
+    if (!chunk) return PLIANT_OK;
+    const pliant_result result = pliant_open_count(context, chunk, PLIANT_FORMAT_MAX_CENTRES, &count);
+    if (result != PLIANT_OK) return result;
+    if (!pliant_fits(sizeof(pliant_format_count), count, m * sizeof(float), chunk->size, &centres_end))
+        return PLIANT_ERROR_LAYOUT;
+    const uint64_t coefficients_start = (centres_end + 63) & ~(uint64_t)63;
+    if (!pliant_fits(coefficients_start, count + m, context->dimension * sizeof(float), chunk->size, &end)
+        || end != chunk->size)
+        return PLIANT_ERROR_LAYOUT;
+    const unsigned char* start = context->blob + chunk->offset;
+    if (!pliant_is_zero(start + centres_end, (size_t)(coefficients_start - centres_end))) return PLIANT_ERROR_LAYOUT;
+    asset->predictor_count = count;
+    asset->predictor_centres = (const float*)(const void*)(start + sizeof(pliant_format_count));
+    asset->predictor_coefficients = (const float*)(const void*)(start + coefficients_start);
+    if (!pliant_all_finite(asset->predictor_centres, count * m)) return PLIANT_ERROR_NUMBER;
+    return pliant_all_finite(asset->predictor_coefficients, (count + m) * context->dimension) ? PLIANT_OK
+                                                                                              : PLIANT_ERROR_NUMBER;
+}
+
+/* It shares the centres of the predictor, which must have been opened. */
+static pliant_result open_load(const pliant_open_context* context, pliant_asset* asset)
+{
+    const pliant_format_chunk* chunk = pliant_open_find(context, PLIANT_CHUNK_LOAD);
+    uint32_t count;
+    uint64_t end;
+    if (!chunk) return PLIANT_OK;
+    const pliant_result result = pliant_open_count(context, chunk, PLIANT_FORMAT_MAX_CENTRES, &count);
+    if (result != PLIANT_OK) return result;
+    if (!(chunk->flags & PLIANT_CHUNK_FLAG_REQUIRED)) return PLIANT_ERROR_LAYOUT; /* R15 */
+    if (count != asset->predictor_count) return PLIANT_ERROR_LAYOUT;              /* R15: 0 without a predictor */
+    const uint64_t rows = (uint64_t)count + context->header.pose_count;
+    if (!pliant_fits(sizeof(pliant_format_count), rows, context->dimension * sizeof(float), chunk->size, &end)
+        || end != chunk->size)
+        return PLIANT_ERROR_LAYOUT;
+    const float* row = (const float*)(const void*)(context->blob + chunk->offset + sizeof(pliant_format_count));
+    asset->load_coefficients = row;
+    if (!pliant_all_finite(row, rows * context->dimension)) return PLIANT_ERROR_NUMBER;
+    const uint32_t d = context->header.dimension;
+    for (uint64_t i = 0; i < rows; ++i, row += context->dimension)
+        if (!pliant_is_zero(row + d, (size_t)(context->dimension - d) * sizeof *row)) return PLIANT_ERROR_LAYOUT; /* R14 */
+    return PLIANT_OK;
+}
+
+pliant_result pliant_open_energy(const pliant_open_context* context, pliant_asset* asset)
+{
+    const int has_elements = pliant_open_find(context, PLIANT_CHUNK_ELEMENTS) != NULL;
+    pliant_result result = has_elements ? open_elements(context, asset) : open_quartic(context, asset);
+    if (result == PLIANT_OK) result = open_predictor(context, asset);
+    if (result == PLIANT_OK) result = open_load(context, asset);
+    return result;
+}
