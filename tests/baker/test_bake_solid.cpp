@@ -1,0 +1,124 @@
+// Whole bakes of a small twisted bar, looked at through the C runtime.
+#include "for_reference.h"
+#include "twisted_bar.h"
+
+#include "mesh/tets.h"
+#include "report/certificate.h"
+#include "report/diagnostics.h"
+
+#include <cstring>
+#include <doctest/doctest.h>
+
+using namespace pliant;
+
+namespace {
+
+struct Variant {
+    const char* name;
+    BakeOptions options;
+    StandInKind stand_in;
+    bool is_held; // by the vertices of one end
+};
+
+std::vector<Variant> variants()
+{
+    BakeOptions stvk, cubature, mooney_rivlin;
+    cubature.stand_in = StandInKind::cubature;
+    mooney_rivlin.energy.material = Material::mooney_rivlin;
+    return { { "bar_quartic", stvk, StandInKind::quartic, false },
+             { "bar_stvk", cubature, StandInKind::cubature, false },
+             { "bar_mooney_rivlin", mooney_rivlin, StandInKind::cubature, false },
+             { "bar_held", stvk, StandInKind::quartic, true } };
+}
+
+// The vertices at z = 0, where the twist moves nothing once it is centred on the axis.
+void hold_one_end(PoseSet& poses)
+{
+    for (Eigen::Index v = 0; v < poses.positions[0].rows(); ++v)
+        if (poses.positions[0](v, 2) == 0) poses.fixed_vertices.push_back(std::uint32_t(v));
+}
+
+} // namespace
+
+TEST_CASE("solids bake to assets whose blends are near the unreduced average")
+{
+    for (const Variant& variant : variants()) {
+        CAPTURE(variant.name);
+        PoseSet poses = twisted_bar(2, 10, 2.0);
+        if (variant.is_held) hold_one_end(poses);
+        Progress silent;
+        const BakedAsset baked = bake(poses, variant.options, silent);
+        const BakeReport& report = baked.report;
+        CHECK(report.meets_tolerance);
+        CHECK(report.stand_in_kind == variant.stand_in);
+        CHECK((report.element_count == 0) == (variant.stand_in == StandInKind::quartic));
+        CHECK(report.cell_ratio > 0.5);
+        for (const AssetCheck& check : report.checks) {
+            CHECK(check.has_converged);
+            CHECK(check.error.relative_l2 < 2e-3);
+        }
+        CHECK(report.runtime_error < 1e-5); // C runtime against double precision
+        RuntimeBlender blender(baked.bytes, variant.name);
+        write_for_reference(variant.name, baked, blender, { { 1, 1 }, { 0.2f, 0.8f }, { 0.9f, 0.1f } });
+        const ShapeSet set = normalise(poses);
+        for (std::size_t k = 0; k < 2; ++k) {
+            std::vector<float> w(2, 0.f);
+            w[k] = 1;
+            CHECK(relative(blender.positions(blender.solve(w, false)), to_input_units(set, set.shapes[k])) < 2e-5);
+        }
+        const EnergyOptions read = read_energy_options(blender.certificate(), variant.name);
+        CHECK(read.material == material_for(variant.options.energy, true));
+        CHECK(read.fixed_vertices == poses.fixed_vertices);
+    }
+}
+
+TEST_CASE("fixed vertices are exactly still in every blend")
+{
+    PoseSet poses = twisted_bar(2, 6, 1.5);
+    hold_one_end(poses);
+    BakeOptions options;
+    options.fresh_count = 0;
+    Progress silent;
+    const BakedAsset baked = bake(poses, options, silent);
+    RuntimeBlender blender(baked.bytes, "held");
+    const std::vector<float> rest = blender.positions(blender.solve({ 1, 0 }, false));
+    for (float w : { 0.1f, 0.5f, 0.77f }) {
+        const std::vector<float> blend = blender.positions(blender.solve({ 1 - w, w }, false));
+        for (std::uint32_t v : poses.fixed_vertices)
+            CHECK(std::memcmp(&blend[3 * std::size_t(v)], &rest[3 * std::size_t(v)], 3 * sizeof(float)) == 0);
+        CHECK(blend != rest);
+    }
+}
+
+TEST_CASE("materials and stand-ins of the other sort are refused")
+{
+    Progress silent;
+    const PoseSet poses = twisted_bar(1, 2, 0.5);
+    BakeOptions options;
+    const auto number_of = [&] {
+        try {
+            bake(poses, options, silent);
+        } catch (const Failure& failure) {
+            return failure.findings()[0].number;
+        }
+        return 0;
+    };
+    options.energy.material = Material::arap;
+    CHECK(number_of() == 1206);
+    options.energy.material = Material::mooney_rivlin;
+    options.stand_in = StandInKind::quartic;
+    CHECK(number_of() == 1207);
+    options.stand_in = StandInKind::ghost;
+    CHECK(number_of() == 1208);
+}
+
+TEST_CASE("above 32 dimensions auto takes cubature and says why")
+{
+    Progress silent;
+    BakeOptions options;
+    options.dimension = 33;
+    options.check_count = options.fresh_count = 0;
+    const BakedAsset baked = bake(twisted_bar(2, 6, 1.5), options, silent);
+    CHECK(baked.report.stand_in_kind == StandInKind::cubature);
+    CHECK(baked.report.stand_in_reason.find("32") != std::string::npos);
+}
