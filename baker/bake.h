@@ -23,6 +23,7 @@ struct EnergyOptions {
     Material material = Material::discrete_shells;
     ShellOptions shell;
     bool keep_placement = false; // do not align the poses
+    std::string fixed_path;      // a file of vertices that stay where they are; empty: none. Needs keep_placement
     SolverKind solver = default_solver();
 };
 

@@ -34,7 +34,9 @@ void add_choice(CLI::App& verb, const std::string& option, Enum& value, std::vec
 
 void add_pose_arguments(CLI::App& verb, std::vector<std::string>& poses)
 {
-    verb.add_option("poses", poses, "Pose files (.obj .ply .off), the rest pose first: one mesh, other positions")
+    verb.add_option("poses", poses,
+                    "Pose files, the rest pose first: one mesh, other positions. Surfaces: .obj .ply .off; solids of "
+                    "tetrahedra: .msh (Gmsh) .mesh (MEDIT) .veg (Vega) .vtk")
         ->required()
         ->type_name("POSE")
         ->expected(1, -1);
@@ -61,6 +63,11 @@ void add_energy_options(CLI::App& verb, EnergyOptions& options)
                "Sparse factorisation: cholmod (fast) or eigen (portable, bit-stable)");
     verb.add_flag("--no-align", options.keep_placement,
                   "Take the poses where they stand instead of moving them rigidly onto the first");
+    verb.add_option("--fix", options.fixed_path,
+                    "Vertices that stay where they are: a text file, one number a line, from 0 as the pose files count. "
+                    "Implies --no-align")
+        ->type_name("FILE")
+        ->each([&options](const std::string&) { options.keep_placement = true; });
 }
 
 void add_threads(CLI::App& verb)
@@ -79,6 +86,7 @@ PoseSet load_with_warnings(const std::string& verb, const std::vector<std::strin
 {
     LoadOptions load;
     load.align = !options.keep_placement;
+    load.fixed_path = options.fixed_path;
     std::vector<Finding> warnings;
     PoseSet poses = load_poses(paths, load, &warnings);
     for (const Finding& warning : warnings) print_finding(verb, warning);

@@ -42,7 +42,7 @@ ExitCode run(const Arguments& a)
                                  result.decrement, a.newton.decrement, result.residual, a.newton.residual,
                                  result.iterations),
                      "add an in-between pose, or try another --thickness or a smaller --foldover-damping"));
-    write_output(a.output, encode_ply(to_input_units(set, result.y), poses.polygons));
+    write_output(a.output, encode_ply(to_input_units(set, result.y), poses));
     progress.clear_line();
     for (const BranchFinding& jump : point.jumps)
         progress.warn(4406,

@@ -51,4 +51,18 @@ std::string encode_ply(const Positions& positions, const Polygons& faces)
     return encode_ply(rounded.data(), static_cast<std::size_t>(rounded.rows()), faces);
 }
 
+std::string encode_ply(const Positions& positions, const PoseSet& poses, bool all_vertices)
+{
+    if (!poses.is_solid()) return encode_ply(positions, poses.polygons);
+    if (!all_vertices)
+        return encode_ply(Positions(positions.topRows(static_cast<Eigen::Index>(poses.boundary_vertex_count))),
+                          poses.polygons);
+    Positions in_file_order(positions.rows(), 3);
+    Polygons faces = poses.polygons;
+    for (std::size_t v = 0; v < poses.source_vertices.size(); ++v)
+        in_file_order.row(poses.source_vertices[v]) = positions.row(static_cast<Eigen::Index>(v));
+    for (std::uint32_t& vertex : faces.indices) vertex = poses.source_vertices[vertex];
+    return encode_ply(in_file_order, faces);
+}
+
 } // namespace pliant

@@ -15,4 +15,9 @@ std::string encode_ply(const float* positions, std::size_t vertex_count, const P
 // The same, rounding to float32.
 std::string encode_ply(const Positions& positions, const Polygons& faces);
 
+// A shape of a pose set, vertices as the set numbers them. Of a surface: all vertices and faces, as in the files. Of a solid: its
+// boundary, and with it either the vertices that it uses (numbered as the set does) or, with `all_vertices`, all of them in the order
+// of the files, so that vertex i of the result is vertex i of a pose file.
+std::string encode_ply(const Positions& positions, const PoseSet& poses, bool all_vertices = false);
+
 } // namespace pliant
