@@ -25,7 +25,8 @@ struct EnergyOptions {
     ShellOptions shell;
     double poisson = -1;                       // of solids; negative: 0.4 for stvk, 0.45 for mooney-rivlin
     bool keep_placement = false;               // do not align the poses
-    std::vector<std::uint32_t> fixed_vertices; // by the files' numbers; where a certificate names them
+    std::string fixed_path;                    // a file of vertices that stay where they are; empty: none
+    std::vector<std::uint32_t> fixed_vertices; // the same by the files' numbers, where a certificate names them
     SolverKind solver = default_solver();
 };
 

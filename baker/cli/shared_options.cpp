@@ -60,7 +60,9 @@ void add_material(CLI::App& verb, EnergyOptions& options)
 
 void add_pose_arguments(CLI::App& verb, std::vector<std::string>& poses)
 {
-    verb.add_option("poses", poses, "Pose files (.obj .ply .off), the rest pose first: one mesh, other positions")
+    verb.add_option("poses", poses,
+                    "Pose files, the rest pose first: one mesh, other positions. Surfaces: .obj .ply .off; solids of "
+                    "tetrahedra: .msh (Gmsh) .mesh (MEDIT) .veg (Vega) .vtk")
         ->required()
         ->type_name("POSE")
         ->expected(1, -1);
@@ -85,6 +87,11 @@ void add_energy_options(CLI::App& verb, EnergyOptions& options)
                "Sparse factorisation: cholmod (fast) or eigen (portable, bit-stable)");
     verb.add_flag("--no-align", options.keep_placement,
                   "Take the poses where they stand instead of moving them rigidly onto the first");
+    verb.add_option("--fix", options.fixed_path,
+                    "Vertices that stay where they are: a text file, one number a line, from 0 as the pose files count. "
+                    "Implies --no-align")
+        ->type_name("FILE")
+        ->each([&options](const std::string&) { options.keep_placement = true; });
 }
 
 void add_threads(CLI::App& verb)
@@ -92,6 +99,12 @@ void add_threads(CLI::App& verb)
     verb.add_option_function<unsigned>("--threads", set_thread_count,
                                        "Threads for element loops (default: all cores); results do not depend on it")
         ->check(CLI::Range(1u, 256u));
+}
+
+void add_all_vertices(CLI::App& verb, bool& all_vertices)
+{
+    verb.add_flag("--all", all_vertices,
+                  "Of a solid write all vertices in the order of the pose files, not its boundary alone");
 }
 
 void add_quiet(CLI::App& verb, bool& is_quiet)
@@ -103,6 +116,8 @@ PoseSet load_with_warnings(const std::string& verb, const std::vector<std::strin
 {
     LoadOptions load;
     load.align = !options.keep_placement;
+    load.fixed_path = options.fixed_path;
+    load.fixed_vertices = options.fixed_vertices;
     std::vector<Finding> warnings;
     PoseSet poses = load_poses(paths, load, &warnings);
     for (const Finding& warning : warnings) print_finding(verb, warning);

@@ -16,7 +16,7 @@ struct Arguments {
     std::string weights, output;
     EnergyOptions energy;
     NewtonOptions newton;
-    bool is_quiet = false;
+    bool all_vertices = false, is_quiet = false;
 };
 
 ExitCode run(const Arguments& a)
@@ -42,7 +42,7 @@ ExitCode run(const Arguments& a)
                                  result.decrement, a.newton.decrement, result.residual, a.newton.residual,
                                  result.iterations),
                      "add an in-between pose, or try another --thickness or a smaller --foldover-damping"));
-    write_output(a.output, encode_ply(to_input_units(set, result.y), poses.polygons));
+    write_output(a.output, encode_ply(to_input_units(set, result.y), poses, a.all_vertices));
     progress.clear_line();
     for (const BranchFinding& jump : point.jumps)
         progress.warn(4406,
@@ -68,6 +68,7 @@ Verb add_average(CLI::App& app)
         ->type_name("W1,W2,...");
     verb->add_option("-o,--output", a->output, "Mesh to write")->required()->type_name("OUT.ply");
     add_energy_options(*verb, a->energy);
+    add_all_vertices(*verb, a->all_vertices);
     add_threads(*verb);
     add_quiet(*verb, a->is_quiet);
     return [a] { return run(*a); };

@@ -15,7 +15,14 @@ namespace {
 
 struct Arguments {
     std::string asset, weights, path, output;
-    bool is_quiet = false;
+    bool all_vertices = false, is_quiet = false;
+};
+
+// How shapes of an asset are written.
+struct Writing {
+    Polygons faces;
+    VertexNumbers numbers;
+    bool all_vertices;
 };
 
 std::vector<float> to_floats(const std::vector<double>& values) { return std::vector<float>(values.begin(), values.end()); }
@@ -59,10 +66,13 @@ std::vector<std::vector<double>> read_path(const std::string& path)
     return rows;
 }
 
-void write_frame(const RuntimeBlender& blender, const std::vector<float>& q, const Polygons& faces, const std::string& path)
+void write_frame(const RuntimeBlender& blender, const std::vector<float>& q, const Writing& how, const std::string& path)
 {
     const std::vector<float> positions = blender.positions(q);
-    write_output(path, encode_ply(positions.data(), positions.size() / 3, faces));
+    const Eigen::Index count = Eigen::Index(positions.size() / 3);
+    using FloatRows = Eigen::Matrix<float, Eigen::Dynamic, 3, Eigen::RowMajor>;
+    const Positions rows = Eigen::Map<const FloatRows>(positions.data(), count, 3).cast<double>();
+    write_output(path, encode_ply(rows, how.faces, how.numbers, how.all_vertices));
 }
 
 ExitCode run(const Arguments& a)
@@ -71,11 +81,12 @@ ExitCode run(const Arguments& a)
         throw Failure(ExitCode::usage, error_at(1202, "", "give either --weights or --path", "see `pliant blend --help`"));
     const std::vector<double> values = a.path.empty() ? parse_weights(a.weights) : std::vector<double>();
     RuntimeBlender blender = RuntimeBlender::from_file(a.asset);
-    const Polygons faces = blender.faces();
+    const Writing how
+        = { blender.faces(), { blender.source_vertices(), blender.asset().boundary_vertex_count }, a.all_vertices };
     pliant_solve_info info {};
     if (a.path.empty()) {
         probe_output(a.output, { a.asset });
-        write_frame(blender, blender.solve(to_floats(values), false, &info), faces, a.output);
+        write_frame(blender, blender.solve(to_floats(values), false, &info), how, a.output);
         if (!a.is_quiet) fmt::print("{}: {} iterations, {} evaluations\n", a.output, info.iterations, info.evaluations);
         return ExitCode::done;
     }
@@ -84,7 +95,7 @@ ExitCode run(const Arguments& a)
     ConsoleProgress progress("blend", a.is_quiet);
     for (std::size_t frame = 0; frame < rows.size(); ++frame) {
         progress.update("frames", double(frame) / double(rows.size()));
-        write_frame(blender, blender.solve(to_floats(rows[frame]), true, &info), faces, frame_name(a.output, frame));
+        write_frame(blender, blender.solve(to_floats(rows[frame]), true, &info), how, frame_name(a.output, frame));
     }
     progress.clear_line();
     if (!a.is_quiet) fmt::print("{} frames\n", rows.size());
@@ -106,6 +117,7 @@ Verb add_blend(CLI::App& app)
     verb->add_option("-o,--output", a->output, "Mesh to write; with --path a pattern like frame_%04d.ply")
         ->required()
         ->type_name("OUT.ply");
+    add_all_vertices(*verb, a->all_vertices);
     add_quiet(*verb, a->is_quiet);
     return [a] { return run(*a); };
 }

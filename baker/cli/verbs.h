@@ -25,6 +25,7 @@ Verb add_validate(CLI::App& app);
 void add_pose_arguments(CLI::App& verb, std::vector<std::string>& poses);
 void add_energy_options(CLI::App& verb, EnergyOptions& options);
 void add_threads(CLI::App& verb);
+void add_all_vertices(CLI::App& verb, bool& all_vertices);
 void add_quiet(CLI::App& verb, bool& is_quiet);
 
 // Loads and checks poses; prints warnings under the verb's name.

@@ -51,4 +51,22 @@ std::string encode_ply(const Positions& positions, const Polygons& faces)
     return encode_ply(rounded.data(), static_cast<std::size_t>(rounded.rows()), faces);
 }
 
+std::string encode_ply(const Positions& positions, const Polygons& faces, const VertexNumbers& numbers, bool all_vertices)
+{
+    if (numbers.sources.empty()) return encode_ply(positions, faces);
+    if (!all_vertices)
+        return encode_ply(Positions(positions.topRows(static_cast<Eigen::Index>(numbers.boundary_count))), faces);
+    Positions in_file_order = Positions::Zero(positions.rows(), 3);
+    Polygons renumbered = faces;
+    for (std::size_t v = 0; v < numbers.sources.size(); ++v)
+        in_file_order.row(numbers.sources[v]) = positions.row(static_cast<Eigen::Index>(v));
+    for (std::uint32_t& vertex : renumbered.indices) vertex = numbers.sources[vertex];
+    return encode_ply(in_file_order, renumbered);
+}
+
+std::string encode_ply(const Positions& positions, const PoseSet& poses, bool all_vertices)
+{
+    return encode_ply(positions, poses.polygons, { poses.source_vertices, poses.boundary_vertex_count }, all_vertices);
+}
+
 } // namespace pliant

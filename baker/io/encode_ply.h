@@ -3,7 +3,9 @@
 
 #include "mesh/pose_set.h"
 
+#include <cstdint>
 #include <string>
+#include <vector>
 
 namespace pliant {
 
@@ -14,5 +16,18 @@ std::string encode_ply(const float* positions, std::size_t vertex_count, const P
 
 // The same, rounding to float32.
 std::string encode_ply(const Positions& positions, const Polygons& faces);
+
+// How the vertices of a solid are numbered: as PoseSet has it. Of a surface both are empty and nothing is renumbered.
+struct VertexNumbers {
+    std::vector<std::uint32_t> sources; // per vertex its number in the files
+    std::size_t boundary_count = 0;     // leading vertices, which the faces use
+};
+
+// Of a surface: all vertices and faces, as in the files. Of a solid: its boundary, and with it either the vertices that it uses (numbered
+// as here) or, with `all_vertices`, all of them in the order of the files, so that vertex i of the result is vertex i of a pose file.
+std::string encode_ply(const Positions& positions, const Polygons& faces, const VertexNumbers& numbers, bool all_vertices);
+
+// The same for a shape of a pose set.
+std::string encode_ply(const Positions& positions, const PoseSet& poses, bool all_vertices = false);
 
 } // namespace pliant

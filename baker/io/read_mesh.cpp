@@ -1,6 +1,7 @@
 #include "io/read_mesh.h"
 
 #include "io/source_file.h"
+#include "io/tet_builder.h"
 
 #include <algorithm>
 #include <array>
@@ -16,9 +17,13 @@ struct Format {
     const char* extension;
     bool (*read)(const SourceFile&, MeshFile&);
 };
-constexpr std::array<Format, 3> formats {
-    { { "OBJ", ".obj", read_obj }, { "PLY", ".ply", read_ply }, { "OFF", ".off", read_off } }
-};
+constexpr std::array<Format, 7> formats { { { "OBJ", ".obj", read_obj },
+                                            { "PLY", ".ply", read_ply },
+                                            { "OFF", ".off", read_off },
+                                            { "Gmsh", ".msh", read_msh },
+                                            { "MEDIT", ".mesh", read_medit },
+                                            { "Vega", ".veg", read_vega },
+                                            { "VTK", ".vtk", read_vtk } } };
 
 const Format* find_by_extension(const std::string& path)
 {
@@ -37,18 +42,19 @@ bool has_control_bytes(std::string_view text)
                        [](unsigned char c) { return c < ' ' && c != '\t' && c != '\f' && c != '\v'; });
 }
 
-// Files that are often given by mistake, by their first bytes.
-const char* name_foreign(std::string_view bytes)
+// Files by their first bytes: some of ours, and those that are often given by mistake.
+const char* name_by_magic(std::string_view bytes)
 {
     struct Magic {
         std::string_view bytes;
         const char* name;
     };
-    constexpr std::array<Magic, 12> magics { { { "glTF", "binary glTF" },
+    constexpr std::array<Magic, 13> magics { { { "glTF", "binary glTF" },
                                                { "\x89PNG", "a PNG picture" },
                                                { "\xff\xd8\xff", "a JPEG picture" },
                                                { "solid", "STL" },
                                                { "$MeshFormat", "Gmsh" },
+                                               { "# vtk DataFile", "VTK" },
                                                { "PK\x03\x04", "a ZIP archive" },
                                                { "\x1f\x8b", "a gzip archive" },
                                                { "Kaydara FBX", "FBX" },
@@ -62,12 +68,12 @@ const char* name_foreign(std::string_view bytes)
     return nullptr;
 }
 
-// What the content looks like: "OBJ", "PLY", "OFF", something foreign, or "binary data" or "other text". Comments and empty lines
+// What the content looks like: the name of a format of ours, something foreign, or "binary data" or "other text". Comments and empty lines
 // alone could be any of our text formats: nullptr.
 const char* sniff(std::string_view bytes)
 {
     if (starts_with(bytes, "ply\n") || starts_with(bytes, "ply\r")) return "PLY";
-    if (const char* foreign = name_foreign(bytes)) return foreign;
+    if (const char* name = name_by_magic(bytes)) return name;
     LineReader lines(bytes);
     while (lines.next()) {
         std::string_view words = lines.line();
@@ -77,6 +83,8 @@ const char* sniff(std::string_view bytes)
         const bool ends_off = word.size() >= 3 && word.size() <= 6 && word.substr(word.size() - 3) == "OFF";
         if (ends_off) return "OFF";
         if (word == "ply") return "PLY";
+        if (word == "MeshVersionFormatted") return "MEDIT";
+        if (word[0] == '*') return "Vega";
         constexpr std::array<std::string_view, 15> obj_words { "f",      "fo", "g",  "l",  "mtllib", "o",   "p",     "s",
                                                                "usemtl", "v",  "vn", "vp", "vt",     "deg", "cstype" };
         const bool is_obj = std::find(obj_words.begin(), obj_words.end(), word) != obj_words.end();
@@ -92,7 +100,7 @@ const Format* choose_format(const SourceFile& file)
     if (!format) {
         file.error(2003, file.path,
                    fmt::format("unknown kind of file {}", excerpt(std::filesystem::path(file.path).extension().string())),
-                   "meshes are read from .obj, .ply and .off");
+                   "surfaces are read from .obj, .ply and .off, solids from .msh, .mesh, .veg and .vtk");
         return nullptr;
     }
     if (file.bytes.empty()) {
@@ -110,7 +118,7 @@ void check_not_empty(const SourceFile& file, const MeshFile& mesh)
 {
     if (mesh.positions.rows() == 0)
         file.error(2005, file.path, "has no vertices", "export the mesh, not only its settings");
-    else if (mesh.faces.count() == 0)
+    else if (mesh.faces.count() == 0 && mesh.tets.empty())
         file.error(2006, file.path, "has no faces", "export the faces along with the vertices");
 }
 

@@ -1,4 +1,5 @@
 #include "mesh/check_surface.h"
+#include "mesh/union_find.h"
 
 #include <algorithm>
 #include <fmt/format.h>
@@ -8,25 +9,6 @@ namespace pliant {
 namespace {
 
 using Index = std::uint32_t;
-
-// Which things belong together (Tarjan 1975, with path halving).
-class UnionFind {
-public:
-    explicit UnionFind(std::size_t count)
-        : parents_(count)
-    {
-        std::iota(parents_.begin(), parents_.end(), Index(0));
-    }
-    Index find(Index i)
-    {
-        while (parents_[i] != i) i = parents_[i] = parents_[parents_[i]];
-        return i;
-    }
-    void join(Index a, Index b) { parents_[std::max(find(a), find(b))] = std::min(find(a), find(b)); }
-
-private:
-    std::vector<Index> parents_;
-};
 
 // One side of a triangle.
 struct HalfEdge {

@@ -68,19 +68,6 @@ void check_areas(const MeshFile& mesh, const Triangulation& triangulation, const
     }
 }
 
-void check_precision(const MeshFile& mesh, FindingList& findings)
-{
-    const Eigen::RowVector3d size = mesh.positions.colwise().maxCoeff() - mesh.positions.colwise().minCoeff();
-    const double spacing = 2 * coordinate_rounding(mesh.positions);
-    const bool is_point = !(size.norm() > 0); // P2202 says it better
-    if (is_point || spacing <= coarse_spacing * size.norm()) return;
-    findings.add(
-        warning_at(2209, mesh.path,
-                   fmt::format("is so far from the origin that its coordinates are {:.2g} apart, {:.1g} of its size",
-                               spacing, spacing / size.norm()),
-                   "move the character to the origin before you export it, or export in double precision"));
-}
-
 // A fan covers a polygon once only if the polygon is convex, or at least visible from its first corner.
 void check_fans(const MeshFile& mesh, const Triangulation& triangulation, const Positions& positions, FindingList& findings)
 {
@@ -119,6 +106,19 @@ Positions to_unit_box(const Positions& positions)
     Positions result = positions.rowwise() - centre;
     if (unit > 0) result /= unit;
     return result;
+}
+
+void check_precision(const MeshFile& mesh, FindingList& findings)
+{
+    const Eigen::RowVector3d size = mesh.positions.colwise().maxCoeff() - mesh.positions.colwise().minCoeff();
+    const double spacing = 2 * coordinate_rounding(mesh.positions);
+    const bool is_point = !(size.norm() > 0); // P2202 says it better
+    if (is_point || spacing <= coarse_spacing * size.norm()) return;
+    findings.add(
+        warning_at(2209, mesh.path,
+                   fmt::format("is so far from the origin that its coordinates are {:.2g} apart, {:.1g} of its size",
+                               spacing, spacing / size.norm()),
+                   "move the character to the origin before you export it, or export in double precision"));
 }
 
 void check_shape(const MeshFile& mesh, const Triangulation& triangulation, FindingList& findings)

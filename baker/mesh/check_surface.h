@@ -16,6 +16,9 @@ void check_connectivity(const MeshFile& mesh, const Triangulation& triangulation
 // The verdict depends neither on the unit of length nor on the place: both are removed first.
 void check_shape(const MeshFile& mesh, const Triangulation& triangulation, FindingList& findings);
 
+// The part of it that has nothing to do with surfaces: P2209.
+void check_precision(const MeshFile& mesh, FindingList& findings);
+
 // Rounding of the coordinates of a pose, in its units: half the distance between neighbouring numbers at the largest coordinate,
 // of single precision if every coordinate is exactly a float (then that is where it came from), else of double.
 double coordinate_rounding(const Positions& positions);

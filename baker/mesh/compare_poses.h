@@ -10,8 +10,16 @@ namespace pliant {
 // vertices, P3004 other faces, P3005 the same surface with its vertices renumbered. True if the faces are the same.
 bool check_same_faces(const MeshFile& first, const MeshFile& other, FindingList& findings);
 
+// The same for solids: the same tetrahedra in the same order; one may be numbered from another corner, but not the other way round.
+// The same errors, and P3012 if one is a solid and the other a surface.
+bool check_same_tets(const MeshFile& first, const MeshFile& other, FindingList& findings);
+bool check_same_kind(const MeshFile& first, const MeshFile& other, FindingList& findings);
+
+// Same number of vertices, else P3003.
+bool check_same_vertex_count(const MeshFile& first, const MeshFile& other, FindingList& findings);
+
 // Do vertices of equal number lie on equal places of the character? Errors: P3006 they do not, P3007 mirror image, P3008 another
-// unit of length. Warning: P3011 perhaps a mirror image. The faces must be the same and have areas.
+// unit of length. Warning: P3011 perhaps a mirror image. The faces must be the same and have areas. Of solids the boundary is looked at.
 void check_correspondence(const MeshFile& first, const MeshFile& other, const Triangulation& triangulation,
                           FindingList& findings);
 

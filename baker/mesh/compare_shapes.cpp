@@ -188,7 +188,8 @@ void check_correspondence(const MeshFile& first, const MeshFile& other, const Tr
                               "vertices must come in the same order in all poses: export with 'keep vertex order'"));
         return; // the rest would be nonsense
     }
-    check_mirrored(first, other, a, b, triangulation.triangles, findings);
+    // A mirrored solid has negative volumes, which is proof; a thin one fits its mirror image as well as a sheet does.
+    if (first.tets.empty()) check_mirrored(first, other, a, b, triangulation.triangles, findings);
 }
 
 void check_distinct(const std::vector<MeshFile>& poses, const Triangulation& triangulation, bool align,

@@ -1,9 +1,13 @@
 #include "mesh/load_poses.h"
 
 #include "io/read_mesh.h"
+#include "mesh/check_solid.h"
 #include "mesh/check_surface.h"
 #include "mesh/compare_poses.h"
+#include "mesh/fixed_vertices.h"
+#include "mesh/solid.h"
 
+#include <algorithm>
 #include <filesystem>
 #include <fmt/format.h>
 #include <utility>
@@ -43,25 +47,68 @@ ReadPoses read_all(const std::vector<std::string>& paths, FindingList& findings)
     return poses;
 }
 
-// Every pose on its own and against pose 0, as far as the earlier findings leave a meaning to the later questions.
-void check_all(const std::vector<MeshFile>& meshes, const Triangulation& triangulation, bool align, FindingList& findings)
+// Every pose on its own and against pose 0, as far as the earlier findings leave a meaning to the later questions. True if all poses
+// show the same mesh.
+bool check_surfaces(const std::vector<MeshFile>& meshes, const Triangulation& triangulation, FindingList& findings)
 {
     const MeshFile& first = meshes[0];
     check_connectivity(first, triangulation, findings);
     check_shape(first, triangulation, findings);
     bool is_comparable = true;
     for (std::size_t k = 1; k < meshes.size(); ++k) {
-        if (!check_same_faces(first, meshes[k], findings)) {
+        if (!check_same_kind(first, meshes[k], findings) || !check_same_faces(first, meshes[k], findings)) {
             is_comparable = false;
             continue;
         }
         check_shape(meshes[k], triangulation, findings);
         check_correspondence(first, meshes[k], triangulation, findings);
     }
-    if (is_comparable && meshes.size() > 1) check_distinct(meshes, triangulation, align, findings);
+    return is_comparable;
 }
 
-PoseSet to_pose_set(std::vector<MeshFile> meshes, Triangulation triangulation)
+// The same for solids.
+bool check_solids(const std::vector<MeshFile>& meshes, const Triangulation& boundary, FindingList& findings)
+{
+    const MeshFile& first = meshes[0];
+    check_tets(first, check_volumes(first, nullptr, findings), findings);
+    bool is_comparable = true;
+    for (std::size_t k = 1; k < meshes.size(); ++k) {
+        if (!check_same_kind(first, meshes[k], findings) || !check_same_tets(first, meshes[k], findings)) {
+            is_comparable = false;
+            continue;
+        }
+        check_volumes(meshes[k], &first, findings);
+        check_correspondence(first, meshes[k], boundary, findings);
+    }
+    return is_comparable;
+}
+
+// The faces that are drawn and compared: of a solid those of its boundary.
+Triangulation triangulate(const MeshFile& mesh)
+{
+    return triangulate(mesh.tets.empty() ? mesh.faces : to_polygons(boundary_of(mesh.tets)));
+}
+
+// From the numbering of the files to that of PoseSet.
+void renumber(PoseSet& poses)
+{
+    const SolidNumbering numbering = number_boundary_first(poses.triangles, poses.vertex_count());
+    const auto place = [&](std::uint32_t& vertex) { vertex = numbering.places[vertex]; };
+    for (Positions& positions : poses.positions) {
+        const Positions old = positions;
+        for (std::size_t v = 0; v < numbering.sources.size(); ++v)
+            positions.row(static_cast<Eigen::Index>(v)) = old.row(numbering.sources[v]);
+    }
+    for (Triangle& triangle : poses.triangles) std::for_each(triangle.begin(), triangle.end(), place);
+    for (Tetrahedron& tet : poses.tets) std::for_each(tet.begin(), tet.end(), place);
+    std::for_each(poses.fixed_vertices.begin(), poses.fixed_vertices.end(), place);
+    std::sort(poses.fixed_vertices.begin(), poses.fixed_vertices.end());
+    poses.polygons = to_polygons(poses.triangles);
+    poses.source_vertices = numbering.sources;
+    poses.boundary_vertex_count = numbering.boundary_count;
+}
+
+PoseSet to_pose_set(std::vector<MeshFile> meshes, Triangulation triangulation, std::vector<std::uint32_t> fixed)
 {
     PoseSet poses;
     for (MeshFile& mesh : meshes) {
@@ -71,7 +118,35 @@ PoseSet to_pose_set(std::vector<MeshFile> meshes, Triangulation triangulation)
     }
     poses.polygons = std::move(meshes[0].faces);
     poses.triangles = std::move(triangulation.triangles);
+    poses.tets = std::move(meshes[0].tets);
+    poses.regions = std::move(meshes[0].regions);
+    poses.fixed_vertices = std::move(fixed);
+    if (poses.is_solid()) renumber(poses);
     return poses;
+}
+
+// The checks of what was read; the fixed vertices.
+std::vector<std::uint32_t> check_all(std::vector<MeshFile>& meshes, const LoadOptions& options, Triangulation& triangulation,
+                                     FindingList& findings)
+{
+    const bool is_solid = !meshes[0].tets.empty();
+    if (is_solid) orient_tets(meshes, findings);
+    triangulation = triangulate(meshes[0]);
+    const bool is_comparable
+        = is_solid ? check_solids(meshes, triangulation, findings) : check_surfaces(meshes, triangulation, findings);
+    const std::size_t vertex_count = static_cast<std::size_t>(meshes[0].positions.rows());
+    std::vector<std::uint32_t> fixed;
+    for (const std::uint32_t v : options.fixed_vertices)
+        if (v < vertex_count) fixed.push_back(v); // others belong to another mesh, as will be found out
+    const bool has_fixed = !options.fixed_path.empty() || !fixed.empty();
+    if (!options.fixed_path.empty()) {
+        const std::size_t errors_before = findings.error_count();
+        fixed = read_fixed_vertices(options.fixed_path, vertex_count, findings);
+        if (is_comparable && findings.error_count() == errors_before)
+            check_fixed_vertices(options.fixed_path, fixed, meshes, findings);
+    }
+    if (is_comparable && meshes.size() > 1) check_distinct(meshes, triangulation, options.align && !has_fixed, findings);
+    return fixed;
 }
 
 } // namespace
@@ -82,16 +157,15 @@ PoseSet load_poses(const std::vector<std::string>& paths, const LoadOptions& opt
     FindingList findings(options.lines_per_number);
     ReadPoses read = read_all(paths, findings);
     Triangulation triangulation;
-    if (read.has_first) {
-        triangulation = triangulate(read.meshes[0].faces);
-        check_all(read.meshes, triangulation, options.align, findings);
-    }
+    std::vector<std::uint32_t> fixed;
+    if (read.has_first) fixed = check_all(read.meshes, options, triangulation, findings);
     if (findings.has_errors()) throw Failure(ExitCode::bad_input, findings.findings());
     if (warnings) {
         const std::vector<Finding> found = findings.findings();
         warnings->insert(warnings->end(), found.begin(), found.end());
     }
-    return to_pose_set(std::move(read.meshes), std::move(triangulation));
+    pin_vertices(fixed, read.meshes);
+    return to_pose_set(std::move(read.meshes), std::move(triangulation), std::move(fixed));
 }
 
 } // namespace pliant

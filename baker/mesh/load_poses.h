@@ -9,6 +9,8 @@ namespace pliant {
 struct LoadOptions {
     bool align = true;                 // poses will be aligned rigidly, so those that differ by a motion only are the same
     std::size_t lines_per_number = 10; // findings of one kind that are told one by one
+    std::string fixed_path;            // a text file of fixed vertices; then nothing is aligned. Empty: none is fixed
+    std::vector<std::uint32_t> fixed_vertices; // the same by the files' numbers
 };
 
 constexpr std::size_t pose_count_limit = 12;
@@ -16,8 +18,12 @@ constexpr std::size_t pose_count_limit = 12;
 // Reads 2 to 12 mesh files and checks that an elastic average of them exists: each file on its own (P2xxx) and against the first
 // (P3xxx). All findings of all files are gathered before anything is thrown.
 //
-// Result: positions as they are in the files, vertices in their order; the faces of the first file; their triangles. All positions
-// are finite, all triangles have an area in every pose, the surface is manifold, oriented, connected, and uses every vertex.
+// Result of surfaces: positions as they are in the files, vertices in their order; the faces of the first file; their triangles. All
+// positions are finite, all triangles have an area in every pose, the surface is manifold, oriented, connected, and uses every
+// vertex.
+// Result of solids: see PoseSet for the numbering. All tetrahedra have a positive volume in every pose, hang together by their faces,
+// and use every vertex; the boundary is closed and counter-clockwise seen from outside, but may touch itself in edges and vertices.
+// Fixed vertices have exactly the same positions in all poses. Messages use the numbers of the files.
 // Throws Failure (bad_input) with errors and warnings. Without errors, warnings are appended to `warnings` if it is not null.
 // Time and memory: proportional to the size of the files, plus sorting the edges.
 PoseSet load_poses(const std::vector<std::string>& paths, const LoadOptions& options = {},

@@ -93,6 +93,12 @@ std::string RuntimeBlender::certificate() const
     return std::string(static_cast<const char*>(text), size);
 }
 
+std::vector<std::uint32_t> RuntimeBlender::source_vertices() const
+{
+    const std::uint32_t* sources = asset_.source_vertices;
+    return sources ? std::vector<std::uint32_t>(sources, sources + asset_.vertex_count) : std::vector<std::uint32_t>();
+}
+
 Polygons RuntimeBlender::faces() const
 {
     Polygons faces;

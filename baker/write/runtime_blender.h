@@ -30,8 +30,9 @@ public:
     std::vector<float> positions(const std::vector<float>& q) const;
 
     std::string pose_name(std::uint32_t pose) const;
-    std::string certificate() const; // JSON text
-    Polygons faces() const;          // as the input gave them
+    std::string certificate() const;                    // JSON text
+    Polygons faces() const;                             // as the input gave them; of a solid its boundary
+    std::vector<std::uint32_t> source_vertices() const; // of a solid: per vertex its number in the pose files; else empty
 
     // Changes the solver's settings (default: those of the runtime); starts it anew.
     void configure(const pliant_solver_desc& desc);

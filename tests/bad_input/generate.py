@@ -5,7 +5,9 @@ import pathlib
 import random
 import struct
 
-CASES = {}
+import solids
+
+CASES = dict(solids.CASES)
 
 
 def case(function):

@@ -1,12 +1,12 @@
 // A bar of tetrahedra, straight and twisted: the paper's example (von Tycowicz et al. 2015, Table II).
 #pragma once
 
-#include "mesh/pose_set.h"
+#include "mesh/solid.h"
 
 #include <cmath>
 
 // Box [-.5, .5]^2 x [0, 6] of cells x cells x length_cells cubes, five tetrahedra each, alternating so that faces meet. Pose 1 turns the
-// cross-section at height z by angle * z / 6. Vertices are those of the grid; all are taken as boundary, which only drawing asks.
+// cross-section at height z by angle * z / 6. Vertices are those of the grid, not numbered anew.
 inline pliant::PoseSet twisted_bar(int cells, int length_cells, double angle)
 {
     const int n = cells + 1, layers = length_cells + 1;
@@ -49,6 +49,8 @@ inline pliant::PoseSet twisted_bar(int cells, int length_cells, double angle)
         const Eigen::RowVector3d a = x.row(t[1]) - x.row(t[0]), b = x.row(t[2]) - x.row(t[0]), d = x.row(t[3]) - x.row(t[0]);
         if (a.cross(b).dot(d) < 0) std::swap(t[2], t[3]);
     }
+    poses.triangles = pliant::boundary_of(poses.tets);
+    poses.polygons = pliant::to_polygons(poses.triangles);
     poses.boundary_vertex_count = poses.vertex_count();
     return poses;
 }

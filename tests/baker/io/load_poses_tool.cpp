@@ -1,4 +1,4 @@
-// load_poses_tool POSE...: loads poses, prints what was found as `pliant check` does, exits with its code. For the tests of
+// load_poses_tool [--fix FILE] POSE...: loads poses, prints what was found as `pliant check` does, exits with its code. For the tests of
 // tests/bad_input where the tool `pliant` is not built. Also: load_poses_tool --write OUT [--repeat N] POSE... writes pose 0.
 #include "io/encode_ply.h"
 #include "io/write_file.h"
@@ -12,7 +12,7 @@ namespace {
 
 struct Arguments {
     std::vector<std::string> poses;
-    std::string output;
+    std::string output, fixed;
     int repeat = 1;
 };
 
@@ -26,6 +26,8 @@ Arguments parse(int argc, char** argv)
             arguments.output = argv[++i];
         else if (has_value && std::strcmp(argv[i], "--repeat") == 0)
             arguments.repeat = std::atoi(argv[++i]);
+        else if (has_value && std::strcmp(argv[i], "--fix") == 0)
+            arguments.fixed = argv[++i];
         else if (!only_poses && std::strcmp(argv[i], "--") == 0)
             only_poses = true;
         else
@@ -47,10 +49,12 @@ int main(int argc, char** argv)
     try {
         if (!arguments.output.empty()) pliant::probe_output(arguments.output, arguments.poses);
         std::vector<pliant::Finding> warnings;
-        const pliant::PoseSet poses = pliant::load_poses(arguments.poses, {}, &warnings);
+        pliant::LoadOptions options;
+        options.fixed_path = arguments.fixed;
+        const pliant::PoseSet poses = pliant::load_poses(arguments.poses, options, &warnings);
         print(warnings);
         for (int i = 0; i < arguments.repeat && !arguments.output.empty(); ++i)
-            pliant::write_file_atomically(arguments.output, pliant::encode_ply(poses.positions[0], poses.polygons));
+            pliant::write_file_atomically(arguments.output, pliant::encode_ply(poses.positions[0], poses));
         std::printf("%zu poses, %zu vertices, %zu faces, %zu triangles\n", poses.pose_count(), poses.vertex_count(),
                     poses.polygons.count(), poses.triangles.size());
         return 0;
