@@ -3,8 +3,8 @@
    This header is the manual. C99, needs libc and libm only, compiles as C++11.
 
    What it does
-     Opens a baked .pliant asset in place, finds for given weights the elastic blend of the asset's poses (a small
-     minimisation, microseconds), and rebuilds vertex positions from it.
+     Opens a baked .pliant asset (a shell or a solid) in place, finds for given weights the elastic blend of the asset's
+     poses (a small minimisation, microseconds), and rebuilds vertex positions from it.
    What it does not do
      Allocate, read files, log, keep globals, start threads, call back, read a clock. It also does not bake: that is the
      `pliant` tool.
@@ -61,10 +61,10 @@ typedef enum pliant_result {
     PLIANT_ERROR_NOT_PLIANT = 21, /* R02: not a .pliant file */
     PLIANT_ERROR_VERSION = 22,    /* R03, R07: made for another major version or needs a chunk unknown here */
     PLIANT_ERROR_LIMIT = 23,      /* R05: a count outside its range */
-    PLIANT_ERROR_LAYOUT = 24,     /* R06, R07, R09, R14, R15: chunks missing, misplaced, of wrong size; reserved bits set */
-    PLIANT_ERROR_NUMBER = 25,     /* R10, R13: a number that is not finite or not in its range */
-    PLIANT_ERROR_INDEX = 26,      /* R11: an index past the last vertex; names or polygons that do not add up */
-    PLIANT_ERROR_CHECKSUM = 27,   /* R08, R12: damaged in transit */
+    PLIANT_ERROR_LAYOUT = 24,   /* R06, R07, R09, R14 .. R16: chunks missing, misplaced, of wrong size; reserved bits set */
+    PLIANT_ERROR_NUMBER = 25,   /* R10, R13, R17: a number that is not finite or not in its range */
+    PLIANT_ERROR_INDEX = 26,    /* R11: an index past the last vertex; names or polygons that do not add up */
+    PLIANT_ERROR_CHECKSUM = 27, /* R08, R12: damaged in transit */
 
     /* the weights */
     PLIANT_ERROR_WEIGHT_NOT_FINITE = 40,
@@ -158,7 +158,8 @@ PLIANT_API pliant_solver_desc pliant_solver_desc_default(void);
 /* State of one character: lives in memory that you gave. */
 typedef struct pliant_solver pliant_solver;
 
-/* Bytes that pliant_solver_init needs; 0 if an argument is bad. Typically 16 to 100 KiB. */
+/* Bytes that pliant_solver_init needs; 0 if an argument is bad. Typically 16 to 100 KiB; with a quartic stand-in as much as
+   one of its tables more, 253 KiB for d = 32. */
 PLIANT_API size_t pliant_solver_memory(const pliant_asset* asset, const pliant_solver_desc* desc);
 
 /* Makes a solver in `memory` (any alignment, `memory_size` bytes). The solver keeps pointers into the asset's blob and
@@ -196,7 +197,8 @@ typedef struct pliant_solve_info {
 
 /* Blends: `weights` (pose_count floats, each >= 0, any positive sum) in, `q` (dimension floats) out, `info` may be null.
    Only the ratios of the weights matter. Bad weights: a result code; q, info and the solver stay as they are, to the bit.
-   Cost: (iterations + a few) evaluations of the stand-in, and once a frame the asset's dead load and, after a jump, its
+   Cost: (iterations + a few) evaluations of the stand-in; if the weights have changed since the last frame, combining its
+   numbers, linear in the poses whose weight is not zero; and once a frame the asset's dead load and, after a jump, its
    predictor: (pose_count + dimension for each) multiply-adds times the predictor's centres; no allocation, no system call. */
 PLIANT_API pliant_result pliant_solve(pliant_solver* solver, const float* weights, float* q, pliant_solve_info* info);
 

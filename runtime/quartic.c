@@ -76,25 +76,29 @@ static PLIANT_INLINE void multiply_pairs(const quartic_view* v)
     memset(phi, 0, (size_t)(v->phi + v->pair_end - phi) * sizeof *phi);
 }
 
-/* One row: psi += factor * row, sum = <row, phi>. */
+/* One row (i, j) of `count` floats: with s = <row, phi> psi += x_i x_j row, slope += x_j s, block += x_i s. */
 static PLIANT_INLINE void pass_row(const float* PLIANT_RESTRICT row, const float* PLIANT_RESTRICT phi,
-                                   float* PLIANT_RESTRICT psi, size_t count, float factor, float* PLIANT_RESTRICT sum)
+                                   float* PLIANT_RESTRICT psi, size_t count, float xi, float xj,
+                                   float* PLIANT_RESTRICT slope, float* PLIANT_RESTRICT block)
 {
+    const float factor = xi * xj;
     sums_t s = { 0 };
     for (size_t t = 0; t < count; t += SUM_LANES)
         for (size_t l = 0; l < SUM_LANES; ++l) {
             s[l] += row[t + l] * phi[t + l];
             psi[t + l] += factor * row[t + l];
         }
-    memcpy(sum, s, sizeof s);
+    for (size_t l = 0; l < SUM_LANES; ++l) slope[l] += xj * s[l];
+    for (size_t l = 0; l < SUM_LANES; ++l) block[l] += xi * s[l];
 }
 
-/* GROUP rows that lie one after the other. */
+/* The same for GROUP rows (i, j), (i+1, j), .. that lie one after the other; x holds x_i, x_(i+1), .. */
 static PLIANT_INLINE void pass_rows(const float* PLIANT_RESTRICT row, const float* PLIANT_RESTRICT phi,
-                                    float* PLIANT_RESTRICT psi, size_t count, const float* factors,
-                                    sums_t* PLIANT_RESTRICT sums)
+                                    float* PLIANT_RESTRICT psi, size_t count, const float* x, float xj,
+                                    float* PLIANT_RESTRICT slopes, float* PLIANT_RESTRICT block)
 {
-    const float f0 = factors[0], f1 = factors[1], f2 = factors[2], f3 = factors[3];
+    const float x0 = x[0], x1 = x[1], x2 = x[2], x3 = x[3];
+    const float f0 = x0 * xj, f1 = x1 * xj, f2 = x2 * xj, f3 = x3 * xj;
     const float* r1 = row + count;
     const float* r2 = r1 + count;
     const float* r3 = r2 + count;
@@ -109,10 +113,11 @@ static PLIANT_INLINE void pass_rows(const float* PLIANT_RESTRICT row, const floa
             s3[l] += c3 * p;
             psi[t + l] += (f0 * c0 + f1 * c1) + (f2 * c2 + f3 * c3);
         }
-    memcpy(sums[0], s0, sizeof s0);
-    memcpy(sums[1], s1, sizeof s1);
-    memcpy(sums[2], s2, sizeof s2);
-    memcpy(sums[3], s3, sizeof s3);
+    for (size_t l = 0; l < SUM_LANES; ++l) slopes[l] += xj * s0[l];
+    for (size_t l = 0; l < SUM_LANES; ++l) slopes[SUM_LANES + l] += xj * s1[l];
+    for (size_t l = 0; l < SUM_LANES; ++l) slopes[2 * SUM_LANES + l] += xj * s2[l];
+    for (size_t l = 0; l < SUM_LANES; ++l) slopes[3 * SUM_LANES + l] += xj * s3[l];
+    for (size_t l = 0; l < SUM_LANES; ++l) block[l] += (x0 * s0[l] + x1 * s1[l]) + (x2 * s2[l] + x3 * s3[l]);
 }
 
 /* The rows (0, j) .. (j, j), `count` floats each: psi, what they add to the slopes, and their part of the value, which is added up
@@ -124,46 +129,38 @@ static PLIANT_INLINE double pass_block(const quartic_view* v, const float* row, 
     const float xj = v->x[j];
     sums_t block = { 0 }; /* sum over i of x_i s_ij: the derivative by x_j */
     size_t i = 0;
-    while (i <= j) {
-        const size_t rows = i + GROUP <= j + 1 ? GROUP : 1;
-        float factors[GROUP];
-        sums_t sums[GROUP];
-        for (size_t g = 0; g < rows; ++g) factors[g] = v->x[i + g] * xj;
-        if (rows == GROUP)
-            pass_rows(row, phi, psi, count, factors, sums);
-        else
-            pass_row(row, phi, psi, count, factors[0], sums[0]);
-        for (size_t g = 0; g < rows; ++g) {
-            float* slope = v->slopes + (i + g) * SUM_LANES;
-            const float xi = v->x[i + g];
-            for (size_t l = 0; l < SUM_LANES; ++l) {
-                slope[l] += xj * sums[g][l];
-                block[l] += xi * sums[g][l];
-            }
-        }
-        row += rows * count;
-        i += rows;
-    }
-    float* slope = v->slopes + j * SUM_LANES;
-    for (size_t l = 0; l < SUM_LANES; ++l) slope[l] += block[l];
+    for (; i + GROUP <= j + 1; i += GROUP, row += GROUP * count)
+        pass_rows(row, phi, psi, count, v->x + i, xj, v->slopes + i * SUM_LANES, block);
+    for (; i <= j; ++i, row += count) pass_row(row, phi, psi, count, v->x[i], xj, v->slopes + i * SUM_LANES, block);
+    pliant_add_scaled(v->slopes + j * SUM_LANES, 1.0f, block, SUM_LANES);
     return (double)xj * (double)add_lanes(block);
 }
 
-/* By the product rule, from psi: pair (a, b) adds psi x_b to the derivative by x_a and psi x_a to that by x_b. */
-static PLIANT_INLINE void add_pair_slopes(const quartic_view* v, float* PLIANT_RESTRICT gradient)
+/* <a, b> added to the lanes of `slope`: their sum. */
+static PLIANT_INLINE float finish_slope(const float* PLIANT_RESTRICT a, const float* PLIANT_RESTRICT b, size_t count,
+                                        const float* slope)
+{
+    sums_t sum;
+    size_t t = 0;
+    memcpy(sum, slope, sizeof sum);
+    for (; t + SUM_LANES <= count; t += SUM_LANES)
+        for (size_t l = 0; l < SUM_LANES; ++l) sum[l] += a[t + l] * b[t + l];
+    for (size_t l = 0; t + l < count; ++l) sum[l] += a[t + l] * b[t + l];
+    return add_lanes(sum);
+}
+
+/* The gradient by the product rule, from psi: pair (a, b) adds psi x_b to the derivative by x_a and psi x_a to that by x_b. That by
+   x_0 = 1 is nobody's. */
+static PLIANT_INLINE void add_pair_slopes(const quartic_view* v, float* gradient)
 {
     const float* psi = v->psi;
-    for (size_t a = 0; a < v->size; ++a) {
+    pliant_add_scaled(gradient, 1.0f, psi + 1, v->size - 1);
+    psi += v->size;
+    for (size_t a = 1; a < v->size; ++a) {
         const float* x = v->x + a;
         const size_t count = v->size - a;
-        float* slope = v->slopes + a * SUM_LANES;
-        size_t b = 0;
-        for (; b + SUM_LANES <= count; b += SUM_LANES)
-            for (size_t l = 0; l < SUM_LANES; ++l) slope[l] += psi[b + l] * x[b + l];
-        for (size_t l = 0; b + l < count; ++l) slope[l] += psi[b + l] * x[b + l];
-        /* The derivative by x_0 = 1 is nobody's. */
-        for (b = a == 0; b < count; ++b) gradient[a + b - 1] += psi[b] * x[0];
-        if (a > 0) gradient[a - 1] += add_lanes(slope);
+        pliant_add_scaled(gradient + (a - 1), x[0], psi, count);
+        gradient[a - 1] += finish_slope(psi, x, count, v->slopes + a * SUM_LANES);
         psi += count;
     }
 }

@@ -17,6 +17,7 @@ import numpy as np
 
 import pliant_reference_path  # noqa: F401
 from pliant_reference import Asset, FormatError
+from pliant_reference_solid import Layout
 
 ALIGNMENT, TRUNCATED, NOT_PLIANT, VERSION, LIMIT, LAYOUT, NUMBER, INDEX, CHECKSUM = 12, 20, 21, 22, 23, 24, 25, 26, 27
 
@@ -258,10 +259,56 @@ def bad_solids(solid):
         yield f"R17_{name}", NUMBER, edited(b"ELEM", rows + 4 * (row * lanes + lane), "f", value)
 
 
-def good_variants(good, loaded, solid):
+def bad_quartics(quartic):
+    """(name, code, bytes): what can be wrong with QUAR."""
+    def edited(edit):
+        d = Draft(quartic)
+        edit(d)
+        return d.join()
+
+    def put(offset, form, *values):
+        return edited(lambda d: d.put(b"QUAR", offset, form, *values))
+
+    dim, m = struct.unpack_from("<2I", quartic, 40)
+    layout, size = Layout(dim), len(Draft(quartic).data[b"QUAR"])
+    free = np.setdiff1d(np.arange(layout.count), layout.places)
+    if layout.padded_count == layout.count or not len(free):
+        raise SystemExit("give a quartic with padding")
+
+    yield "R05_QUAR_none", LIMIT, put(0, "I", 0)
+    d = Draft(quartic)
+    struct.pack_into("<I", d.header, 40, 65)
+    d.data[b"SOLV"] = bytearray(64 + 4 * 80 * (1 + 65 + m))
+    d.put(b"SOLV", 0, "f", 1.0)
+    yield "R05_QUAR_dimension", LIMIT, d.join()
+    d = Draft(quartic)
+    d.table.insert(2, [b"ELEM", 1, 0, 0, 0, 0])
+    d.data[b"ELEM"] = bytearray(64)
+    yield "R07_QUAR_and_ELEM", LAYOUT, d.join()
+    yield "R07_without_QUAR", LAYOUT, edited(lambda d: d.table.remove(d.entry(b"QUAR")))
+    yield "R09_QUAR_short", LAYOUT, edited(lambda d: d.data[b"QUAR"].__delitem__(slice(size - 4, size)))
+    yield "R09_QUAR_long", LAYOUT, edited(lambda d: d.data[b"QUAR"].extend(bytes(4)))
+    yield "R09_QUAR_head_cut", LAYOUT, edited(lambda d: d.data[b"QUAR"].__delitem__(slice(60, size)))
+    yield "R09_QUAR_head_only", LAYOUT, edited(lambda d: d.data[b"QUAR"].__delitem__(slice(64, size)))
+    yield "R10_QUAR_first_nan", NUMBER, put(64 + 4 * int(layout.places[1]), "f", float("nan"))
+    yield "R10_QUAR_last_inf", NUMBER, put(size - 4 * (layout.padded_count - int(layout.places[-1])), "f", float("inf"))
+    yield "R14_QUAR_head", LAYOUT, put(60, "I", 1)
+    yield "R14_QUAR_constant", LAYOUT, put(64, "f", 1.0)
+    yield "R14_QUAR_before_tail", LAYOUT, put(64 + 4 * int(free[-1]), "f", 1.0)
+    yield "R14_QUAR_between_rows", LAYOUT, put(64 + 4 * int(free[0]), "f", 1.0)
+    yield "R14_QUAR_minus_zero", LAYOUT, put(64 + 4 * int(free[0]), "f", -0.0)
+    yield "R14_QUAR_last_padding", LAYOUT, put(size - 4, "f", 1.0)
+    yield "R16_one_float_less", LAYOUT, put(0, "I", layout.count - 1)
+    yield "R16_one_float_more", LAYOUT, put(0, "I", layout.count + 1)
+    yield "R16_all_floats", LAYOUT, put(0, "I", 0xFFFFFFFF)
+    yield "R16_not_required", LAYOUT, edited(lambda d: d.entry(b"QUAR").__setitem__(1, 0))
+
+
+def good_variants(good, loaded, solid, quartic):
     """Files that differ in what a reader must tolerate."""
     yield "good_loaded", Draft(loaded).join()
     yield "good_solid", Draft(solid).join()
+    yield "good_quartic", Draft(quartic).join()
     d = Draft(solid)
     d.table.remove(d.entry(b"VERT"))
     yield "good_solid_without_source", d.join()
@@ -286,14 +333,14 @@ def good_variants(good, loaded, solid):
 
 
 def main():
-    good, loaded, solid = (Path(path).read_bytes() for path in sys.argv[1:4])
+    good, loaded, solid, quartic = (Path(path).read_bytes() for path in sys.argv[1:5])
     folder = Path(sys.argv[-1])
     folder.mkdir(parents=True, exist_ok=True)
-    if any(Draft(blob).join() != blob for blob in (good, loaded, solid)):
+    if any(Draft(blob).join() != blob for blob in (good, loaded, solid, quartic)):
         raise SystemExit("taking a good file apart and joining it changes it: give those of tiny_asset.py")
     rules, names = set(), []
     np.seterr(invalid="ignore")
-    for name, code, blob in [*bad_files(good), *bad_loads(loaded), *bad_solids(solid)]:
+    for name, code, blob in [*bad_files(good), *bad_loads(loaded), *bad_solids(solid), *bad_quartics(quartic)]:
         try:
             Asset(blob)
             raise SystemExit(f"{name}: the reference accepts it")
@@ -303,10 +350,10 @@ def main():
         rules.add(name[:3])
         names.append(f"{name}.{code}")
         (folder / f"{name}.{code}.pliant").write_bytes(blob)
-    missing = {f"R{i:02}" for i in range(1, 18) if i != 16} - rules
+    missing = {f"R{i:02}" for i in range(1, 18)} - rules
     if missing:
         raise SystemExit(f"no file breaks {missing}")
-    for name, blob in good_variants(good, loaded, solid):
+    for name, blob in good_variants(good, loaded, solid, quartic):
         Asset(blob)
         names.append(f"{name}.0")
         (folder / f"{name}.0.pliant").write_bytes(blob)

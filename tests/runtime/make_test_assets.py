@@ -32,7 +32,7 @@ ASSETS = {
     "beam_stvk": dict(mesh="beam", size=(5, 2), poses=3, dimension=6, material="tet-stvk", predictor=True),
     "beam_mooney": dict(mesh="beam", size=(4, 3), poses=3, dimension=9, material="mooney-rivlin", predictor=True),
     "beam_mixed": dict(mesh="beam", size=(4, 2), poses=2, dimension=4, material="tet-mixed", predictor=True, load=True),
-    "beam_quartic": dict(mesh="beam", size=(5, 2), poses=3, dimension=6, material="tet-stvk", predictor=True, quartic=True),
+    "beam_quartic": dict(mesh="beam", size=(5, 2), poses=3, dimension=10, material="tet-stvk", predictor=True, quartic=True),
     "beam_quartic_line": dict(mesh="beam", size=(3, 2), poses=2, dimension=1, material="tet-stvk", quartic=True),
     "beam_quartic_load": dict(mesh="beam", size=(6, 2), poses=4, dimension=17, material="tet-stvk", predictor=True, load=True,
                               quartic=True),
