@@ -251,7 +251,7 @@ TEST_CASE("a bake says what it measured, and the certificate holds it")
     CHECK(r.meets_tolerance);
     CHECK(r.mean_error < 1e-3);
     CHECK(r.stand_in.curvature.lowest > 0);
-    CHECK(r.triangle_ratio > 0.1);
+    CHECK(r.cell_ratio > 0.1);
     CHECK(read_start_pose(r.certificate) == r.start_pose);
     CHECK(r.certificate.find("\"meets_tolerance\": true") != std::string::npos);
     options.tolerance_max = 1e-7; // below what single precision can do
