@@ -76,6 +76,15 @@ static PLIANT_INLINE void multiply_pairs(const quartic_view* v)
     memset(phi, 0, (size_t)(v->phi + v->pair_end - phi) * sizeof *phi);
 }
 
+/* slope += factor * s. All is read before anything is written: a compiler that cannot rule out that they overlap makes vector code of
+   that, too. */
+static PLIANT_INLINE void add_to_slope(float* slope, float factor, const float* s)
+{
+    sums_t sum;
+    for (size_t l = 0; l < SUM_LANES; ++l) sum[l] = slope[l] + factor * s[l];
+    memcpy(slope, sum, sizeof sum);
+}
+
 /* One row (i, j) of `count` floats: with s = <row, phi> psi += x_i x_j row, slope += x_j s, block += x_i s. */
 static PLIANT_INLINE void pass_row(const float* PLIANT_RESTRICT row, const float* PLIANT_RESTRICT phi,
                                    float* PLIANT_RESTRICT psi, size_t count, float xi, float xj,
@@ -88,8 +97,8 @@ static PLIANT_INLINE void pass_row(const float* PLIANT_RESTRICT row, const float
             s[l] += row[t + l] * phi[t + l];
             psi[t + l] += factor * row[t + l];
         }
-    for (size_t l = 0; l < SUM_LANES; ++l) slope[l] += xj * s[l];
     for (size_t l = 0; l < SUM_LANES; ++l) block[l] += xi * s[l];
+    add_to_slope(slope, xj, s);
 }
 
 /* The same for GROUP rows (i, j), (i+1, j), .. that lie one after the other; x holds x_i, x_(i+1), .. */
@@ -113,11 +122,11 @@ static PLIANT_INLINE void pass_rows(const float* PLIANT_RESTRICT row, const floa
             s3[l] += c3 * p;
             psi[t + l] += (f0 * c0 + f1 * c1) + (f2 * c2 + f3 * c3);
         }
-    for (size_t l = 0; l < SUM_LANES; ++l) slopes[l] += xj * s0[l];
-    for (size_t l = 0; l < SUM_LANES; ++l) slopes[SUM_LANES + l] += xj * s1[l];
-    for (size_t l = 0; l < SUM_LANES; ++l) slopes[2 * SUM_LANES + l] += xj * s2[l];
-    for (size_t l = 0; l < SUM_LANES; ++l) slopes[3 * SUM_LANES + l] += xj * s3[l];
     for (size_t l = 0; l < SUM_LANES; ++l) block[l] += (x0 * s0[l] + x1 * s1[l]) + (x2 * s2[l] + x3 * s3[l]);
+    add_to_slope(slopes, xj, s0);
+    add_to_slope(slopes + SUM_LANES, xj, s1);
+    add_to_slope(slopes + 2 * SUM_LANES, xj, s2);
+    add_to_slope(slopes + 3 * SUM_LANES, xj, s3);
 }
 
 /* The rows (0, j) .. (j, j), `count` floats each: psi, what they add to the slopes, and their part of the value, which is added up
