@@ -121,7 +121,7 @@ AdaptiveSubspace make_subspace(AverageFamily& family, SolverPool& pool, const Ba
 
 StandInOptions stand_in_options(const BakeOptions& options)
 {
-    return { options.tolerance, options.tolerance_max, options.element_count, options.seed };
+    return { options.tolerance, options.tolerance_max, options.element_count, options.seed, options.cubature_solver };
 }
 
 BuiltModel build_ghost(const ShapeSet& set, const ReducedEnergy& reduced, const TrainingSet& training,

@@ -39,6 +39,7 @@ struct BakeOptions {
     Eigen::Index dimension = 0; // 0: what the tolerance or ritz_count asks for (barbic: 4 modes a pose); else exactly this
     StandInKind stand_in = StandInKind::automatic; // quartic for stvk up to 32 dimensions, else cubature
     std::size_t element_count = 0;                 // cubature elements; 0: as few as keep the tolerance
+    CubatureSolver cubature_solver = CubatureSolver::nnls;
     std::size_t ghost_vertex_count = 800;
     std::uint64_t seed = 1;
     int check_count = 24; // weights at which d, the elements and the dead load are judged

@@ -139,6 +139,15 @@ Verb add_bake(CLI::App& app)
     verb->add_option("--elements", a->bake.element_count,
                      "Cubature elements (default: as few as keep the tolerance, 4 to 12 per dimension)")
         ->check(CLI::Range(1, 1000000));
+    verb->add_option_function<std::string>(
+            "--cubature",
+            [a](const std::string& name) {
+                a->bake.cubature_solver = name == "nn-htp" ? CubatureSolver::nn_htp : CubatureSolver::nnls;
+            },
+            "How cubature elements are found: nnls (greedy) or nn-htp (hard thresholding pursuit, von Tycowicz et al. 2013)")
+        ->check(CLI::IsMember({ "nnls", "nn-htp" }))
+        ->default_str("nnls")
+        ->type_name("NAME");
     verb->add_option("--ghost-vertices", a->bake.ghost_vertex_count, "Vertices of the ghost")
         ->check(CLI::Range(4, 1000000))
         ->capture_default_str();

@@ -57,6 +57,7 @@ BlendModel choose_cubature(const ReducedEnergy& reduced, const ShapeSet& set, co
     const Subspace& subspace = reduced.subspace();
     CubatureOptions cubature;
     cubature.seed = options.seed;
+    cubature.solver = options.cubature;
     CubatureFit fit(reduced, training, cubature, progress);
     BlendModel best;
     for (std::size_t per_dimension : sizes) {

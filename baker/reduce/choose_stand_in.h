@@ -13,6 +13,7 @@ struct StandInOptions {
     double tolerance_max = 0;      // and the largest; 0: three times the tolerance is aimed at
     std::size_t element_count = 0; // 0: as few as keep the tolerance, four to twelve per dimension
     std::uint64_t seed = 1;
+    CubatureSolver cubature = CubatureSolver::nnls;
 
     double largest() const { return tolerance_max > 0 ? tolerance_max : 3 * tolerance; }
 };

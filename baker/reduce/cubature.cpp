@@ -239,6 +239,7 @@ CubatureFit::CubatureFit(const ReducedEnergy& reduced, const TrainingSet& traini
     : reduced_(reduced)
     , training_(training)
     , progress_(progress)
+    , solver_(options.solver)
     , candidates_(choose_candidates(reduced.energy().element_count(), options.candidate_count, options.seed))
     , all_(reduced.energy(), reduced.subspace().origin, reduced.subspace().basis, candidates_,
            Eigen::VectorXd::Ones(Eigen::Index(candidates_.size())))
@@ -271,11 +272,12 @@ void CubatureFit::append_rows(std::vector<Probe> probes, const Sketch& sketch)
 StandIn CubatureFit::fit(std::size_t element_count)
 {
     const std::size_t wanted = std::min(element_count, candidates_.size());
-    found_ = greedy_nnls(columns_, target_, wanted, std::move(found_), [&](std::size_t found) {
+    const auto tell = [&](std::size_t found) {
         if (progress_)
             progress_->update("cubature", 0.7 + 0.3 * double(found) / double(wanted),
                               fmt::format("{} of {} elements", found, wanted));
-    });
+    };
+    found_ = (solver_ == CubatureSolver::nn_htp ? nn_htp : greedy_nnls)(columns_, target_, wanted, std::move(found_), tell);
     std::vector<std::pair<std::size_t, double>> chosen;
     for (std::size_t i = 0; i < found_.columns.size(); ++i)
         chosen.push_back({ candidates_[found_.columns[i]], found_.weights[Eigen::Index(i)] });

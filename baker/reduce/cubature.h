@@ -9,8 +9,12 @@ namespace pliant {
 struct Probe;
 struct Sketch;
 
+// How the elements are found: greedily, or by the paper's method (nnls.h).
+enum class CubatureSolver { nnls, nn_htp };
+
 struct CubatureOptions {
     std::size_t candidate_count = 8000; // random elements that compete
+    CubatureSolver solver = CubatureSolver::nnls;
     std::uint64_t seed = 1;
 };
 
@@ -44,6 +48,7 @@ private:
     const ReducedEnergy& reduced_;
     const TrainingSet& training_;
     Progress* progress_;
+    CubatureSolver solver_;
     std::vector<std::size_t> candidates_;
     StandIn all_;             // the candidates at weight 1
     Eigen::MatrixXf columns_; // rows x candidates

@@ -63,10 +63,7 @@ Eigen::VectorXd nnls(const Eigen::MatrixXd& gram, const Eigen::VectorXd& right, 
     return x;
 }
 
-namespace {
-
-// Refits the weights of fit.columns and drops those that become zero; returns b - A x.
-Eigen::VectorXd refit(const Eigen::MatrixXf& a, const Eigen::VectorXd& b, SparseFit& fit, std::vector<char>& is_chosen)
+Eigen::VectorXd refit(const Eigen::MatrixXf& a, const Eigen::VectorXd& b, SparseFit& fit)
 {
     const Eigen::Index count = Eigen::Index(fit.columns.size());
     Eigen::MatrixXd chosen(a.rows(), count);
@@ -80,7 +77,6 @@ Eigen::VectorXd refit(const Eigen::MatrixXf& a, const Eigen::VectorXd& b, Sparse
     Eigen::VectorXd weights(count);
     for (Eigen::Index i = 0; i < count; ++i) {
         const std::size_t column = fit.columns[std::size_t(i)];
-        is_chosen[column] = x[i] > 0;
         if (x[i] <= 0) continue;
         weights[Eigen::Index(kept.size())] = x[i];
         kept.push_back(column);
@@ -90,20 +86,18 @@ Eigen::VectorXd refit(const Eigen::MatrixXf& a, const Eigen::VectorXd& b, Sparse
     return b - chosen * x.cwiseMax(0.0);
 }
 
-} // namespace
-
 SparseFit greedy_nnls(const Eigen::MatrixXf& a, const Eigen::VectorXd& b, std::size_t count, SparseFit start,
                       const std::function<void(std::size_t)>& keep_going)
 {
     const Eigen::VectorXf norms = a.colwise().norm().cwiseMax(1e-30f);
-    std::vector<char> is_chosen(std::size_t(a.cols()), 0);
     SparseFit fit = std::move(start);
-    for (std::size_t column : fit.columns) is_chosen[column] = 1;
-    Eigen::VectorXd residual = fit.columns.empty() ? b : refit(a, b, fit, is_chosen);
+    Eigen::VectorXd residual = fit.columns.empty() ? b : refit(a, b, fit);
     const std::size_t batch = std::max<std::size_t>(2, count / 16);
     // Refits can drop columns, so rounds are bounded, not counted on.
     for (int round = 0; round < 64 && fit.columns.size() < count; ++round) {
         keep_going(fit.columns.size());
+        std::vector<char> is_chosen(std::size_t(a.cols()), 0);
+        for (std::size_t column : fit.columns) is_chosen[column] = 1;
         const Eigen::VectorXf gain = (a.transpose() * residual.cast<float>()).cwiseQuotient(norms);
         std::vector<std::size_t> order(static_cast<std::size_t>(a.cols()));
         std::iota(order.begin(), order.end(), std::size_t(0));
@@ -120,7 +114,7 @@ SparseFit greedy_nnls(const Eigen::MatrixXf& a, const Eigen::VectorXd& b, std::s
             fit.columns.push_back(order[added]);
         }
         if (added == 0) break;
-        residual = refit(a, b, fit, is_chosen);
+        residual = refit(a, b, fit);
     }
     fit.residual = residual.norm() / b.norm();
     return fit;

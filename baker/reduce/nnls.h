@@ -23,4 +23,14 @@ struct SparseFit {
 SparseFit greedy_nnls(const Eigen::MatrixXf& a, const Eigen::VectorXd& b, std::size_t count, SparseFit start,
                       const std::function<void(std::size_t)>& keep_going);
 
+// Non-negative hard thresholding pursuit (Foucart 2011; for cubature: von Tycowicz, Schulz, Seidel, Hildebrandt 2013): a gradient step, the
+// `count` largest weights are kept and refitted by nnls, until that helps no more. The method of the paper's cubature; greedy_nnls finds
+// better fits of as many columns. At most `count` columns, as few as nnls leaves positive.
+SparseFit nn_htp(const Eigen::MatrixXf& a, const Eigen::VectorXd& b, std::size_t count, SparseFit start,
+                 const std::function<void(std::size_t)>& keep_going);
+
+// Refits the weights of fit.columns by nnls (columns without weights yet enter at practically zero), drops those that become zero, and
+// returns b - A x.
+Eigen::VectorXd refit(const Eigen::MatrixXf& a, const Eigen::VectorXd& b, SparseFit& fit);
+
 } // namespace pliant

@@ -77,7 +77,7 @@ Json subspace_of(const BakeReport& report, const BakeOptions& options)
     return subspace;
 }
 
-Json stand_in_of(const BakeReport& report)
+Json stand_in_of(const BakeReport& report, const BakeOptions& options)
 {
     const StandInReport& r = report.stand_in;
     Json stand_in = { { "kind", name_of(report.stand_in_kind) },
@@ -89,6 +89,8 @@ Json stand_in_of(const BakeReport& report)
                       { "dead_load", r.has_load },
                       { "mean_error_without_load", r.plain.mean },
                       { "largest_error_without_load", r.plain.largest } };
+    if (report.stand_in_kind == StandInKind::cubature)
+        stand_in["cubature"] = options.cubature_solver == CubatureSolver::nn_htp ? "nn-htp" : "nnls";
     if (!report.stand_in_reason.empty()) stand_in["reason"] = report.stand_in_reason;
     if (r.loaded.mean > 0) {
         stand_in["mean_error_with_load"] = r.loaded.mean;
@@ -164,7 +166,7 @@ std::string write_certificate(const BakeReport& report, const BakeOptions& optio
     if (options.tolerance_max > 0) certificate["tolerance_max"] = options.tolerance_max;
     certificate["meets_tolerance"] = report.meets_tolerance;
     certificate["subspace"] = subspace_of(report, options);
-    certificate["stand_in"] = stand_in_of(report);
+    certificate["stand_in"] = stand_in_of(report, options);
     certificate["measured"] = measured_of(report);
     certificate["mean_from_pose"] = report.start_pose;
     certificate["branches"] = findings_of(report, pose_names);

@@ -6,6 +6,7 @@
 #include "report/certificate.h"
 #include "report/diagnostics.h"
 
+#include <algorithm>
 #include <cstring>
 #include <doctest/doctest.h>
 
@@ -122,4 +123,18 @@ TEST_CASE("above 32 dimensions auto takes cubature and says why")
     const BakedAsset baked = bake(twisted_bar(2, 6, 1.5), options, silent);
     CHECK(baked.report.stand_in_kind == StandInKind::cubature);
     CHECK(baked.report.stand_in_reason.find("32") != std::string::npos);
+}
+
+TEST_CASE("blends with tetrahedra inside out are warned of")
+{
+    struct Listener : Progress {
+        void warn(int number, const std::string&, const std::string&) override { numbers.push_back(number); }
+        std::vector<int> numbers;
+    } listener;
+    BakeOptions options; // a space that holds nothing but the straight line between the poses
+    options.subspace = SubspaceKind::krylov;
+    options.dimension = 1;
+    const BakedAsset baked = bake(twisted_bar(2, 6, 3.0), options, listener);
+    CHECK(baked.report.cell_ratio <= 0);
+    CHECK(std::count(listener.numbers.begin(), listener.numbers.end(), 4407) == 1);
 }

@@ -126,6 +126,29 @@ TEST_CASE("non-negative least squares satisfies its optimality conditions and eq
     }
 }
 
+TEST_CASE("greedy and thresholding pursuit find the few columns that make up a target, and their weights")
+{
+    Random random(11);
+    Eigen::MatrixXf a(80, 60);
+    for (Eigen::Index i = 0; i < a.size(); ++i) a.data()[i] = float(random.normal());
+    a.col(7) *= 20; // scale of a column says nothing
+    const std::vector<std::size_t> planted = { 3, 7, 21, 40, 58 };
+    Eigen::VectorXd b = Eigen::VectorXd::Zero(80);
+    for (std::size_t column : planted) b += (column == 7 ? 0.05 : 1) * a.col(Eigen::Index(column)).cast<double>();
+    for (const auto& solve : { greedy_nnls, nn_htp }) {
+        const SparseFit fit = solve(a, b, 10, {}, [](std::size_t) {});
+        CHECK(fit.residual < 1e-5);
+        CHECK(fit.columns.size() <= 10);
+        CHECK(fit.weights.minCoeff() > 0);
+        for (std::size_t column : planted) {
+            const auto at = std::find(fit.columns.begin(), fit.columns.end(), column);
+            REQUIRE(at != fit.columns.end());
+            CHECK(fit.weights[at - fit.columns.begin()] == doctest::Approx(column == 7 ? 0.05 : 1).epsilon(1e-3));
+        }
+        CHECK(solve(a, -b, 10, {}, [](std::size_t) {}).residual > 0.5); // weights are not negative
+    }
+}
+
 TEST_CASE("with all elements at weight one the stand-in is the reduced energy")
 {
     Problem p(3);
