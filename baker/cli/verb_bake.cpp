@@ -70,8 +70,8 @@ ExitCode run(Arguments& a)
     a.bake.subspace = a.subspace == "krylov" ? SubspaceKind::krylov
         : a.subspace == "barbic"             ? SubspaceKind::barbic
                                              : SubspaceKind::adaptive;
-    probe_output(a.output, a.poses);
-    if (!a.report.empty()) probe_output(a.report, a.poses);
+    probe_output(a.output, input_files(a.poses, a.bake.energy));
+    if (!a.report.empty()) probe_output(a.report, input_files(a.poses, a.bake.energy));
     a.bake.stand_in = a.stand_in == "ghost" ? StandInKind::ghost : StandInKind::cubature;
     ConsoleProgress progress("bake", a.is_quiet);
     const PoseSet poses = load_with_warnings("bake", a.poses, a.bake.energy);
