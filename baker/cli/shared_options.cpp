@@ -124,6 +124,13 @@ PoseSet load_with_warnings(const std::string& verb, const std::vector<std::strin
     return poses;
 }
 
+std::vector<std::string> input_files(const std::vector<std::string>& poses, const EnergyOptions& options)
+{
+    std::vector<std::string> files = poses;
+    if (!options.fixed_path.empty()) files.push_back(options.fixed_path);
+    return files;
+}
+
 std::vector<double> parse_weights(const std::string& text)
 {
     std::vector<double> values;

@@ -23,7 +23,7 @@ ExitCode run(const Arguments& a)
 {
     const std::vector<double> values = parse_weights(a.weights);
     const Weights w = normalised_weights(values, a.poses.size());
-    probe_output(a.output, a.poses);
+    probe_output(a.output, input_files(a.poses, a.energy));
     ConsoleProgress progress("average", a.is_quiet);
     const PoseSet poses = load_with_warnings("average", a.poses, a.energy);
     const ShapeSet set = normalise(poses, a.energy.keep_placement);

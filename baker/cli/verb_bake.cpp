@@ -74,8 +74,8 @@ ExitCode run(Arguments& a)
     a.bake.subspace = a.subspace == "krylov" ? SubspaceKind::krylov
         : a.subspace == "barbic"             ? SubspaceKind::barbic
                                              : SubspaceKind::adaptive;
-    probe_output(a.output, a.poses);
-    if (!a.report.empty()) probe_output(a.report, a.poses);
+    probe_output(a.output, input_files(a.poses, a.bake.energy));
+    if (!a.report.empty()) probe_output(a.report, input_files(a.poses, a.bake.energy));
     for (StandInKind kind : { StandInKind::quartic, StandInKind::cubature, StandInKind::ghost })
         if (a.stand_in == name_of(kind)) a.bake.stand_in = kind;
     ConsoleProgress progress("bake", a.is_quiet);

@@ -31,6 +31,9 @@ void add_quiet(CLI::App& verb, bool& is_quiet);
 // Loads and checks poses; prints warnings under the verb's name.
 PoseSet load_with_warnings(const std::string& verb, const std::vector<std::string>& paths, const EnergyOptions& options);
 
+// The files that load_with_warnings reads: no output may replace one of them.
+std::vector<std::string> input_files(const std::vector<std::string>& poses, const EnergyOptions& options);
+
 // "1,0.5,2" as numbers. Throws Failure (usage, P1201) quoting what is not one.
 std::vector<double> parse_weights(const std::string& text);
 

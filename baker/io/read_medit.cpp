@@ -74,7 +74,7 @@ bool MeditReader::read()
         return false;
     }
     if (!has_vertices_) {
-        report_truncated(file_, "the sections before Vertices");
+        report_truncated(file_, "what comes before Vertices");
         return false;
     }
     return tets_.finish();

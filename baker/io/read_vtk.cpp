@@ -10,26 +10,22 @@
 namespace pliant {
 namespace {
 
-// What cells of a type are: of many if they are left out, of one if they are refused.
-const char* left_out_kind(std::int64_t type)
-{
-    switch (type) {
-    case 1:
-    case 2: return "points";
-    case 3:
-    case 4:
-    case 21: return "lines";
-    case 5:
-    case 6:
-    case 22: return "triangles";
-    case 7: return "polygons";
-    case 8:
-    case 9:
-    case 23: return "quadrilaterals";
-    default: return nullptr;
-    }
-}
+// A type of cells that are left out; corners: how many each has, 0 for any number.
+struct LeftOut {
+    std::int64_t type;
+    std::size_t corners;
+    const char* kind;
+};
 
+// clang-format off
+constexpr LeftOut left_out[] = {
+    { 1, 1, "points" }, { 2, 0, "points" }, { 3, 2, "lines" }, { 4, 0, "lines" }, { 21, 3, "lines" },
+    { 5, 3, "triangles" }, { 6, 0, "triangles" }, { 22, 6, "triangles" }, { 7, 0, "polygons" },
+    { 8, 4, "quadrilaterals" }, { 9, 4, "quadrilaterals" }, { 23, 8, "quadrilaterals" },
+};
+// clang-format on
+
+// What a cell is that is refused.
 std::string refused_kind(std::int64_t type)
 {
     switch (type) {
@@ -277,18 +273,25 @@ bool VtkReader::add_cell(std::size_t cell, std::int64_t type)
 {
     const auto begin = static_cast<std::size_t>(offsets_[cell]), end = static_cast<std::size_t>(offsets_[cell + 1]);
     const std::size_t line = begin < lines_.size() ? lines_[begin] : 0;
-    if (const char* kind = left_out_kind(type)) {
-        tets_.skip(kind);
-        return true;
-    }
-    if (type != 10) {
+    const auto skipped
+        = std::find_if(std::begin(left_out), std::end(left_out), [&](const LeftOut& l) { return l.type == type; });
+    const bool is_skipped = skipped != std::end(left_out);
+    if (!is_skipped && type != 10) {
         tets_.refuse(file_.at_line(line), cell, refused_kind(type));
         return false;
     }
-    if (end - begin != 4) {
-        file_.error(2108, file_.at_line(line), fmt::format("element {} is a tetrahedron with {} corners", cell, end - begin),
-                    "the file is damaged: export it again");
+    // A file cut off behind the 1 of a 10 looks like one with a point.
+    const std::size_t corner_count = is_skipped ? skipped->corners : 4;
+    if (corner_count != 0 && end - begin != corner_count) {
+        file_.error(
+            2108, file_.at_line(line),
+            fmt::format("element {} has {} corners, {} expected of the type {}", cell, end - begin, corner_count, type),
+            "the file is damaged: export it again");
         return false;
+    }
+    if (is_skipped) {
+        tets_.skip(skipped->kind);
+        return true;
     }
     tets_.add(line, { corners_[begin], corners_[begin + 1], corners_[begin + 2], corners_[begin + 3] });
     return true;

@@ -1,8 +1,27 @@
 #include "mesh/solid.h"
 
 #include <algorithm>
+#include <utility>
 
 namespace pliant {
+namespace {
+
+// Sorts; true if that took an even number of exchanges, so that the triangle is seen from the same side as before.
+bool sort_corners(Triangle& v)
+{
+    bool is_even = true;
+    const auto order = [&](std::size_t a, std::size_t b) {
+        if (v[a] <= v[b]) return;
+        std::swap(v[a], v[b]);
+        is_even = !is_even;
+    };
+    order(0, 1);
+    order(1, 2);
+    order(0, 1);
+    return is_even;
+}
+
+} // namespace
 
 std::vector<TetFace> collect_faces(const std::vector<Tetrahedron>& tets, const std::vector<bool>& left_out)
 {
@@ -12,12 +31,7 @@ std::vector<TetFace> collect_faces(const std::vector<Tetrahedron>& tets, const s
         if (!left_out.empty() && left_out[t]) continue;
         for (std::uint32_t i = 0; i < 4; ++i) {
             Triangle v { tets[t][tet_faces[i][0]], tets[t][tet_faces[i][1]], tets[t][tet_faces[i][2]] };
-            bool is_even = true;
-            for (const auto& [a, b] : { std::pair(0, 1), std::pair(1, 2), std::pair(0, 1) }) {
-                if (v[std::size_t(a)] <= v[std::size_t(b)]) continue;
-                std::swap(v[std::size_t(a)], v[std::size_t(b)]);
-                is_even = !is_even;
-            }
+            const bool is_even = sort_corners(v);
             faces.push_back({ v, t, i, is_even });
         }
     }

@@ -273,3 +273,4 @@ case("fixed_on_a_line", lambda: {"fixed.txt": fixed_text([0, 9, 18]), "line.msh"
 case("fixed_all", lambda: {"fixed.txt": fixed_text(range(VERTEX_COUNT))})
 case("fixed_moved", lambda: {"fixed.txt": fixed_text(FOOT + [26])})
 case("fixed_surface", lambda: {"fixed.txt": fixed_text([7, 70, 100])})
+case("output_is_fixed", lambda: {"fixed.txt": fixed_text(FOOT)})

@@ -6,6 +6,7 @@
 #include "io/encode_ply.h"
 #include "io/read_mesh.h"
 #include "mesh/load_poses.h"
+#include "solid_samples.h"
 
 #include <array>
 #include <cmath>
@@ -109,6 +110,10 @@ bool read_is_sane(const std::string& path)
         bool is_sane = mesh->positions.allFinite() && mesh->faces.offsets.back() == mesh->faces.indices.size();
         for (const std::uint32_t index : mesh->faces.indices)
             is_sane &= index < static_cast<std::uint64_t>(mesh->positions.rows());
+        for (const Tetrahedron& tet : mesh->tets) {
+            for (const std::uint32_t index : tet) is_sane &= index < static_cast<std::uint64_t>(mesh->positions.rows());
+        }
+        if (!is_sane) return false;
         load_poses({ path, path }); // always the same pose twice: must throw, and a Failure
         return false;
     } catch (const Failure& failure) {
@@ -152,3 +157,10 @@ TEST_CASE("OBJ") { CHECK(first_failure(".obj", sample_obj()) == -1); }
 TEST_CASE("OFF") { CHECK(first_failure(".off", sample_off()) == -1); }
 TEST_CASE("PLY, text") { CHECK(first_failure(".ply", sample_ply("ascii")) == -1); }
 TEST_CASE("PLY, binary") { CHECK(first_failure(".ply", sample_ply("binary")) == -1); }
+TEST_CASE("solids, every layout of every format")
+{
+    for (const pliant_test::Sample& sample : pliant_test::solid_samples()) {
+        CAPTURE(sample.name);
+        CHECK(first_failure(sample.file.substr(1), sample.bytes) == -1);
+    }
+}
