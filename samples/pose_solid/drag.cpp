@@ -16,7 +16,7 @@ namespace {
 constexpr double least_shrink = 0.2;
 
 // Steps are given up when they are this part of the nominal one.
-constexpr double shortest_step = 1.0 / 1024;
+constexpr double shortest_step = 1.0 / 256;
 
 // On the way a rough equilibrium is good enough to go on from, the last one is what is written.
 constexpr double rough = 1e-5, precise = 1e-10;
@@ -117,9 +117,9 @@ bool Dragger::try_step(double time, DragStep& step)
 
 void Dragger::give_up(double time) const
 {
-    const std::string hint
-        = "turn or move by less, make the regions smaller so that more of the body can give way, or add a "
-          "region that guides it";
+    // St. Venant-Kirchhoff resists compression less and less: beyond some there is no equilibrium but collapsed tetrahedra.
+    const std::string hint = std::string(energy_.law() == SolidLaw::stvk ? "try --material mooney-rivlin, or " : "")
+        + "turn or move by less, make the regions smaller so that more of the body can give way, or add one that guides it";
     const std::string how_far = fmt::format("stuck at {:.1f} % of the motion", 100 * time);
     if (bad_tet_ >= rest_.tets.size())
         throw Failure(ExitCode::failed, complaint("", how_far + ": Newton's method finds no equilibrium", hint));

@@ -148,6 +148,7 @@ def case_wrong_files(folder):
     # No way to get there: nothing is written either.
     script.write_text("box 0 0 0  1 1 0.45  hold\nbox 0 0 0.55  1 1 1  move 0 0 -0.9\n")
     refused(folder, 1, "stuck at", rest, "-o", out, "-s", script, "-q")
+    refused(folder, 1, "try --material mooney-rivlin", rest, "-o", out, "-s", script, "-q", "--material", "stvk")
 
 
 def case_help(folder):
