@@ -191,7 +191,7 @@ TEST_CASE("what a surface may not be")
     CHECK(number_of("nan.obj", "v 0 0 1\nv 0 nan 1\nv 0.1 0 1\nf 1 2 3\n", solid) == 2105);
     CHECK(number_of("line.obj", "v 0 0 1\nv 0 0.1 1\nv 0 0.2 1\nf 1 2 3\nf 1 1 2\n", solid) == 2608);
     CHECK(number_of("point.obj", "v 0 0 1\nv 0 0 1\nv 0 0 1\nf 1 2 3\n", solid) == 2608);
-    CHECK(number_of("far.obj", "v 0 0 1\nv 0 0.1 1\nv 0 0.9 1\nf 1 2 3\n", solid) == 2606);
+    CHECK(number_of("far.obj", "v 0 0 1\nv 0.1 0 1\nv 0 0.9 1\nf 1 2 3\n", solid) == 2606);
     CHECK(number_of("huge.obj", "v 0 0 1\nv 0 1e17 1\nv 1e17 0 1\nf 1 2 3\n", solid) == 2606);
 }
 
