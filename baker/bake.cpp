@@ -506,6 +506,10 @@ BakedAsset bake(const PoseSet& poses, const BakeOptions& given, Progress& progre
     asset.answers.erase(asset.answers.begin());
     check_asset(encode_asset(asset), family, pool, found.checks, options, progress, report);
     report.factorization_count = pool.factorization_count();
+    if (options.drawn) {
+        asset.drawn = options.drawn.get();
+        report.drawn = check_drawn(encode_asset(asset), set, *options.drawn, found.checks);
+    }
     tell_findings(report, poses, progress);
     tell_inversion(report, progress);
     report.certificate = write_certificate(report, options, poses.names);

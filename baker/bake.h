@@ -4,8 +4,10 @@
 #include "average/family.h"
 #include "average/shape_error.h"
 #include "energy/discrete_shells.h"
+#include "mesh/drawn_surface.h"
 #include "reduce/choose_stand_in.h"
 #include "subspace/adaptive.h"
+#include "write/check_drawn.h"
 
 #include <cstdint>
 #include <memory>
@@ -42,8 +44,9 @@ struct BakeOptions {
     CubatureSolver cubature_solver = CubatureSolver::nnls;
     std::size_t ghost_vertex_count = 800;
     std::uint64_t seed = 1;
-    int check_count = 24; // weights at which d, the elements and the dead load are judged
-    int fresh_count = 4;  // weights that nothing was chosen by
+    int check_count = 24;                      // weights at which d, the elements and the dead load are judged
+    int fresh_count = 4;                       // weights that nothing was chosen by
+    std::shared_ptr<const DrawnSurface> drawn; // of a solid: what the asset draws in the place of its boundary; none: that
 };
 
 struct StageTime {
@@ -83,7 +86,8 @@ struct BakeReport {
     double largest_distance = 0, cell_ratio = 1;
     Weights worst_weights;
     bool meets_tolerance = false;
-    std::string certificate; // the JSON that went into the asset
+    std::optional<DrawnErrors> drawn; // at the same weights, where the asset draws a surface of its own
+    std::string certificate;          // the JSON that went into the asset
 };
 
 struct BakedAsset {

@@ -30,13 +30,19 @@ double extent(const ShapeSet& set, const Shape& shape)
 
 } // namespace
 
-ShapeError shape_error(const Energy& energy, const ShapeSet& set, const Weights& w, const Shape& blend, const Shape& truth)
+ShapeError shape_distance(const ShapeSet& set, const Shape& blend, const Shape& truth)
 {
     const Shape aligned = aligned_truth(set, blend, truth), off = aligned - blend;
     ShapeError error;
     error.relative_l2 = mass_norm(off, set.masses) / extent(set, aligned);
     for (Eigen::Index v = 0; v < set.masses.size(); ++v)
         error.largest_distance = std::max(error.largest_distance, off.segment<3>(3 * v).norm() / set.diagonal);
+    return error;
+}
+
+ShapeError shape_error(const Energy& energy, const ShapeSet& set, const Weights& w, const Shape& blend, const Shape& truth)
+{
+    ShapeError error = shape_distance(set, blend, truth);
     const double least = energy_value(energy, w, truth);
     error.energy_excess = (energy_value(energy, w, blend) - least) / std::max(least, 1e-13); // a pose itself has no energy
     return error;

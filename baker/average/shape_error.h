@@ -15,7 +15,10 @@ struct ShapeError {
 
 ShapeError shape_error(const Energy& energy, const ShapeSet& set, const Weights& w, const Shape& blend, const Shape& truth);
 
-// The first of them alone: needs no energy. Cost: linear in the vertices.
+// The distances alone; energy_excess is 0.
+ShapeError shape_distance(const ShapeSet& set, const Shape& blend, const Shape& truth);
+
+// The first of them alone. Cost: linear in the vertices.
 double relative_distance(const ShapeSet& set, const Shape& blend, const Shape& truth);
 
 } // namespace pliant

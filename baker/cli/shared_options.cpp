@@ -107,6 +107,15 @@ void add_all_vertices(CLI::App& verb, bool& all_vertices)
                   "Of a solid write all vertices in the order of the pose files, not its boundary alone");
 }
 
+void add_surface(CLI::App& verb, std::string& path)
+{
+    verb.add_option(
+            "--surface", path,
+            "Surface that is drawn in the place of a solid's own boundary, and rides on its tetrahedra: .obj .ply or "
+            ".off, in place and units of the first pose, of any topology")
+        ->type_name("FILE");
+}
+
 void add_quiet(CLI::App& verb, bool& is_quiet)
 {
     verb.add_flag("-q,--quiet", is_quiet, "No progress, only warnings and errors");
@@ -122,6 +131,14 @@ PoseSet load_with_warnings(const std::string& verb, const std::vector<std::strin
     PoseSet poses = load_poses(paths, load, &warnings);
     for (const Finding& warning : warnings) print_finding(verb, warning);
     return poses;
+}
+
+DrawnSurface load_surface_with_warnings(const std::string& verb, const std::string& path, const PoseSet& poses)
+{
+    std::vector<Finding> warnings;
+    DrawnSurface surface = load_drawn_surface(path, poses, &warnings);
+    for (const Finding& warning : warnings) print_finding(verb, warning);
+    return surface;
 }
 
 std::vector<std::string> input_files(const std::vector<std::string>& poses, const EnergyOptions& options)

@@ -12,7 +12,7 @@ namespace {
 
 struct Arguments {
     std::vector<std::string> poses;
-    std::string output, report;
+    std::string output, report, surface;
     std::string subspace = "adaptive", stand_in = "auto";
     BakeOptions bake;
     bool has_tolerance = false, is_best_effort = false, is_quiet = false;
@@ -28,6 +28,11 @@ void print_summary(const Arguments& a, const BakedAsset& baked)
                energy, double(baked.bytes.size()) / 1048576.0);
     if (!r.stand_in_reason.empty()) fmt::print("cubature, not the quartic: {}\n", r.stand_in_reason);
     if (r.tet_count && !r.checks.empty()) fmt::print("smallest J of a tetrahedron: {:.3f}\n", r.cell_ratio);
+    if (r.drawn)
+        fmt::print("drawn: {} vertices of {}{}\n", a.bake.drawn->embedding.count(), a.surface,
+                   r.checks.empty() ? ""
+                                    : fmt::format(", relative L2 there {:.2e} (mean), {:.2e} (largest)", r.drawn->mean,
+                                                  r.drawn->largest));
     if (!r.checks.empty())
         fmt::print(
             "blends at {} weights: relative L2 {:.2e} (mean), {:.2e} (largest), of which the subspace {:.2e} and {:.2e}; "
@@ -74,12 +79,16 @@ ExitCode run(Arguments& a)
     a.bake.subspace = a.subspace == "krylov" ? SubspaceKind::krylov
         : a.subspace == "barbic"             ? SubspaceKind::barbic
                                              : SubspaceKind::adaptive;
-    probe_output(a.output, input_files(a.poses, a.bake.energy));
-    if (!a.report.empty()) probe_output(a.report, input_files(a.poses, a.bake.energy));
+    std::vector<std::string> inputs = input_files(a.poses, a.bake.energy);
+    if (!a.surface.empty()) inputs.push_back(a.surface);
+    probe_output(a.output, inputs);
+    if (!a.report.empty()) probe_output(a.report, inputs);
     for (StandInKind kind : { StandInKind::quartic, StandInKind::cubature, StandInKind::ghost })
         if (a.stand_in == name_of(kind)) a.bake.stand_in = kind;
     ConsoleProgress progress("bake", a.is_quiet);
     const PoseSet poses = load_with_warnings("bake", a.poses, a.bake.energy);
+    if (!a.surface.empty())
+        a.bake.drawn = std::make_shared<const DrawnSurface>(load_surface_with_warnings("bake", a.surface, poses));
     const BakedAsset baked = bake(poses, a.bake, progress);
     const ExitCode verdict = judge_tolerance(a, baked, progress);
     write_output(a.output, { reinterpret_cast<const char*>(baked.bytes.data()), baked.bytes.size() });
@@ -102,6 +111,7 @@ Verb add_bake(CLI::App& app)
     add_pose_arguments(*verb, a->poses);
     verb->add_option("-o,--output", a->output, "Asset to write")->required()->type_name("OUT.pliant");
     add_energy_options(*verb, a->bake.energy);
+    add_surface(*verb, a->surface);
     verb->add_option(
             "--subspace", a->subspace,
             "How the reduced space is built: adaptive (of true averages, with as few dimensions as keep --tolerance), "

@@ -10,6 +10,7 @@
 #include <algorithm>
 #include <atomic>
 #include <chrono>
+#include <cmath>
 #include <fmt/core.h>
 #include <memory>
 #include <nlohmann/json.hpp>
@@ -19,12 +20,18 @@ namespace pliant {
 namespace {
 
 struct Arguments {
-    std::string asset;
+    std::string asset, surface;
     std::vector<std::string> poses;
     int sample_count = 10;
     std::uint64_t seed = 2;
     SolverKind solver = default_solver();
     bool from_blend = false, is_json = false, is_quiet = false;
+};
+
+// A surface in the place of the solid's own, and its shapes in the poses.
+struct Drawn {
+    DrawnSurface surface;
+    ShapeSet set;
 };
 
 struct Sample {
@@ -49,9 +56,11 @@ void check_same_poses(const RuntimeBlender& blender, const ShapeSet& set, const 
         is_same = (shape - set.shapes[k]).norm() <= 1e-4 * set.shapes[k].norm(); // float32 reproduces a pose to 1e-6
     }
     if (!is_same)
-        throw Failure(ExitCode::bad_input,
-                      error_at(5104, path, "was baked from other poses, or in another order",
-                               "give the poses in the order of the bake; `pliant info` lists their names"));
+        throw Failure(
+            ExitCode::bad_input,
+            error_at(
+                5104, path, "was baked from other poses or another surface, or in another order",
+                "give the poses in the order of the bake (`pliant info` lists their names), and its surface if it had one"));
 }
 
 double median(std::vector<double> values)
@@ -74,18 +83,26 @@ void time_solve(RuntimeBlender& blender, const std::vector<float>& w, Sample& sa
 
 nlohmann::ordered_json to_json(const Sample& s)
 {
-    return { { "kind", s.kind },
-             { "weights", std::vector<double>(s.weights.data(), s.weights.data() + s.weights.size()) },
-             { "relative_l2", s.error.relative_l2 },
-             { "nearest_relative_l2", s.nearest_error },
-             { "largest_distance", s.error.largest_distance },
-             { "energy_excess", s.error.energy_excess },
-             { "linear_relative_l2", s.linear.relative_l2 },
-             { "iterations", s.info.iterations },
-             { "evaluations", s.info.evaluations },
-             { "microseconds", s.microseconds },
-             { "truth_converged", s.has_converged },
-             { "branches", s.branch_count } };
+    nlohmann::ordered_json json
+        = { { "kind", s.kind },
+            { "weights", std::vector<double>(s.weights.data(), s.weights.data() + s.weights.size()) },
+            { "relative_l2", s.error.relative_l2 },
+            { "nearest_relative_l2", s.nearest_error },
+            { "largest_distance", s.error.largest_distance },
+            { "energy_excess", s.error.energy_excess },
+            { "linear_relative_l2", s.linear.relative_l2 },
+            { "iterations", s.info.iterations },
+            { "evaluations", s.info.evaluations },
+            { "microseconds", s.microseconds },
+            { "truth_converged", s.has_converged },
+            { "branches", s.branch_count } };
+    if (std::isnan(s.error.energy_excess)) json.erase("energy_excess");
+    return json;
+}
+
+std::string energy_text(const Sample& s)
+{
+    return std::isnan(s.error.energy_excess) ? "-" : fmt::format("{:.2f}", 100 * s.error.energy_excess);
 }
 
 void print_table(const std::vector<Sample>& samples)
@@ -98,8 +115,8 @@ void print_table(const std::vector<Sample>& samples)
     for (const Sample& s : samples) {
         std::string w;
         for (double value : s.weights) w += fmt::format("{}{:.2f}", w.empty() ? "" : ",", value);
-        fmt::print("{:<8} {:>11.2e} {:>10.3f} {:>10.2f} {:>11.2e} {:>5} {:>6} {:>7.1f}  {}{}\n", s.kind, s.error.relative_l2,
-                   100 * s.error.largest_distance, 100 * s.error.energy_excess, s.linear.relative_l2, s.info.iterations,
+        fmt::print("{:<8} {:>11.2e} {:>10.3f} {:>10} {:>11.2e} {:>5} {:>6} {:>7.1f}  {}{}\n", s.kind, s.error.relative_l2,
+                   100 * s.error.largest_distance, energy_text(s), s.linear.relative_l2, s.info.iterations,
                    s.info.evaluations, s.microseconds, w,
                    !s.has_converged     ? "  (unreduced average did not converge)"
                        : s.branch_count ? fmt::format("  (another average is here: {:.1e})", s.nearest_error)
@@ -154,6 +171,43 @@ void compare(const AverageFamily& family, std::size_t worker, SharedProgress& pr
     s.linear = shape_error(energy, set, s.weights, linear, truth);
 }
 
+// The same where the asset draws a surface: its blends say nothing about energy, nor where to look for the average next to them.
+void compare_drawn(const AverageFamily& family, std::size_t worker, SharedProgress& progress, const Drawn& drawn,
+                   const Shape& blend, Sample& s)
+{
+    const FamilyPoint point = family.at(s.weights, worker, &progress);
+    const Shape truth = apply(drawn.surface.embedding, point.average.y);
+    s.has_converged = point.average.has_converged;
+    s.branch_count = point.jumps.size();
+    s.error = shape_distance(drawn.set, blend, truth);
+    s.nearest_error = s.error.relative_l2;
+    Shape linear = Shape::Zero(drawn.set.dof_count());
+    for (std::size_t k = 0; k < drawn.set.pose_count(); ++k) linear += s.weights[Eigen::Index(k)] * drawn.set.shapes[k];
+    s.linear = shape_distance(drawn.set, linear, truth);
+    s.error.energy_excess = s.linear.energy_excess = std::nan("");
+}
+
+// The surface that the asset draws, if it does; it must be given then, and only then.
+std::unique_ptr<const Drawn> load_drawn(const Arguments& a, const std::string& certificate, const PoseSet& poses,
+                                        const ShapeSet& set)
+{
+    if (has_drawn_surface(certificate) == a.surface.empty())
+        throw Failure(
+            ExitCode::bad_input,
+            error_at(5106, a.asset,
+                     a.surface.empty() ? "was baked with a surface of its own (--surface)" : "was baked without --surface",
+                     a.surface.empty() ? "give the same file here: --surface FILE" : "leave --surface out"));
+    if (a.surface.empty()) return nullptr;
+    if (a.from_blend)
+        throw Failure(ExitCode::usage,
+                      error_at(1210, "", "--from-blend needs blends of the whole solid, the asset holds a surface only",
+                               "leave --from-blend out"));
+    auto drawn = std::make_unique<Drawn>();
+    drawn->surface = load_surface_with_warnings("measure", a.surface, poses);
+    drawn->set = drawn_shapes(set, drawn->surface);
+    return drawn;
+}
+
 // Newton's last step for truths, relative to the size of the character: far below any error of interest.
 constexpr double truth_floor = 2e-5;
 
@@ -165,7 +219,8 @@ ExitCode run(const Arguments& a)
     ConsoleProgress progress("measure", a.is_quiet);
     const PoseSet poses = load_with_warnings("measure", a.poses, options);
     const ShapeSet set = normalise(poses, options.keep_placement);
-    check_same_poses(blender, set, a.asset);
+    const std::unique_ptr<const Drawn> drawn = load_drawn(a, blender.certificate(), poses, set);
+    check_same_poses(blender, drawn ? drawn->set : set, a.asset);
     const std::unique_ptr<Energy> energy = make_energy(set, options);
     SolverPool pool(*energy, set, options.solver);
     NewtonOptions newton;
@@ -186,7 +241,10 @@ ExitCode run(const Arguments& a)
         if (worker == 0)
             shared.describe("unreduced averages", double(done) / double(samples.size()),
                             fmt::format("{} of {}", done.load(), samples.size()));
-        compare(family, worker, shared, a.from_blend, blends[i], samples[i]);
+        if (drawn)
+            compare_drawn(family, worker, shared, *drawn, blends[i], samples[i]);
+        else
+            compare(family, worker, shared, a.from_blend, blends[i], samples[i]);
         ++done;
     });
     progress.clear_line();
@@ -218,6 +276,7 @@ Verb add_measure(CLI::App& app)
         ->required()
         ->type_name("POSE")
         ->expected(1, -1);
+    add_surface(*verb, a->surface);
     verb->add_option("--samples", a->sample_count, "How many weights")->check(CLI::Range(1, 100000))->capture_default_str();
     verb->add_option("--seed", a->seed, "Seed of the weights")->capture_default_str();
     verb->add_flag(

@@ -26,10 +26,14 @@ void add_pose_arguments(CLI::App& verb, std::vector<std::string>& poses);
 void add_energy_options(CLI::App& verb, EnergyOptions& options);
 void add_threads(CLI::App& verb);
 void add_all_vertices(CLI::App& verb, bool& all_vertices);
+void add_surface(CLI::App& verb, std::string& path);
 void add_quiet(CLI::App& verb, bool& is_quiet);
 
 // Loads and checks poses; prints warnings under the verb's name.
 PoseSet load_with_warnings(const std::string& verb, const std::vector<std::string>& paths, const EnergyOptions& options);
+
+// Loads the surface that is drawn in the place of a solid's boundary; prints warnings under the verb's name.
+DrawnSurface load_surface_with_warnings(const std::string& verb, const std::string& path, const PoseSet& poses);
 
 // The files that load_with_warnings reads: no output may replace one of them.
 std::vector<std::string> input_files(const std::vector<std::string>& poses, const EnergyOptions& options);

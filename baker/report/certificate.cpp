@@ -139,6 +139,21 @@ Json measured_of(const BakeReport& report)
     return measured;
 }
 
+Json drawn_of(const BakeReport& report, const DrawnSurface& surface)
+{
+    Json drawn = { { "vertices", surface.embedding.count() },
+                   { "triangles", surface.triangles.size() },
+                   { "outside", surface.outside_count },
+                   { "farthest_outside", surface.farthest_outside },
+                   { "largest_weight", surface.largest_weight } };
+    if (report.drawn && !report.checks.empty()) {
+        drawn["mean_error"] = report.drawn->mean;
+        drawn["largest_error"] = report.drawn->largest;
+        drawn["largest_distance"] = report.drawn->largest_distance;
+    }
+    return drawn;
+}
+
 } // namespace
 
 std::string write_certificate(const BakeReport& report, const BakeOptions& options,
@@ -161,6 +176,7 @@ std::string write_certificate(const BakeReport& report, const BakeOptions& optio
         { "certificate", 1 }, { "baker", "pliant 0.1.0" }, { "poses", pose_names }, { "vertices", report.vertex_count }
     };
     if (report.tet_count) certificate["tetrahedra"] = report.tet_count;
+    if (options.drawn) certificate["surface"] = drawn_of(report, *options.drawn);
     certificate["energy"] = energy;
     certificate["tolerance"] = options.tolerance;
     if (options.tolerance_max > 0) certificate["tolerance_max"] = options.tolerance_max;
@@ -207,6 +223,12 @@ std::optional<std::size_t> read_start_pose(const std::string& certificate)
     const Json json = Json::parse(certificate, nullptr, false);
     if (!json.is_object() || !json.contains("mean_from_pose") || !json["mean_from_pose"].is_number_unsigned()) return {};
     return json["mean_from_pose"].get<std::size_t>();
+}
+
+bool has_drawn_surface(const std::string& certificate)
+{
+    const Json json = Json::parse(certificate, nullptr, false);
+    return json.is_object() && json.contains("surface");
 }
 
 std::string write_report(const BakeReport& report)

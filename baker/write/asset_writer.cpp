@@ -291,11 +291,32 @@ struct Chunk {
 
 std::uint32_t crc_of(const std::uint8_t* data, std::size_t size) { return std::uint32_t(crc32_z(0, data, size)); }
 
+// What is drawn: the mesh of the poses or a surface embedded in it.
+struct Drawn {
+    explicit Drawn(const AssetModel& model)
+        : triangles(model.drawn ? model.drawn->triangles : model.set->triangles)
+        , polygons(model.drawn ? &model.drawn->polygons : model.polygons)
+        , embedding(model.drawn ? &model.drawn->embedding : nullptr)
+        , vertex_count(embedding ? embedding->count() : std::size_t(model.set->dof_count() / 3))
+    {
+    }
+    Bytes tiles(const Eigen::Ref<const Eigen::MatrixXd>& columns, double length) const
+    {
+        return embedding ? encode_tiles(apply(*embedding, columns), length) : encode_tiles(columns, length);
+    }
+
+    const std::vector<Triangle>& triangles;
+    const Polygons* polygons;
+    const Embedding* embedding;
+    std::size_t vertex_count;
+};
+
 } // namespace
 
 std::vector<std::uint8_t> encode_asset(const AssetModel& model)
 {
     constexpr std::uint32_t required = PLIANT_CHUNK_FLAG_REQUIRED;
+    const Drawn drawn(model);
     std::vector<Chunk> chunks;
     chunks.push_back({ PLIANT_CHUNK_SOLVER, required, encode_solver(model) });
     if (model.stand_in->quartic())
@@ -304,16 +325,16 @@ std::vector<std::uint8_t> encode_asset(const AssetModel& model)
         chunks.push_back({ PLIANT_CHUNK_ELEMENTS, required, encode_elements(model) });
     if (!model.predictor.centres.empty()) chunks.push_back({ PLIANT_CHUNK_PREDICTOR, 0, encode_predictor(model) });
     if (model.load) chunks.push_back({ PLIANT_CHUNK_LOAD, required, encode_load(model) });
-    chunks.push_back({ PLIANT_CHUNK_REST, required, encode_tiles(model.subspace->origin, model.set->length) });
-    chunks.push_back({ PLIANT_CHUNK_TRIANGLES, required, encode_triangles(model.set->triangles) });
-    if (model.source_vertices && !model.source_vertices->empty())
+    chunks.push_back({ PLIANT_CHUNK_REST, required, drawn.tiles(model.subspace->origin, model.set->length) });
+    chunks.push_back({ PLIANT_CHUNK_TRIANGLES, required, encode_triangles(drawn.triangles) });
+    if (!model.drawn && model.source_vertices && !model.source_vertices->empty())
         chunks.push_back({ PLIANT_CHUNK_VERTICES, 0, encode_vertices(model) });
-    if (model.polygons && !is_all_triangles(*model.polygons))
-        chunks.push_back({ PLIANT_CHUNK_POLYGONS, 0, encode_polygons(*model.polygons) });
+    if (drawn.polygons && !is_all_triangles(*drawn.polygons))
+        chunks.push_back({ PLIANT_CHUNK_POLYGONS, 0, encode_polygons(*drawn.polygons) });
     chunks.push_back({ PLIANT_CHUNK_NAMES, required, encode_names(model.names) });
     chunks.push_back({ PLIANT_CHUNK_ANSWERS, required, encode_answers(model) });
     chunks.push_back({ PLIANT_CHUNK_CERTIFICATE, required, encode_text(model.certificate) });
-    chunks.push_back({ PLIANT_CHUNK_BASIS, required, encode_tiles(model.subspace->basis, model.set->length) });
+    chunks.push_back({ PLIANT_CHUNK_BASIS, required, drawn.tiles(model.subspace->basis, model.set->length) });
 
     const pliant_format_header blank
         = { PLIANT_FORMAT_IDENTIFIER,
@@ -322,8 +343,8 @@ std::vector<std::uint8_t> encode_asset(const AssetModel& model)
             0,
             std::uint32_t(chunks.size()),
             0,
-            std::uint32_t(model.set->dof_count() / 3),
-            std::uint32_t(model.set->triangles.size()),
+            std::uint32_t(drawn.vertex_count),
+            std::uint32_t(drawn.triangles.size()),
             std::uint32_t(model.subspace->dimension()),
             std::uint32_t(model.set->pose_count()),
             { float(model.set->origin[0]), float(model.set->origin[1]), float(model.set->origin[2]) },

@@ -1,6 +1,7 @@
 // A baked character as bytes: formats/SPEC.md: of the oldest minor version that has what it holds.
 #pragma once
 
+#include "mesh/drawn_surface.h"
 #include "reduce/stand_in.h"
 #include "warmstart/predictor.h"
 
@@ -26,8 +27,10 @@ struct AssetModel {
     const Polygons* polygons = nullptr;                          // faces as given
     const std::vector<std::uint32_t>* source_vertices = nullptr; // of a solid: numbers in the files; null or empty: the same
     std::size_t boundary_vertex_count = 0;                       // of a solid
-    std::string certificate;                                     // JSON text
-    std::vector<std::pair<Weights, Eigen::VectorXf>> answers;    // weights and the q that the runtime found
+    const DrawnSurface* drawn
+        = nullptr;           // of a solid: what is stored for drawing, in the place of its own vertices and faces
+    std::string certificate; // JSON text
+    std::vector<std::pair<Weights, Eigen::VectorXf>> answers; // weights and the q that the runtime found
 };
 
 // The bytes of the asset. Throws Failure (P4501) if a number does not fit the format, std::invalid_argument for a load whose centres

@@ -263,6 +263,25 @@ def fixed_text(vertices):
 
 
 FOOT = [0, 3, 6, 9, 12, 15, 18, 21, 24] # z = 0, where bending moves nothing
+
+
+def shell_text(size, place=(1, 1, 1.5), face="f 1 3 5"):
+    """An octahedron in the middle of the solid; its first face may be written otherwise."""
+    corners = [[c + (size * sign if i == axis else 0) for i, c in enumerate(place)] for axis in range(3) for sign in (1, -1)]
+    faces = [face] + [f"f {a} {b} {c}" for a, b, c in itertools.product((1, 2), (3, 4), (5, 6))][1:]
+    return "\n".join(["v {:.17g} {:.17g} {:.17g}".format(*c) for c in corners] + faces) + "\n"
+
+
+case("surface_of_surface", lambda: {})
+case("surface_missing", lambda: {})
+case("surface_index", lambda: {"shell.obj": shell_text(0.5, face="f 1 3 9")})
+case("surface_nan", lambda: {"shell.obj": shell_text(0.5).replace("v 1 1.5 1.5", "v 1 nan 1.5")})
+case("surface_far", lambda: {"shell.obj": shell_text(50, place=(100, 100, 150))})
+case("surface_outside", lambda: {"shell.obj": shell_text(0.5).replace("v 1 1 2", "v 1 1 3.1")})
+case("surface_is_solid", lambda: {})
+case("surface_without_area", lambda: {"shell.obj": "v 0 0 0\nv 1 1 1\nv 2 2 2\nf 1 2 3\n"})
+case("output_is_surface", lambda: {"shell.obj": shell_text(0.5)})
+
 case("fixed_good", lambda: {"fixed.txt": fixed_text(FOOT + FOOT[:2])})
 case("fixed_missing", lambda: {})
 case("fixed_not_a_number", lambda: {"fixed.txt": fixed_text(FOOT + ["7;"])})

@@ -102,6 +102,26 @@ def test_wrong_partners(folder, poses):
     check((folder / "missed.pliant").exists(), "best effort: the asset is written")
 
 
+def test_drawn_surface(folder):
+    generate.generate("output_is_surface", folder)
+    solids, shell, asset, plain = [folder / "solid.msh", folder / "solid_bent.msh"], folder / "shell.obj", folder / "d.pliant", folder / "p.pliant"
+    quick = ["--quiet", "--check-samples", "2", "--fresh-samples", "0", "--dim", "4"]
+    baked = run("bake", *solids, "--surface", shell, "-o", asset, *quick)
+    check(baked.returncode == 0, f"a solid that draws a surface {baked.stderr}")
+    check(run("bake", *solids, "-o", plain, *quick).returncode == 0, "the same without")
+    check(run("validate", asset).returncode == 0, "with a surface it is valid")
+    measured = run("measure", asset, *solids, "--surface", shell, "--samples", "2")
+    check(measured.returncode == 0 and "relative L2: mean" in measured.stdout, f"measured at its surface {measured.stderr}")
+    for name, arguments, number in [("without the surface", [asset], "P5106"), ("a surface that it has not", [plain, "--surface", shell], "P5106"),
+                                    ("from blends", [asset, "--from-blend", "--surface", shell], "P1210"),
+                                    ("another surface", [asset, "--surface", folder / "other.obj"], "P5104")]:
+        (folder / "other.obj").write_text(shell.read_text().replace("v 1 1 2", "v 1 1 2.5"))
+        result = run("measure", arguments[0], *solids, *arguments[1:], "--samples", "1")
+        check(f"error {number}" in result.stderr, f"measured {name}: {result.stderr}")
+    blend = run("blend", asset, "--weights", "1,1", "-o", folder / "blend.ply")
+    check(blend.returncode == 0 and b"element vertex 6\n" in (folder / "blend.ply").read_bytes(), f"the surface is written {blend.stderr}")
+
+
 def main():
     with tempfile.TemporaryDirectory(prefix="pliant-test-") as name:
         folder = pathlib.Path(name)
@@ -114,6 +134,7 @@ def main():
         test_interrupt(folder, large, signal.SIGTERM, "SIGTERM")
         test_cut_short(folder, small)
         test_wrong_partners(folder, small)
+        test_drawn_surface(folder)
         test_two_bakes(folder, small)
     return 1 if failures else 0
 

@@ -1,0 +1,28 @@
+// A surface that is drawn in the place of a solid's own boundary: a fine mesh that rides on coarse tetrahedra.
+#pragma once
+
+#include "mesh/align.h"
+#include "mesh/embedding.h"
+#include "report/diagnostics.h"
+
+namespace pliant {
+
+struct DrawnSurface {
+    Polygons polygons; // as the file gave them
+    std::vector<Triangle> triangles;
+    Embedding embedding;           // in pose 0, by the numbers of PoseSet
+    std::size_t outside_count = 0; // vertices outside the solid
+    double farthest_outside = 0;   // over the bounding-box diagonal of pose 0
+    double largest_weight = 1;     // of a corner, in absolute value: more than 1 lifts the motion of that corner
+};
+
+// Reads the surface, which lies where pose 0 is, and embeds it. It is only drawn: parts, borders, seams and vertices without a face
+// are fine. Throws Failure: P1209 the poses are no solid, what read_mesh throws, P2606 a vertex far outside the solid, P2608 not a
+// surface with area. Warning: P2607 vertices outside the solid.
+DrawnSurface load_drawn_surface(const std::string& path, const PoseSet& poses, std::vector<Finding>* warnings = nullptr);
+
+// The shapes of the surface in the poses of the solid, to measure its blends by: in the solid's units, around its origin. It has no
+// elements; fixed_vertices are the solid's, and say only whether shapes are held.
+ShapeSet drawn_shapes(const ShapeSet& solid, const DrawnSurface& surface);
+
+} // namespace pliant
