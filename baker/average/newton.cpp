@@ -138,6 +138,8 @@ NewtonResult NewtonSolver::minimise(const Weights& w, const Shape& start, const 
         Shape gradient = Shape::Zero(start.size());
         double force_scale = 0;
         result.energy = add_gradient(energy_, w, result.y, gradient, &force_scale);
+        for (std::uint32_t v : set_.fixed_vertices)
+            gradient.segment<3>(3 * Eigen::Index(v)).setZero(); // held, whatever pulls there
         // Forces below the rounding of a unit-area surface with unit moduli are no forces: at a pose all of them vanish.
         result.residual = gradient.norm() / std::max(force_scale, 1e-12);
         const bool is_exact = factorize_model(w, result.y, exact_pause <= 0);

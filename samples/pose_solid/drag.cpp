@@ -25,8 +25,6 @@ NewtonOptions newton_options(bool is_last)
 {
     NewtonOptions options;
     options.decrement = is_last ? precise : rough;
-    // The residual counts the forces at fixed vertices, which hold the body and do not vanish.
-    options.residual = std::numeric_limits<double>::infinity();
     options.max_iterations = is_last ? 60 : 25;
     return options;
 }

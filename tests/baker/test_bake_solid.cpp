@@ -2,6 +2,8 @@
 #include "for_reference.h"
 #include "twisted_bar.h"
 
+#include "average/newton.h"
+#include "energy/solid.h"
 #include "mesh/tets.h"
 #include "report/certificate.h"
 #include "report/diagnostics.h"
@@ -89,6 +91,20 @@ TEST_CASE("fixed vertices are exactly still in every blend")
             CHECK(std::memcmp(&blend[3 * std::size_t(v)], &rest[3 * std::size_t(v)], 3 * sizeof(float)) == 0);
         CHECK(blend != rest);
     }
+}
+
+TEST_CASE("the average of poses that are held converges by the forces on free vertices alone")
+{
+    PoseSet poses = twisted_bar(2, 6, 1.5);
+    hold_one_end(poses);
+    const ShapeSet set = normalise(poses);
+    const Solid solid(set, {});
+    NewtonSolver solver(solid, set, default_solver());
+    const NewtonResult mean = solver.minimise(equal_weights(2), set.shapes[0], {});
+    CHECK(mean.has_converged);
+    CHECK(mean.residual < 1e-6);
+    for (std::uint32_t v : poses.fixed_vertices)
+        CHECK(mean.y.segment<3>(3 * Eigen::Index(v)) == set.shapes[0].segment<3>(3 * Eigen::Index(v)));
 }
 
 TEST_CASE("materials and stand-ins of the other sort are refused")
