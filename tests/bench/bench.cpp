@@ -1,11 +1,12 @@
 // What a character costs: one row per set of poses. Bakes with the default options, then times the C runtime on one core.
-//   pliant_bench NAME POSE... [-- NAME POSE...]... [--csv FILE] [--krylov] [--checks N]
+//   pliant_bench NAME POSE... [-- NAME POSE...]... [--csv FILE] [--krylov] [--dim N] [--material NAME] [--checks N]
 // --krylov bakes with Algorithm 1 of the paper (d = 64 for five poses) instead of the adaptive subspace; --checks N sets how many
 // unreduced averages the error is measured on. Times are medians; ratios inside one run mean more than any of them alone.
 #include "bake.h"
 #include "cli/console.h"
 #include "io/write_file.h"
 #include "mesh/load_poses.h"
+#include "report/certificate.h"
 #include "write/runtime_blender.h"
 
 #include <algorithm>
@@ -188,6 +189,13 @@ std::string csv(const std::vector<Row>& rows)
     return text;
 }
 
+Material material_named(const std::string& name)
+{
+    for (Material m : { Material::discrete_shells, Material::arap, Material::stvk, Material::mooney_rivlin })
+        if (name == name_of(m)) return m;
+    throw Failure(ExitCode::usage, error_at(1101, "", "unknown material " + name, "as `pliant bake --help` lists them"));
+}
+
 } // namespace
 
 int main(int argc, char** argv)
@@ -202,6 +210,10 @@ try {
             csv_path = argv[++i];
         else if (!std::strcmp(argv[i], "--krylov"))
             options.subspace = SubspaceKind::krylov;
+        else if (!std::strcmp(argv[i], "--dim") && i + 1 < argc)
+            options.dimension = std::stoi(argv[++i]);
+        else if (!std::strcmp(argv[i], "--material") && i + 1 < argc)
+            options.energy.material = material_named(argv[++i]);
         else if (!std::strcmp(argv[i], "--checks") && i + 1 < argc)
             options.check_count = std::stoi(argv[++i]);
         else
@@ -211,9 +223,9 @@ try {
     std::vector<Row> rows;
     for (const auto& set : sets) {
         if (set.size() < 3) {
-            fmt::print(
-                stderr,
-                "usage: pliant_bench NAME POSE POSE... [-- NAME POSE POSE...]... [--csv FILE] [--krylov] [--checks N]\n");
+            fmt::print(stderr,
+                       "usage: pliant_bench NAME POSE POSE... [-- NAME POSE POSE...]... [--csv FILE] [--krylov] [--dim N] "
+                       "[--material NAME] [--checks N]\n");
             return int(ExitCode::usage);
         }
         rows.push_back(measure(set[0], { set.begin() + 1, set.end() }, options, bandwidth));

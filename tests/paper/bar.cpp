@@ -3,12 +3,16 @@
 //   pliant_bar [-o OUT.csv] [options]
 // Writes the table to standard output (Markdown, errors in 1e-4 beside those that the paper prints) and every error to OUT.csv. The paper
 // gives neither Poisson's ratio nor the bar's proportions: those are the options' defaults.
+//   pliant_bar --write FOLDER [--degrees 90,180]
+// writes the bars as pose files instead, for `pliant bake`.
 #include "../baker/twisted_bar.h"
 
 #include "average/family.h"
 #include "average/shape_error.h"
 #include "energy/parallel.h"
 #include "energy/solid.h"
+#include "io/encode_msh.h"
+#include "io/write_file.h"
 #include "mesh/align.h"
 #include "reduce/stand_in.h"
 #include "reduce/training.h"
@@ -18,6 +22,7 @@
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
+#include <chrono>
 #include <fmt/core.h>
 #include <fstream>
 
@@ -29,8 +34,10 @@ struct Options {
     int cells = 8, length_cells = 48, sample_count = 101;
     double poisson = 0.4;
     std::vector<double> degrees = { 90, 180 };
-    std::string output;
+    std::string output, folder;
 };
+
+double radians(double degrees) { return degrees * 3.14159265358979323846 / 180; }
 
 struct Error {
     double mean = 0, largest = 0;
@@ -70,7 +77,7 @@ NewtonOptions exact_newton()
 class Bar {
 public:
     Bar(const Options& options, double degrees)
-        : set_(normalise(twisted_bar(options.cells, options.length_cells, degrees * 3.14159265358979323846 / 180)))
+        : set_(normalise(twisted_bar(options.cells, options.length_cells, radians(degrees))))
         , solid_(set_, { SolidLaw::stvk, options.poisson })
         , pool_(solid_, set_, default_solver())
         , family_(pool_, exact_newton(), nullptr)
@@ -85,7 +92,12 @@ public:
     Error measure(const std::string& kind, Eigen::Index d, std::vector<double>& errors)
     {
         const Subspace subspace = subspace_of(kind, d);
-        const StandIn exact(solid_, Quartic(solid_, subspace, nullptr));
+        const auto start = std::chrono::steady_clock::now();
+        Quartic quartic(solid_, subspace, nullptr);
+        const std::chrono::duration<double> seconds = std::chrono::steady_clock::now() - start;
+        tell(fmt::format("{}, d = {}: quartic of {} tetrahedra and 2 poses in {:.2f} s on {} threads", kind, d,
+                         set_.tets.size(), seconds.count(), worker_count()));
+        const StandIn exact(solid_, std::move(quartic));
         errors.assign(truths_.size(), 0);
         for_each_task(truths_.size(), [&](std::size_t i, std::size_t) {
             const MinimiseResult found
@@ -172,10 +184,19 @@ void run(const Options& options)
                     csv << fmt::format("{:g},{},{},{:.6g},{:.6e}\n", degrees, row.kind, row.d, bars[b]->second_weight(i),
                                        errors[i]);
         }
-        tell(fmt::format("{}, d = {}", row.kind, row.d));
     }
     fmt::print("Relative L2 error in 1e-4 over {} weights (in brackets: the paper's)\n\n{}\n", options.sample_count, table);
     if (csv.is_open() && !csv.flush()) throw std::runtime_error("cannot write " + options.output);
+}
+
+void write_poses(const Options& options)
+{
+    for (double degrees : options.degrees) {
+        const PoseSet bar = twisted_bar(options.cells, options.length_cells, radians(degrees));
+        write_file_atomically(options.folder + "/bar_straight.msh", encode_msh(bar.positions[0], bar.tets));
+        write_file_atomically(fmt::format("{}/bar_{:g}.msh", options.folder, degrees),
+                              encode_msh(bar.positions[1], bar.tets));
+    }
 }
 
 } // namespace
@@ -185,6 +206,7 @@ int main(int argc, char** argv)
     Options options;
     CLI::App app("Table II: errors of reduced blends of a twisted bar");
     app.add_option("-o,--output", options.output, "Also every error")->type_name("OUT.csv");
+    app.add_option("--write", options.folder, "Write the bars as pose files, and no table")->type_name("FOLDER");
     app.add_option("--cells", options.cells, "Cubes across")->check(CLI::Range(1, 64))->capture_default_str();
     app.add_option("--length-cells", options.length_cells, "Cubes along")->check(CLI::Range(2, 384))->capture_default_str();
     app.add_option("--samples", options.sample_count, "Weights, evenly spaced, both poses among them")
@@ -195,7 +217,7 @@ int main(int argc, char** argv)
     app.add_option_function<unsigned>("--threads", set_thread_count, "Threads");
     CLI11_PARSE(app, argc, argv);
     try {
-        run(options);
+        options.folder.empty() ? run(options) : write_poses(options);
     } catch (const std::exception& error) {
         fmt::print(stderr, "pliant_bar: {}\n", error.what());
         return 1;
