@@ -123,7 +123,11 @@ private:
             const double t = double(i) / (count - 1);
             weights_.push_back(Eigen::Vector2d(1 - t, t));
             const std::size_t n = truths_.size();
-            const Shape start = n == 0 ? set_.shapes[0] : n == 1 ? truths_[0] : Shape(2 * truths_[n - 1] - truths_[n - 2]);
+            if (i == 0 || i == count - 1) { // a pose is its own average
+                truths_.push_back(set_.shapes[i == 0 ? 0 : 1]);
+                continue;
+            }
+            const Shape start = n == 1 ? truths_[0] : Shape(2 * truths_[n - 1] - truths_[n - 2]);
             NewtonResult result = solver.minimise(weights_.back(), start, exact_newton());
             if (!result.has_converged) tell(fmt::format("the average for weight {} did not converge", t));
             fix_gauge(set_, result.y);
