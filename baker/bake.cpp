@@ -233,8 +233,8 @@ Fitted fit_least(const FitProblem& p, Eigen::Index most, const Quartic* quartic,
     return out;
 }
 
-// Above this many dimensions a frame with the quartic costs more than one with cubature (tests/bench/README.md): its table grows with
-// their fourth power.
+// Exactness is worth a frame that costs twice as much as one with cubature, as it does here (runtime/README.md), and not many times as
+// much: the table grows with the fourth power of the dimension.
 constexpr Eigen::Index quartic_dimension_wanted = 32;
 
 // Whether `auto` tries the quartic, and why not.
@@ -248,7 +248,7 @@ bool wants_quartic(const FitProblem& p, const BakeOptions& options, BakeReport& 
     const Eigen::Index least = is_free ? least_dimension(p.set, p.found, options.tolerance) : most;
     if (least <= quartic_dimension_wanted) return true;
     report.stand_in_reason
-        = fmt::format("d = {} at least, and above {} a quartic is slower than cubature", least, quartic_dimension_wanted);
+        = fmt::format("d = {} at least, and above {} a quartic is much slower than cubature", least, quartic_dimension_wanted);
     return false;
 }
 
@@ -263,7 +263,7 @@ Fitted choose_and_fit(const FitProblem& p, BakeOptions options, Progress& progre
         Fitted out = fit_least(p, most, &quartic, options, progress);
         report.stand_in_kind = StandInKind::quartic;
         if (is_asked || most == all || out.stand_in.error().mean <= options.tolerance) return out;
-        report.stand_in_reason = fmt::format("at d = {} the tolerance is not kept, and above it a quartic is slower", most);
+        report.stand_in_reason = fmt::format("at d = {} the tolerance is not kept, and above it a quartic is much slower", most);
     }
     if (options.stand_in != StandInKind::ghost) options.stand_in = StandInKind::cubature;
     report.stand_in_kind = options.stand_in;
