@@ -247,8 +247,8 @@ bool wants_quartic(const FitProblem& p, const BakeOptions& options, BakeReport& 
     const bool is_free = !p.averages.empty() && !options.dimension && !p.found.checks.empty();
     const Eigen::Index least = is_free ? least_dimension(p.set, p.found, options.tolerance) : most;
     if (least <= quartic_dimension_wanted) return true;
-    report.stand_in_reason
-        = fmt::format("d = {} at least, and above {} a quartic is much slower than cubature", least, quartic_dimension_wanted);
+    report.stand_in_reason = fmt::format("d = {} at least, and above {} a quartic is much slower than cubature", least,
+                                         quartic_dimension_wanted);
     return false;
 }
 
@@ -263,7 +263,8 @@ Fitted choose_and_fit(const FitProblem& p, BakeOptions options, Progress& progre
         Fitted out = fit_least(p, most, &quartic, options, progress);
         report.stand_in_kind = StandInKind::quartic;
         if (is_asked || most == all || out.stand_in.error().mean <= options.tolerance) return out;
-        report.stand_in_reason = fmt::format("at d = {} the tolerance is not kept, and above it a quartic is much slower", most);
+        report.stand_in_reason
+            = fmt::format("at d = {} the tolerance is not kept, and above it a quartic is much slower", most);
     }
     if (options.stand_in != StandInKind::ghost) options.stand_in = StandInKind::cubature;
     report.stand_in_kind = options.stand_in;
