@@ -1,6 +1,7 @@
 #include "cli/verbs.h"
 
 #include "energy/parallel.h"
+#include "io/source_file.h"
 #include "mesh/load_poses.h"
 #include "report/certificate.h"
 
@@ -169,6 +170,29 @@ std::vector<double> parse_weights(const std::string& text)
     return values;
 }
 
+std::vector<std::vector<double>> read_weight_rows(const std::string& path)
+{
+    FindingList findings;
+    const auto text = read_bytes(path, findings);
+    if (!text) throw Failure(ExitCode::bad_input, findings.findings());
+    std::vector<std::vector<double>> rows;
+    std::size_t start = 0;
+    for (std::size_t line = 1; start < text->size(); ++line) {
+        const std::size_t end = std::min(text->find('\n', start), text->size());
+        std::string row = text->substr(start, end - start);
+        start = end + 1;
+        if (row.find_first_not_of(" \t\r") == std::string::npos || row[0] == '#') continue;
+        try {
+            rows.push_back(parse_weights(row));
+        } catch (const Failure& failure) {
+            throw Failure(ExitCode::bad_input,
+                          error_at(2601, path + ":" + std::to_string(line), failure.findings()[0].what,
+                                   "one line per frame, one weight per pose, separated by commas; # starts a comment"));
+        }
+    }
+    return rows;
+}
+
 Weights normalised_weights(const std::vector<double>& values, std::size_t pose_count)
 {
     if (values.size() != pose_count)
@@ -183,6 +207,22 @@ Weights normalised_weights(const std::vector<double>& values, std::size_t pose_c
                                "only their ratios matter; use 0 for poses that take no part"));
     w /= largest; // first, so that the sum of very large ones does not overflow
     return w / w.sum();
+}
+
+// Not printf: the pattern comes from outside.
+std::string frame_name(const std::string& pattern, std::size_t frame)
+{
+    const std::size_t percent = pattern.find('%');
+    std::size_t end = percent == std::string::npos ? percent : pattern.find_first_not_of("0123456789", percent + 1);
+    if (end == std::string::npos || pattern[end] != 'd' || pattern.find('%', end) != std::string::npos)
+        throw Failure(ExitCode::usage,
+                      error_at(1205, "", fmt::format("'{}' does not say where the frame number goes", pattern),
+                               "write it as frame_%04d.ply: one %d or %04d"));
+    const std::string digits = pattern.substr(percent + 1, end - percent - 1);
+    const std::size_t width = digits.empty() ? 0 : std::min<std::size_t>(std::stoul("0" + digits.substr(0, 4)), 20);
+    std::string number = std::to_string(frame);
+    if (number.size() < width) number.insert(0, width - number.size(), digits[0] == '0' ? '0' : ' ');
+    return pattern.substr(0, percent) + number + pattern.substr(end + 1);
 }
 
 } // namespace pliant

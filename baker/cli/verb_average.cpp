@@ -1,6 +1,7 @@
 #include "cli/verbs.h"
 
 #include "average/family.h"
+#include "energy/parallel.h"
 #include "io/encode_ply.h"
 #include "io/write_file.h"
 
@@ -13,17 +14,144 @@ namespace {
 
 struct Arguments {
     std::vector<std::string> poses;
-    std::string weights, output;
+    std::string weights, path, list, output;
+    std::uint32_t grid = 0;
     EnergyOptions energy;
     NewtonOptions newton;
     bool all_vertices = false, is_quiet = false;
 };
 
+// An average to compute, and the file for it. frame: its name in messages, empty if there is only one.
+struct Wanted {
+    Weights weights;
+    std::string frame, output;
+};
+
+constexpr double grid_limit = 10000; // meshes: days of work, and more than any viewer wants
+
+// Adds all rows of `pose_count` multiples of 1/steps with sum 1 that begin like `row` up to `pose`, the first pose's weight falling.
+void add_grid_points(Weights& row, Eigen::Index pose, std::uint32_t left, std::uint32_t steps, std::vector<Weights>& points)
+{
+    if (pose + 1 == row.size()) {
+        row[pose] = double(left) / steps;
+        points.push_back(row);
+        return;
+    }
+    for (std::uint32_t share = left + 1; share-- > 0;) {
+        row[pose] = double(share) / steps;
+        add_grid_points(row, pose + 1, left - share, steps, points);
+    }
+}
+
+std::vector<Weights> simplex_grid(std::size_t pose_count, std::uint32_t steps)
+{
+    double count = 1; // (steps + pose_count - 1) over (pose_count - 1)
+    for (std::size_t k = 1; k < pose_count; ++k) count = count * double(steps + k) / double(k);
+    if (count > grid_limit)
+        throw Failure(ExitCode::usage,
+                      error_at(1221, "",
+                               fmt::format("--grid {} of {} poses has {:.0f} points, the limit is {:.0f}", steps, pose_count,
+                                           count, grid_limit),
+                               "take a smaller N, or list the weights you want and give them with --path"));
+    std::vector<Weights> points;
+    Weights row = Weights::Zero(Eigen::Index(pose_count));
+    add_grid_points(row, 0, steps, steps, points);
+    return points;
+}
+
+std::vector<Weights> path_points(const std::string& path, std::size_t pose_count)
+{
+    std::vector<Weights> points;
+    for (const std::vector<double>& row : read_weight_rows(path)) {
+        try {
+            points.push_back(normalised_weights(row, pose_count));
+        } catch (const Failure& failure) {
+            throw Failure(ExitCode::bad_input,
+                          error_at(1222, path, fmt::format("frame {}: {}", points.size(), failure.findings()[0].what),
+                                   "one line per frame, one weight per pose, separated by commas; # starts a comment"));
+        }
+    }
+    if (points.empty())
+        throw Failure(ExitCode::bad_input, error_at(1223, path, "holds no weights", "write one line of weights per frame"));
+    return points;
+}
+
+std::vector<Wanted> wanted_averages(const Arguments& a)
+{
+    if (int(!a.weights.empty()) + int(!a.path.empty()) + int(a.grid > 0) != 1)
+        throw Failure(ExitCode::usage,
+                      error_at(1220, "", "give one of --weights, --path and --grid", "see `pliant average --help`"));
+    if (!a.list.empty() && a.grid == 0)
+        throw Failure(ExitCode::usage,
+                      error_at(1224, "", "--list belongs to --grid", "the weights of --path are in its file already"));
+    const std::size_t pose_count = a.poses.size();
+    if (!a.weights.empty()) return { { normalised_weights(parse_weights(a.weights), pose_count), "", a.output } };
+    const std::vector<Weights> points = a.grid > 0 ? simplex_grid(pose_count, a.grid) : path_points(a.path, pose_count);
+    std::vector<Wanted> wanted;
+    for (std::size_t i = 0; i < points.size(); ++i)
+        wanted.push_back({ points[i], fmt::format("frame {}: ", i), frame_name(a.output, i) });
+    return wanted;
+}
+
+void check_inputs_and_outputs(const Arguments& a, const std::vector<Wanted>& wanted)
+{
+    std::vector<std::string> inputs = input_files(a.poses, a.energy);
+    if (!a.path.empty()) inputs.push_back(a.path);
+    for (const Wanted& one : wanted) probe_output(one.output, inputs);
+    if (!a.list.empty()) probe_output(a.list, inputs);
+}
+
+std::string grid_list(const std::vector<Wanted>& wanted)
+{
+    std::string text = "# weights of the averages, one line per mesh\n";
+    for (const Wanted& one : wanted) {
+        for (Eigen::Index k = 0; k < one.weights.size(); ++k) text += fmt::format("{}{}", k > 0 ? "," : "", one.weights[k]);
+        text += '\n';
+    }
+    return text;
+}
+
+void require_convergence(const NewtonResult& result, const Wanted& wanted, const NewtonOptions& newton)
+{
+    if (result.has_converged) return;
+    throw Failure(ExitCode::failed,
+                  error_at(4303, "",
+                           fmt::format("{}the average did not converge: relative decrement {:.1e} (wanted {:.1e}), "
+                                       "unbalanced force {:.1e} (wanted {:.1e}) after {} iterations",
+                                       wanted.frame, result.decrement, newton.decrement, result.residual, newton.residual,
+                                       result.iterations),
+                           "add an in-between pose, or try another --thickness or a smaller --foldover-damping"));
+}
+
+void warn_of_jumps(ConsoleProgress& progress, const PoseSet& poses, const FamilyPoint& point, const Wanted& wanted)
+{
+    for (const BranchFinding& jump : point.jumps)
+        progress.warn(4406,
+                      fmt::format("{}the average jumps on the way towards pose {}: {:.1f} %, most at vertex {}, weights {}",
+                                  wanted.frame, poses.names[jump.pose], 100 * jump.distance, jump.vertex,
+                                  weights_text(jump.weights)),
+                      "add a pose in between, so that there is only one way to bend");
+}
+
+// Each average comes from the mean, so they may be computed at the same time, and no result depends on the other lines of a path.
+std::vector<FamilyPoint> compute(const AverageFamily& family, const std::vector<Wanted>& wanted, std::size_t first,
+                                 std::size_t count, ConsoleProgress& progress)
+{
+    if (wanted.size() == 1) return { family.at(wanted[0].weights, 0, &progress) };
+    SharedProgress shared(&progress);
+    shared.describe("averages", double(first) / double(wanted.size()),
+                    fmt::format("{} of {} written", first, wanted.size()));
+    std::vector<FamilyPoint> points(count);
+    for_each_task(count, [&](std::size_t i, std::size_t worker) {
+        points[i] = family.at(wanted[first + i].weights, worker, &shared);
+    });
+    return points;
+}
+
 ExitCode run(const Arguments& a)
 {
-    const std::vector<double> values = parse_weights(a.weights);
-    const Weights w = normalised_weights(values, a.poses.size());
-    probe_output(a.output, input_files(a.poses, a.energy));
+    const std::vector<Wanted> wanted = wanted_averages(a);
+    check_inputs_and_outputs(a, wanted);
     ConsoleProgress progress("average", a.is_quiet);
     const PoseSet poses = load_with_warnings("average", a.poses, a.energy);
     const ShapeSet set = normalise(poses, a.energy.keep_placement);
@@ -31,27 +159,25 @@ ExitCode run(const Arguments& a)
     SolverPool pool(*energy, set, a.energy.solver);
     AverageFamily family(pool, a.newton, &progress);
     family.mean();
-    const FamilyPoint point = family.at(w, 0, &progress);
-    const NewtonResult& result = point.average;
-    if (!result.has_converged)
-        throw Failure(
-            ExitCode::failed,
-            error_at(4303, "",
-                     fmt::format("the average did not converge: relative decrement {:.1e} (wanted {:.1e}), unbalanced "
-                                 "force {:.1e} (wanted {:.1e}) after {} iterations",
-                                 result.decrement, a.newton.decrement, result.residual, a.newton.residual,
-                                 result.iterations),
-                     "add an in-between pose, or try another --thickness or a smaller --foldover-damping"));
-    write_output(a.output, encode_ply(to_input_units(set, result.y), poses, a.all_vertices));
-    progress.clear_line();
-    for (const BranchFinding& jump : point.jumps)
-        progress.warn(4406,
-                      fmt::format("the average jumps on the way towards pose {}: {:.1f} %, most at vertex {}, weights {}",
-                                  poses.names[jump.pose], 100 * jump.distance, jump.vertex, weights_text(jump.weights)),
-                      "add a pose in between, so that there is only one way to bend");
-    if (!a.is_quiet)
-        fmt::print("{}: energy {:.6e}, decrement {:.1e}, {} factorisations\n", a.output, result.energy, result.decrement,
-                   pool.factorization_count());
+    const std::size_t portion = 4 * worker_count(); // in memory together; few, so that files appear as the work goes on
+    for (std::size_t first = 0; first < wanted.size(); first += portion) {
+        const std::size_t count = std::min(portion, wanted.size() - first);
+        const std::vector<FamilyPoint> points = compute(family, wanted, first, count, progress);
+        for (std::size_t i = 0; i < count; ++i) {
+            const Wanted& one = wanted[first + i];
+            const NewtonResult& result = points[i].average;
+            require_convergence(result, one, a.newton);
+            write_output(one.output, encode_ply(to_input_units(set, result.y), poses, a.all_vertices));
+            progress.clear_line();
+            warn_of_jumps(progress, poses, points[i], one);
+            if (!a.is_quiet && wanted.size() == 1)
+                fmt::print("{}: energy {:.6e}, decrement {:.1e}, {} factorisations\n", one.output, result.energy,
+                           result.decrement, pool.factorization_count());
+        }
+    }
+    if (!a.list.empty()) write_output(a.list, grid_list(wanted));
+    if (!a.is_quiet && wanted.size() > 1)
+        fmt::print("{} averages, {} factorisations\n", wanted.size(), pool.factorization_count());
     return ExitCode::done;
 }
 
@@ -61,12 +187,21 @@ Verb add_average(CLI::App& app)
 {
     auto a = std::make_shared<Arguments>();
     CLI::App* verb = app.add_subcommand("average", "Compute the unreduced elastic average: the truth, slowly");
-    verb->footer("Example:\n  pliant average rest.ply run.ply --weights 1,1 -o between.ply");
+    verb->footer("Examples:\n  pliant average rest.ply run.ply --weights 1,1 -o between.ply\n"
+                 "  pliant average rest.ply run.ply --path weights.csv -o truth_%04d.ply\n"
+                 "  pliant average rest.ply run.ply --grid 8 --list truth.csv -o truth_%04d.ply\n"
+                 "Meshes of --path and --grid are what `pliant-player --truth` shows beside its blends.");
     add_pose_arguments(*verb, a->poses);
-    verb->add_option("-w,--weights", a->weights, "One weight per pose, separated by commas")
+    verb->add_option("-w,--weights", a->weights, "One weight per pose, separated by commas")->type_name("W1,W2,...");
+    verb->add_option("--path", a->path, "File with one line of weights per mesh: all of them in one run")
+        ->type_name("FILE.csv");
+    verb->add_option("--grid", a->grid, "All weights that are multiples of 1/N, corners included")
+        ->type_name("N")
+        ->check(CLI::Range(1u, 1000u));
+    verb->add_option("--list", a->list, "With --grid: write the weights there, one line per mesh")->type_name("FILE.csv");
+    verb->add_option("-o,--output", a->output, "Mesh to write; with --path and --grid a pattern like truth_%04d.ply")
         ->required()
-        ->type_name("W1,W2,...");
-    verb->add_option("-o,--output", a->output, "Mesh to write")->required()->type_name("OUT.ply");
+        ->type_name("OUT.ply");
     add_energy_options(*verb, a->energy);
     add_all_vertices(*verb, a->all_vertices);
     add_threads(*verb);

@@ -1,12 +1,10 @@
 #include "cli/verbs.h"
 
 #include "io/encode_ply.h"
-#include "io/source_file.h"
 #include "io/write_file.h"
 #include "write/runtime_blender.h"
 
 #include <fmt/core.h>
-#include <fstream>
 #include <memory>
 
 namespace pliant {
@@ -26,45 +24,6 @@ struct Writing {
 };
 
 std::vector<float> to_floats(const std::vector<double>& values) { return std::vector<float>(values.begin(), values.end()); }
-
-// "frame_%04d.ply" with the frame's number in place of its one integer conversion. Not printf: the pattern comes from outside.
-std::string frame_name(const std::string& pattern, std::size_t frame)
-{
-    const std::size_t percent = pattern.find('%');
-    std::size_t end = percent == std::string::npos ? percent : pattern.find_first_not_of("0123456789", percent + 1);
-    if (end == std::string::npos || pattern[end] != 'd' || pattern.find('%', end) != std::string::npos)
-        throw Failure(ExitCode::usage,
-                      error_at(1205, "", fmt::format("'{}' does not say where the frame number goes", pattern),
-                               "write it as frame_%04d.ply: one %d or %04d"));
-    const std::string digits = pattern.substr(percent + 1, end - percent - 1);
-    const std::size_t width = digits.empty() ? 0 : std::min<std::size_t>(std::stoul("0" + digits.substr(0, 4)), 20);
-    std::string number = std::to_string(frame);
-    if (number.size() < width) number.insert(0, width - number.size(), digits[0] == '0' ? '0' : ' ');
-    return pattern.substr(0, percent) + number + pattern.substr(end + 1);
-}
-
-std::vector<std::vector<double>> read_path(const std::string& path)
-{
-    FindingList findings;
-    const auto text = read_bytes(path, findings);
-    if (!text) throw Failure(ExitCode::bad_input, findings.findings());
-    std::vector<std::vector<double>> rows;
-    std::size_t start = 0;
-    for (std::size_t line = 1; start < text->size(); ++line) {
-        const std::size_t end = std::min(text->find('\n', start), text->size());
-        std::string row = text->substr(start, end - start);
-        start = end + 1;
-        if (row.find_first_not_of(" \t\r") == std::string::npos || row[0] == '#') continue;
-        try {
-            rows.push_back(parse_weights(row));
-        } catch (const Failure& failure) {
-            throw Failure(ExitCode::bad_input,
-                          error_at(2601, path + ":" + std::to_string(line), failure.findings()[0].what,
-                                   "one line per frame, one weight per pose, separated by commas; # starts a comment"));
-        }
-    }
-    return rows;
-}
 
 void write_frame(const RuntimeBlender& blender, const std::vector<float>& q, const Writing& how, const std::string& path)
 {
@@ -90,7 +49,7 @@ ExitCode run(const Arguments& a)
         if (!a.is_quiet) fmt::print("{}: {} iterations, {} evaluations\n", a.output, info.iterations, info.evaluations);
         return ExitCode::done;
     }
-    const auto rows = read_path(a.path);
+    const auto rows = read_weight_rows(a.path);
     for (std::size_t frame = 0; frame < rows.size(); ++frame) probe_output(frame_name(a.output, frame), { a.asset, a.path });
     ConsoleProgress progress("blend", a.is_quiet);
     for (std::size_t frame = 0; frame < rows.size(); ++frame) {

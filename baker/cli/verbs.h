@@ -41,7 +41,13 @@ std::vector<std::string> input_files(const std::vector<std::string>& poses, cons
 // "1,0.5,2" as numbers. Throws Failure (usage, P1201) quoting what is not one.
 std::vector<double> parse_weights(const std::string& text);
 
+// A file with weights, a line a frame. Throws Failure (bad_input, P2001, P2601) naming the line that is not one.
+std::vector<std::vector<double>> read_weight_rows(const std::string& path);
+
 // Checks count and values (P1203, P1204) and divides by the sum.
 Weights normalised_weights(const std::vector<double>& values, std::size_t pose_count);
+
+// "frame_%04d.ply" with the frame's number in place of its one integer conversion. Throws Failure (usage, P1205).
+std::string frame_name(const std::string& pattern, std::size_t frame);
 
 } // namespace pliant

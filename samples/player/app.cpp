@@ -1,9 +1,9 @@
 #include "app.h"
 
+#include "error.h"
 #include "gl_context.h"
-#include "motion.h"
-#include "overlay.h"
-#include "stage.h"
+#include "hud_parts.h"
+#include "session.h"
 
 #define GLFW_INCLUDE_NONE
 #include <GLFW/glfw3.h>
@@ -11,6 +11,7 @@
 #include <algorithm>
 #include <cmath>
 #include <memory>
+#include <utility>
 
 namespace pliant::player {
 
@@ -20,35 +21,29 @@ constexpr int kWidth = 1280, kHeight = 800;
 constexpr double kDegreesPerPixel = 0.35;
 constexpr double kZoomPerNotch = 0.9;
 constexpr double kLongestStep = 0.1; // seconds: after a hitch the motion goes on where it was, it does not leap
+constexpr double kNoticeSeconds = 5.0;
 
 class App {
 public:
-    App(const Options& options, const AssetFile& file);
+    App(const Options& options, AssetFile file);
     void run();
 
 private:
     void read_keys();
     void read_scene_mouse();
-    void act(const HudActions& actions);
-    void toggle_linear() { show_ = show_ == Show::linear ? Show::elastic : Show::linear; }
     void draw_frame(int width, int height);
-    // A point that nobody moved keeps the weights of the command line, which the point alone cannot express.
-    std::vector<double> current_weights() const
-    {
-        return point_moved_ ? stage_.polygon().weights(motion_.point()) : start_weights_;
-    }
+    void open_dropped_file();
+    void say(const std::string& text, bool is_error, double seconds);
 
-    const Options& options_;
-    const AssetFile& file_;
-    std::vector<double> start_weights_;
+    Options options_;
     WindowContext context_;
-    Stage stage_;
+    Quality quality_;
+    std::unique_ptr<Session> session_;
     Overlay overlay_;
-    Motion motion_;
-    CostHistory history_;
     std::unique_ptr<Canvas> canvas_;
-    Show show_;
-    bool point_moved_;
+    std::string dropped_; // path of a file that waits to be opened
+    Notice notice_;
+    double notice_ends_ = 0.0; // GLFW's time
     bool help_ = true;
     bool ends_ = false;
 };
@@ -64,20 +59,44 @@ float content_scale(GLFWwindow* window)
     return framebuffer > points ? 1.0f : std::max(1.0f, y);
 }
 
-App::App(const Options& options, const AssetFile& file)
+App::App(const Options& options, AssetFile file)
     : options_(options)
-    , file_(file)
-    , start_weights_(weights_for(options, file))
-    , context_(file.title() + " · Pliant", options.width > 0 ? options.width : kWidth,
-               options.height > 0 ? options.height : kHeight, true)
-    , stage_(options, file, context_.is_software() ? Quality::low : Quality::medium)
+    , context_("Pliant", options.width > 0 ? options.width : kWidth, options.height > 0 ? options.height : kHeight, true)
+    , quality_(context_.is_software() ? Quality::low : Quality::medium)
+    , session_(open_session(options, std::move(file), quality_))
     , overlay_(content_scale(context_.window()), context_.window())
-    , motion_(stage_.polygon(), stage_.polygon().point(start_weights_), options.weights.empty())
-    , show_(options.both         ? Show::both
-                : options.linear ? Show::linear
-                                 : Show::elastic)
-    , point_moved_(options.weights.empty())
 {
+    glfwSetWindowTitle(context_.window(), (session_->title() + " · Pliant").c_str());
+    glfwSetWindowUserPointer(context_.window(), &dropped_);
+    glfwSetDropCallback(context_.window(), [](GLFWwindow* window, int count, const char** paths) {
+        if (count > 0) *static_cast<std::string*>(glfwGetWindowUserPointer(window)) = paths[0];
+    });
+}
+
+void App::say(const std::string& text, bool is_error, double seconds)
+{
+    notice_ = { text, is_error };
+    notice_ends_ = glfwGetTime() + seconds;
+}
+
+// The new session is whole before the old one goes: if the file is refused, nothing changes.
+void App::open_dropped_file()
+{
+    if (dropped_.empty()) return;
+    Options options = options_;
+    options.asset = std::exchange(dropped_, "");
+    // These belong to the character that they were given for.
+    options.weights.clear();
+    options.path.clear();
+    options.truth_weights.clear();
+    try {
+        session_ = open_session(options, AssetFile(options.asset), quality_);
+        glfwSetWindowTitle(context_.window(), (session_->title() + " · Pliant").c_str());
+        say("opened " + options.asset, false, kNoticeSeconds);
+    } catch (const Error& error) {
+        say("P" + std::to_string(static_cast<int>(error.number)) + ": " + error.what() + "\n" + error.hint, true,
+            2.0 * kNoticeSeconds);
+    }
 }
 
 void App::read_keys()
@@ -85,19 +104,8 @@ void App::read_keys()
     const auto pressed = [](int key) { return ImGui::IsKeyPressed(key, false); };
     if (pressed(GLFW_KEY_ESCAPE)) ends_ = true;
     if (pressed(GLFW_KEY_H)) help_ = !help_;
-    if (pressed(GLFW_KEY_R)) stage_.camera().reset();
-    if (pressed(GLFW_KEY_L)) toggle_linear();
-    if (pressed(GLFW_KEY_B)) show_ = show_ == Show::both ? Show::elastic : Show::both;
-    if (pressed(GLFW_KEY_SPACE)) {
-        motion_.toggle_play();
-        point_moved_ = true;
-    }
-    for (uint32_t k = 0; k < std::min(stage_.polygon().corner_count(), 9u); ++k) {
-        if (pressed(GLFW_KEY_1 + static_cast<int>(k))) {
-            motion_.go_to(k);
-            point_moved_ = true;
-        }
-    }
+    if (pressed(GLFW_KEY_R)) session_->camera().reset();
+    session_->read_keys();
 }
 
 void App::read_scene_mouse()
@@ -106,17 +114,9 @@ void App::read_scene_mouse()
     if (io.WantCaptureMouse) return;
     if (ImGui::IsMouseDown(ImGuiMouseButton_Left)) {
         const double yaw = -kDegreesPerPixel * io.MouseDelta.x, pitch = kDegreesPerPixel * io.MouseDelta.y;
-        stage_.camera().orbit(static_cast<float>(yaw), static_cast<float>(pitch));
+        session_->camera().orbit(static_cast<float>(yaw), static_cast<float>(pitch));
     }
-    if (io.MouseWheel != 0.0f) stage_.camera().zoom(static_cast<float>(std::pow(kZoomPerNotch, io.MouseWheel)));
-}
-
-void App::act(const HudActions& actions)
-{
-    if (actions.show) show_ = *actions.show;
-    if (actions.drag_to) motion_.drag_to(*actions.drag_to);
-    if (actions.go_to) motion_.go_to(*actions.go_to);
-    point_moved_ = point_moved_ || actions.drag_to || actions.go_to;
+    if (io.MouseWheel != 0.0f) session_->camera().zoom(static_cast<float>(std::pow(kZoomPerNotch, io.MouseWheel)));
 }
 
 void App::draw_frame(int width, int height)
@@ -124,33 +124,19 @@ void App::draw_frame(int width, int height)
     if (!canvas_ || canvas_->width() != width || canvas_->height() != height) {
         canvas_ = std::make_unique<Canvas>(width, height);
     }
-    const std::vector<double> weights = current_weights();
-    const BlendCost cost = stage_.blend(weights, show_);
-    history_.add(cost);
-
     // Panels are laid out in the window's units, the scene in pixels; they differ on screens of high density.
     const ImVec2 window = ImGui::GetIO().DisplaySize;
     const Area panels_leave = free_area(overlay_.scale(), static_cast<int>(window.x), static_cast<int>(window.y));
     const float x = static_cast<float>(width) / window.x, y = static_cast<float>(height) / window.y;
     const Area free { panels_leave.x * x, panels_leave.y * y, panels_leave.width * x, panels_leave.height * y };
     canvas_->begin();
-    stage_.draw(*canvas_, { 0.0f, 0.0f, static_cast<float>(width), static_cast<float>(height) }, free);
+    session_->draw_scene(*canvas_, { 0.0f, 0.0f, static_cast<float>(width), static_cast<float>(height) }, free);
     canvas_->resolve();
     canvas_->show();
-
-    const HudModel model { file_,
-                           stage_.polygon(),
-                           weights,
-                           motion_.point(),
-                           show_,
-                           motion_.plays(),
-                           help_,
-                           cost,
-                           history_.median(&BlendCost::solve_us),
-                           history_.median(&BlendCost::reconstruct_us),
-                           history_.median(&BlendCost::normals_us) };
-    act(draw_hud(overlay_, model, static_cast<int>(window.x), static_cast<int>(window.y)));
-    if (show_ == Show::both) draw_side_captions(overlay_, panels_leave);
+    session_->draw_panels(overlay_, static_cast<int>(window.x), static_cast<int>(window.y), help_);
+    if (glfwGetTime() < notice_ends_) {
+        draw_notice(overlay_, notice_, static_cast<int>(window.x), static_cast<int>(window.y));
+    }
 }
 
 void App::run()
@@ -159,8 +145,9 @@ void App::run()
     double last = start;
     while (!ends_ && !glfwWindowShouldClose(context_.window())) {
         glfwPollEvents();
+        open_dropped_file();
         const double now = glfwGetTime();
-        motion_.advance(std::min(now - last, kLongestStep));
+        session_->advance(std::min(now - last, kLongestStep));
         last = now;
         if (options_.exit_after > 0.0 && now - start >= options_.exit_after) ends_ = true;
 
@@ -181,6 +168,6 @@ void App::run()
 
 } // namespace
 
-void run_window(const Options& options, const AssetFile& file) { App(options, file).run(); }
+void run_window(const Options& options, AssetFile file) { App(options, std::move(file)).run(); }
 
 } // namespace pliant::player

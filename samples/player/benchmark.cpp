@@ -1,6 +1,7 @@
 #include "benchmark.h"
 
 #include "control_polygon.h"
+#include "crowd.h"
 
 #include <algorithm>
 #include <cstdio>
@@ -14,10 +15,10 @@ struct Spread {
     double median = 0.0, high = 0.0; // high: 95 of 100 are below
 };
 
-template <typename Field> Spread spread(const std::vector<BlendCost>& costs, Field field)
+template <typename Cost, typename Field> Spread spread(const std::vector<Cost>& costs, Field field)
 {
     std::vector<double> values;
-    for (const BlendCost& cost : costs) values.push_back(static_cast<double>(field(cost)));
+    for (const Cost& cost : costs) values.push_back(static_cast<double>(field(cost)));
     std::sort(values.begin(), values.end());
     return { values[values.size() / 2], values[values.size() * 95 / 100] };
 }
@@ -27,10 +28,64 @@ void print_json_row(const char* name, const Spread& s)
     std::printf(",\n  \"%s\": { \"median\": %.3f, \"p95\": %.3f }", name, s.median, s.high);
 }
 
+void print_text_row(const char* name, const Spread& s) { std::printf("%-11s %8.1f   %8.1f  us\n", name, s.median, s.high); }
+
+// A whole crowd a frame, each character a little further on its loop, as far as a window of 60 frames a second would take it.
+void run_crowd(const Options& options, const AssetFile& file)
+{
+    const pliant_asset& asset = file.view();
+    const ControlPolygon polygon(asset.pose_count);
+    const std::optional<WeightPath> path = path_for(options, file);
+    const BlendMode mode = options.linear ? BlendMode::linear : BlendMode::elastic;
+    Crowd crowd(file, options.to_world(), static_cast<uint32_t>(options.crowd));
+    const double step = 1.0 / (60.0 * loop_seconds(polygon, path, options.fps));
+    std::vector<CrowdCost> costs;
+    uint64_t not_converged = 0;
+    for (int frame = 0; frame < options.benchmark_frames; ++frame) {
+        CrowdCost cost;
+        crowd.solve(crowd_weights(crowd.count(), frame * step, polygon, path), mode, cost);
+        crowd.reconstruct(cost);
+        costs.push_back(cost);
+        not_converged += cost.not_converged;
+    }
+    const Spread solve = spread(costs, [](const CrowdCost& c) { return c.solve_us; });
+    const Spread reconstruct = spread(costs, [](const CrowdCost& c) { return c.reconstruct_us; });
+    const Spread normals = spread(costs, [](const CrowdCost& c) { return c.normals_us; });
+    const Spread evaluations = spread(costs, [](const CrowdCost& c) { return c.evaluations; });
+    const char* blend = options.linear ? "linear" : "elastic";
+    if (options.json) {
+        std::printf(
+            "{\n  \"blend\": \"%s\",\n  \"frames\": %d,\n  \"characters\": %u,\n  \"vertices\": %u,\n  \"poses\": %u", blend,
+            options.benchmark_frames, crowd.count(), asset.vertex_count, asset.pose_count);
+        std::printf(",\n  \"dimension\": %u,\n  \"solver_bytes\": %zu,\n  \"solves_not_converged\": %llu", asset.dimension,
+                    crowd.solver_bytes() * crowd.count(), static_cast<unsigned long long>(not_converged));
+        print_json_row("solve_us", solve);
+        print_json_row("reconstruct_us", reconstruct);
+        print_json_row("normals_us", normals);
+        print_json_row("evaluations", evaluations);
+        std::printf("\n}\n");
+        return;
+    }
+    std::printf("%s: %s blend, %u characters, %d frames, %u vertices, %u poses, d = %u; each number is of the whole crowd\n",
+                file.path().c_str(), blend, crowd.count(), options.benchmark_frames, asset.vertex_count, asset.pose_count,
+                asset.dimension);
+    std::printf("              median        p95\n");
+    print_text_row("solve", solve);
+    print_text_row("reconstruct", reconstruct);
+    print_text_row("normals", normals);
+    std::printf("evaluations %8.0f   %8.0f\n", evaluations.median, evaluations.high);
+    std::printf("solves that did not converge: %llu\n", static_cast<unsigned long long>(not_converged));
+}
+
 } // namespace
 
 void run_benchmark(const Options& options, const AssetFile& file)
 {
+    if (options.crowd > 0) {
+        run_crowd(options, file);
+        return;
+    }
+    const std::optional<WeightPath> path = path_for(options, file);
     const pliant_asset& asset = file.view();
     const ControlPolygon polygon(asset.pose_count);
     const BlendMode mode = options.linear ? BlendMode::linear : BlendMode::elastic;
@@ -39,7 +94,9 @@ void run_benchmark(const Options& options, const AssetFile& file)
     int not_converged = 0;
     for (int frame = 0; frame < options.benchmark_frames; ++frame) {
         const double phase = static_cast<double>(frame) / options.benchmark_frames;
-        costs.push_back(character.blend(polygon.weights(polygon.idle_point(phase)), mode));
+        const std::vector<double> weights
+            = path ? path->at(phase * static_cast<double>(path->count())) : polygon.weights(polygon.idle_point(phase));
+        costs.push_back(character.blend(weights, mode));
         if (costs.back().info.status != PLIANT_STATUS_CONVERGED) ++not_converged;
     }
     const Spread solve = spread(costs, [](const BlendCost& c) { return c.solve_us; });
@@ -60,12 +117,12 @@ void run_benchmark(const Options& options, const AssetFile& file)
         std::printf("\n}\n");
         return;
     }
-    std::printf("%s: %s blend, %d frames along the idle path, %u vertices, %u poses, d = %u\n", file.path().c_str(), blend,
-                options.benchmark_frames, asset.vertex_count, asset.pose_count, asset.dimension);
+    std::printf("%s: %s blend, %d frames along the %s path, %u vertices, %u poses, d = %u\n", file.path().c_str(), blend,
+                options.benchmark_frames, path ? "given" : "idle", asset.vertex_count, asset.pose_count, asset.dimension);
     std::printf("              median        p95\n");
-    std::printf("solve       %8.1f   %8.1f  us\n", solve.median, solve.high);
-    std::printf("reconstruct %8.1f   %8.1f  us\n", reconstruct.median, reconstruct.high);
-    std::printf("normals     %8.1f   %8.1f  us\n", normals.median, normals.high);
+    print_text_row("solve", solve);
+    print_text_row("reconstruct", reconstruct);
+    print_text_row("normals", normals);
     std::printf("iterations  %8.0f   %8.0f\n", iterations.median, iterations.high);
     std::printf("evaluations %8.0f   %8.0f\n", evaluations.median, evaluations.high);
     std::printf("frames that did not converge: %d\n", not_converged);

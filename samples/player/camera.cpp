@@ -49,14 +49,23 @@ float fitting_distance(const std::vector<glm::vec3>& outline, const glm::mat3& r
 
 Camera::Camera(const Extent& extent)
     : extent_(extent)
+    , home_yaw_(kHomeYaw)
+    , home_pitch_(kHomePitch)
 {
     reset();
 }
 
 void Camera::reset()
 {
-    set_view(kHomeYaw, kHomePitch);
+    set_view(home_yaw_, home_pitch_);
     zoom_ = 1.0f;
+}
+
+void Camera::set_home(float yaw, float pitch)
+{
+    home_yaw_ = yaw;
+    home_pitch_ = pitch;
+    reset();
 }
 
 void Camera::set_view(float yaw, float pitch)

@@ -25,6 +25,8 @@ public:
     // factor < 1 comes closer.
     void zoom(float factor);
     void reset();
+    // The view that reset() goes back to; goes there.
+    void set_home(float yaw, float pitch);
 
     struct Matrices {
         glm::mat4 view { 1.0f };
@@ -45,6 +47,7 @@ private:
     glm::mat4 rotation() const;
 
     Extent extent_;
+    float home_yaw_, home_pitch_;
     float yaw_ = 0.0f;
     float pitch_ = 0.0f;
     float zoom_ = 1.0f;

@@ -6,23 +6,11 @@
 #include <glm/geometric.hpp>
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <limits>
 #include <string>
 
 namespace pliant::player {
-
-namespace {
-
-using Clock = std::chrono::steady_clock;
-
-double microseconds_since(Clock::time_point start)
-{
-    return std::chrono::duration<double, std::micro>(Clock::now() - start).count();
-}
-
-} // namespace
 
 void CostHistory::add(const BlendCost& cost)
 {
@@ -59,24 +47,12 @@ Character::Character(const AssetFile& file, const glm::mat3& to_world)
 
 void Character::forget() { pliant_solver_reset(solver_); }
 
-void Character::solve_linear(const std::vector<double>& weights)
-{
-    double sum = 0.0;
-    for (double weight : weights) sum += weight;
-    std::fill(q_.begin(), q_.end(), 0.0f);
-    for (uint32_t k = 0; k < weights.size(); ++k) {
-        const float* pose = pliant_asset_pose_coordinates(&file_.view(), k);
-        const float weight = static_cast<float>(weights[k] / sum);
-        for (size_t j = 0; j < q_.size(); ++j) q_[j] += weight * pose[j];
-    }
-}
-
 BlendCost Character::blend(const std::vector<double>& weights, BlendMode mode)
 {
     BlendCost cost;
-    auto start = Clock::now();
+    const Stopwatch solve;
     if (mode == BlendMode::linear) {
-        solve_linear(weights);
+        blend_linearly(file_.view(), weights, q_);
     } else {
         const std::vector<float> weights_f32(weights.begin(), weights.end());
         const pliant_result result = pliant_solve(solver_, weights_f32.data(), q_.data(), &cost.info);
@@ -85,40 +61,30 @@ BlendCost Character::blend(const std::vector<double>& weights, BlendMode mode)
                         "weights are numbers >= 0, one for each pose, not all zero");
         }
     }
-    cost.solve_us = microseconds_since(start);
+    cost.solve_us = solve.microseconds();
 
-    start = Clock::now();
+    const Stopwatch reconstruct;
     pliant_reconstruct(&file_.view(), q_.data(), 0, file_.view().vertex_count, &positions_[0].x, sizeof positions_[0]);
-    cost.reconstruct_us = microseconds_since(start);
+    cost.reconstruct_us = reconstruct.microseconds();
 
-    start = Clock::now();
-    compute_normals();
-    cost.normals_us = microseconds_since(start);
-    stand_on_floor();
+    const Stopwatch normals;
+    compute_normals(file_.view(), positions_, vertices_);
+    cost.normals_us = normals.microseconds();
+    stand_on_floor(to_world_, positions_, vertices_);
     return cost;
 }
 
-// Sums of the adjacent faces' normals, weighted by area; the shader brings them to unit length.
-void Character::compute_normals()
+void Character::show(const std::vector<glm::vec3>& positions)
 {
-    for (Vertex& vertex : vertices_) vertex.normal = glm::vec3(0.0f);
-    const uint32_t* triangle = file_.view().triangles;
-    for (uint32_t t = 0; t < file_.view().triangle_count; ++t, triangle += 3) {
-        const glm::vec3 corner = positions_[triangle[0]];
-        const glm::vec3 normal = glm::cross(positions_[triangle[1]] - corner, positions_[triangle[2]] - corner);
-        for (int i = 0; i < 3; ++i) vertices_[triangle[i]].normal += normal;
-    }
+    std::copy(positions.begin(), positions.end(), positions_.begin());
+    std::fill(positions_.begin() + static_cast<std::ptrdiff_t>(positions.size()), positions_.end(), positions.front());
+    compute_normals(file_.view(), positions_, vertices_);
+    stand_on_floor(to_world_, positions_, vertices_);
 }
 
-void Character::stand_on_floor()
+void Character::set_heat(const std::vector<float>& heat)
 {
-    float floor = std::numeric_limits<float>::infinity();
-    for (size_t v = 0; v < vertices_.size(); ++v) {
-        vertices_[v].position = to_world_ * positions_[v];
-        vertices_[v].normal = to_world_ * vertices_[v].normal;
-        floor = std::min(floor, vertices_[v].position.y);
-    }
-    for (Vertex& vertex : vertices_) vertex.position.y -= floor;
+    for (size_t v = 0; v < vertices_.size(); ++v) vertices_[v].heat = heat.empty() ? -1.0f : heat[v];
 }
 
 Extent extent_of_poses(Character& character)

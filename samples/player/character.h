@@ -2,6 +2,7 @@
 #pragma once
 
 #include "asset_file.h"
+#include "surface.h"
 
 #include <glm/mat3x3.hpp>
 #include <glm/vec3.hpp>
@@ -13,12 +14,6 @@
 namespace pliant::player {
 
 enum class BlendMode { elastic, linear };
-
-// A vertex as the renderer wants it. Positions in the asset's units, with the world's y up.
-struct Vertex {
-    glm::vec3 position { 0.0f };
-    glm::vec3 normal { 0.0f };
-};
 
 // How much room the poses take, each standing on the floor: a box around them, and the points that stick out furthest in many
 // directions, which outline them for a camera.
@@ -56,17 +51,22 @@ public:
     // Blends and stands the result on the floor (y = 0). weights: pose_count numbers >= 0 with a positive sum. Throws Error.
     BlendCost blend(const std::vector<double>& weights, BlendMode mode);
 
+    // Shows a shape that was made elsewhere: positions of the drawn surface in the asset's units. What it does not draw lies with its
+    // first vertex.
+    void show(const std::vector<glm::vec3>& positions);
+
+    // Colours the vertices from now on (heat.h), one number each; empty: in the actor's own colour.
+    void set_heat(const std::vector<float>& heat);
+
     // The next elastic blend starts afresh instead of from the last one.
     void forget();
 
     const std::vector<Vertex>& vertices() const { return vertices_; }
+    // In the asset's units and axes, where the blend put them.
+    const std::vector<glm::vec3>& positions() const { return positions_; }
     const AssetFile& file() const { return file_; }
 
 private:
-    void solve_linear(const std::vector<double>& weights);
-    void compute_normals();
-    void stand_on_floor();
-
     const AssetFile& file_;
     glm::mat3 to_world_;
     std::vector<std::byte> solver_memory_;

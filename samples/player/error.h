@@ -16,9 +16,14 @@ enum class ErrorNumber : int {
     weights = 5902,
     file_unreadable = 5911,
     asset_refused = 5912,
+    path_refused = 5913,
+    truth_mesh_refused = 5914,
+    truth_of_another = 5915,
     no_context = 5921,
     gl_refused = 5922,
-    picture_not_written = 5931
+    picture_not_written = 5931,
+    no_frame_number = 5941,
+    modes_exclude = 5942
 };
 
 class Error : public std::runtime_error {

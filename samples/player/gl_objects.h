@@ -67,6 +67,10 @@ public:
     {
         glUniformMatrix4fv(at(uniform), count, GL_FALSE, &values[0][0].x);
     }
+    void set(const char* uniform, const glm::vec3* values, int count) const
+    {
+        glUniform3fv(at(uniform), count, &values[0].x);
+    }
     void set(const char* uniform, const glm::vec4* values, int count) const
     {
         glUniform4fv(at(uniform), count, &values[0].x);

@@ -10,12 +10,7 @@ namespace pliant::player {
 
 namespace {
 
-constexpr float kMargin = 18.0f, kColumn = 316.0f, kPolygonHeight = 322.0f;
-constexpr float kHelpHeight = 84.0f; // kept free of characters, whether it is shown or not
-
-constexpr ImGuiWindowFlags kPanel = ImGuiWindowFlags_NoTitleBar | ImGuiWindowFlags_NoResize | ImGuiWindowFlags_NoMove
-    | ImGuiWindowFlags_NoScrollbar | ImGuiWindowFlags_NoScrollWithMouse | ImGuiWindowFlags_NoSavedSettings
-    | ImGuiWindowFlags_NoNav | ImGuiWindowFlags_NoFocusOnAppearing;
+constexpr float kPolygonHeight = 322.0f;
 
 const char* status_text(pliant_status status)
 {
@@ -27,26 +22,9 @@ const char* status_text(pliant_status status)
     return "unknown";
 }
 
-void row(const Overlay& overlay, const char* label, const std::string& value)
-{
-    ImGui::PushStyleColor(ImGuiCol_Text, kFaintInk);
-    ImGui::TextUnformatted(label);
-    ImGui::PopStyleColor();
-    const float room = ImGui::GetWindowWidth() - 18.0f * overlay.scale();
-    ImGui::SameLine(room - ImGui::CalcTextSize(value.c_str()).x);
-    ImGui::TextUnformatted(value.c_str());
-}
-
-std::string microseconds(double value)
-{
-    char text[32];
-    std::snprintf(text, sizeof text, value < 10.0 ? "%.1f µs" : "%.0f µs", value);
-    return text;
-}
-
 void segment(const char* label, Show show, ImU32 colour, const HudModel& model, float width, HudActions& actions)
 {
-    const bool chosen = model.show == show;
+    const bool chosen = model.shown.show == show;
     if (chosen) {
         ImGui::PushStyleColor(ImGuiCol_Button, colour);
         ImGui::PushStyleColor(ImGuiCol_ButtonHovered, colour);
@@ -57,6 +35,44 @@ void segment(const char* label, Show show, ImU32 colour, const HudModel& model, 
     if (chosen) ImGui::PopStyleColor(4);
 }
 
+// What to show, and whether to colour it by distance.
+void draw_choices(const Overlay& overlay, const HudModel& model, HudActions& actions)
+{
+    const float s = overlay.scale(), gap = 5.0f * s;
+    const float count = model.truth ? 4.0f : 3.0f;
+    const float button = (ImGui::GetContentRegionAvail().x - (count - 1.0f) * gap) / count;
+    ImGui::PushStyleVar(ImGuiStyleVar_FramePadding, { 2.0f * s, 6.0f * s });
+    segment("Elastic", Show::elastic, kElasticInk, model, button, actions);
+    ImGui::SameLine(0.0f, gap);
+    segment("Linear", Show::linear, kLinearInk, model, button, actions);
+    ImGui::SameLine(0.0f, gap);
+    segment("Both", Show::both, kInk, model, button, actions);
+    if (model.truth) {
+        ImGui::SameLine(0.0f, gap);
+        segment("Three", Show::three, kUnreducedInk, model, button, actions);
+    }
+    ImGui::PopStyleVar();
+    ImGui::Dummy({ 0.0f, 3.0f * s });
+}
+
+// Where the weights come from, if not from the point alone.
+void draw_sources(const Overlay& overlay, const HudModel& model)
+{
+    if (model.path_frame) {
+        char text[48];
+        std::snprintf(text, sizeof text, "%.1f of %zu", *model.path_frame, model.path_count);
+        row(overlay, "line of the path", text);
+    }
+    if (!model.shown.truth) return;
+    row(overlay, "unreduced average",
+        std::to_string(*model.shown.truth + 1) + " of " + std::to_string(model.truth->count()));
+    ImGui::PushFont(overlay.small());
+    ImGui::PushStyleColor(ImGuiCol_Text, kUnreducedInk);
+    ImGui::TextUnformatted("all are shown at its weights (ring), the\nnearest to the point");
+    ImGui::PopStyleColor();
+    ImGui::PopFont();
+}
+
 void draw_facts(const Overlay& overlay, const HudModel& model, HudActions& actions)
 {
     const float s = overlay.scale();
@@ -64,36 +80,24 @@ void draw_facts(const Overlay& overlay, const HudModel& model, HudActions& actio
     ImGui::SetNextWindowSize({ kColumn * s, 0.0f });
     ImGui::Begin("facts", nullptr, kPanel | ImGuiWindowFlags_AlwaysAutoResize);
 
-    ImGui::PushFont(overlay.title());
-    ImGui::TextUnformatted(model.file.title().c_str());
-    ImGui::PopFont();
     const pliant_asset& asset = model.file.view();
-    ImGui::PushFont(overlay.small());
-    ImGui::PushStyleColor(ImGuiCol_Text, kFaintInk);
-    ImGui::Text("%u poses · %s vertices · d = %u", asset.pose_count, grouped(asset.vertex_count).c_str(), asset.dimension);
-    ImGui::PopStyleColor();
-    ImGui::PopFont();
-    ImGui::Dummy({ 0.0f, 3.0f * s });
-
-    const float button = (ImGui::GetContentRegionAvail().x - 2.0f * 5.0f * s) / 3.0f;
-    segment("Elastic", Show::elastic, kElasticInk, model, button, actions);
-    ImGui::SameLine(0.0f, 5.0f * s);
-    segment("Linear", Show::linear, kLinearInk, model, button, actions);
-    ImGui::SameLine(0.0f, 5.0f * s);
-    segment("Both", Show::both, kInk, model, button, actions);
-    ImGui::Dummy({ 0.0f, 3.0f * s });
+    heading(overlay, model.file.title(),
+            std::to_string(asset.pose_count) + " poses · " + grouped(asset.vertex_count)
+                + " vertices · d = " + std::to_string(asset.dimension));
+    draw_choices(overlay, model, actions);
 
     row(overlay, "solve", microseconds(model.solve_us));
-    if (model.show == Show::linear) {
+    if (model.shown.show == Show::linear) {
         row(overlay, "iterations", "a weighted sum");
     } else {
         const std::string work
-            = std::to_string(model.cost.info.iterations) + " / " + std::to_string(model.cost.info.evaluations);
+            = std::to_string(model.shown.cost.info.iterations) + " / " + std::to_string(model.shown.cost.info.evaluations);
         row(overlay, "iterations / evaluations", work);
-        row(overlay, "status", status_text(model.cost.info.status));
+        row(overlay, "status", status_text(model.shown.cost.info.status));
     }
     row(overlay, "reconstruct", microseconds(model.reconstruct_us));
     row(overlay, "normals", microseconds(model.normals_us));
+    draw_sources(overlay, model);
     ImGui::End();
 }
 
@@ -125,60 +129,31 @@ void draw_polygon_panel(const Overlay& overlay, const HudModel& model, int heigh
     const ImVec2 corner = ImGui::GetWindowPos();
     // Two poses and even numbers hang level; odd ones have a tip above and need their middle a little lower.
     const float drop = model.polygon.corner_count() % 2 == 1 ? 12.0f : 2.0f;
-    const PolygonView view {
-        model.polygon, model.file.short_names(), { corner.x + size.x * 0.5f, corner.y + size.y * 0.5f + drop * s }, 96.0f * s
-    };
+    const PolygonView view { model.polygon,
+                             model.file.short_names(),
+                             { corner.x + size.x * 0.5f, corner.y + size.y * 0.5f + drop * s },
+                             96.0f * s,
+                             model.truth };
     ImGui::SetCursorPos({ 6.0f * s, 6.0f * s });
     ImGui::InvisibleButton("inside", { size.x - 12.0f * s, size.y - 12.0f * s });
     handle_polygon_input(view, s, actions);
-    draw_polygon(ImGui::GetWindowDrawList(), overlay, view, model.weights, model.point, true);
+    draw_polygon(ImGui::GetWindowDrawList(), overlay, view, model.shown.weights, model.point, true);
     ImGui::End();
 }
 
-// One strip along the bottom, as many lines as it needs.
-void draw_help(const Overlay& overlay, const HudModel& model, int width, int height)
+std::vector<Key> keys_for(const HudModel& model)
 {
-    static constexpr const char* keys[][2] = {
-        { "drag the point", "blend" },
-        { "double click a corner", "go there" },
-        { "1-9", "poses" },
-        { "drag the scene", "turn" },
-        { "wheel", "zoom" },
-        { "L", "linear / elastic" },
-        { "B", "both" },
-        { "Space", "play / pause" },
-        { "R", "reset view" },
-        { "H", "hide help" },
-        { "Esc", "quit" },
-    };
-    const float s = overlay.scale();
-    const Area free = free_area(s, width, height);
-    const float room = free.width - 2.0f * kMargin * s;
-    ImGui::SetNextWindowPos({ free.x + free.width - kMargin * s, static_cast<float>(height) - kMargin * s }, 0,
-                            { 1.0f, 1.0f });
-    ImGui::PushStyleVar(ImGuiStyleVar_WindowPadding, { 14.0f * s, 9.0f * s });
-    ImGui::Begin("help", nullptr, kPanel | ImGuiWindowFlags_AlwaysAutoResize | ImGuiWindowFlags_NoInputs);
-    ImGui::PushFont(overlay.small());
-    if (model.help) {
-        const float gap = 18.0f * s, between = 6.0f * s;
-        float x = 0.0f;
-        for (const auto& [key, meaning] : keys) {
-            const float needed = ImGui::CalcTextSize(key).x + between + ImGui::CalcTextSize(meaning).x;
-            const bool same_line = x > 0.0f && x + gap + needed < room - 2.0f * 14.0f * s;
-            if (same_line) ImGui::SameLine(0.0f, gap);
-            x = same_line ? x + gap + needed : needed;
-            ImGui::TextUnformatted(key);
-            ImGui::SameLine(0.0f, between);
-            ImGui::PushStyleColor(ImGuiCol_Text, kFaintInk);
-            ImGui::TextUnformatted(meaning);
-            ImGui::PopStyleColor();
-        }
-    } else {
-        ImGui::TextUnformatted("H  help");
-    }
-    ImGui::PopFont();
-    ImGui::End();
-    ImGui::PopStyleVar();
+    std::vector<Key> keys = { { "drag the point", "blend" },
+                              { "double click a corner, 1-9", "go there" },
+                              { "drag the scene, wheel", "turn, zoom" },
+                              { "L", "linear / elastic" },
+                              { "B", "both" } };
+    if (model.truth) keys.emplace_back("T", "three");
+    keys.emplace_back("E", model.truth ? "error colours" : "difference colours");
+    keys.emplace_back("Space", model.path_count > 0 ? "play / pause path" : "play / pause");
+    keys.insert(keys.end(),
+                { { "R", "reset view" }, { "drop a file", "open it" }, { "H", "hide help" }, { "Esc", "quit" } });
+    return keys;
 }
 
 } // namespace
@@ -188,22 +163,8 @@ HudActions draw_hud(const Overlay& overlay, const HudModel& model, int width, in
     HudActions actions;
     draw_facts(overlay, model, actions);
     draw_polygon_panel(overlay, model, height, actions);
-    draw_help(overlay, model, width, height);
+    draw_keys(overlay, keys_for(model), model.help, width, height);
     return actions;
-}
-
-Area free_area(float scale, int width, int height)
-{
-    const float left = std::min((kColumn + kMargin) * scale, 0.5f * static_cast<float>(width));
-    return { left, 0.0f, static_cast<float>(width) - left, static_cast<float>(height) - kHelpHeight * scale };
-}
-
-void draw_side_captions(const Overlay& overlay, const Area& free)
-{
-    ImDrawList* list = ImGui::GetBackgroundDrawList();
-    const float line = free.y + free.height - 34.0f * overlay.scale();
-    draw_text(list, overlay.title(), { free.x + 0.25f * free.width, line }, { 0.5f, 0.0f }, kLinearInk, "linear");
-    draw_text(list, overlay.title(), { free.x + 0.75f * free.width, line }, { 0.5f, 0.0f }, kElasticInk, "elastic");
 }
 
 } // namespace pliant::player

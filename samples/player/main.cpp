@@ -4,9 +4,11 @@
 #include "error.h"
 #include "options.h"
 #include "pictures.h"
+#include "sheet.h"
 
 #include <cstdio>
 #include <exception>
+#include <utility>
 
 namespace {
 
@@ -16,15 +18,17 @@ int run(int argc, char** argv)
 {
     const auto [options, exit_code] = parse_command_line(argc, argv);
     if (exit_code) return *exit_code;
-    const AssetFile file(options.asset);
+    AssetFile file(options.asset);
     if (!options.screenshot.empty()) {
         write_screenshot(options, file);
+    } else if (!options.sequence.empty()) {
+        write_sequence(options, file);
     } else if (!options.sheet.empty()) {
         write_sheet(options, file);
     } else if (options.benchmark_frames > 0) {
         run_benchmark(options, file);
     } else {
-        run_window(options, file);
+        run_window(options, std::move(file));
     }
     return static_cast<int>(ExitCode::done);
 }

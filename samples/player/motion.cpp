@@ -7,7 +7,6 @@ namespace pliant::player {
 namespace {
 
 constexpr double kTravelSeconds = 0.9;
-constexpr double kSecondsPerEdge = 2.8;
 
 } // namespace
 

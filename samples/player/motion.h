@@ -5,6 +5,9 @@
 
 namespace pliant::player {
 
+// How long the idle path takes from one corner to the next.
+constexpr double kSecondsPerEdge = 2.8;
+
 class Motion {
 public:
     // Starts at `point`; plays: whether it sets out along the idle path.

@@ -4,9 +4,7 @@
 
 #include <CLI/CLI.hpp>
 
-#include <charconv>
 #include <cmath>
-#include <cstdlib>
 #include <iostream>
 
 namespace pliant::player {
@@ -26,9 +24,16 @@ Pictures, with or without a display
   pliant-player creature.pliant --sheet sheet.png
       Weights are numbers >= 0, one for each pose in the order of `pliant info`; only their ratios matter.
 
+  pliant-player creature.pliant --sequence frame_%04d.png --path weights.csv
+      weights.csv has a line a frame, the weights separated by commas, as `pliant blend --path` reads it.
+  pliant-player creature.pliant --screenshot three.png --truth truth.csv truth_%04d.ply --heat
+      Linear, elastic and unreduced, after: pliant average POSE... --grid 8 --list truth.csv -o truth_%04d.ply
+
 Measuring
   pliant-player creature.pliant --frames 2000 --json
       Blends along the path that the window plays, draws nothing, prints medians.
+  pliant-player creature.pliant --crowd 100 --frames 500 --json
+      The same for a hundred characters at a time, on one core.
 
 Exit code: 0 done, 1 failed while working, 2 wrong usage, 3 bad asset.)";
 
@@ -37,33 +42,10 @@ Exit code: 0 done, 1 failed while working, 2 wrong usage, 3 bad asset.)";
     throw Error(ErrorNumber::usage, ExitCode::usage, what, hint);
 }
 
-// Numbers with a separator between them, locale or not. Empty if the text is anything else.
-std::vector<double> parse_numbers(const std::string& text, char separator)
-{
-    std::vector<double> numbers;
-    const char* at = text.data();
-    const char* end = at + text.size();
-    while (true) {
-        double value = 0.0;
-        const auto [stop, error] = std::from_chars(at, end, value);
-        if (error != std::errc() || !std::isfinite(value)) return {};
-        numbers.push_back(value);
-        if (stop == end) return numbers;
-        if (*stop != separator) return {};
-        at = stop + 1;
-    }
-}
-
 void parse_weights(const std::string& text, Options& options)
 {
     options.weights = parse_numbers(text, ',');
-    double sum = 0.0;
-    bool good = !options.weights.empty();
-    for (double weight : options.weights) {
-        good = good && weight >= 0.0;
-        sum += weight;
-    }
-    if (!good || !(sum > 0.0)) {
+    if (!normalise_weights(options.weights)) {
         throw Error(ErrorNumber::weights, ExitCode::usage, "--weights: '" + text + "' is not a list of weights",
                     "give one number >= 0 for each pose, separated by commas, not all zero: --weights 0.5,0.5,0");
     }
@@ -86,16 +68,66 @@ void parse_view(const std::string& text, Options& options)
     options.view = glm::vec2(angles[0], angles[1]);
 }
 
-void check_combination(const Options& options)
+[[noreturn]] void refuse_together(const std::string& what, const std::string& hint)
 {
-    const int modes = !options.screenshot.empty() + !options.sheet.empty() + (options.benchmark_frames > 0);
-    if (modes > 1) refuse("--screenshot, --sheet and --frames exclude each other", "run the player once for each");
+    throw Error(ErrorNumber::modes_exclude, ExitCode::usage, what, hint);
+}
+
+void check_path_and_sequence(const Options& options, bool fps_given)
+{
+    if (!options.sequence.empty()) {
+        numbered_name("--sequence", options.sequence, 0);
+        if (options.path.empty() && options.count == 0) {
+            refuse_together("--sequence needs --path or --count", "--count 120 goes once along the idle path");
+        }
+    } else if (options.count > 0) {
+        refuse_together("--count belongs to --sequence", "add --sequence frame_%04d.png");
+    }
+    if (fps_given && options.path.empty()) refuse_together("--fps belongs to --path", "it is how many lines play a second");
+    if (!options.path.empty() && !options.weights.empty()) {
+        refuse_together("--path and --weights exclude each other", "the path has its own weights");
+    }
+    if (!options.path.empty() && (!options.screenshot.empty() || !options.sheet.empty())) {
+        refuse_together("--path is not for single pictures", "use --sequence frame_%04d.png");
+    }
+    if (!options.sequence.empty() && !options.weights.empty()) {
+        refuse_together("--sequence chooses its own weights", "use --screenshot --weights ... for one blend");
+    }
+}
+
+void check_truth_heat_and_crowd(const Options& options)
+{
+    const bool draws_blends = options.sheet.empty() && options.benchmark_frames == 0;
+    if (!options.truth_weights.empty()) {
+        numbered_name("--truth", options.truth_pattern, 0);
+        if (!draws_blends) refuse_together("--truth is not for --sheet and --frames", "use --screenshot or the window");
+    }
+    if (options.heat && !draws_blends) {
+        refuse_together("--heat is not for --sheet and --frames", "use --screenshot or the window");
+    }
+    if (options.crowd == 0) return;
+    if (!options.sheet.empty() || !options.weights.empty() || !options.truth_weights.empty() || options.both
+        || options.heat) {
+        refuse_together("--crowd shows one kind of blend, each character at weights of its own",
+                        "leave out --sheet, --weights, --truth, --both and --heat");
+    }
+}
+
+void check_combination(const Options& options, bool fps_given)
+{
+    const int modes
+        = !options.screenshot.empty() + !options.sheet.empty() + !options.sequence.empty() + (options.benchmark_frames > 0);
+    if (modes > 1) {
+        refuse("--screenshot, --sheet, --sequence and --frames exclude each other", "run the player once for each");
+    }
     if (options.json && options.benchmark_frames == 0) refuse("--json belongs to --frames", "add --frames 1000");
     if (options.linear && options.both)
         refuse("--linear and --both exclude each other", "--both shows linear beside elastic");
     if (!options.sheet.empty() && !options.weights.empty()) {
         refuse("--sheet chooses its own weights", "use --screenshot --both --weights ... for one blend");
     }
+    check_path_and_sequence(options, fps_given);
+    check_truth_heat_and_crowd(options);
 }
 
 } // namespace
@@ -123,11 +155,31 @@ ParsedLine parse_command_line(int argc, char** argv)
     app.add_option("--screenshot", options.screenshot, "draw one picture into this PNG file")->type_name("OUT.png");
     app.add_option("--sheet", options.sheet, "draw a contact sheet: the poses, and blends of them, linear beside elastic")
         ->type_name("OUT.png");
+    app.add_option("--sequence", options.sequence,
+                   "draw one picture after the other along a path; the name holds %04d or %d")
+        ->type_name("OUT_%04d.png");
+    app.add_option("--count", options.count,
+                   "with --sequence: how many pictures, evenly along the loop (default: one per line)")
+        ->type_name("N")
+        ->check(CLI::Range(1, 1000000));
     app.add_option("--frames", options.benchmark_frames, "measure this many blends, draw nothing")
         ->type_name("N")
         ->check(CLI::Range(1, 10000000));
     app.add_flag("--json", options.json, "with --frames: print JSON");
     app.add_option("--weights", weights, "weights to start with (default: equal)")->type_name("W1,W2,...");
+    app.add_option("--path", options.path, "play these weights in a loop, a line a frame, in between they are mixed")
+        ->type_name("WEIGHTS.csv");
+    CLI::Option* fps = app.add_option("--fps", options.fps, "with --path: lines a second in the window (default: 30)")
+                           ->type_name("N")
+                           ->check(CLI::Range(0.001, 1000.0));
+    app.add_option("--crowd", options.crowd, "many characters, each with its own solver, and a graph of the frames' times")
+        ->type_name("N")
+        ->check(CLI::Range(1, 10000));
+    std::vector<std::string> truth;
+    app.add_option("--truth", truth, "unreduced averages (`pliant average --grid`): their weights and their meshes")
+        ->type_name("WEIGHTS.csv MESH_%04d.ply")
+        ->type_size(2);
+    app.add_flag("--heat", options.heat, "colours: distance to the unreduced average, or between linear and elastic");
     app.add_flag("--linear", options.linear, "the linear blend instead of the elastic one");
     app.add_flag("--both", options.both, "linear and elastic side by side");
     app.add_option("--size", size, "size of window or picture, with --sheet of one cell")->type_name("WxH");
@@ -151,8 +203,18 @@ ParsedLine parse_command_line(int argc, char** argv)
     if (!weights.empty()) parse_weights(weights, options);
     if (!size.empty()) parse_size(size, options);
     if (!view.empty()) parse_view(view, options);
-    check_combination(options);
+    if (!truth.empty()) {
+        options.truth_weights = truth[0];
+        options.truth_pattern = truth[1];
+    }
+    check_combination(options, fps->count() > 0);
     return { options, std::nullopt };
+}
+
+std::optional<WeightPath> path_for(const Options& options, const AssetFile& file)
+{
+    if (options.path.empty()) return std::nullopt;
+    return WeightPath(options.path, file.view().pose_count);
 }
 
 std::vector<double> weights_for(const Options& options, const AssetFile& file)
@@ -167,9 +229,7 @@ std::vector<double> weights_for(const Options& options, const AssetFile& file)
                     "--weights: " + std::to_string(weights.size()) + " weights for " + std::to_string(pose_count) + " poses",
                     "the poses of " + file.path() + " are: " + names);
     }
-    double sum = 0.0;
-    for (double weight : weights) sum += weight;
-    for (double& weight : weights) weight /= sum;
+    normalise_weights(weights);
     return weights;
 }
 

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "character.h"
+#include "weight_path.h"
 
 #include <glm/mat3x3.hpp>
 #include <glm/vec2.hpp>
@@ -16,9 +17,16 @@ struct Options {
     std::string asset;
     std::string screenshot; // path; empty: none
     std::string sheet;      // path; empty: none
+    std::string sequence;   // pattern of paths; empty: none
     int benchmark_frames = 0;
     bool json = false;
     std::vector<double> weights; // empty: equal
+    std::string path;            // file of weights; empty: none
+    double fps = 30.0;           // its rows a second
+    int count = 0;               // pictures of a sequence; 0: one for each row of the path
+    std::string truth_weights, truth_pattern;
+    bool heat = false;
+    int crowd = 0; // characters; 0: not a crowd
     bool linear = false;
     bool both = false;
     bool hud = false;
@@ -36,6 +44,9 @@ struct ParsedLine {
     std::optional<int> exit_code;
 };
 ParsedLine parse_command_line(int argc, char** argv);
+
+// The path to play, if there is one. Throws Error.
+std::optional<WeightPath> path_for(const Options& options, const AssetFile& file);
 
 // The weights to show for an asset: as given, or equal. Throws Error if their number is not that of the poses.
 std::vector<double> weights_for(const Options& options, const AssetFile& file);

@@ -17,7 +17,7 @@ constexpr const char* kFontFolders[]
     = { "/usr/share/fonts/truetype/dejavu/", "/usr/share/fonts/dejavu-sans-fonts/", "/usr/share/fonts/TTF/" };
 
 // Latin, Greek, Cyrillic, and the punctuation that our texts use.
-const ImWchar kGlyphs[] = { 0x20, 0x24F, 0x370, 0x52F, 0x2010, 0x2027, 0x2190, 0x2193, 0 };
+const ImWchar kGlyphs[] = { 0x20, 0x24F, 0x370, 0x52F, 0x2010, 0x2027, 0x2190, 0x2193, 0x2264, 0x2265, 0 };
 
 ImFont* load_font(const char* name, float size)
 {

@@ -1,225 +1,227 @@
 #include "pictures.h"
 
+#include "blend_session.h"
+#include "crowd_stage.h"
 #include "gl_context.h"
+#include "hud_crowd.h"
+#include "hud_heat.h"
 #include "image_writer.h"
 #include "overlay.h"
-#include "polygon_view.h"
-#include "stage.h"
+
+#include <unistd.h>
 
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
+#include <functional>
 
 namespace pliant::player {
 
 namespace {
 
 constexpr int kWidth = 1280, kHeight = 800;
-constexpr int kCellWidth = 400;
-constexpr uint32_t kMostEdges = 5, kMostPoses = 8;
+constexpr double kSecondsBetweenReports = 5.0; // on a terminal one line is drawn over, every picture
+
+// Where panels show medians, a single picture is measured this often; a crowd's drawing may take long, so it ends after some seconds.
+constexpr int kMeasuredBlends = 60;
+constexpr double kMeasuredSeconds = 6.0;
 
 // Panels are designed for a picture of 900 rows.
 float design_scale(int height) { return std::clamp(static_cast<float>(height) / 900.0f, 0.6f, 3.0f); }
 
-struct Blend {
-    std::vector<double> weights;
-    std::string caption;
-};
-
-// The middles of the polygon's edges, then its centre.
-std::vector<Blend> chosen_blends(const AssetFile& file)
-{
-    const uint32_t count = file.view().pose_count;
-    const std::vector<std::string>& names = file.short_names();
-    std::vector<Blend> blends;
-    const uint32_t edges = count == 2 ? 1 : std::min(count, kMostEdges);
-    for (uint32_t edge = 0; edge < edges; ++edge) {
-        const uint32_t next = (edge + 1) % count;
-        Blend blend { std::vector<double>(count, 0.0), names[edge] + "\n+ " + names[next] };
-        blend.weights[edge] = blend.weights[next] = 0.5;
-        blends.push_back(blend);
-    }
-    if (count == 2) {
-        for (double share : { 0.25, 0.75 })
-            blends.push_back({ { 1.0 - share, share }, share < 0.5 ? "a quarter" : "three quarters" });
-    } else {
-        blends.push_back({ std::vector<double>(count, 1.0 / count), "all poses" });
-    }
-    return blends;
-}
-
-// The sheet's measures, in pixels.
-struct Layout {
-    float s, margin, gap, cell_width, cell_height, caption_width, pose_width, pose_height, head;
-    uint32_t pose_count, block_columns, block_rows;
+// Everything that a picture needs besides what it shows.
+struct Easel {
     int width, height;
+    std::unique_ptr<GlContext> context;
+    Canvas canvas;
+    Overlay overlay;
+    bool hud;
 
-    // look: how wide and high the character looks; cells are made for it unless --size says otherwise.
-    Layout(const Options& options, uint32_t poses, size_t blends, glm::vec2 look)
-        : s(static_cast<float>(options.width > 0 ? options.width : kCellWidth) / kCellWidth)
-        , margin(28.0f * s)
-        , gap(6.0f * s)
-        , cell_width(static_cast<float>(options.width > 0 ? options.width : kCellWidth))
-        , cell_height(options.height > 0 ? static_cast<float>(options.height) : fitting_height(look))
-        , caption_width(150.0f * s)
-        , pose_count(std::min(poses, kMostPoses))
-        , block_columns(blends > 3 ? 2 : 1)
-        , block_rows(static_cast<uint32_t>((blends + block_columns - 1) / block_columns))
+    explicit Easel(const Options& options)
+        : width(options.width > 0 ? options.width : kWidth)
+        , height(options.height > 0 ? options.height : kHeight)
+        , context(make_offscreen_context())
+        , canvas(width, height)
+        , overlay(design_scale(height), nullptr)
+        , hud(options.hud)
     {
-        const float block = block_width();
-        const float inside = block * static_cast<float>(block_columns) + margin * static_cast<float>(block_columns - 1);
-        pose_width = std::floor(std::min((inside + gap) / static_cast<float>(pose_count) - gap, cell_width));
-        pose_height = std::floor(pose_width * cell_height / cell_width);
-        head = margin + 66.0f * s + pose_height + 56.0f * s;
-        width = static_cast<int>(inside + 2.0f * margin);
-        height = static_cast<int>(head + (cell_height + gap) * static_cast<float>(block_rows) + margin);
     }
+    Area whole() const { return { 0.0f, 0.0f, static_cast<float>(width), static_cast<float>(height) }; }
+    Area free() const { return hud ? free_area(overlay.scale(), width, height) : whole(); }
 
-    // Room above for the caption and below for the shadow; neither slits nor towers.
-    float fitting_height(glm::vec2 look) const
+    // Runs ImGui calls. Panels that fit their contents know their size after the first frame, which is not drawn.
+    void draw_over(const std::function<void()>& panels)
     {
-        return std::floor(cell_width * std::clamp(0.18f + 1.08f * look.y / std::max(look.x, 1e-6f), 0.55f, 1.25f));
-    }
-    float block_width() const { return caption_width + 2.0f * cell_width + gap; }
-    Area pose(uint32_t k) const
-    {
-        return { std::floor(margin + (pose_width + gap) * static_cast<float>(k)), std::floor(margin + 66.0f * s), pose_width,
-                 pose_height };
-    }
-    // column: 0 caption, 1 linear, 2 elastic.
-    Area cell(size_t blend, int column) const
-    {
-        const auto block_column = static_cast<float>(blend / block_rows), row = static_cast<float>(blend % block_rows);
-        const float x = margin + block_column * (block_width() + margin) + (column > 0 ? caption_width : 0.0f)
-            + (column == 2 ? cell_width + gap : 0.0f);
-        return { std::floor(x), std::floor(head + row * (cell_height + gap)), column > 0 ? cell_width : caption_width,
-                 cell_height };
+        overlay.begin_frame(width, height);
+        panels();
+        overlay.discard_frame();
+        overlay.begin_frame(width, height);
+        panels();
+        overlay.end_frame();
     }
 };
 
-void clear_paper(const Canvas& canvas)
-{
-    canvas.begin();
-    glDisable(GL_SCISSOR_TEST);
-    glClearColor(1.0f, 1.0f, 1.0f, 1.0f);
-    glClear(GL_COLOR_BUFFER_BIT | GL_DEPTH_BUFFER_BIT);
-}
+// What a sequence repeats: a picture at a phase of the loop (0 to 1).
+class Subject {
+public:
+    virtual ~Subject() = default;
+    virtual void draw(Easel& easel, double phase) = 0;
+};
 
-std::vector<double> single_pose(uint32_t pose, uint32_t count)
-{
-    std::vector<double> weights(count, 0.0);
-    weights[pose] = 1.0;
-    return weights;
-}
-
-void draw_captions(const Overlay& overlay, const Layout& layout, const AssetFile& file, const ControlPolygon& polygon,
-                   const std::vector<Blend>& blends)
-{
-    ImDrawList* list = ImGui::GetBackgroundDrawList();
-    const float s = layout.s;
-    const pliant_asset& asset = file.view();
-    const std::string facts = std::to_string(asset.pose_count) + " poses · " + grouped(asset.vertex_count)
-        + " vertices · d = " + std::to_string(asset.dimension);
-    const ImVec2 title = draw_text(list, overlay.title(), { layout.margin, layout.margin }, {}, kInk, file.title());
-    draw_text(list, overlay.text(), { layout.margin + title.x + 16.0f * s, layout.margin + 5.0f * s }, {}, kFaintInk, facts);
-    for (uint32_t k = 0; k < layout.pose_count; ++k) {
-        const Area area = layout.pose(k);
-        const ImVec2 dot { area.x + 16.0f * s, area.y + 18.0f * s };
-        list->AddCircleFilled(dot, 5.5f * s, pose_colour(k, asset.pose_count, 1.0f), 24);
-        draw_text(list, overlay.small(), { dot.x + 12.0f * s, dot.y }, { 0.0f, 0.5f }, kInk, file.short_names()[k]);
+class BlendSubject final : public Subject {
+public:
+    BlendSubject(const Options& options, const AssetFile& file, const Truth* truth)
+        : file_(file)
+        , path_(path_for(options, file))
+        , weights_(weights_for(options, file))
+        , stage_(options, file, truth, Quality::high)
+        , show_(first_show(options))
+        , heat_(options.heat)
+        , moves_(!options.sequence.empty())
+    {
     }
-    for (size_t i = 0; i < blends.size(); ++i) {
-        const Area area = layout.cell(i, 0);
-        const float middle = area.x + 0.5f * area.width - 6.0f * s;
-        const PolygonView view { polygon, file.short_names(), { middle, area.y + 0.42f * area.height }, 46.0f * s };
-        draw_polygon(list, overlay, view, blends[i].weights, polygon.point(blends[i].weights), false);
-        float y = area.y + 0.42f * area.height + 66.0f * s;
-        size_t start = 0;
-        for (size_t end = 0; end != std::string::npos; start = end + 1, y += 22.0f * s) {
-            end = blends[i].caption.find('\n', start);
-            draw_text(list, overlay.text(), { middle, y }, { 0.5f, 0.0f }, kInk,
-                      blends[i].caption.substr(start, end - start));
+
+    void draw(Easel& easel, double phase) override
+    {
+        const std::vector<double> weights = weights_at(phase);
+        // A single picture shows medians, as the window does; each solve starts afresh.
+        const int repeats = easel.hud && !moves_ ? kMeasuredBlends : 1;
+        for (int i = 0; i < repeats; ++i) {
+            if (!moves_) stage_.forget();
+            history_.add(stage_.blend(weights, show_, heat_).cost);
         }
-        const Area linear = layout.cell(i, 1), elastic = layout.cell(i, 2);
-        draw_text(list, overlay.text(), { linear.x + 14.0f * s, linear.y + 12.0f * s }, {}, kLinearInk, "linear");
-        draw_text(list, overlay.text(), { elastic.x + 14.0f * s, elastic.y + 12.0f * s }, {}, kElasticInk, "elastic");
+        easel.canvas.begin();
+        stage_.draw(easel.canvas, easel.whole(), easel.free());
+        easel.canvas.resolve();
+        if (!easel.hud && !heat_) return;
+        const HudModel model { file_,
+                               stage_.polygon(),
+                               stage_.shown(),
+                               stage_.truth(),
+                               stage_.polygon().point(weights),
+                               path_ ? std::optional<double>(phase * static_cast<double>(path_->count())) : std::nullopt,
+                               path_ ? path_->count() : 0,
+                               true,
+                               history_.median(&BlendCost::solve_us),
+                               history_.median(&BlendCost::reconstruct_us),
+                               history_.median(&BlendCost::normals_us) };
+        easel.draw_over([&] {
+            if (easel.hud) draw_hud(easel.overlay, model, easel.width, easel.height);
+            draw_side_captions(easel.overlay, stage_.shown(), easel.free());
+            draw_heat_legend(easel.overlay, stage_.shown(), easel.free());
+        });
     }
+
+private:
+    std::vector<double> weights_at(double phase) const
+    {
+        if (!moves_) return weights_;
+        if (path_) return path_->at(phase * static_cast<double>(path_->count()));
+        return stage_.polygon().weights(stage_.polygon().idle_point(phase));
+    }
+
+    const AssetFile& file_;
+    std::optional<WeightPath> path_;
+    std::vector<double> weights_;
+    Stage stage_;
+    CostHistory history_;
+    Show show_;
+    bool heat_, moves_;
+};
+
+class CrowdSubject final : public Subject {
+public:
+    CrowdSubject(const Options& options, const AssetFile& file)
+        : file_(file)
+        , stage_(options, file, Quality::high)
+        , mode_(options.linear ? BlendMode::linear : BlendMode::elastic)
+        , moves_(!options.sequence.empty())
+    {
+    }
+
+    void draw(Easel& easel, double phase) override
+    {
+        // A single picture's graph shows the frames of a window that led there, each a sixtieth of a second before the next.
+        const Stopwatch watch;
+        const int frames = easel.hud && !moves_ ? static_cast<int>(FrameTimes::kMost) : 1;
+        for (int i = 0; i < frames && watch.microseconds() < kMeasuredSeconds * 1e6; ++i) {
+            stage_.blend(phase + i / (60.0 * stage_.loop_seconds()), mode_);
+            easel.canvas.begin();
+            stage_.draw(easel.canvas, easel.whole(), easel.free());
+        }
+        easel.canvas.resolve();
+        if (!easel.hud) return;
+        easel.draw_over([&] {
+            draw_crowd_hud(easel.overlay, { file_, stage_.crowd(), stage_.times(), stage_.cost(), mode_, true }, easel.width,
+                           easel.height);
+        });
+    }
+
+private:
+    const AssetFile& file_;
+    CrowdStage stage_;
+    BlendMode mode_;
+    bool moves_;
+};
+
+// How far a sequence is, with a guess of how long the rest takes.
+class Report {
+public:
+    explicit Report(size_t count)
+        : count_(count)
+        , is_terminal_(isatty(STDERR_FILENO) != 0)
+    {
+    }
+    void add()
+    {
+        ++done_;
+        const double seconds = watch_.microseconds() * 1e-6;
+        if (!is_terminal_ && seconds - last_ < kSecondsBetweenReports) return;
+        last_ = seconds;
+        const double left = seconds / static_cast<double>(done_) * static_cast<double>(count_ - done_);
+        std::fprintf(stderr, "%spliant-player: %zu of %zu pictures, %.0f s left%s", is_terminal_ ? "\r" : "", done_, count_,
+                     left, is_terminal_ ? "\033[K" : "\n");
+        if (is_terminal_ && done_ == count_) std::fputc('\n', stderr);
+    }
+
+private:
+    Stopwatch watch_;
+    size_t count_, done_ = 0;
+    double last_ = 0.0;
+    bool is_terminal_;
+};
+
+std::unique_ptr<Subject> subject_for(const Options& options, const AssetFile& file, const Truth* truth)
+{
+    if (options.crowd > 0) return std::make_unique<CrowdSubject>(options, file);
+    return std::make_unique<BlendSubject>(options, file, truth);
 }
 
 } // namespace
 
 void write_screenshot(const Options& options, const AssetFile& file)
 {
-    const std::vector<double> weights = weights_for(options, file);
-    const int width = options.width > 0 ? options.width : kWidth, height = options.height > 0 ? options.height : kHeight;
-    const auto context = make_offscreen_context();
-    const Canvas canvas(width, height);
-    Stage stage(options, file, Quality::high);
-    const Show show = options.both ? Show::both : options.linear ? Show::linear : Show::elastic;
-    BlendCost cost;
-    CostHistory history;
-    for (int i = 0; i < (options.hud ? 60 : 1); ++i) { // the panels show medians, as in the window; each solve starts afresh
-        stage.forget();
-        cost = stage.blend(weights, show);
-        history.add(cost);
-    }
-
-    const float scale = design_scale(height);
-    const Area whole { 0.0f, 0.0f, static_cast<float>(width), static_cast<float>(height) };
-    const Area free = options.hud ? free_area(scale, width, height) : whole;
-    canvas.begin();
-    stage.draw(canvas, whole, free);
-    canvas.resolve();
-    if (options.hud) {
-        Overlay overlay(scale, nullptr);
-        const HudModel model { file,
-                               stage.polygon(),
-                               weights,
-                               stage.polygon().point(weights),
-                               show,
-                               false,
-                               true,
-                               cost,
-                               history.median(&BlendCost::solve_us),
-                               history.median(&BlendCost::reconstruct_us),
-                               history.median(&BlendCost::normals_us) };
-        // Panels that fit their contents know their size after the first frame, which is not drawn.
-        overlay.begin_frame(width, height);
-        draw_hud(overlay, model, width, height);
-        overlay.discard_frame();
-        overlay.begin_frame(width, height);
-        draw_hud(overlay, model, width, height);
-        if (show == Show::both) draw_side_captions(overlay, free);
-        overlay.end_frame();
-    }
-    write_png(options.screenshot, width, height, canvas.pixels());
+    weights_for(options, file); // wrong weights and files are wrong with or without graphics
+    const std::optional<Truth> truth = truth_for(options, file);
+    Easel easel(options);
+    const std::unique_ptr<Subject> subject = subject_for(options, file, truth ? &*truth : nullptr);
+    subject->draw(easel, 0.0);
+    write_png(options.screenshot, easel.width, easel.height, easel.canvas.pixels());
 }
 
-void write_sheet(const Options& options, const AssetFile& file)
+void write_sequence(const Options& options, const AssetFile& file)
 {
-    const std::vector<Blend> blends = chosen_blends(file);
-    const auto context = make_offscreen_context();
-    Stage stage(options, file, Quality::high);
-    const Layout layout(options, file.view().pose_count, blends.size(), stage.camera().size());
-    const Canvas canvas(layout.width, layout.height);
-    clear_paper(canvas);
-    for (uint32_t k = 0; k < layout.pose_count; ++k) {
-        stage.blend(single_pose(k, file.view().pose_count), Show::linear);
-        stage.draw_pose(canvas, layout.pose(k));
+    const std::optional<WeightPath> path = path_for(options, file);
+    const std::optional<Truth> truth = truth_for(options, file);
+    const size_t count = options.count > 0 ? static_cast<size_t>(options.count) : path->count();
+    Easel easel(options);
+    const std::unique_ptr<Subject> subject = subject_for(options, file, truth ? &*truth : nullptr);
+    Report report(count);
+    for (size_t i = 0; i < count; ++i) {
+        subject->draw(easel, static_cast<double>(i) / static_cast<double>(count));
+        write_png(numbered_name("--sequence", options.sequence, i), easel.width, easel.height, easel.canvas.pixels());
+        report.add();
     }
-    for (size_t i = 0; i < blends.size(); ++i) {
-        stage.forget(); // each cell is its own answer, not a step of an animation
-        for (int column : { 1, 2 }) {
-            const Area cell = layout.cell(i, column);
-            stage.blend(blends[i].weights, column == 1 ? Show::linear : Show::elastic);
-            stage.draw(canvas, cell, cell);
-        }
-    }
-    canvas.resolve();
-    Overlay overlay(layout.s, nullptr);
-    overlay.begin_frame(layout.width, layout.height);
-    draw_captions(overlay, layout, file, stage.polygon(), blends);
-    overlay.end_frame();
-    write_png(options.sheet, layout.width, layout.height, canvas.pixels());
 }
 
 } // namespace pliant::player

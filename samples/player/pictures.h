@@ -1,15 +1,16 @@
-// Pictures without a window.
+// Single pictures and sequences of them, with or without a display.
 #pragma once
 
+#include "asset_file.h"
 #include "options.h"
 
 namespace pliant::player {
 
-// One blend, as options say. Throws Error; then no file has appeared or changed.
+// Writes options.screenshot: a blend or, with options.crowd, a crowd. Throws Error; then no file was changed.
 void write_screenshot(const Options& options, const AssetFile& file);
 
-// All poses on top; below, for the middle of each edge of the control polygon (five at most) and its centre, the linear blend
-// beside the elastic one.
-void write_sheet(const Options& options, const AssetFile& file);
+// Writes the pictures of options.sequence along the path, one after the other, each whole or not at all; says on standard error how
+// far it is. Throws Error; the pictures before stay.
+void write_sequence(const Options& options, const AssetFile& file);
 
 } // namespace pliant::player

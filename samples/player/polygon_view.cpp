@@ -64,6 +64,18 @@ void draw_tint(ImDrawList* list, const PolygonView& view)
     }
 }
 
+void draw_truth_marks(ImDrawList* list, const PolygonView& view, const std::vector<double>& weights, float s)
+{
+    for (size_t i = 0; i < view.truth->count(); ++i) {
+        const ImVec2 at = view.place(view.polygon.point(view.truth->weights(i)));
+        list->AddCircleFilled(at, 2.6f * s, IM_COL32(255, 255, 255, 230), 12);
+        list->AddCircleFilled(at, 1.5f * s, kUnreducedInk, 12);
+    }
+    const ImVec2 shown = view.place(view.polygon.point(weights));
+    list->AddCircle(shown, 14.5f * s, IM_COL32(255, 255, 255, 255), 32, 5.0f * s);
+    list->AddCircle(shown, 14.5f * s, kUnreducedInk, 32, 2.6f * s);
+}
+
 // Labels grow away from the centre, and stay inside the panel by shortening.
 void draw_label(ImDrawList* list, const Overlay& overlay, const PolygonView& view, uint32_t corner, double weight)
 {
@@ -142,6 +154,7 @@ void draw_polygon(ImDrawList* list, const Overlay& overlay, const PolygonView& v
         list->AddCircleFilled(corner, 7.5f * s, IM_COL32(255, 255, 255, 255), 24);
         list->AddCircleFilled(corner, 5.5f * s, pose_colour(k, count, 1.0f), 24);
     }
+    if (view.truth) draw_truth_marks(list, view, weights, s);
     const ImVec2 handle = view.place(point);
     list->AddCircleFilled({ handle.x, handle.y + 1.5f * s }, 12.5f * s, IM_COL32(20, 28, 44, 50), 32);
     list->AddCircleFilled(handle, 11.0f * s, IM_COL32(255, 255, 255, 255), 32);

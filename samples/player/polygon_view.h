@@ -3,6 +3,7 @@
 
 #include "control_polygon.h"
 #include "overlay.h"
+#include "truth.h"
 
 #include <cstdint>
 #include <optional>
@@ -15,7 +16,8 @@ struct PolygonView {
     const ControlPolygon& polygon;
     const std::vector<std::string>& names;
     ImVec2 centre;
-    float radius; // pixels from the centre to a corner
+    float radius;                 // pixels from the centre to a corner
+    const Truth* truth = nullptr; // its weights are marked, those that are shown with a ring
 
     ImVec2 place(glm::dvec2 point) const;
     glm::dvec2 point(ImVec2 place) const;

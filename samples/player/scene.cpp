@@ -1,5 +1,6 @@
 #include "scene.h"
 
+#include "heat.h"
 #include "shaders.h"
 
 #include <glm/common.hpp>
@@ -128,9 +129,12 @@ void Scene::upload(const std::vector<Actor>& actors)
         glBindBuffer(GL_ELEMENT_ARRAY_BUFFER, indices_.get());
         glEnableVertexAttribArray(0);
         glEnableVertexAttribArray(1);
+        glEnableVertexAttribArray(2);
         glVertexAttribPointer(0, 3, GL_FLOAT, GL_FALSE, sizeof(Vertex), nullptr);
         glVertexAttribPointer(1, 3, GL_FLOAT, GL_FALSE, sizeof(Vertex),
                               reinterpret_cast<const void*>(offsetof(Vertex, normal)));
+        glVertexAttribPointer(2, 1, GL_FLOAT, GL_FALSE, sizeof(Vertex),
+                              reinterpret_cast<const void*>(offsetof(Vertex, heat)));
         meshes_.push_back(std::move(mesh));
     }
     for (size_t i = 0; i < actors.size(); ++i) {
@@ -213,8 +217,10 @@ void Scene::draw_actors(const Camera::Matrices& camera, const std::vector<Actor>
     body_.set("view_projection", camera.projection * camera.view);
     body_.set("eye", camera.eye);
     body_.set("height", std::max(extent_.highest.y - extent_.lowest.y, 1e-6f));
+    const HeatColours heat = linear_heat_colours();
+    body_.set("heat_colours", heat.data(), static_cast<int>(heat.size()));
     for (size_t i = 0; i < actors.size(); ++i) {
-        body_.set("base", actors[i].colour);
+        body_.set("base_colour", actors[i].colour);
         body_.set("model", glm::translate(glm::mat4(1.0f), actors[i].offset));
         draw_mesh(i);
     }

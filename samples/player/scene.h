@@ -17,12 +17,13 @@ enum class Quality { low, medium, high };
 struct Actor {
     const std::vector<Vertex>* vertices = nullptr;
     glm::vec3 offset { 0.0f };
-    glm::vec3 colour { 0.5f }; // linear, not sRGB
+    glm::vec3 colour { 0.5f }; // linear, not sRGB; of vertices that have no heat
 };
 
-// The colours of the two blends, everywhere the same.
+// The colours of the blends, everywhere the same.
 inline const glm::vec3 kElasticColour { 0.76f, 0.20f, 0.085f };
 inline const glm::vec3 kLinearColour { 0.20f, 0.29f, 0.42f };
+inline const glm::vec3 kUnreducedColour { 0.105f, 0.30f, 0.20f };
 inline const glm::vec3 kPoseColour { 0.62f, 0.56f, 0.48f };
 
 class Scene {

@@ -1,5 +1,7 @@
 #include "shaders.h"
 
+#include "heat.h"
+
 namespace pliant::player {
 
 namespace {
@@ -53,12 +55,15 @@ void main()
 constexpr char kBodyVertex[] = R"(
 layout(location = 0) in vec3 position;
 layout(location = 1) in vec3 face_sum;
+layout(location = 2) in float heat;
 uniform mat4 model;
 uniform mat4 view_projection;
 out vec3 point;
 out vec3 direction;
+out float warmth;
 void main()
 {
+    warmth = heat;
     vec4 world = model * vec4(position, 1.0);
     point = world.xyz;
     direction = face_sum * inversesqrt(max(dot(face_sum, face_sum), 1e-30));
@@ -122,12 +127,24 @@ void main()
 constexpr char kBodyFragment[] = R"(
 in vec3 point;
 in vec3 direction;
+in float warmth; // 0 to 1 along heat_colours; negative: none
 out vec4 colour;
-uniform vec3 base;
+uniform vec3 base_colour;
+uniform vec3 heat_colours[HEAT_COLOURS];
 uniform vec3 eye;
 uniform float height; // of the scene
+
+vec3 surface_colour()
+{
+    if (warmth < 0.0) return base_colour;
+    float at = clamp(warmth, 0.0, 1.0) * float(HEAT_COLOURS - 1);
+    int low = min(int(at), HEAT_COLOURS - 2);
+    return mix(heat_colours[low], heat_colours[low + 1], at - float(low));
+}
+
 void main()
 {
+    vec3 base = surface_colour();
     vec3 normal = normalize(gl_FrontFacing ? direction : -direction);
     vec3 view = normalize(eye - point);
     vec3 key_direction = lights[0].xyz;
@@ -168,7 +185,8 @@ ShaderSources shader_sources(int light_count, int key_taps, int dome_taps)
 {
     const std::string version = kVersion;
     const std::string numbers = "#define LIGHTS " + std::to_string(light_count) + "\n#define KEY_TAPS "
-        + std::to_string(key_taps) + "\n#define DOME_TAPS " + std::to_string(dome_taps) + "\n";
+        + std::to_string(key_taps) + "\n#define DOME_TAPS " + std::to_string(dome_taps) + "\n#define HEAT_COLOURS "
+        + std::to_string(kHeatColours.size()) + "\n";
     ShaderSources sources;
     sources.backdrop_vertex = version + kBackdropVertex;
     sources.backdrop_fragment = version + kBackdropFragment;

@@ -3,19 +3,22 @@
 
 #include "camera.h"
 #include "control_polygon.h"
-#include "hud.h"
 #include "options.h"
 #include "scene.h"
+#include "shown.h"
+#include "truth.h"
 
 namespace pliant::player {
 
 // Needs a current GL context.
 class Stage {
 public:
-    Stage(const Options& options, const AssetFile& file, Quality quality);
+    // truth: may be null; with it all characters are shown at its weights alone. File and truth must outlive the stage.
+    Stage(const Options& options, const AssetFile& file, const Truth* truth, Quality quality);
 
-    // Blends what is shown. Returns the cost of the elastic blend if there is one, else of the linear one.
-    BlendCost blend(const std::vector<double>& weights, Show show);
+    // Blends what is shown. heat: colours by distance.
+    const Shown& blend(const std::vector<double>& weights, Show show, bool heat = false);
+    const Shown& shown() const { return shown_; }
 
     // Draws what was blended last into a part of the canvas, its characters in the middle of `free`.
     void draw(const Canvas& canvas, const Area& area, const Area& free);
@@ -27,17 +30,23 @@ public:
 
     Camera& camera() { return camera_; }
     const ControlPolygon& polygon() const { return polygon_; }
+    const Truth* truth() const { return truth_; }
 
 private:
-    glm::vec3 beside() const;
+    void colour_by_distance();
+    Actor actor(Kind kind, glm::vec3 offset) const;
 
+    const Truth* truth_;
     Character elastic_;
     Character linear_;
+    Character unreduced_;
     Extent extent_;
+    float diagonal_; // of the first pose, in the asset's units
     Camera camera_;
     Scene scene_;
     ControlPolygon polygon_;
-    Show show_ = Show::elastic;
+    Shown shown_;
+    std::vector<float> heat_;
 };
 
 } // namespace pliant::player

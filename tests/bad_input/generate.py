@@ -173,7 +173,8 @@ def both_case(name, file, mesh):
 
 
 for nothing_to_add in ("missing_file", "one_pose", "thirteen_poses", "good", "output_folder_missing", "output_is_folder",
-                       "output_is_input", "output_is_device", "unknown_option", "weights_not_numbers", "too_few_weights",
+                       "output_is_input", "output_is_device", "unknown_option", "weights_not_numbers", "too_few_weights", "grid_too_fine", "list_without_grid",
+                       "average_path_one_name",
                        "negative_weight", "not_an_asset", "tolerance_missed"):
     CASES[nothing_to_add] = lambda folder: None
 
@@ -467,6 +468,21 @@ def no_frame_number(folder):
 def weights_file_damaged(folder):
     write(folder / "asset.pliant", ASSET.read_bytes())
     write(folder / "weights.csv", "1,1\n1,x\n")
+
+
+@case
+def average_two_kinds(folder):
+    write(folder / "weights.csv", "1,1\n")
+
+
+@case
+def average_path_of_other_poses(folder):
+    write(folder / "weights.csv", "1,1\n1,2,3\n")
+
+
+@case
+def average_path_empty(folder):
+    write(folder / "weights.csv", "# nothing\n\n")
 
 
 file_case("truncated_asset", "cut.pliant", lambda: ASSET.read_bytes()[:-1])

@@ -1,0 +1,39 @@
+// How long the last frames took, and on what. No graphics in here.
+#pragma once
+
+#include <array>
+#include <cstddef>
+
+namespace pliant::player {
+
+// Milliseconds.
+struct FrameTime {
+    double solve = 0.0;
+    double reconstruct = 0.0; // positions and normals
+    double draw = 0.0;        // until the graphics driver says that it is done
+
+    double sum() const { return solve + reconstruct + draw; }
+};
+
+// The last 120 frames.
+class FrameTimes {
+public:
+    static constexpr size_t kMost = 120;
+
+    void add(const FrameTime& time);
+    size_t count() const;
+    // age: 0 is the newest; below count().
+    const FrameTime& frame(size_t age) const { return times_[(added_ - 1 - age) % kMost]; }
+    // Of each part by itself; 0 without frames.
+    FrameTime median() const;
+    double longest() const; // of whole frames
+
+private:
+    std::array<FrameTime, kMost> times_ {};
+    size_t added_ = 0;
+};
+
+// The upper end of an axis for values up to `longest`: 1, 2 or 5 times a power of ten, not below it.
+double axis_end(double longest);
+
+} // namespace pliant::player

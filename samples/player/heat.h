@@ -1,0 +1,43 @@
+// Distances between two shapes, as colours on a logarithmic scale. No graphics in here.
+#pragma once
+
+#include <glm/vec3.hpp>
+
+#include <array>
+#include <cstddef>
+#include <vector>
+
+namespace pliant::player {
+
+// The ends of the scale, as shares of the diagonal of the first pose's bounding box: below the lower one nobody sees a difference
+// (a tenth of a pixel of a picture of a thousand rows), above the upper one the shapes have nothing in common.
+constexpr float kLowestHeat = 1e-4f;
+constexpr float kHighestHeat = 1e-1f;
+
+// Colours along the scale, evenly spaced, sRGB: from pale clay to dark violet, darker with every step.
+using HeatColours = std::array<glm::vec3, 6>;
+constexpr HeatColours kHeatColours { { { 0.925f, 0.930f, 0.935f },
+                                       { 0.980f, 0.870f, 0.520f },
+                                       { 0.965f, 0.610f, 0.280f },
+                                       { 0.850f, 0.280f, 0.240f },
+                                       { 0.560f, 0.110f, 0.310f },
+                                       { 0.240f, 0.050f, 0.260f } } };
+HeatColours linear_heat_colours(); // the same as light, not sRGB
+
+// Where a share of the diagonal stands on the scale: 0 at its lower end and below, 1 at its upper end and above.
+float heat_of_share(float share);
+
+// Distances of all vertices as shares of the diagonal.
+struct HeatSummary {
+    float mean = 0.0f, largest = 0.0f;
+};
+
+// Writes the heat of the first `count` vertices of two shapes: heat[v] is that of the distance between a[v] and b[v], as they lie,
+// without any alignment. heat keeps its size; what lies behind `count` becomes 0.
+HeatSummary measure_heat(const std::vector<glm::vec3>& a, const std::vector<glm::vec3>& b, size_t count, float diagonal,
+                         std::vector<float>& heat);
+
+// The diagonal of the bounding box of the first `count` positions.
+float diagonal_of(const std::vector<glm::vec3>& positions, size_t count);
+
+} // namespace pliant::player

@@ -1,0 +1,21 @@
+// The panels over a crowd: what it is, and the graph of its frames' times.
+#pragma once
+
+#include "crowd.h"
+#include "frame_times.h"
+#include "hud_parts.h"
+
+namespace pliant::player {
+
+struct CrowdModel {
+    const AssetFile& file;
+    const Crowd& crowd;
+    const FrameTimes& times;
+    const CrowdCost& cost; // of the last frame
+    BlendMode mode = BlendMode::elastic;
+    bool help = true;
+};
+
+void draw_crowd_hud(const Overlay& overlay, const CrowdModel& model, int width, int height);
+
+} // namespace pliant::player

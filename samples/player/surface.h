@@ -1,0 +1,39 @@
+// From coordinates of an asset to vertices as the renderer wants them. No graphics in here.
+#pragma once
+
+#include <pliant.h>
+
+#include <glm/mat3x3.hpp>
+#include <glm/vec3.hpp>
+
+#include <vector>
+
+namespace pliant::player {
+
+// Positions in the asset's units, with the world's y up. heat: 0 to 1, see heat.h; negative: drawn in the actor's own colour.
+struct Vertex {
+    glm::vec3 position { 0.0f };
+    glm::vec3 normal { 0.0f }; // of any length: the shader brings it to 1
+    float heat = -1.0f;
+};
+
+// Microseconds that a call takes, while the object lives.
+class Stopwatch {
+public:
+    Stopwatch();
+    double microseconds() const;
+
+private:
+    long long start_; // nanoseconds
+};
+
+// The coordinates of the linear blend: the weighted sum of those of the poses. weights: pose_count numbers with a positive sum.
+void blend_linearly(const pliant_asset& asset, const std::vector<double>& weights, std::vector<float>& q);
+
+// Smooth normals: sums of the adjacent faces' normals, weighted by area.
+void compute_normals(const pliant_asset& asset, const std::vector<glm::vec3>& positions, std::vector<Vertex>& vertices);
+
+// Turns positions and normals into the world and sets the surface down on the floor, y = 0.
+void stand_on_floor(const glm::mat3& to_world, const std::vector<glm::vec3>& positions, std::vector<Vertex>& vertices);
+
+} // namespace pliant::player
