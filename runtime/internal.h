@@ -112,6 +112,10 @@ typedef void pliant_quartic_kernel(uint32_t dimension, const float* table, const
 typedef void pliant_tile_kernel(const pliant_asset* asset, const float* PLIANT_RESTRICT q, size_t tile,
                                 float* PLIANT_RESTRICT out);
 
+/* The normals of `count` vertices (at most PLIANT_LANES) from `first` on: x y z each, PLIANT_LANES of them are written. */
+typedef void pliant_normals_kernel(const pliant_normals* normals, const unsigned char* positions, size_t stride,
+                                   size_t first, size_t count, float* PLIANT_RESTRICT out);
+
 /* One instruction set's. */
 typedef struct pliant_kernels {
     pliant_combine_kernel* combine_columns;
@@ -127,6 +131,7 @@ typedef struct pliant_kernels {
     pliant_element_kernel* tet_mooney_rivlin;
     pliant_quartic_kernel* quartic;
     pliant_tile_kernel* rebuild_tile;
+    pliant_normals_kernel* normals_of_block;
 } pliant_kernels;
 
 /* Those for the compiler's default, and the best for this processor. */
@@ -143,6 +148,7 @@ pliant_element_kernel pliant_evaluate_hinge, pliant_evaluate_face_neo_hookean, p
 pliant_arap_kernel pliant_evaluate_arap_cell;
 pliant_quartic_kernel pliant_evaluate_quartic;
 pliant_tile_kernel pliant_rebuild_tile;
+pliant_normals_kernel pliant_normals_of_block;
 #if PLIANT_HAS_AVX2_COPY
 PLIANT_AVX2 pliant_combine_kernel pliant_combine_columns_avx2;
 PLIANT_AVX2 pliant_symmetric_kernel pliant_add_symmetric_avx2;
@@ -154,6 +160,7 @@ PLIANT_AVX2 pliant_element_kernel pliant_evaluate_hinge_avx2, pliant_evaluate_fa
 PLIANT_AVX2 pliant_arap_kernel pliant_evaluate_arap_cell_avx2;
 PLIANT_AVX2 pliant_quartic_kernel pliant_evaluate_quartic_avx2;
 PLIANT_AVX2 pliant_tile_kernel pliant_rebuild_tile_avx2;
+PLIANT_AVX2 pliant_normals_kernel pliant_normals_of_block_avx2;
 #endif
 
 /* --------------------------------------------------------------------------------------------- stand-in energy ---- */

@@ -52,6 +52,7 @@ const pliant_kernels pliant_kernels_plain = {
     pliant_evaluate_tet_mooney_rivlin,
     pliant_evaluate_quartic,
     pliant_rebuild_tile,
+    pliant_normals_of_block,
 };
 
 #if PLIANT_HAS_AVX2_COPY
@@ -70,6 +71,7 @@ static const pliant_kernels kernels_avx2 = {
     pliant_evaluate_tet_mooney_rivlin_avx2,
     pliant_evaluate_quartic_avx2,
     pliant_rebuild_tile_avx2,
+    pliant_normals_of_block_avx2,
 };
 
 const pliant_kernels* pliant_kernels_choose(void)

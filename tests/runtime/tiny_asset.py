@@ -200,7 +200,7 @@ def polygon_chunk(faces):
     return struct.pack("<2I", len(sizes), len(corners)) + np.array(sizes + corners, "<u4").tobytes()
 
 
-def chunks_of(model, polygons):
+def chunks_of(model, polygons, smoothing=False):
     m, d = len(model.x), len(model.mean)
     origin = model.x[0].mean(axis=0)
     answers = np.array([np.concatenate([w, model.mean + model.whitening @ z])
@@ -218,6 +218,9 @@ def chunks_of(model, polygons):
                ("TRIS", 1, np.array(model.faces, "<u4").tobytes())]
     if model.vertices is not None:
         chunks.append(("VERT", 0, vertex_chunk(*model.vertices)))
+    if smoothing:
+        # Pairs of neighbours; that they do not lie at one place tests the definition all the harder.
+        chunks.append(("SMTH", 0, (np.arange(len(model.x[0]), dtype="<u4") // 2 * 2).tobytes()))
     if polygons:
         chunks.append(("POLY", 0, polygon_chunk(model.faces)))
     names = "".join(f"pose {k}\0" for k in range(m)).encode()
@@ -232,6 +235,8 @@ def oldest_minor(chunks):
     """The format version that has all that a file holds."""
     elements = chunks.get("ELEM", bytes(64))
     kinds = [struct.unpack_from("<I", elements, 64 + 64 * i)[0] for i in range(struct.unpack_from("<I", elements)[0])]
+    if "SMTH" in chunks:
+        return 3
     if "QUAR" in chunks or "VERT" in chunks or any(kind >= TET_STVK for kind in kinds):
         return 2
     return int("LOAD" in chunks)
@@ -256,8 +261,9 @@ def assemble(counts, origin, chunks):
 
 
 def make_asset(mesh="strip", size=(7, 3), poses=2, dimension=4, material="neo-hookean", predictor=False, load=False,
-               polygons=False, seed=1, quartic=False):
-    return assemble(*chunks_of(make_model(mesh, size, poses, dimension, material, predictor, load, seed, quartic), polygons))
+               polygons=False, seed=1, quartic=False, smoothing=False):
+    model = make_model(mesh, size, poses, dimension, material, predictor, load, seed, quartic)
+    return assemble(*chunks_of(model, polygons, smoothing))
 
 
 def main():
@@ -273,6 +279,7 @@ def main():
     parser.add_argument("--predictor", action="store_true")
     parser.add_argument("--load", action="store_true", help="needs --predictor")
     parser.add_argument("--polygons", action="store_true")
+    parser.add_argument("--smoothing", action="store_true", help="SMTH: pairs of vertices share a normal")
     parser.add_argument("--seed", type=int, default=1)
     options = parser.parse_args()
     if options.load and not options.predictor:
@@ -282,7 +289,7 @@ def main():
     if options.quartic and options.material != "tet-stvk":
         parser.error("--quartic needs --material tet-stvk: no other is a polynomial")
     blob = make_asset(options.mesh, options.size, options.poses, options.dim, options.material, options.predictor,
-                      options.load, options.polygons, options.seed, options.quartic)
+                      options.load, options.polygons, options.seed, options.quartic, options.smoothing)
     with open(options.output, "wb") as file:
         file.write(blob)
     return 0
