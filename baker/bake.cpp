@@ -2,6 +2,7 @@
 
 #include "average/family.h"
 #include "average/rigid_modes.h"
+#include "bake_checks.h"
 #include "energy/arap.h"
 #include "energy/parallel.h"
 #include "energy/solid.h"
@@ -80,14 +81,6 @@ NewtonOptions truth_options(const BakeOptions& options, const ShapeSet& set)
     newton.step_floor = truth_share * options.tolerance * mass_norm(set.shapes[0], set.masses); // shapes are centred
     newton.max_iterations = 15;
     return newton;
-}
-
-std::vector<Weights> draw_weights(std::uint64_t seed, std::size_t pose_count, int count)
-{
-    Random random(seed);
-    std::vector<Weights> out;
-    for (int i = 0; i < count; ++i) out.push_back(mixed_weights(random, pose_count, std::size_t(i)));
-    return out;
 }
 
 // Fills the simplex more or less evenly; for two poses a line.
@@ -271,90 +264,6 @@ Fitted choose_and_fit(const FitProblem& p, BakeOptions options, Progress& progre
     return fit_least(p, all, nullptr, options, progress);
 }
 
-std::vector<float> to_floats(const Weights& w)
-{
-    const Eigen::VectorXf f = w.cast<float>();
-    return std::vector<float>(f.data(), f.data() + f.size());
-}
-
-// The runtime's answers: at the mean, at edge mid-points and between. They go into the asset as its own test, and are compared with
-// the model in double precision.
-void collect_answers(AssetModel& asset, const BlendModel& model, const TrainingSet& training, BakeReport& report)
-{
-    RuntimeBlender blender(encode_asset(asset), "the asset just baked"),
-        tight = RuntimeBlender(encode_asset(asset), "the same");
-    pliant_solver_desc desc = pliant_solver_desc_default();
-    desc.tolerance = 1e-5f; // to compare the arithmetic, not the stopping rule
-    tight.configure(desc);
-    const std::size_t count = std::min<std::size_t>(training.weights.size(), 8);
-    for (std::size_t t = 0; t < count; ++t) {
-        const std::vector<float> w = to_floats(training.weights[t]), q = blender.solve(w, false),
-                                 fine = tight.solve(w, false);
-        asset.answers.push_back(
-            { training.weights[t], Eigen::Map<const Eigen::VectorXf>(q.data(), Eigen::Index(q.size())) });
-        const Eigen::VectorXd exact = model.solve(training.weights[t]).q;
-        const Eigen::VectorXd found
-            = Eigen::Map<const Eigen::VectorXf>(fine.data(), Eigen::Index(fine.size())).cast<double>();
-        // U is mass-orthonormal and the mass is 1: distances in q are distances of shapes.
-        const double size = mass_norm(asset.subspace->shape(exact), asset.set->masses);
-        report.runtime_error = std::max(report.runtime_error, (found - exact).norm() / size);
-    }
-}
-
-// Triangles are compared with the smallest that they are in any pose, tetrahedra with the largest: that is the smallest J.
-double smallest_cell_ratio(const ShapeSet& set, const Shape& blend)
-{
-    Eigen::VectorXd unit = cell_sizes(set, set.shapes[0]);
-    for (const Shape& shape : set.shapes) {
-        const Eigen::VectorXd sizes = cell_sizes(set, shape);
-        unit = set.is_solid() ? unit.cwiseMax(sizes).eval() : unit.cwiseMin(sizes).eval();
-    }
-    return cell_sizes(set, blend).cwiseQuotient(unit).minCoeff();
-}
-
-void judge(const BakeOptions& options, BakeReport& report)
-{
-    for (const AssetCheck& check : report.checks) {
-        report.mean_error += check.error.relative_l2 / double(report.checks.size());
-        report.largest_distance = std::max(report.largest_distance, check.error.largest_distance);
-        report.cell_ratio = std::min(report.cell_ratio, check.cell_ratio);
-        if (check.error.relative_l2 < report.largest_error) continue;
-        report.largest_error = check.error.relative_l2;
-        report.worst_weights = check.weights;
-    }
-    report.meets_tolerance = !report.checks.empty() && report.mean_error <= options.tolerance
-        && (options.tolerance_max == 0 || report.largest_error <= options.tolerance_max);
-}
-
-// Blends of the finished asset against a(w): at the checks, and at weights that nothing was chosen by.
-void check_asset(const std::vector<std::uint8_t>& bytes, AverageFamily& family, SolverPool& pool,
-                 std::vector<CheckPoint>& checks, const BakeOptions& options, Progress& progress, BakeReport& report)
-{
-    const ShapeSet& set = pool.set();
-    RuntimeBlender blender(bytes, "the asset just baked");
-    const std::vector<Weights> fresh = draw_weights(options.seed + 2000003, set.pose_count(), options.fresh_count);
-    const auto blend_at
-        = [&](const Weights& w) { return from_input_units(set, blender.positions(blender.solve(to_floats(w), false))); };
-    std::vector<Shape> blends;
-    for (const Weights& w : fresh) blends.push_back(blend_at(w));
-    SharedProgress shared(&progress);
-    shared.describe("check", 0, fmt::format("unreduced averages at {} fresh weights", fresh.size()));
-    std::vector<CheckPoint> points(fresh.size());
-    for_each_task(fresh.size(), [&](std::size_t i, std::size_t worker) {
-        points[i] = family.check(fresh[i], blends[i], 0, worker, &shared);
-    });
-    const std::size_t known_count = checks.size();
-    std::move(points.begin(), points.end(), std::back_inserter(checks));
-    for (std::size_t i = 0; i < checks.size(); ++i) {
-        const CheckPoint& check = checks[i];
-        const Shape blend = blend_at(check.weights);
-        report.checks.push_back({ check.weights, shape_error(pool.energy(), set, check.weights, blend, check.truth),
-                                  smallest_cell_ratio(set, blend), i >= known_count, check.has_converged });
-        report.findings.insert(report.findings.end(), check.findings.begin(), check.findings.end());
-    }
-    judge(options, report);
-}
-
 // Families that are not smooth are said, never smoothed over.
 void tell_findings(const BakeReport& report, const PoseSet& poses, Progress& progress)
 {
@@ -500,17 +409,24 @@ BakedAsset bake(const PoseSet& poses, const BakeOptions& given, Progress& progre
     asset.source_vertices = &poses.source_vertices;
     asset.boundary_vertex_count = poses.boundary_vertex_count;
 
+    const Eigen::MatrixXd reachable = reachable_coordinates(subspace, fitted.training);
+    const double position_error = options.position_error * set.diagonal;
+    StoredShape stored = store_shape(set, subspace, nullptr, reachable, position_error);
+    asset.stored = &stored;
+
     // A first encoding to let the real runtime answer; answers and certificate are written last.
     asset.certificate = "{}";
-    asset.answers.push_back({ fitted.training.weights[0], asset.mean.cast<float>() });
+    asset.answers.push_back({ fitted.training.weights[0], stored.frame.stored(asset.mean).cast<float>() });
     collect_answers(asset, built.model, fitted.training, report);
     asset.answers.erase(asset.answers.begin());
     check_asset(encode_asset(asset), family, pool, found.checks, options, progress, report);
     report.factorization_count = pool.factorization_count();
     if (options.drawn) {
         asset.drawn = options.drawn.get();
+        stored = store_shape(set, subspace, &options.drawn->embedding, reachable, position_error);
         report.drawn = check_drawn(encode_asset(asset), set, *options.drawn, found.checks);
     }
+    report.basis = check_basis(asset, reachable);
     tell_findings(report, poses, progress);
     tell_inversion(report, progress);
     report.certificate = write_certificate(report, options, poses.names);

@@ -44,8 +44,9 @@ struct BakeOptions {
     CubatureSolver cubature_solver = CubatureSolver::nnls;
     std::size_t ghost_vertex_count = 800;
     std::uint64_t seed = 1;
-    int check_count = 24;                      // weights at which d, the elements and the dead load are judged
-    int fresh_count = 4;                       // weights that nothing was chosen by
+    int check_count = 24;         // weights at which d, the elements and the dead load are judged
+    int fresh_count = 4;          // weights that nothing was chosen by
+    double position_error = 1e-5; // of a vertex by storing the basis in few bits, over the diagonal; 0: single precision
     std::shared_ptr<const DrawnSurface> drawn; // of a solid: what the asset draws in the place of its boundary; none: that
 };
 
@@ -63,6 +64,14 @@ struct AssetCheck {
              // a tetrahedron over the largest it has in any pose
     bool is_fresh = false;     // nothing was chosen by it
     bool has_converged = true; // the truth
+};
+
+// How the basis was stored.
+struct BasisReport {
+    bool is_compact = false;
+    double bytes_per_number = 0;
+    double largest_difference
+        = 0; // of a vertex as the runtime rebuilds it, at training averages and poses, over the diagonal
 };
 
 struct BakeReport {
@@ -86,6 +95,7 @@ struct BakeReport {
     double largest_distance = 0, cell_ratio = 1;
     Weights worst_weights;
     bool meets_tolerance = false;
+    BasisReport basis;
     std::optional<DrawnErrors> drawn; // at the same weights, where the asset draws a surface of its own
     std::string certificate;          // the JSON that went into the asset
 };

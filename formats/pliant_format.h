@@ -6,10 +6,11 @@
 #include <stdint.h>
 
 #define PLIANT_FORMAT_MAJOR 1
-#define PLIANT_FORMAT_MINOR 3        /* the newest described here; a file states the oldest that has all that it holds */
-#define PLIANT_FORMAT_MINOR_LOAD 1   /* the first with LOAD */
-#define PLIANT_FORMAT_MINOR_SOLID 2  /* the first with QUAR, VERT and elements for tetrahedra */
-#define PLIANT_FORMAT_MINOR_SMOOTH 3 /* the first with SMTH */
+#define PLIANT_FORMAT_MINOR 3         /* the newest described here; a file states the oldest that has all that it holds */
+#define PLIANT_FORMAT_MINOR_LOAD 1    /* the first with LOAD */
+#define PLIANT_FORMAT_MINOR_SOLID 2   /* the first with QUAR, VERT and elements for tetrahedra */
+#define PLIANT_FORMAT_MINOR_COMPACT 3 /* the first with BASC and BNDS */
+#define PLIANT_FORMAT_MINOR_SMOOTH 3  /* the first with SMTH */
 
 /* "«PLIANT»" with CR LF EOF LF behind it: a transfer in text mode breaks it visibly. */
 #define PLIANT_FORMAT_IDENTIFIER                                               \
@@ -33,6 +34,8 @@
 #define PLIANT_CHUNK_ANSWERS PLIANT_FORMAT_TAG('A', 'N', 'S', 'W')
 #define PLIANT_CHUNK_CERTIFICATE PLIANT_FORMAT_TAG('C', 'E', 'R', 'T')
 #define PLIANT_CHUNK_BASIS PLIANT_FORMAT_TAG('B', 'A', 'S', 'I')
+#define PLIANT_CHUNK_COMPACT PLIANT_FORMAT_TAG('B', 'A', 'S', 'C')
+#define PLIANT_CHUNK_BOUNDS PLIANT_FORMAT_TAG('B', 'N', 'D', 'S')
 
 #define PLIANT_CHUNK_FLAG_REQUIRED 1u
 
@@ -48,6 +51,9 @@
 #define PLIANT_FORMAT_MAX_VALENCE 32u
 #define PLIANT_FORMAT_MAX_CENTRES 4096u
 #define PLIANT_FORMAT_MAX_ANSWERS 64u
+#define PLIANT_FORMAT_MAX_WIDTH 24u /* bits of a field of BASC: what single precision holds exactly */
+#define PLIANT_FORMAT_MAX_SHIFT 15u /* of a column's bases in BASC */
+#define PLIANT_FORMAT_MAX_CLUSTERS 256u
 
 #define PLIANT_FORMAT_BLOB_ALIGNMENT 16u
 #define PLIANT_FORMAT_CHUNK_ALIGNMENT 64u
@@ -55,7 +61,9 @@
 #define PLIANT_FORMAT_LANES 16u         /* element lanes and vector padding, in floats */
 #define PLIANT_FORMAT_TILE_VERTICES 16u /* vertices of a REST or BASI tile */
 #define PLIANT_FORMAT_TILE_FLOATS 48u
-#define PLIANT_FORMAT_QUARTIC_LANES 8u /* rows of QUAR start and end at multiples of this */
+#define PLIANT_FORMAT_COMPACT_PARTS 4u     /* tiles of REST that a tile of BASC covers */
+#define PLIANT_FORMAT_COMPACT_VERTICES 64u /* vertices of a tile of BASC */
+#define PLIANT_FORMAT_QUARTIC_LANES 8u     /* rows of QUAR start and end at multiples of this */
 
 typedef struct pliant_format_header {
     uint8_t identifier[12];
@@ -87,12 +95,44 @@ typedef struct pliant_format_solver {
     uint32_t reserved[15];
 } pliant_format_solver;
 
-/* First 64 bytes of ELEM, QUAR, PRED, LOAD, VERT and ANSW: how many records, floats of a table, centres, vertices of the
-   boundary or answers there are. */
+/* First 64 bytes of ELEM, QUAR, PRED, LOAD, VERT, ANSW and BNDS: how many records, floats of a table, centres, vertices of the
+   boundary, answers or clusters there are. */
 typedef struct pliant_format_count {
     uint32_t count;
     uint32_t reserved[15];
 } pliant_format_count;
+
+/* First 64 bytes of BASC. */
+typedef struct pliant_format_compact {
+    uint32_t tile_count;
+    float position_error; /* what the baker was asked to keep to, in input units */
+    uint32_t reserved[14];
+} pliant_format_compact;
+
+/* A column of BASC: the dimension j of q. */
+typedef struct pliant_format_column {
+    float scale;        /* of its numbers, times the tile's factor */
+    uint32_t shift;     /* bases count in units of 2^shift */
+    float reach;        /* no vertex moves further per unit of q_j */
+    float limit;        /* |q_j| of the blends that position_error was kept for */
+} pliant_format_column; /* 16 bytes */
+
+typedef struct pliant_format_tile {
+    uint32_t offset; /* of its fields, in words of 4 bytes from the start of the data */
+    float factor;
+} pliant_format_tile; /* 8 bytes */
+
+/* A column in a tile: u = factor scale (2^shift base[c] + field), fields being unsigned numbers of `width` bits. */
+typedef struct pliant_format_field {
+    int16_t base[3]; /* of x, y and z */
+    uint16_t width;
+} pliant_format_field; /* 8 bytes */
+
+/* A cluster of BNDS has 1 + d of these: of its vertices at q = 0, then of each column. */
+typedef struct pliant_format_interval {
+    float centre[3];
+    float radius[3];
+} pliant_format_interval; /* 24 bytes */
 
 typedef enum pliant_element_kind {
     PLIANT_ELEMENT_HINGE = 1,
@@ -173,5 +213,28 @@ static inline uint64_t pliant_format_quartic_floats(uint32_t dimension)
             * (pliant_format_quartic_row_end(dimension) - pliant_format_quartic_row_start(dimension, j));
     return sum;
 }
+
+/* Where BASC has its tiles, its fields' descriptions (tile_count x dimension) and its data, from the start of the chunk. */
+static inline uint64_t pliant_format_compact_tiles(uint32_t dimension)
+{
+    const uint64_t columns = dimension * (uint64_t)sizeof(pliant_format_column);
+    return sizeof(pliant_format_compact)
+        + (columns + PLIANT_FORMAT_CHUNK_ALIGNMENT - 1) / PLIANT_FORMAT_CHUNK_ALIGNMENT * PLIANT_FORMAT_CHUNK_ALIGNMENT;
+}
+
+static inline uint64_t pliant_format_compact_fields(uint32_t dimension, uint32_t tile_count)
+{
+    return pliant_format_compact_tiles(dimension) + (uint64_t)tile_count * sizeof(pliant_format_tile);
+}
+
+static inline uint64_t pliant_format_compact_data(uint32_t dimension, uint32_t tile_count)
+{
+    const uint64_t end = pliant_format_compact_fields(dimension, tile_count)
+        + (uint64_t)tile_count * dimension * sizeof(pliant_format_field);
+    return (end + PLIANT_FORMAT_CHUNK_ALIGNMENT - 1) / PLIANT_FORMAT_CHUNK_ALIGNMENT * PLIANT_FORMAT_CHUNK_ALIGNMENT;
+}
+
+/* Words of 4 bytes that one part of a tile takes, whose columns have `bits` bits a lane in all: 6 for every begun 4 of them. */
+static inline uint32_t pliant_format_compact_part(uint32_t bits) { return (bits + 3) / 4 * 6; }
 
 #endif

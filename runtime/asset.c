@@ -1,5 +1,5 @@
 /* Opening an asset: every rule of formats/SPEC.md section 5, in place, without allocating. Hostile bytes are the normal case
-   here: see open.h. The chunks of the stand-in are in asset_energy.c.
+   here: see open.h. The chunks of the stand-in are in asset_energy.c, those of the shape in asset_shape.c.
 
    On a big-endian machine format_major reads as 256 and open answers PLIANT_ERROR_VERSION: assets are used in place, so a
    byte-swapped one would have to be converted offline. */
@@ -42,7 +42,9 @@ static int is_known_tag(uint32_t tag)
     case PLIANT_CHUNK_NAMES:
     case PLIANT_CHUNK_ANSWERS:
     case PLIANT_CHUNK_CERTIFICATE:
-    case PLIANT_CHUNK_BASIS: return 1;
+    case PLIANT_CHUNK_BASIS:
+    case PLIANT_CHUNK_COMPACT:
+    case PLIANT_CHUNK_BOUNDS: return 1;
     default: return 0;
     }
 }
@@ -84,13 +86,14 @@ static pliant_result check_chunk_table(pliant_open_context* context)
 
 static pliant_result check_presence(const pliant_open_context* context)
 {
-    static const uint32_t required[]
-        = { PLIANT_CHUNK_SOLVER,  PLIANT_CHUNK_REST,        PLIANT_CHUNK_TRIANGLES, PLIANT_CHUNK_NAMES,
-            PLIANT_CHUNK_ANSWERS, PLIANT_CHUNK_CERTIFICATE, PLIANT_CHUNK_BASIS };
+    static const uint32_t required[] = { PLIANT_CHUNK_SOLVER, PLIANT_CHUNK_REST,    PLIANT_CHUNK_TRIANGLES,
+                                         PLIANT_CHUNK_NAMES,  PLIANT_CHUNK_ANSWERS, PLIANT_CHUNK_CERTIFICATE };
     for (size_t i = 0; i < sizeof required / sizeof *required; ++i)
         if (!pliant_open_find(context, required[i])) return PLIANT_ERROR_LAYOUT;
-    /* One stand-in and not two. */
-    return !pliant_open_find(context, PLIANT_CHUNK_ELEMENTS) != !pliant_open_find(context, PLIANT_CHUNK_QUARTIC)
+    /* One stand-in and one basis, and not two. */
+    if (!pliant_open_find(context, PLIANT_CHUNK_ELEMENTS) == !pliant_open_find(context, PLIANT_CHUNK_QUARTIC))
+        return PLIANT_ERROR_LAYOUT;
+    return !pliant_open_find(context, PLIANT_CHUNK_BASIS) != !pliant_open_find(context, PLIANT_CHUNK_COMPACT)
         ? PLIANT_OK
         : PLIANT_ERROR_LAYOUT;
 }
@@ -262,23 +265,6 @@ static pliant_result check_answers(const pliant_open_context* context)
     return PLIANT_OK;
 }
 
-/* REST and BASI are read by reconstruction alone: their numbers move vertices and no pointers, so only sizes are checked. */
-static pliant_result open_shape(const pliant_open_context* context, pliant_asset* asset)
-{
-    const pliant_format_chunk* rest = pliant_open_find(context, PLIANT_CHUNK_REST);
-    const pliant_format_chunk* basis = pliant_open_find(context, PLIANT_CHUNK_BASIS);
-    const uint64_t tiles
-        = ((uint64_t)context->header.vertex_count + PLIANT_FORMAT_TILE_VERTICES - 1) / PLIANT_FORMAT_TILE_VERTICES;
-    const uint64_t tile_size = PLIANT_FORMAT_TILE_FLOATS * sizeof(float);
-    uint64_t end;
-    if (!pliant_fits(0, tiles, tile_size, rest->size, &end) || end != rest->size) return PLIANT_ERROR_LAYOUT;
-    if (!pliant_fits(0, tiles, tile_size * context->header.dimension, basis->size, &end) || end != basis->size)
-        return PLIANT_ERROR_LAYOUT;
-    asset->rest = (const float*)(const void*)(context->blob + rest->offset);
-    asset->basis = (const float*)(const void*)(context->blob + basis->offset);
-    return PLIANT_OK;
-}
-
 /* ------------------------------------------------------------------------------------------------------------ API ---- */
 
 static pliant_result open_checked(pliant_open_context* context, pliant_asset* asset, uint32_t flags)
@@ -289,7 +275,7 @@ static pliant_result open_checked(pliant_open_context* context, pliant_asset* as
     if (result == PLIANT_OK && (flags & PLIANT_OPEN_VERIFY_CHECKSUMS)) result = check_checksums(context);
     if (result == PLIANT_OK) result = open_solver(context, asset);
     if (result == PLIANT_OK) result = pliant_open_energy(context, asset);
-    if (result == PLIANT_OK) result = open_shape(context, asset);
+    if (result == PLIANT_OK) result = pliant_open_shape(context, asset);
     if (result == PLIANT_OK) result = open_vertices(context, asset);
     if (result == PLIANT_OK) result = open_triangles(context, asset);
     if (result == PLIANT_OK) result = open_smoothing(context, asset);

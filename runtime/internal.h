@@ -108,9 +108,23 @@ typedef void pliant_arap_kernel(const pliant_element_group* group, const pliant_
 typedef void pliant_quartic_kernel(uint32_t dimension, const float* table, const float* z, float* PLIANT_RESTRICT gradient,
                                    float* scratch, double* energy);
 
-/* The vertices of tile `tile` for the coordinates q. */
-typedef void pliant_tile_kernel(const pliant_asset* asset, const float* PLIANT_RESTRICT q, size_t tile,
+/* What a reconstruction knows of its q. */
+typedef struct pliant_frame {
+    const float* q;
+    uint32_t columns;                          /* how many count */
+    float scaled[PLIANT_FORMAT_MAX_DIMENSION]; /* of BASC: q by the columns' scales, and by those of their bases */
+    float bases[PLIANT_FORMAT_MAX_DIMENSION];
+} pliant_frame;
+
+void pliant_frame_begin(const pliant_asset* asset, const float* q, uint32_t columns, pliant_frame* frame);
+
+/* The vertices of tile `tile` of BASI. */
+typedef void pliant_tile_kernel(const pliant_asset* asset, const pliant_frame* frame, size_t tile,
                                 float* PLIANT_RESTRICT out);
+
+/* Those of parts first .. end-1 of tile `tile` of BASC. */
+typedef void pliant_compact_kernel(const pliant_asset* asset, const pliant_frame* frame, size_t tile, size_t first,
+                                   size_t end, float* PLIANT_RESTRICT out);
 
 /* The normals of `count` vertices (at most PLIANT_LANES) from `first` on: x y z each, PLIANT_LANES of them are written. */
 typedef void pliant_normals_kernel(const pliant_normals* normals, const unsigned char* positions, size_t stride,
@@ -131,6 +145,7 @@ typedef struct pliant_kernels {
     pliant_element_kernel* tet_mooney_rivlin;
     pliant_quartic_kernel* quartic;
     pliant_tile_kernel* rebuild_tile;
+    pliant_compact_kernel* rebuild_compact;
     pliant_normals_kernel* normals_of_block;
 } pliant_kernels;
 
@@ -148,6 +163,7 @@ pliant_element_kernel pliant_evaluate_hinge, pliant_evaluate_face_neo_hookean, p
 pliant_arap_kernel pliant_evaluate_arap_cell;
 pliant_quartic_kernel pliant_evaluate_quartic;
 pliant_tile_kernel pliant_rebuild_tile;
+pliant_compact_kernel pliant_rebuild_compact;
 pliant_normals_kernel pliant_normals_of_block;
 #if PLIANT_HAS_AVX2_COPY
 PLIANT_AVX2 pliant_combine_kernel pliant_combine_columns_avx2;
@@ -160,6 +176,7 @@ PLIANT_AVX2 pliant_element_kernel pliant_evaluate_hinge_avx2, pliant_evaluate_fa
 PLIANT_AVX2 pliant_arap_kernel pliant_evaluate_arap_cell_avx2;
 PLIANT_AVX2 pliant_quartic_kernel pliant_evaluate_quartic_avx2;
 PLIANT_AVX2 pliant_tile_kernel pliant_rebuild_tile_avx2;
+PLIANT_AVX2 pliant_compact_kernel pliant_rebuild_compact_avx2;
 PLIANT_AVX2 pliant_normals_kernel pliant_normals_of_block_avx2;
 #endif
 

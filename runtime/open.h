@@ -49,4 +49,7 @@ pliant_result pliant_open_count(const pliant_open_context* context, const pliant
 /* What a frame reads beside SOLV: ELEM or QUAR, PRED, LOAD. The chunks are disjoint and inside the file. */
 pliant_result pliant_open_energy(const pliant_open_context* context, pliant_asset* asset);
 
+/* What positions are rebuilt from: REST, BASI or BASC, BNDS. The chunks are disjoint and inside the file. */
+pliant_result pliant_open_shape(const pliant_open_context* context, pliant_asset* asset);
+
 #endif

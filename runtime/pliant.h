@@ -16,6 +16,7 @@
      4. pliant_solver_init        once per character.
      5. pliant_solve              once per frame and character: weights in, q out.
      6. pliant_reconstruct        q in, positions out, any range of vertices, any stride; split it over threads at will.
+        pliant_bounds             q in, a box round all vertices out, without the vertices: for culling.
      7. pliant_normals_compute    positions in, normals out, if you want them; pliant_normals_init once per asset.
 
    Threads
@@ -113,7 +114,13 @@ typedef struct pliant_asset {
     const float* predictor_coefficients;
     const float* load_coefficients; /* null without a dead load */
     const float* rest;
-    const float* basis;
+    const float* basis;                         /* null with a compact basis */
+    const struct pliant_format_column* columns; /* of a compact basis; null without */
+    const struct pliant_format_tile* tiles;
+    const struct pliant_format_field* fields;
+    const uint32_t* data;
+    const struct pliant_format_interval* bounds; /* null without clusters */
+    uint32_t cluster_count;
     uint32_t batch_count;
     uint32_t predictor_count;
     uint32_t padded_dimension;
@@ -210,10 +217,39 @@ PLIANT_API pliant_result pliant_solve(pliant_solver* solver, const float* weight
 
 /* Positions of vertices first .. first+count-1 for the coordinates `q`: position i is written as three floats at
    (char*)positions + i * stride (stride in bytes, at least 12, a multiple of 4), in units of the input meshes. Vertices
-   past the last one are not written. Ranges that start at multiples of 16 are fastest; ranges may run on different
-   threads. Cost: reads count * 12 * (dimension + 1) bytes of the basis, once, forwards. */
+   past the last one are not written. Ranges that start at multiples of 64 are fastest; ranges may run on different
+   threads. Cost: reads the basis of the vertices once, forwards: about 4 bytes a vertex and dimension if it is compact, 12 if it is in
+   single precision (`pliant info`), and 12 more a vertex. */
 PLIANT_API void pliant_reconstruct(const pliant_asset* asset, const float* q, uint32_t first, uint32_t count,
                                    float* positions, size_t stride);
+
+/* The same from the first `columns` dimensions of q only, as if the others were zero: faster the fewer there are. Of a compact
+   basis they come sorted by how far they move blends. */
+PLIANT_API void pliant_reconstruct_columns(const pliant_asset* asset, const float* q, uint32_t columns, uint32_t first,
+                                           uint32_t count, float* positions, size_t stride);
+
+/* How few columns pliant_reconstruct_columns needs for this q so that no vertex is further than `error` (in units of the input meshes)
+   from where pliant_reconstruct puts it, rounding in single precision apart: exact, for any q. An asset in single precision does not
+   know how far its columns reach: there it is all of them. Cost: linear in the dimension. */
+PLIANT_API uint32_t pliant_columns_needed(const pliant_asset* asset, const float* q, float error);
+
+/* What a dimension of q does to the shape. */
+typedef struct pliant_column {
+    float
+        reach; /* no vertex moves further than this per unit of q[column], in units of the input meshes; +infinity if the asset
+                    does not know it (single precision) */
+    float limit; /* |q[column]| of the blends that the baker looked at, with a margin; 0 if the asset does not know it */
+    float bits;  /* mean size of a number of the basis in this column */
+} pliant_column;
+
+/* Describes dimension `column` of q. PLIANT_ERROR_ARGUMENT if there is none. Cost: linear in the vertices / 64 if compact. */
+PLIANT_API pliant_result pliant_asset_column(const pliant_asset* asset, uint32_t column, pliant_column* out);
+
+/* A box round all vertices for the coordinates `q`, whatever they are, in units of the input meshes: every position that
+   pliant_reconstruct gives for this q lies inside. It is at most a few per cent of the diagonal wider than the shape on blends
+   (runtime/README.md). Cost: 6 * (dimension + 1) multiply-adds for each of at most 256 clusters of vertices, microseconds; for an
+   asset of before format 1.3 or baked without clusters that of reconstructing all vertices. PLIANT_ERROR_ARGUMENT for null pointers. */
+PLIANT_API pliant_result pliant_bounds(const pliant_asset* asset, const float* q, float lowest[3], float highest[3]);
 
 /* ------------------------------------------------------------------------------------------------------ normals ---- */
 

@@ -88,6 +88,9 @@ static pliant_gl_result load_context(pliant_gl* gl, pliant_gl_loader load, plian
     return load_functions(gl, load, 0, end);
 }
 
+/* With so many layers of 1024 rows the number of a word still fits into 32 bits. */
+#define LAYER_LIMIT 2048u
+
 /* Rows of layers: a power of two, as every context has at least 1024, and smaller only if asked for. */
 static void read_limits(pliant_gl* gl, const pliant_gl_desc* desc)
 {
@@ -97,7 +100,7 @@ static void read_limits(pliant_gl* gl, const pliant_gl_desc* desc)
     if (desc->max_texture_size && desc->max_texture_size < (uint32_t)size) size = (gl_int)desc->max_texture_size;
     if (desc->max_layers && desc->max_layers < (uint32_t)layers) layers = (gl_int)desc->max_layers;
     while (gl->layer_shift < PLIANT_GL_ROW_SHIFT && (2 << gl->layer_shift) <= size) ++gl->layer_shift;
-    gl->max_layers = (uint32_t)layers;
+    gl->max_layers = (uint32_t)layers < LAYER_LIMIT ? (uint32_t)layers : LAYER_LIMIT;
 }
 
 /* Errors of before are the caller's; the bound is for contexts that are lost and report errors for ever. */
@@ -227,18 +230,58 @@ static void put_runs(const pliant_gl* gl, const word_run* runs, size_t count)
     }
 }
 
+/* Where the fields of tile `tile` of a compact basis end, in words; the last one may have fewer than four parts. */
+static uint64_t compact_end(const pliant_asset* asset, uint64_t tile, uint64_t rest_tiles)
+{
+    const uint64_t first = tile * PLIANT_FORMAT_COMPACT_PARTS, left = rest_tiles - first;
+    const uint64_t parts = left < PLIANT_FORMAT_COMPACT_PARTS ? left : PLIANT_FORMAT_COMPACT_PARTS;
+    uint32_t bits = 0;
+    for (uint32_t j = 0; j < asset->dimension; ++j) bits += asset->fields[tile * asset->dimension + j].width;
+    return asset->tiles[tile].offset + parts * pliant_format_compact_part(bits);
+}
+
+/* A compact basis as the file has it: tiles, fields, data. Fills the runs behind the first. */
+static size_t compact_runs(pliant_gl_mesh* mesh, const pliant_asset* asset, uint64_t used_tiles, word_run* runs)
+{
+    const uint64_t rest_tiles
+        = ((uint64_t)asset->vertex_count + PLIANT_FORMAT_TILE_VERTICES - 1) / PLIANT_FORMAT_TILE_VERTICES;
+    const uint64_t tiles = (rest_tiles + PLIANT_FORMAT_COMPACT_PARTS - 1) / PLIANT_FORMAT_COMPACT_PARTS;
+    const uint64_t used = (used_tiles + PLIANT_FORMAT_COMPACT_PARTS - 1) / PLIANT_FORMAT_COMPACT_PARTS;
+    runs[1].words = asset->tiles;
+    runs[1].count = 2 * tiles;
+    runs[2].words = asset->fields;
+    runs[2].count = 2 * tiles * asset->dimension;
+    runs[3].words = asset->data;
+    runs[3].count = compact_end(asset, used - 1, rest_tiles);
+    mesh->compact[0] = (uint32_t)(rows_of_runs(runs, 2) << PLIANT_GL_ROW_SHIFT);
+    mesh->compact[1] = (uint32_t)(rows_of_runs(runs, 3) << PLIANT_GL_ROW_SHIFT);
+    mesh->compact[2] = (uint32_t)compact_end(asset, tiles - 1, rest_tiles);
+    mesh->compact[3] = (uint32_t)rest_tiles;
+    for (uint32_t j = 0; j < asset->dimension; ++j) {
+        mesh->scales[j] = asset->columns[j].scale;
+        mesh->steps[j] = (float)(1u << asset->columns[j].shift);
+    }
+    return 4;
+}
+
 /* REST and the basis as the file has them. Tiles past the boundary of a solid are left out: they come last. */
 static pliant_gl_result upload_shape(pliant_gl_mesh* mesh, const pliant_asset* asset)
 {
     const pliant_gl* gl = mesh->gl;
     const uint64_t tiles = ((uint64_t)mesh->vertex_count + PLIANT_FORMAT_TILE_VERTICES - 1) / PLIANT_FORMAT_TILE_VERTICES;
-    const uint64_t rest_words = tiles * PLIANT_FORMAT_TILE_FLOATS;
-    const word_run runs[2] = { { asset->rest, rest_words }, { asset->basis, rest_words * asset->dimension } };
-    for (uint32_t j = 0; j < asset->dimension; ++j) mesh->scales[j] = 1.0f;
+    word_run runs[4] = { { asset->rest, tiles * PLIANT_FORMAT_TILE_FLOATS }, { NULL, 0 }, { NULL, 0 }, { NULL, 0 } };
+    size_t count = 2;
+    if (asset->columns) {
+        count = compact_runs(mesh, asset, tiles, runs);
+    } else {
+        runs[1].words = asset->basis;
+        runs[1].count = runs[0].count * asset->dimension;
+        for (uint32_t j = 0; j < asset->dimension; ++j) mesh->scales[j] = 1.0f;
+    }
     mesh->store[2] = (uint32_t)(rows_of(runs[0].count) << PLIANT_GL_ROW_SHIFT);
-    mesh->shape_texture = make_texture(gl, &word_kind, rows_of_runs(runs, 2), &mesh->byte_count);
+    mesh->shape_texture = make_texture(gl, &word_kind, rows_of_runs(runs, count), &mesh->byte_count);
     if (!mesh->shape_texture) return PLIANT_GL_ERROR_LIMIT;
-    put_runs(gl, runs, 2);
+    put_runs(gl, runs, count);
     return PLIANT_GL_OK;
 }
 
@@ -299,7 +342,8 @@ pliant_gl_result pliant_gl_mesh_init(pliant_gl_mesh* out, pliant_gl* gl, const p
     pliant_gl_state state;
     if (!out) return PLIANT_GL_ERROR_ARGUMENT;
     memset(out, 0, sizeof *out);
-    if (!gl || gl->magic != PLIANT_GL_MAGIC || !asset || !asset->rest || !asset->basis) return PLIANT_GL_ERROR_ARGUMENT;
+    if (!gl || gl->magic != PLIANT_GL_MAGIC || !asset || !asset->rest || (!asset->basis && !asset->columns))
+        return PLIANT_GL_ERROR_ARGUMENT;
     if (normals && (!normals->starts || normals->vertex_count != asset->boundary_vertex_count))
         return PLIANT_GL_ERROR_ARGUMENT;
 

@@ -4,39 +4,168 @@
 
 #define TILE_VERTICES PLIANT_FORMAT_TILE_VERTICES
 #define TILE_FLOATS PLIANT_FORMAT_TILE_FLOATS
+#define WORD_BITS 32u
 
-static PLIANT_INLINE void rebuild_tile(const pliant_asset* asset, const float* PLIANT_RESTRICT q, size_t tile,
+/* ------------------------------------------------------------------------------------------------ single precision ---- */
+
+static PLIANT_INLINE void rebuild_tile(const pliant_asset* asset, const pliant_frame* frame, size_t tile,
                                        float* PLIANT_RESTRICT out)
 {
-    const size_t dimension = asset->dimension;
     const float* PLIANT_RESTRICT rest = asset->rest + tile * TILE_FLOATS;
-    const float* PLIANT_RESTRICT column = asset->basis + tile * dimension * TILE_FLOATS;
+    const float* PLIANT_RESTRICT column = asset->basis + tile * asset->dimension * TILE_FLOATS;
     float sum[TILE_FLOATS];
     memcpy(sum, rest, sizeof sum);
-    for (size_t j = 0; j < dimension; ++j, column += TILE_FLOATS) {
-        const float qj = q[j];
+    for (size_t j = 0; j < frame->columns; ++j, column += TILE_FLOATS) {
+        const float qj = frame->q[j];
         for (size_t i = 0; i < TILE_FLOATS; ++i) sum[i] += qj * column[i];
     }
     for (size_t i = 0; i < TILE_VERTICES; ++i)
         for (size_t c = 0; c < 3; ++c) out[3 * i + c] = sum[3 * i + c] + asset->origin[c];
 }
 
-PLIANT_KERNEL(rebuild_tile,
-              (const pliant_asset* asset, const float* PLIANT_RESTRICT q, size_t tile, float* PLIANT_RESTRICT out),
-              (asset, q, tile, out))
+/* --------------------------------------------------------------------------------------------------------- compact ---- */
+
+/* sum += factor * field, the fields being `mask` of `word` from bit `shift` on; both go on in `next` where that is not null. */
+static PLIANT_INLINE void add_field(float* PLIANT_RESTRICT sum, float factor, const uint32_t* PLIANT_RESTRICT word,
+                                    const uint32_t* PLIANT_RESTRICT next, uint32_t shift, uint32_t mask)
+{
+    if (!next) {
+        for (size_t i = 0; i < TILE_FLOATS; ++i) sum[i] += factor * (float)(int32_t)((word[i] >> shift) & mask);
+        return;
+    }
+    const uint32_t rest = WORD_BITS - shift; /* 1 .. 31: a field that begins at bit 0 ends in its word */
+    for (size_t i = 0; i < TILE_FLOATS; ++i)
+        sum[i] += factor * (float)(int32_t)(((word[i] >> shift) | (next[i] << rest)) & mask);
+}
+
+/* What a part has behind its whole words: `bits` bits a lane, a multiple of 4 below 32. */
+static PLIANT_INLINE void read_tail(const unsigned char* PLIANT_RESTRICT bytes, uint32_t bits,
+                                    uint32_t* PLIANT_RESTRICT tail)
+{
+    uint32_t at = 0;
+    memset(tail, 0, TILE_FLOATS * sizeof *tail);
+    if (bits & 16u) {
+        uint16_t halves[TILE_FLOATS];
+        memcpy(halves, bytes, sizeof halves);
+        for (size_t i = 0; i < TILE_FLOATS; ++i) tail[i] = halves[i];
+        bytes += sizeof halves;
+        at = 16;
+    }
+    if (bits & 8u) {
+        for (size_t i = 0; i < TILE_FLOATS; ++i) tail[i] |= (uint32_t)bytes[i] << at;
+        bytes += TILE_FLOATS;
+        at += 8;
+    }
+    if (bits & 4u)
+        for (size_t i = 0; i < TILE_FLOATS / 2; ++i) {
+            tail[i] |= (uint32_t)(bytes[i] & 15u) << at;
+            tail[i + TILE_FLOATS / 2] |= (uint32_t)(bytes[i] >> 4) << at;
+        }
+}
+
+/* The fields of one part, weighted: 48 sums. */
+static PLIANT_INLINE void add_part(const pliant_frame* frame, const pliant_format_field* PLIANT_RESTRICT fields,
+                                   const uint32_t* PLIANT_RESTRICT words, uint32_t bits, float* PLIANT_RESTRICT sum)
+{
+    const uint32_t whole = bits / WORD_BITS;
+    uint32_t tail[TILE_FLOATS];
+    uint32_t at = 0;
+    if (bits % WORD_BITS) read_tail((const unsigned char*)(words + (size_t)whole * TILE_FLOATS), bits % WORD_BITS, tail);
+    for (size_t j = 0; j < frame->columns; ++j) {
+        const uint32_t width = fields[j].width, shift = at % WORD_BITS, k = at / WORD_BITS;
+        if (width == 0) continue;
+        const uint32_t* const word = k < whole ? words + (size_t)k * TILE_FLOATS : tail;
+        const uint32_t* const next = shift + width <= WORD_BITS ? NULL : k + 1 < whole ? word + TILE_FLOATS : tail;
+        add_field(sum, frame->scaled[j], word, next, shift, (1u << width) - 1u);
+        at += width;
+    }
+}
+
+/* Parts first .. end-1 of tile `tile`, 48 floats each. */
+static PLIANT_INLINE void rebuild_compact(const pliant_asset* asset, const pliant_frame* frame, size_t tile, size_t first,
+                                          size_t end, float* PLIANT_RESTRICT out)
+{
+    const pliant_format_field* PLIANT_RESTRICT fields = asset->fields + tile * asset->dimension;
+    float base[3] = { 0.0f, 0.0f, 0.0f };
+    uint32_t bits = 0;
+    for (size_t j = 0; j < frame->columns; ++j)
+        for (size_t c = 0; c < 3; ++c) base[c] += frame->bases[j] * (float)fields[j].base[c];
+    for (size_t j = 0; j < asset->dimension; ++j) bits += fields[j].width;
+    bits = (bits + 3) / 4 * 4;
+    const float factor = asset->tiles[tile].factor;
+    const uint32_t* words = asset->data + asset->tiles[tile].offset + first * pliant_format_compact_part(bits);
+    const float* PLIANT_RESTRICT rest = asset->rest + (tile * PLIANT_FORMAT_COMPACT_PARTS + first) * TILE_FLOATS;
+    for (; first < end; ++first, words += pliant_format_compact_part(bits), rest += TILE_FLOATS, out += TILE_FLOATS) {
+        float sum[TILE_FLOATS];
+        for (size_t i = 0; i < TILE_VERTICES; ++i)
+            for (size_t c = 0; c < 3; ++c) sum[3 * i + c] = base[c];
+        add_part(frame, fields, words, bits, sum);
+        for (size_t i = 0; i < TILE_VERTICES; ++i)
+            for (size_t c = 0; c < 3; ++c) out[3 * i + c] = rest[3 * i + c] + factor * sum[3 * i + c] + asset->origin[c];
+    }
+}
+
+PLIANT_KERNEL(rebuild_tile, (const pliant_asset* asset, const pliant_frame* frame, size_t tile, float* PLIANT_RESTRICT out),
+              (asset, frame, tile, out))
+PLIANT_KERNEL(rebuild_compact,
+              (const pliant_asset* asset, const pliant_frame* frame, size_t tile, size_t first, size_t end,
+               float* PLIANT_RESTRICT out),
+              (asset, frame, tile, first, end, out))
+
+/* ------------------------------------------------------------------------------------------------------------- API ---- */
+
+void pliant_frame_begin(const pliant_asset* asset, const float* q, uint32_t columns, pliant_frame* frame)
+{
+    frame->q = q;
+    frame->columns = columns < asset->dimension ? columns : asset->dimension;
+    if (asset->columns)
+        for (size_t j = 0; j < frame->columns; ++j) {
+            frame->scaled[j] = q[j] * asset->columns[j].scale;
+            frame->bases[j] = frame->scaled[j] * (float)(1u << asset->columns[j].shift);
+        }
+}
+
+/* Rebuilds the tiles of REST from `tile` on, at most so many as a tile of BASC has left, and answers how many. */
+static size_t rebuild(const pliant_kernels* kernels, const pliant_asset* asset, const pliant_frame* frame, size_t tile,
+                      size_t end, float* out)
+{
+    if (!asset->columns) {
+        kernels->rebuild_tile(asset, frame, tile, out);
+        return 1;
+    }
+    const size_t first = tile % PLIANT_FORMAT_COMPACT_PARTS, left = PLIANT_FORMAT_COMPACT_PARTS - first;
+    const size_t count = left < end - tile ? left : end - tile;
+    kernels->rebuild_compact(asset, frame, tile / PLIANT_FORMAT_COMPACT_PARTS, first, first + count, out);
+    return count;
+}
+
+void pliant_reconstruct_columns(const pliant_asset* asset, const float* q, uint32_t columns, uint32_t first, uint32_t count,
+                                float* positions, size_t stride)
+{
+    if (!asset || !asset->rest || !q || !positions || first >= asset->vertex_count) return;
+    const pliant_kernels* kernels = pliant_kernels_choose();
+    const size_t end = count < asset->vertex_count - first ? (size_t)first + count : asset->vertex_count;
+    const size_t tile_end = (end + TILE_VERTICES - 1) / TILE_VERTICES;
+    unsigned char* out = (unsigned char*)positions;
+    pliant_frame frame;
+    pliant_frame_begin(asset, q, columns, &frame);
+    for (size_t v = first; v < end;) {
+        const size_t tile = v / TILE_VERTICES;
+        float rebuilt[PLIANT_FORMAT_COMPACT_PARTS * TILE_FLOATS];
+        const size_t rebuilt_end = (tile + rebuild(kernels, asset, &frame, tile, tile_end, rebuilt)) * TILE_VERTICES;
+        const size_t stop = rebuilt_end < end ? rebuilt_end : end;
+        const float* from = rebuilt + 3 * (v - tile * TILE_VERTICES);
+        if (stride == 3 * sizeof(float)) {
+            memcpy(out, from, (stop - v) * stride);
+            out += (stop - v) * stride;
+            v = stop;
+        }
+        for (; v < stop; ++v, out += stride, from += 3) memcpy(out, from, 3 * sizeof(float));
+    }
+}
 
 void pliant_reconstruct(const pliant_asset* asset, const float* q, uint32_t first, uint32_t count, float* positions,
                         size_t stride)
 {
-    if (!asset || !asset->basis || !q || !positions || first >= asset->vertex_count) return;
-    const pliant_kernels* kernels = pliant_kernels_choose();
-    const size_t end = count < asset->vertex_count - first ? (size_t)first + count : asset->vertex_count;
-    unsigned char* out = (unsigned char*)positions;
-    for (size_t v = first; v < end;) {
-        const size_t tile = v / TILE_VERTICES;
-        const size_t tile_end = (tile + 1) * TILE_VERTICES < end ? (tile + 1) * TILE_VERTICES : end;
-        float rebuilt[TILE_FLOATS];
-        kernels->rebuild_tile(asset, q, tile, rebuilt);
-        for (; v < tile_end; ++v, out += stride) memcpy(out, rebuilt + 3 * (v % TILE_VERTICES), 3 * sizeof(float));
-    }
+    pliant_reconstruct_columns(asset, q, PLIANT_FORMAT_MAX_DIMENSION, first, count, positions, stride);
 }

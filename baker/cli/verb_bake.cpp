@@ -26,6 +26,8 @@ void print_summary(const Arguments& a, const BakedAsset& baked)
         : fmt::format("{} elements{}", r.element_count, r.stand_in.has_load ? " and a dead load" : "");
     fmt::print("{}: {} poses, {} vertices, d = {}, {}, {:.1f} MiB\n", a.output, r.pose_count, r.vertex_count, r.dimension,
                energy, double(baked.bytes.size()) / 1048576.0);
+    fmt::print("basis: {:.2f} bytes a number, off by {:.1e} of the diagonal at most\n", r.basis.bytes_per_number,
+               r.basis.largest_difference);
     if (!r.stand_in_reason.empty()) fmt::print("cubature, not the quartic: {}\n", r.stand_in_reason);
     if (r.tet_count && !r.checks.empty()) fmt::print("smallest J of a tetrahedron: {:.3f}\n", r.cell_ratio);
     if (r.drawn)
@@ -168,6 +170,12 @@ Verb add_bake(CLI::App& app)
     verb->add_option("--fresh-samples", a->bake.fresh_count,
                      "Further weights, by which nothing is chosen, at which the asset is compared with unreduced averages")
         ->check(CLI::Range(0, 1000))
+        ->capture_default_str();
+    verb->add_option("--position-error", a->bake.position_error,
+                     "How far a vertex may be moved by storing the basis in few bits, over the bounding-box diagonal; 0 "
+                     "stores single "
+                     "precision")
+        ->check(CLI::Range(0.0, 1e-2))
         ->capture_default_str();
     verb->add_option("--seed", a->bake.seed, "Seed of everything random")->capture_default_str();
     verb->add_option("--report", a->report, "Also write a report with errors and times")->type_name("OUT.json");

@@ -77,6 +77,14 @@ Json subspace_of(const BakeReport& report, const BakeOptions& options)
     return subspace;
 }
 
+Json basis_of(const BakeReport& report, const BakeOptions& options)
+{
+    return { { "compact", report.basis.is_compact },
+             { "position_error", options.position_error },
+             { "largest_difference", report.basis.largest_difference },
+             { "bytes_per_number", report.basis.bytes_per_number } };
+}
+
 Json stand_in_of(const BakeReport& report, const BakeOptions& options)
 {
     const StandInReport& r = report.stand_in;
@@ -182,6 +190,7 @@ std::string write_certificate(const BakeReport& report, const BakeOptions& optio
     if (options.tolerance_max > 0) certificate["tolerance_max"] = options.tolerance_max;
     certificate["meets_tolerance"] = report.meets_tolerance;
     certificate["subspace"] = subspace_of(report, options);
+    certificate["basis"] = basis_of(report, options);
     certificate["stand_in"] = stand_in_of(report, options);
     certificate["measured"] = measured_of(report);
     certificate["mean_from_pose"] = report.start_pose;

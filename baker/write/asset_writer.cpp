@@ -3,6 +3,7 @@
 #include "mesh/smoothing_groups.h"
 #include "pliant_format.h"
 #include "report/diagnostics.h"
+#include "write/bytes.h"
 
 #include <algorithm>
 #include <cmath>
@@ -16,19 +17,6 @@
 namespace pliant {
 
 namespace {
-
-// Growing little-endian bytes. (The baker runs on little-endian machines; the format is.)
-class Bytes {
-public:
-    template <class T> void put(const T& value)
-    {
-        const auto* p = reinterpret_cast<const std::uint8_t*>(&value);
-        data.insert(data.end(), p, p + sizeof(T));
-    }
-    void put_float(double value) { put(float(value)); }
-    void align(std::size_t alignment) { data.resize((data.size() + alignment - 1) / alignment * alignment, 0); }
-    std::vector<std::uint8_t> data;
-};
 
 constexpr std::size_t pad16(std::size_t count) { return (count + 15) / 16 * 16; }
 
@@ -51,10 +39,12 @@ Bytes encode_solver(const AssetModel& model)
     pliant_format_solver head {};
     head.energy_scale = float(model.energy_scale);
     out.put(head);
-    put_padded(out, model.mean);
-    for (Eigen::Index j = 0; j < model.root.cols(); ++j) put_padded(out, model.root.col(j));
+    const Frame frame = model.stored ? model.stored->frame : plain_frame(model.subspace->dimension());
+    const Eigen::MatrixXd root = frame.axes.transpose() * model.root;
+    put_padded(out, frame.stored(model.mean));
+    for (Eigen::Index j = 0; j < root.cols(); ++j) put_padded(out, root.col(j));
     for (Eigen::Index k = 0; k < model.subspace->pose_coordinates.cols(); ++k)
-        put_padded(out, model.subspace->pose_coordinates.col(k));
+        put_padded(out, frame.stored(model.subspace->pose_coordinates.col(k)));
     return out;
 }
 
@@ -248,6 +238,7 @@ Bytes encode_smoothing(const std::vector<std::uint32_t>& groups, std::size_t ver
 // The oldest version whose readers understand all that the asset holds.
 std::uint16_t format_minor(const AssetModel& model)
 {
+    if (model.stored) return PLIANT_FORMAT_MINOR_COMPACT;
     if (has_smoothing(model)) return PLIANT_FORMAT_MINOR_SMOOTH;
     if (model.set->is_solid()) return PLIANT_FORMAT_MINOR_SOLID;
     return model.load ? PLIANT_FORMAT_MINOR_LOAD : 0;
@@ -319,6 +310,11 @@ struct Drawn {
     {
         return embedding ? encode_tiles(apply(*embedding, columns), length) : encode_tiles(columns, length);
     }
+    Bytes rest(const AssetModel& model) const
+    {
+        return model.stored ? encode_tiles(model.stored->rest, model.set->length)
+                            : tiles(model.subspace->origin, model.set->length);
+    }
 
     const std::vector<Triangle>& triangles;
     const Polygons* polygons;
@@ -340,7 +336,7 @@ std::vector<std::uint8_t> encode_asset(const AssetModel& model)
         chunks.push_back({ PLIANT_CHUNK_ELEMENTS, required, encode_elements(model) });
     if (!model.predictor.centres.empty()) chunks.push_back({ PLIANT_CHUNK_PREDICTOR, 0, encode_predictor(model) });
     if (model.load) chunks.push_back({ PLIANT_CHUNK_LOAD, required, encode_load(model) });
-    chunks.push_back({ PLIANT_CHUNK_REST, required, drawn.tiles(model.subspace->origin, model.set->length) });
+    chunks.push_back({ PLIANT_CHUNK_REST, required, drawn.rest(model) });
     chunks.push_back({ PLIANT_CHUNK_TRIANGLES, required, encode_triangles(drawn.triangles) });
     if (!model.drawn && model.source_vertices && !model.source_vertices->empty())
         chunks.push_back({ PLIANT_CHUNK_VERTICES, 0, encode_vertices(model) });
@@ -351,7 +347,11 @@ std::vector<std::uint8_t> encode_asset(const AssetModel& model)
     chunks.push_back({ PLIANT_CHUNK_NAMES, required, encode_names(model.names) });
     chunks.push_back({ PLIANT_CHUNK_ANSWERS, required, encode_answers(model) });
     chunks.push_back({ PLIANT_CHUNK_CERTIFICATE, required, encode_text(model.certificate) });
-    chunks.push_back({ PLIANT_CHUNK_BASIS, required, drawn.tiles(model.subspace->basis, model.set->length) });
+    if (model.stored) chunks.push_back({ PLIANT_CHUNK_BOUNDS, 0, Bytes { model.stored->bounds } });
+    if (model.stored && !model.stored->basis.empty())
+        chunks.push_back({ PLIANT_CHUNK_COMPACT, required, Bytes { model.stored->basis } });
+    else
+        chunks.push_back({ PLIANT_CHUNK_BASIS, required, drawn.tiles(model.subspace->basis, model.set->length) });
 
     const pliant_format_header blank
         = { PLIANT_FORMAT_IDENTIFIER,

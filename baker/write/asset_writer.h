@@ -4,6 +4,7 @@
 #include "mesh/drawn_surface.h"
 #include "reduce/stand_in.h"
 #include "warmstart/predictor.h"
+#include "write/stored_shape.h"
 
 #include <cstdint>
 #include <optional>
@@ -30,9 +31,12 @@ struct AssetModel {
         = nullptr;                         // groups of drawn vertices that share a normal; null: each its own
     std::size_t boundary_vertex_count = 0; // of a solid
     const DrawnSurface* drawn
-        = nullptr;           // of a solid: what is stored for drawing, in the place of its own vertices and faces
+        = nullptr; // of a solid: what is stored for drawing, in the place of its own vertices and faces
+    const StoredShape* stored
+        = nullptr;           // of what is drawn; null: the subspace as it is, in single precision, without bounds
     std::string certificate; // JSON text
-    std::vector<std::pair<Weights, Eigen::VectorXf>> answers; // weights and the q that the runtime found
+    std::vector<std::pair<Weights, Eigen::VectorXf>>
+        answers; // weights and the q that the runtime found, in stored coordinates
 };
 
 // The bytes of the asset. Throws Failure (P4501) if a number does not fit the format, std::invalid_argument for a load whose centres

@@ -13,11 +13,12 @@ import zlib
 
 import numpy as np
 
+from pliant_reference_shape import MAX_CLUSTERS, Clusters, Compact
 from pliant_reference_solid import Layout, Quartic, evaluate_tet_mooney_rivlin, evaluate_tet_stvk
 
 IDENTIFIER = bytes([0xAB]) + b"PLIANT" + bytes([0xBB]) + b"\r\n\x1a\n"
-REQUIRED = ("SOLV", "REST", "TRIS", "NAME", "ANSW", "CERT", "BASI")
-KNOWN = REQUIRED + ("ELEM", "QUAR", "PRED", "LOAD", "POLY", "VERT", "SMTH")
+REQUIRED = ("SOLV", "REST", "TRIS", "NAME", "ANSW", "CERT")
+KNOWN = REQUIRED + ("ELEM", "QUAR", "PRED", "LOAD", "POLY", "VERT", "SMTH", "BASI", "BASC", "BNDS")
 HINGE, NEO_HOOKEAN, STVK, EDGE, ARAP, TET_STVK, TET_MOONEY_RIVLIN = range(1, 8)
 
 
@@ -114,6 +115,7 @@ class Asset:
         for tag in REQUIRED:
             require(tag in self.chunks, "R07", f"{tag} is missing")
         require(("ELEM" in self.chunks) != ("QUAR" in self.chunks), "R07", "not exactly one of ELEM and QUAR")
+        require(("BASI" in self.chunks) != ("BASC" in self.chunks), "R07", "not exactly one of BASI and BASC")
 
     def verify_checksums(self):
         head = bytearray(self.blob[:64 + 32 * self.chunk_count])
@@ -224,12 +226,21 @@ class Asset:
 
     def read_shape(self):
         tiles, d, n = (self.vertex_count + 15) // 16, self.dimension, self.vertex_count
-        rest, basis = self.bytes_of("REST"), self.bytes_of("BASI")
+        rest = self.bytes_of("REST")
         require(len(rest) == tiles * 192, "R09", "size of REST")
-        require(len(basis) == tiles * d * 192, "R09", "size of BASI")
         self.rest = np.frombuffer(rest, "<f4").reshape(tiles * 16, 3)[:n].astype(float)
-        tiled = np.frombuffer(basis, "<f4").reshape(tiles, d, 16, 3)
-        self.basis = tiled.transpose(1, 0, 2, 3).reshape(d, tiles * 16, 3)[:, :n].astype(float)
+        self.compact, self.clusters = None, None
+        if "BASC" in self.chunks:
+            self.compact = Compact(self.bytes_of("BASC"), self.flags["BASC"], d, n, require)
+            self.basis = self.compact.basis
+        else:
+            basis = self.bytes_of("BASI")
+            require(len(basis) == tiles * d * 192, "R09", "size of BASI")
+            tiled = np.frombuffer(basis, "<f4").reshape(tiles, d, 16, 3)
+            self.basis = tiled.transpose(1, 0, 2, 3).reshape(d, tiles * 16, 3)[:, :n].astype(float)
+        if "BNDS" in self.chunks:
+            data, count = self.counted("BNDS", MAX_CLUSTERS)
+            self.clusters = Clusters(data, count, d, require)
 
     def read_topology(self):
         data, n = self.bytes_of("TRIS"), self.vertex_count
@@ -357,6 +368,13 @@ class Asset:
         lengths = np.linalg.norm(sums, axis=1)
         sums[lengths == 0] = 0, 0, 1
         return sums / np.where(lengths == 0, 1, lengths)[:, None]
+
+    def bounds(self, q):
+        """Lowest and highest corner of a box round all vertices."""
+        if self.clusters is not None:
+            return self.clusters.box(q)
+        positions = self.reconstruct(q)
+        return positions.min(axis=0), positions.max(axis=0)
 
 
 # ----------------------------------------------------------------------------------------------------------- elements --

@@ -67,15 +67,20 @@ static void compare_normals(const char* name, GLuint buffer, const expected_shap
     free(found);
 }
 
-/* A point between and around the poses. */
+/* A point between and around the poses, and off them in every dimension: poses alone leave some at zero. */
 static void choose_q(const pliant_asset* asset, uint64_t* state, float* q)
 {
+    float largest = 0.0f;
     memset(q, 0, asset->dimension * sizeof *q);
     for (uint32_t k = 0; k < asset->pose_count; ++k) {
         const float* pose = pliant_asset_pose_coordinates(asset, k);
         const float weight = random_unit(state);
-        for (uint32_t j = 0; j < asset->dimension; ++j) q[j] += weight * pose[j];
+        for (uint32_t j = 0; j < asset->dimension; ++j) {
+            q[j] += weight * pose[j];
+            largest = fmaxf(largest, fabsf(pose[j]));
+        }
     }
+    for (uint32_t j = 0; j < asset->dimension; ++j) q[j] += 0.2f * largest * (random_unit(state) - 0.5f);
 }
 
 /* ------------------------------------------------------------------------------------------------------ into buffers ---- */

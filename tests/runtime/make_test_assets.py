@@ -38,6 +38,11 @@ ASSETS = {
     "beam_quartic_line": dict(mesh="beam", size=(3, 2), poses=2, dimension=1, material="tet-stvk", quartic=True),
     "beam_quartic_load": dict(mesh="beam", size=(6, 2), poses=4, dimension=17, material="tet-stvk", predictor=True, load=True,
                               quartic=True),
+    "strip_compact": dict(mesh="strip", size=(7, 3), poses=3, dimension=4, material="neo-hookean", predictor=True, compact=1e-3),
+    "line_compact": dict(mesh="strip", size=(5, 2), poses=2, dimension=1, material="neo-hookean", compact=1e-5),
+    "tube_compact": dict(mesh="tube", size=(12, 16), poses=3, dimension=12, material="edge", predictor=True, compact=1e-4),
+    "tube_compact_fine": dict(mesh="tube", size=(9, 9), poses=2, dimension=5, material="stvk", predictor=True, load=True,
+                              compact=1e-7),
     "twelve_poses": dict(mesh="strip", size=(8, 4), poses=12, dimension=16, material="neo-hookean", predictor=True),
 }
 

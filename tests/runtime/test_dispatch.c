@@ -9,6 +9,8 @@
 static const pliant_kernels* chosen;
 static int seen[PLIANT_ELEMENT_TET_MOONEY_RIVLIN + 1]; /* elements of each kind; [0]: assets with a quartic */
 
+static int seen_compact;
+
 static int are_same(const float* a, const float* b, size_t count) { return memcmp(a, b, count * sizeof *a) == 0; }
 
 /* A solver that uses the given kernels. */
@@ -79,13 +81,24 @@ static void check_blends(const opened* o, pliant_solver* plain, pliant_solver* c
 
 static void check_tiles(const opened* o)
 {
-    float q[PLIANT_FORMAT_MAX_DIMENSION], tile[2][PLIANT_FORMAT_TILE_FLOATS];
+    float q[PLIANT_FORMAT_MAX_DIMENSION], tile[2][PLIANT_FORMAT_COMPACT_PARTS * PLIANT_FORMAT_TILE_FLOATS] = { { 0 } };
+    pliant_frame frame;
     uint64_t state = 37;
     for (uint32_t j = 0; j < o->asset.dimension; ++j) q[j] = random_unit(&state) - 0.5f;
-    for (size_t t = 0; t * PLIANT_FORMAT_TILE_VERTICES < o->asset.vertex_count; ++t) {
-        pliant_kernels_plain.rebuild_tile(&o->asset, q, t, tile[0]);
-        chosen->rebuild_tile(&o->asset, q, t, tile[1]);
-        CHECK(are_same(tile[0], tile[1], PLIANT_FORMAT_TILE_FLOATS), "%s: tile %u", o->name, (unsigned)t);
+    pliant_frame_begin(&o->asset, q, o->asset.dimension, &frame);
+    const size_t count = (o->asset.vertex_count + PLIANT_FORMAT_TILE_VERTICES - 1) / PLIANT_FORMAT_TILE_VERTICES;
+    const size_t parts = o->asset.columns ? PLIANT_FORMAT_COMPACT_PARTS : 1;
+    for (size_t t = 0; t < count; t += parts) {
+        const size_t end = count - t < parts ? count - t : parts;
+        if (o->asset.columns) {
+            pliant_kernels_plain.rebuild_compact(&o->asset, &frame, t / parts, 0, end, tile[0]);
+            chosen->rebuild_compact(&o->asset, &frame, t / parts, 0, end, tile[1]);
+        } else {
+            pliant_kernels_plain.rebuild_tile(&o->asset, &frame, t, tile[0]);
+            chosen->rebuild_tile(&o->asset, &frame, t, tile[1]);
+        }
+        CHECK(are_same(tile[0], tile[1], end * PLIANT_FORMAT_TILE_FLOATS), "%s: tile %u", o->name, (unsigned)t);
+        seen_compact += o->asset.columns != NULL;
     }
 }
 
@@ -143,5 +156,6 @@ int main(int argc, char** argv)
     for_each_asset(argv[1], check_asset);
     for (int kind = 0; kind <= PLIANT_ELEMENT_TET_MOONEY_RIVLIN; ++kind)
         CHECK(seen[kind] > 0, "nothing of kind %d in any asset", kind);
+    CHECK(seen_compact > 0, "no tile of a compact basis");
     return report("dispatch");
 }

@@ -13,6 +13,7 @@ import numpy as np
 
 import tiny_elements
 import tiny_mesh
+import tiny_shape
 import tiny_solids
 from pliant_reference import IDENTIFIER, TET_STVK, Asset, Batch, pad16
 from pliant_reference_solid import Layout, Quartic
@@ -200,7 +201,17 @@ def polygon_chunk(faces):
     return struct.pack("<2I", len(sizes), len(corners)) + np.array(sizes + corners, "<u4").tobytes()
 
 
-def chunks_of(model, polygons, smoothing=False):
+def shape_chunks(model, origin, compact):
+    """BASI, or BASC and BNDS."""
+    if not compact:
+        return [("BASI", 1, floats(tiles_of(model.basis)))]
+    chunk = tiny_shape.compact_chunk(np.asarray(model.basis), compact)
+    rest = np.float32(origin).astype(float) + np.float32(model.x[0] - np.float32(origin)).astype(float)
+    packed = tiny_shape.unpacked(chunk, *np.asarray(model.basis).shape[:2])
+    return [("BNDS", 0, tiny_shape.bounds_chunk(rest, packed, min(5, len(rest)))), ("BASC", 1, chunk)]
+
+
+def chunks_of(model, polygons, compact=0.0, smoothing=False):
     m, d = len(model.x), len(model.mean)
     origin = model.x[0].mean(axis=0)
     answers = np.array([np.concatenate([w, model.mean + model.whitening @ z])
@@ -226,13 +237,15 @@ def chunks_of(model, polygons, smoothing=False):
     names = "".join(f"pose {k}\0" for k in range(m)).encode()
     certificate = json.dumps({"writer": "tests/runtime/tiny_asset.py", "dimension": d}, sort_keys=True).encode()
     chunks += [("NAME", 1, names), ("ANSW", 1, struct.pack("<I60x", len(answers)) + floats(answers)),
-               ("CERT", 1, certificate), ("BASI", 1, floats(tiles_of(model.basis)))]
+               ("CERT", 1, certificate)] + shape_chunks(model, origin, compact)
     counts = (len(model.x[0]), len(model.faces), d, m)
     return counts, origin, chunks
 
 
 def oldest_minor(chunks):
     """The format version that has all that a file holds."""
+    if "BASC" in chunks or "BNDS" in chunks:
+        return 3
     elements = chunks.get("ELEM", bytes(64))
     kinds = [struct.unpack_from("<I", elements, 64 + 64 * i)[0] for i in range(struct.unpack_from("<I", elements)[0])]
     if "SMTH" in chunks:
@@ -261,9 +274,9 @@ def assemble(counts, origin, chunks):
 
 
 def make_asset(mesh="strip", size=(7, 3), poses=2, dimension=4, material="neo-hookean", predictor=False, load=False,
-               polygons=False, seed=1, quartic=False, smoothing=False):
+               polygons=False, seed=1, quartic=False, compact=0.0, smoothing=False):
     model = make_model(mesh, size, poses, dimension, material, predictor, load, seed, quartic)
-    return assemble(*chunks_of(model, polygons, smoothing))
+    return assemble(*chunks_of(model, polygons, compact, smoothing))
 
 
 def main():
@@ -280,6 +293,7 @@ def main():
     parser.add_argument("--load", action="store_true", help="needs --predictor")
     parser.add_argument("--polygons", action="store_true")
     parser.add_argument("--smoothing", action="store_true", help="SMTH: pairs of vertices share a normal")
+    parser.add_argument("--compact", type=float, default=0.0, help="BASC of about this accuracy, and BNDS, instead of BASI")
     parser.add_argument("--seed", type=int, default=1)
     options = parser.parse_args()
     if options.load and not options.predictor:
@@ -289,7 +303,8 @@ def main():
     if options.quartic and options.material != "tet-stvk":
         parser.error("--quartic needs --material tet-stvk: no other is a polynomial")
     blob = make_asset(options.mesh, options.size, options.poses, options.dim, options.material, options.predictor,
-                      options.load, options.polygons, options.seed, options.quartic, options.smoothing)
+                      options.load, options.polygons, options.seed, options.quartic, options.compact,
+                      options.smoothing)
     with open(options.output, "wb") as file:
         file.write(blob)
     return 0
