@@ -10,6 +10,7 @@
 #define PLIANT_FORMAT_MINOR_LOAD 1    /* the first with LOAD */
 #define PLIANT_FORMAT_MINOR_SOLID 2   /* the first with QUAR, VERT and elements for tetrahedra */
 #define PLIANT_FORMAT_MINOR_COMPACT 3 /* the first with BASC and BNDS */
+#define PLIANT_FORMAT_MINOR_SMOOTH 3  /* the first with SMTH */
 
 /* "«PLIANT»" with CR LF EOF LF behind it: a transfer in text mode breaks it visibly. */
 #define PLIANT_FORMAT_IDENTIFIER                                               \
@@ -27,6 +28,7 @@
 #define PLIANT_CHUNK_REST PLIANT_FORMAT_TAG('R', 'E', 'S', 'T')
 #define PLIANT_CHUNK_TRIANGLES PLIANT_FORMAT_TAG('T', 'R', 'I', 'S')
 #define PLIANT_CHUNK_VERTICES PLIANT_FORMAT_TAG('V', 'E', 'R', 'T')
+#define PLIANT_CHUNK_SMOOTHING PLIANT_FORMAT_TAG('S', 'M', 'T', 'H')
 #define PLIANT_CHUNK_POLYGONS PLIANT_FORMAT_TAG('P', 'O', 'L', 'Y')
 #define PLIANT_CHUNK_NAMES PLIANT_FORMAT_TAG('N', 'A', 'M', 'E')
 #define PLIANT_CHUNK_ANSWERS PLIANT_FORMAT_TAG('A', 'N', 'S', 'W')

@@ -37,6 +37,7 @@ static int is_known_tag(uint32_t tag)
     case PLIANT_CHUNK_REST:
     case PLIANT_CHUNK_TRIANGLES:
     case PLIANT_CHUNK_VERTICES:
+    case PLIANT_CHUNK_SMOOTHING:
     case PLIANT_CHUNK_POLYGONS:
     case PLIANT_CHUNK_NAMES:
     case PLIANT_CHUNK_ANSWERS:
@@ -200,6 +201,17 @@ static pliant_result open_triangles(const pliant_open_context* context, pliant_a
     return all_below(asset->triangles, corners, asset->boundary_vertex_count) ? PLIANT_OK : PLIANT_ERROR_INDEX;
 }
 
+static pliant_result open_smoothing(const pliant_open_context* context, pliant_asset* asset)
+{
+    const pliant_format_chunk* chunk = pliant_open_find(context, PLIANT_CHUNK_SMOOTHING);
+    const uint32_t n = context->header.vertex_count;
+    uint64_t end;
+    if (!chunk) return PLIANT_OK;
+    if (!pliant_fits(0, n, sizeof(uint32_t), chunk->size, &end) || end != chunk->size) return PLIANT_ERROR_LAYOUT;
+    asset->smoothing_groups = (const uint32_t*)(const void*)(context->blob + chunk->offset);
+    return all_below(asset->smoothing_groups, n, n) ? PLIANT_OK : PLIANT_ERROR_INDEX;
+}
+
 static pliant_result check_polygons(const pliant_open_context* context, const pliant_asset* asset)
 {
     const pliant_format_chunk* chunk = pliant_open_find(context, PLIANT_CHUNK_POLYGONS);
@@ -266,6 +278,7 @@ static pliant_result open_checked(pliant_open_context* context, pliant_asset* as
     if (result == PLIANT_OK) result = pliant_open_shape(context, asset);
     if (result == PLIANT_OK) result = open_vertices(context, asset);
     if (result == PLIANT_OK) result = open_triangles(context, asset);
+    if (result == PLIANT_OK) result = open_smoothing(context, asset);
     if (result == PLIANT_OK) result = check_polygons(context, asset);
     if (result == PLIANT_OK) result = check_names(context);
     if (result == PLIANT_OK) result = check_answers(context);
@@ -336,7 +349,7 @@ const char* pliant_result_text(pliant_result result)
     case PLIANT_OK: return "success";
     case PLIANT_ERROR_ARGUMENT:
         return "bad argument: a null pointer, an unknown flag, or a desc not made by its _default function";
-    case PLIANT_ERROR_MEMORY_SIZE: return "the memory given is smaller than pliant_solver_memory says";
+    case PLIANT_ERROR_MEMORY_SIZE: return "the memory given is smaller than the _memory function says";
     case PLIANT_ERROR_ALIGNMENT: return "the asset does not lie at an address that is a multiple of 16";
     case PLIANT_ERROR_TRUNCATED: return "the asset is not as long as it says: cut off, or more than one file";
     case PLIANT_ERROR_NOT_PLIANT: return "not a .pliant asset, or damaged by a transfer in text mode";

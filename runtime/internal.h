@@ -126,6 +126,10 @@ typedef void pliant_tile_kernel(const pliant_asset* asset, const pliant_frame* f
 typedef void pliant_compact_kernel(const pliant_asset* asset, const pliant_frame* frame, size_t tile, size_t first,
                                    size_t end, float* PLIANT_RESTRICT out);
 
+/* The normals of `count` vertices (at most PLIANT_LANES) from `first` on: x y z each, PLIANT_LANES of them are written. */
+typedef void pliant_normals_kernel(const pliant_normals* normals, const unsigned char* positions, size_t stride,
+                                   size_t first, size_t count, float* PLIANT_RESTRICT out);
+
 /* One instruction set's. */
 typedef struct pliant_kernels {
     pliant_combine_kernel* combine_columns;
@@ -142,6 +146,7 @@ typedef struct pliant_kernels {
     pliant_quartic_kernel* quartic;
     pliant_tile_kernel* rebuild_tile;
     pliant_compact_kernel* rebuild_compact;
+    pliant_normals_kernel* normals_of_block;
 } pliant_kernels;
 
 /* Those for the compiler's default, and the best for this processor. */
@@ -159,6 +164,7 @@ pliant_arap_kernel pliant_evaluate_arap_cell;
 pliant_quartic_kernel pliant_evaluate_quartic;
 pliant_tile_kernel pliant_rebuild_tile;
 pliant_compact_kernel pliant_rebuild_compact;
+pliant_normals_kernel pliant_normals_of_block;
 #if PLIANT_HAS_AVX2_COPY
 PLIANT_AVX2 pliant_combine_kernel pliant_combine_columns_avx2;
 PLIANT_AVX2 pliant_symmetric_kernel pliant_add_symmetric_avx2;
@@ -171,6 +177,7 @@ PLIANT_AVX2 pliant_arap_kernel pliant_evaluate_arap_cell_avx2;
 PLIANT_AVX2 pliant_quartic_kernel pliant_evaluate_quartic_avx2;
 PLIANT_AVX2 pliant_tile_kernel pliant_rebuild_tile_avx2;
 PLIANT_AVX2 pliant_compact_kernel pliant_rebuild_compact_avx2;
+PLIANT_AVX2 pliant_normals_kernel pliant_normals_of_block_avx2;
 #endif
 
 /* --------------------------------------------------------------------------------------------- stand-in energy ---- */

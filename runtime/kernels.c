@@ -53,6 +53,7 @@ const pliant_kernels pliant_kernels_plain = {
     pliant_evaluate_quartic,
     pliant_rebuild_tile,
     pliant_rebuild_compact,
+    pliant_normals_of_block,
 };
 
 #if PLIANT_HAS_AVX2_COPY
@@ -72,6 +73,7 @@ static const pliant_kernels kernels_avx2 = {
     pliant_evaluate_quartic_avx2,
     pliant_rebuild_tile_avx2,
     pliant_rebuild_compact_avx2,
+    pliant_normals_of_block_avx2,
 };
 
 const pliant_kernels* pliant_kernels_choose(void)

@@ -1,5 +1,6 @@
 #include "write/asset_writer.h"
 
+#include "mesh/smoothing_groups.h"
 #include "pliant_format.h"
 #include "report/diagnostics.h"
 #include "write/bytes.h"
@@ -221,10 +222,24 @@ Bytes encode_vertices(const AssetModel& model)
     return out;
 }
 
+bool has_smoothing(const AssetModel& model) { return model.smoothing && !is_trivial(*model.smoothing); }
+
+Bytes encode_smoothing(const std::vector<std::uint32_t>& groups, std::size_t vertex_count)
+{
+    Bytes out;
+    if (groups.size() != vertex_count) throw std::invalid_argument("smoothing groups are not those of the drawn vertices");
+    for (std::uint32_t group : groups) {
+        if (group >= vertex_count) throw std::invalid_argument("a smoothing group has no vertex");
+        out.put(group);
+    }
+    return out;
+}
+
 // The oldest version whose readers understand all that the asset holds.
 std::uint16_t format_minor(const AssetModel& model)
 {
     if (model.stored) return PLIANT_FORMAT_MINOR_COMPACT;
+    if (has_smoothing(model)) return PLIANT_FORMAT_MINOR_SMOOTH;
     if (model.set->is_solid()) return PLIANT_FORMAT_MINOR_SOLID;
     return model.load ? PLIANT_FORMAT_MINOR_LOAD : 0;
 }
@@ -325,6 +340,8 @@ std::vector<std::uint8_t> encode_asset(const AssetModel& model)
     chunks.push_back({ PLIANT_CHUNK_TRIANGLES, required, encode_triangles(drawn.triangles) });
     if (!model.drawn && model.source_vertices && !model.source_vertices->empty())
         chunks.push_back({ PLIANT_CHUNK_VERTICES, 0, encode_vertices(model) });
+    if (has_smoothing(model))
+        chunks.push_back({ PLIANT_CHUNK_SMOOTHING, 0, encode_smoothing(*model.smoothing, drawn.vertex_count) });
     if (drawn.polygons && !is_all_triangles(*drawn.polygons))
         chunks.push_back({ PLIANT_CHUNK_POLYGONS, 0, encode_polygons(*drawn.polygons) });
     chunks.push_back({ PLIANT_CHUNK_NAMES, required, encode_names(model.names) });

@@ -27,7 +27,9 @@ struct AssetModel {
     std::vector<std::string> names;
     const Polygons* polygons = nullptr;                          // faces as given
     const std::vector<std::uint32_t>* source_vertices = nullptr; // of a solid: numbers in the files; null or empty: the same
-    std::size_t boundary_vertex_count = 0;                       // of a solid
+    const std::vector<std::uint32_t>* smoothing
+        = nullptr;                         // groups of drawn vertices that share a normal; null: each its own
+    std::size_t boundary_vertex_count = 0; // of a solid
     const DrawnSurface* drawn
         = nullptr; // of a solid: what is stored for drawing, in the place of its own vertices and faces
     const StoredShape* stored
@@ -38,7 +40,7 @@ struct AssetModel {
 };
 
 // The bytes of the asset. Throws Failure (P4501) if a number does not fit the format, std::invalid_argument for a load whose centres
-// are not the predictor's.
+// are not the predictor's, and for smoothing groups that are not one number below the vertex count for each drawn vertex.
 std::vector<std::uint8_t> encode_asset(const AssetModel& model);
 
 } // namespace pliant

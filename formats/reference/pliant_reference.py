@@ -18,7 +18,7 @@ from pliant_reference_solid import Layout, Quartic, evaluate_tet_mooney_rivlin, 
 
 IDENTIFIER = bytes([0xAB]) + b"PLIANT" + bytes([0xBB]) + b"\r\n\x1a\n"
 REQUIRED = ("SOLV", "REST", "TRIS", "NAME", "ANSW", "CERT")
-KNOWN = REQUIRED + ("ELEM", "QUAR", "PRED", "LOAD", "POLY", "VERT", "BASI", "BASC", "BNDS")
+KNOWN = REQUIRED + ("ELEM", "QUAR", "PRED", "LOAD", "POLY", "VERT", "SMTH", "BASI", "BASC", "BNDS")
 HINGE, NEO_HOOKEAN, STVK, EDGE, ARAP, TET_STVK, TET_MOONEY_RIVLIN = range(1, 8)
 
 
@@ -249,6 +249,12 @@ class Asset:
         self.read_vertices()
         n = self.boundary_vertex_count
         require(self.triangles.max() < n, "R11", "TRIS names a vertex that does not exist or is not of the boundary")
+        self.smoothing = np.arange(self.vertex_count)
+        if "SMTH" in self.chunks:
+            data = self.bytes_of("SMTH")
+            require(len(data) == 4 * self.vertex_count, "R09", "size of SMTH")
+            self.smoothing = np.frombuffer(data, "<u4")
+            require(self.smoothing.max() < self.vertex_count, "R11", "SMTH names a group that does not exist")
         self.polygons = None
         if "POLY" in self.chunks:
             words = self.bytes_of("POLY")
@@ -350,6 +356,18 @@ class Asset:
 
     def reconstruct(self, q):
         return self.origin + self.rest + np.tensordot(q, self.basis, 1)
+
+    def normals(self, positions):
+        """One of length 1 for each vertex (SPEC.md, SMTH)."""
+        sums = np.zeros_like(positions)
+        members = [np.flatnonzero(self.smoothing == group) for group in range(self.vertex_count)]
+        for triangle in self.triangles.astype(int):
+            for a, b, c in (triangle, np.roll(triangle, -1), np.roll(triangle, -2)):
+                for v in members[self.smoothing[a]]:
+                    sums[v] += np.cross(positions[b] - positions[v], positions[c] - positions[v])
+        lengths = np.linalg.norm(sums, axis=1)
+        sums[lengths == 0] = 0, 0, 1
+        return sums / np.where(lengths == 0, 1, lengths)[:, None]
 
     def bounds(self, q):
         """Lowest and highest corner of a box round all vertices."""

@@ -153,3 +153,30 @@ TEST_CASE("a dead load without the predictor's centres is refused")
     model.predictor = Predictor();
     CHECK_THROWS_AS(encode_asset(model), std::invalid_argument);
 }
+
+TEST_CASE("smoothing groups are written unless every vertex is its own")
+{
+    const Problem problem;
+    AssetModel model = problem.model();
+    const std::vector<std::uint8_t> plain = encode_asset(model);
+    std::vector<std::uint32_t> groups(std::size_t(problem.set.dof_count() / 3));
+    std::iota(groups.begin(), groups.end(), 0u);
+    model.smoothing = &groups;
+    CHECK(encode_asset(model) == plain);
+
+    groups[5] = 2;
+    const std::vector<std::uint8_t> bytes = encode_asset(model);
+    CHECK(bytes[14] == PLIANT_FORMAT_MINOR_SMOOTH);
+    pliant_asset asset;
+    std::vector<std::uint8_t> aligned(bytes.size() + 64);
+    std::uint8_t* start = aligned.data() + (64 - std::uintptr_t(aligned.data()) % 64) % 64;
+    std::memcpy(start, bytes.data(), bytes.size());
+    REQUIRE(pliant_asset_open(&asset, start, bytes.size(), PLIANT_OPEN_VERIFY_CHECKSUMS) == PLIANT_OK);
+    REQUIRE(asset.smoothing_groups);
+    CHECK(std::vector<std::uint32_t>(asset.smoothing_groups, asset.smoothing_groups + asset.vertex_count) == groups);
+
+    groups[5] = asset.vertex_count;
+    CHECK_THROWS_AS(encode_asset(model), std::invalid_argument);
+    groups.pop_back();
+    CHECK_THROWS_AS(encode_asset(model), std::invalid_argument);
+}

@@ -23,7 +23,7 @@ install_runtime() {
         cat "$work_dir/leaks.txt"
         exit 1
     fi
-    if find "$work_dir/prefix" -name '*.hpp' -o -name 'internal.h' | grep .; then
+    if find "$work_dir/prefix" -name '*.hpp' -o -name '*internal.h' | grep .; then
         echo "these headers are not part of the interface"
         exit 1
     fi
@@ -34,6 +34,7 @@ build_and_run() {
     cmake -S "$here/consumer" -B "$work_dir/consumer" -DCMAKE_BUILD_TYPE=Debug "$@"
     cmake --build "$work_dir/consumer"
     "$work_dir/consumer/consumer"
+    "$work_dir/consumer/gl_consumer"
 }
 
 case $way in
@@ -58,6 +59,9 @@ case $way in
         # shellcheck disable=SC2046
         "${CC:-cc}" -std=c99 "$here/consumer/main.c" -o "$work_dir/consumer" $(pkg-config --cflags --libs pliant)
         "$work_dir/consumer"
+        # shellcheck disable=SC2046
+        "${CC:-cc}" -std=c99 "$here/consumer/gl_main.c" -o "$work_dir/gl_consumer" $(pkg-config --cflags --libs pliant_gl)
+        "$work_dir/gl_consumer"
         ;;
     subdirectory)
         build_and_run -DPLIANT_SOURCE="$source_dir"

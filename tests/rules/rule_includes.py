@@ -1,6 +1,7 @@
 """Includes go one way: formats <- runtime <- samples; baker <- formats, and baker <- runtime only where an asset is opened
 (write/ for the self check, cli/ for `blend`). Of the samples only pose_solid includes the baker: it is an offline tool that makes
-poses with the baker's energies, and no part of what games ship. The runtime sees five headers of the C library, its public header two."""
+poses with the baker's energies, and no part of what games ship. The runtime sees five headers of the C library, its public headers two or
+none; pliant_gl declares what it needs of GL itself, and the runtime knows nothing of pliant_gl."""
 import re
 from pathlib import PurePosixPath
 
@@ -19,10 +20,11 @@ BAKER_FOLDERS_WITH_RUNTIME = ("baker/write/", "baker/cli/")
 SAMPLES_WITH_BAKER = ("samples/pose_solid/",)
 
 RUNTIME_LIBC = {"stddef.h", "stdint.h", "string.h", "math.h", "float.h"}
-# The optional GL part of the runtime is a library of its own and needs GL's headers.
+# The optional GL part of the runtime is a library of its own on top of the other.
 GL_PART = "pliant_gl"
 LIBC_OF_PUBLIC_HEADERS = {
     "runtime/pliant.h": {"stddef.h", "stdint.h"},
+    "runtime/pliant_gl.h": set(),
     "formats/pliant_format.h": {"stddef.h", "stdint.h"},
 }
 
@@ -49,7 +51,7 @@ def allowed_libc(path):
     """The headers from outside that a file may include, or None for any."""
     if path in LIBC_OF_PUBLIC_HEADERS:
         return LIBC_OF_PUBLIC_HEADERS[path]
-    if path.startswith("runtime/") and GL_PART not in path:
+    if path.startswith("runtime/"):
         return RUNTIME_LIBC
     return None
 
@@ -63,9 +65,11 @@ def judge(tree, path, quote, name):
             return f'"{name}" is not in the tree (headers from outside stand in angle brackets)'
         libc = allowed_libc(path)
         if libc is not None and name not in libc:
-            return f"<{name}>: this file may include only {', '.join(sorted(libc))} from outside"
+            return f"<{name}>: this file may include only {', '.join(sorted(libc)) or 'nothing'} from outside"
         return None
     target_room = target.split("/")[0]
+    if room == "runtime" and GL_PART in target and GL_PART not in path:
+        return f"{name}: the runtime does not include from {GL_PART}"
     if target_room in ALLOWED_ROOMS[room]:
         return None
     if room == "baker" and target_room == "runtime" and path.startswith(BAKER_FOLDERS_WITH_RUNTIME):
@@ -92,6 +96,9 @@ PLANTS = [
     Plant("runtime/planted.c", '#include "../baker/report/diagnostics.h"\n', "runtime does not include from baker"),
     Plant("runtime/planted.c", "#include <stdlib.h>\n", "<stdlib.h>"),
     Plant("runtime/pliant.h", "#include <math.h>\n", "<math.h>"),
+    Plant("runtime/pliant_gl.h", "#include <stdint.h>\n", "only nothing"),
+    Plant("runtime/pliant_gl_planted.c", "#include <GL/gl.h>\n", "<GL/gl.h>"),
+    Plant("runtime/planted.c", '#include "pliant_gl.h"\n', "the runtime does not include from pliant_gl"),
     Plant("formats/pliant_format.h", "#  include <string.h>\n", "<string.h>"),
     Plant("baker/mesh/planted.cpp", "#include <pliant.h>\n", "baker does not include from runtime"),
     Plant("samples/planted.c", '#include "mesh/pose_set.h"\n', "samples does not include from baker"),

@@ -1,4 +1,4 @@
-"""What the runtime library needs and holds: symbols.py LIBRARY --compiler CC [--sanitized]
+"""What the runtime library needs and holds: symbols.py LIBRARY --compiler CC [--function NAME] [--sanitized]
 
 It may call a few functions of the C library that touch nothing but their arguments: no allocation, files, threads, clocks. It
 holds no writable memory, and every name it exports starts with pliant_. Shown to fail on planted objects first.
@@ -11,7 +11,7 @@ import sys
 import tempfile
 from pathlib import Path
 
-MEMORY = {"memcpy", "memmove", "memset", "memcmp", "strlen", "strcmp"}
+MEMORY = {"memcpy", "memmove", "memset", "memcmp", "strlen", "strcmp", "strncmp"}
 MATHEMATICS = {name + suffix for suffix in ("", "f") for name in (
     "sqrt", "fabs", "floor", "ceil", "rint", "round", "fmin", "fmax", "ldexp", "frexp", "exp", "log", "log1p", "expm1", "pow",
     "sin", "cos", "tan", "asin", "acos", "atan", "atan2", "cbrt")}
@@ -41,12 +41,12 @@ def symbols(library):
     return [match.groups() for match in map(SYMBOL.match, listing.splitlines()) if match]
 
 
-def violations(library):
+def violations(library, function):
     found = symbols(library)
     defined = {name for _, section, name in found if section != "*UND*"}
     report = []
-    if not any(name == "pliant_solve" for name in defined):
-        report.append("pliant_solve is not defined: is this the runtime library?")
+    if function not in defined:
+        report.append(f"{function} is not defined: is this the right library?")
     for flags, section, name in found:
         if section == "*UND*":
             if name not in defined and name not in ALLOWED:
@@ -58,20 +58,21 @@ def violations(library):
     return sorted(set(report))
 
 
-def planted_is_reported(library, compiler, name, source):
+def planted_is_reported(library, compiler, function, name, source):
     with tempfile.TemporaryDirectory(prefix="pliant_symbols_") as folder:
         copy = Path(folder, "library.a")
         shutil.copy(library, copy)
         Path(folder, "planted.c").write_text(source)
         subprocess.run([compiler, "-O1", "-c", "planted.c", "-o", "planted.o"], cwd=folder, check=True)
         subprocess.run(["ar", "q", "library.a", "planted.o"], cwd=folder, check=True)
-        return any(name in line.split() for line in violations(copy))
+        return any(name in line.split() for line in violations(copy, function))
 
 
 def main():
     parser = argparse.ArgumentParser(description="checks the symbols of the runtime library")
     parser.add_argument("library")
     parser.add_argument("--compiler", required=True)
+    parser.add_argument("--function", default="pliant_solve", help="one that the library defines")
     parser.add_argument("--sanitized", action="store_true")
     options = parser.parse_args()
     if options.sanitized:
@@ -79,10 +80,10 @@ def main():
         return 77
     good = True
     for name, source in PLANTED.items():
-        seen = planted_is_reported(options.library, options.compiler, name, source)
+        seen = planted_is_reported(options.library, options.compiler, options.function, name, source)
         print(f"planted {name}: {'reported' if seen else 'NOT REPORTED'}")
         good = good and seen
-    report = violations(options.library)
+    report = violations(options.library, options.function)
     for line in report:
         print(f"{options.library}: {line}")
     print(f"{len(report)} violations")

@@ -304,11 +304,35 @@ def bad_quartics(quartic):
     yield "R16_not_required", LAYOUT, edited(lambda d: d.entry(b"QUAR").__setitem__(1, 0))
 
 
+def with_smoothing(good):
+    """A good file with a group for every pair of vertices."""
+    d = Draft(good)
+    groups = np.arange(struct.unpack_from("<I", good, 32)[0], dtype="<u4") // 2
+    d.table.insert(-1, [b"SMTH", 0, 0, 0, 0, 0])
+    d.data[b"SMTH"] = bytearray(groups.tobytes())
+    struct.pack_into("<H", d.header, 14, 3)
+    return d
+
+
+def bad_smoothing(good):
+    """(name, code, bytes): what can be wrong with SMTH."""
+    n = struct.unpack_from("<I", good, 32)[0]
+    for name, size in (("empty", 0), ("short", 4 * n - 4), ("long", 4 * n + 4)):
+        d = with_smoothing(good)
+        d.data[b"SMTH"] = (d.data[b"SMTH"] + bytes(4))[:size]
+        yield f"R09_SMTH_{name}", LAYOUT, d.join()
+    for name, value in (("number", n), ("huge", 0xFFFFFFFF)):
+        d = with_smoothing(good)
+        d.put(b"SMTH", 4 * n - 4, "I", value)
+        yield f"R11_SMTH_{name}", INDEX, d.join()
+
+
 def good_variants(good, loaded, solid, quartic):
     """Files that differ in what a reader must tolerate."""
     yield "good_loaded", Draft(loaded).join()
     yield "good_solid", Draft(solid).join()
     yield "good_quartic", Draft(quartic).join()
+    yield "good_smoothing", with_smoothing(good).join()
     d = Draft(solid)
     d.table.remove(d.entry(b"VERT"))
     yield "good_solid_without_source", d.join()
@@ -340,7 +364,8 @@ def main():
         raise SystemExit("taking a good file apart and joining it changes it: give those of tiny_asset.py")
     rules, names = set(), []
     np.seterr(invalid="ignore")
-    for name, code, blob in [*bad_files(good), *bad_loads(loaded), *bad_solids(solid), *bad_quartics(quartic)]:
+    for name, code, blob in [*bad_files(good), *bad_loads(loaded), *bad_solids(solid), *bad_quartics(quartic),
+                             *bad_smoothing(good)]:
         try:
             Asset(blob)
             raise SystemExit(f"{name}: the reference accepts it")

@@ -4,6 +4,7 @@ NAME.pliant and NAME.expect, a text file of lines
     evaluate  m weights  d z  energy  d gradient
     solve     m weights  d q
     predict   m weights  d q of the predictor alone
+    normals   d q  3 numbers of the normal for each vertex of the boundary
 and assets.txt, the names. Skips what is up to date with this script and its modules.
 """
 import sys
@@ -23,6 +24,7 @@ ASSETS = {
     "strip_edge": dict(mesh="strip", size=(7, 3), poses=3, dimension=6, material="edge", predictor=True),
     "strip_arap": dict(mesh="strip", size=(6, 3), poses=2, dimension=3, material="arap"),
     "strip_mixed": dict(mesh="strip", size=(5, 3), poses=3, dimension=4, material="mixed", predictor=True),
+    "strip_smooth": dict(mesh="strip", size=(6, 3), poses=2, dimension=3, material="stvk", smoothing=True),
     "tube_neo": dict(mesh="tube", size=(8, 6), poses=5, dimension=17, material="neo-hookean", predictor=True),
     "tube_stvk": dict(mesh="tube", size=(6, 6), poses=3, dimension=8, material="stvk", predictor=True),
     "tube_edge": dict(mesh="tube", size=(6, 6), poses=4, dimension=12, material="edge"),
@@ -66,6 +68,10 @@ def expectations(asset):
         z, _ = asset.minimise(w)
         lines.append(line("solve", w, asset.coordinates(z)))
         lines.append(line("predict", w, asset.coordinates(asset.predict(w))))
+    for _ in range(2):
+        q = random.standard_normal(d).astype(np.float32).astype(float) * 0.1
+        q = (asset.pose_coordinates[-1] + q * abs(asset.pose_coordinates[-1]).max()).astype(np.float32).astype(float)
+        lines.append(line("normals", q, asset.normals(asset.reconstruct(q))[:asset.boundary_vertex_count].ravel()))
     return lines
 
 

@@ -18,18 +18,28 @@ static void add_asset(const opened* o)
     const pliant_solver_desc desc = pliant_solver_desc_default();
     const made_solver made = make_solver(&o->asset, &desc);
     uint64_t state = 61;
-    float weights[64], q[256], positions[3 * 64];
+    float weights[64], q[256];
+    const uint32_t n = o->asset.vertex_count;
+    const size_t size = pliant_normals_memory(&o->asset);
+    float* positions = malloc((size_t)n * 24);
+    void* memory = malloc(size);
+    pliant_normals normals;
+    if (!positions || !memory || pliant_normals_init(&normals, &o->asset, memory, size) != PLIANT_OK) exit(2);
     for (int frame = 0; frame < 30; ++frame) {
         pliant_solve_info info;
         if (frame % 6 == 0) random_weights(&state, o->asset.pose_count, weights);
         weights[frame % (int)o->asset.pose_count] += 0.03f;
         CHECK(pliant_solve(made.solver, weights, q, &info) == PLIANT_OK, "%s", o->name);
-        pliant_reconstruct(&o->asset, q, 0, 8, positions, 12);
+        pliant_reconstruct(&o->asset, q, 0, n, positions, 12);
+        pliant_normals_compute(&normals, positions, 12, 0, n, positions + 3 * (size_t)n, 12);
         add(q, o->asset.dimension);
         add(&info.energy, 1);
         add(positions, 24);
+        add(positions + 3 * (size_t)n, 3 * (size_t)o->asset.boundary_vertex_count);
     }
     free(made.memory);
+    free(memory);
+    free(positions);
 }
 
 int main(int argc, char** argv)

@@ -1,5 +1,5 @@
 /* The AVX2 copies of the kernels give the bits of the plain ones: energy and gradient at random points, blends while dragging
-   and jumping, tiles of vertices, for all seven kinds of elements and the quartic. Where a processor has AVX2 they are what
+   and jumping, tiles of vertices, normals, for all seven kinds of elements and the quartic. Where a processor has AVX2 they are what
    it gets. */
 #include "internal.h"
 #include "support.h"
@@ -102,6 +102,27 @@ static void check_tiles(const opened* o)
     }
 }
 
+static void check_normals(const opened* o)
+{
+    const uint32_t n = o->asset.boundary_vertex_count;
+    const size_t size = pliant_normals_memory(&o->asset);
+    float* positions = malloc((size_t)n * 12);
+    void* memory = malloc(size);
+    pliant_normals normals;
+    if (!positions || !memory || pliant_normals_init(&normals, &o->asset, memory, size) != PLIANT_OK) exit(2);
+    pliant_reconstruct(&o->asset, pliant_asset_pose_coordinates(&o->asset, 1), 0, n, positions, 12);
+    for (uint32_t v = 0; v < n; v += PLIANT_LANES) {
+        float block[2][3 * PLIANT_LANES];
+        const uint32_t count = n - v < PLIANT_LANES ? n - v : PLIANT_LANES;
+        const unsigned char* bytes = (const unsigned char*)positions;
+        pliant_kernels_plain.normals_of_block(&normals, bytes, 12, v, count, block[0]);
+        chosen->normals_of_block(&normals, bytes, 12, v, count, block[1]);
+        CHECK(are_same(block[0], block[1], 3 * PLIANT_LANES), "%s: normals from vertex %u on", o->name, v);
+    }
+    free(memory);
+    free(positions);
+}
+
 static void check_asset(const opened* o)
 {
     const made_solver plain = make_solver_with(&pliant_kernels_plain, &o->asset);
@@ -110,6 +131,7 @@ static void check_asset(const opened* o)
     check_evaluations(o, plain.solver, copy.solver);
     check_blends(o, plain.solver, copy.solver);
     check_tiles(o);
+    check_normals(o);
     free(plain.memory);
     free(copy.memory);
 }

@@ -186,10 +186,39 @@ static void check_predict(const opened* o, FILE* file, pliant_solver* solver)
     CHECK(sqrt(error / size) < 1e-5, "%s: the predictor is off by %.3g", o->name, sqrt(error / size));
 }
 
+/* Normals of a shape, against those of the reference: the bound is some roundings of single precision. */
+static void check_normals(const opened* o, FILE* file)
+{
+    const uint32_t n = o->asset.vertex_count;
+    float q[PLIANT_FORMAT_MAX_DIMENSION];
+    pliant_normals normals;
+    float* positions = malloc((size_t)n * 24);
+    const size_t size = pliant_normals_memory(&o->asset);
+    void* memory = malloc(size);
+    if (!positions || !memory) exit(2);
+    float* found = positions + 3 * (size_t)n;
+    CHECK(read_numbers(file, q, o->asset.dimension), "%s: bad line", o->name);
+    CHECK(pliant_normals_init(&normals, &o->asset, memory, size) == PLIANT_OK, "%s: adjacency", o->name);
+    pliant_reconstruct(&o->asset, q, 0, n, positions, 12);
+    pliant_normals_compute(&normals, positions, 12, 0, n, found, 12);
+    for (uint32_t v = 0; v < o->asset.boundary_vertex_count; ++v) {
+        double error = 0.0;
+        for (int c = 0; c < 3; ++c) {
+            double expected;
+            CHECK(fscanf(file, "%lf", &expected) == 1, "%s: bad line", o->name);
+            expected -= (double)found[3 * v + (uint32_t)c];
+            error += expected * expected;
+        }
+        CHECK(sqrt(error) < 3e-5, "%s: normal %u is off by %.3g", o->name, v, sqrt(error));
+    }
+    free(memory);
+    free(positions);
+}
+
 static void check_against_reference(const opened* o)
 {
     char path[1024], what[16];
-    int evaluations = 0, solves = 0, predictions = 0;
+    int evaluations = 0, solves = 0, predictions = 0, shapes = 0;
     pliant_solver_desc desc = pliant_solver_desc_default();
     desc.max_iterations = 0;
     desc.continuity = 2.0f; /* any weights count as near: still the predictor answers */
@@ -204,13 +233,16 @@ static void check_against_reference(const opened* o)
         } else if (strcmp(what, "solve") == 0) {
             check_solve(o, file);
             ++solves;
+        } else if (strcmp(what, "normals") == 0) {
+            check_normals(o, file);
+            ++shapes;
         } else {
             check_predict(o, file, predictor.solver);
             ++predictions;
         }
     }
-    CHECK(evaluations >= 6 && solves >= 5 && predictions >= 5, "%s: only %d evaluations, %d blends, %d predictions", path,
-          evaluations, solves, predictions);
+    CHECK(evaluations >= 6 && solves >= 5 && predictions >= 5 && shapes >= 2,
+          "%s: only %d evaluations, %d blends, %d predictions, %d shapes", path, evaluations, solves, predictions, shapes);
     free(predictor.memory);
     if (file) fclose(file);
 }

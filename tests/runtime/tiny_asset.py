@@ -211,7 +211,7 @@ def shape_chunks(model, origin, compact):
     return [("BNDS", 0, tiny_shape.bounds_chunk(rest, packed, min(5, len(rest)))), ("BASC", 1, chunk)]
 
 
-def chunks_of(model, polygons, compact=0.0):
+def chunks_of(model, polygons, compact=0.0, smoothing=False):
     m, d = len(model.x), len(model.mean)
     origin = model.x[0].mean(axis=0)
     answers = np.array([np.concatenate([w, model.mean + model.whitening @ z])
@@ -229,6 +229,9 @@ def chunks_of(model, polygons, compact=0.0):
                ("TRIS", 1, np.array(model.faces, "<u4").tobytes())]
     if model.vertices is not None:
         chunks.append(("VERT", 0, vertex_chunk(*model.vertices)))
+    if smoothing:
+        # Pairs of neighbours; that they do not lie at one place tests the definition all the harder.
+        chunks.append(("SMTH", 0, (np.arange(len(model.x[0]), dtype="<u4") // 2 * 2).tobytes()))
     if polygons:
         chunks.append(("POLY", 0, polygon_chunk(model.faces)))
     names = "".join(f"pose {k}\0" for k in range(m)).encode()
@@ -245,6 +248,8 @@ def oldest_minor(chunks):
         return 3
     elements = chunks.get("ELEM", bytes(64))
     kinds = [struct.unpack_from("<I", elements, 64 + 64 * i)[0] for i in range(struct.unpack_from("<I", elements)[0])]
+    if "SMTH" in chunks:
+        return 3
     if "QUAR" in chunks or "VERT" in chunks or any(kind >= TET_STVK for kind in kinds):
         return 2
     return int("LOAD" in chunks)
@@ -269,9 +274,9 @@ def assemble(counts, origin, chunks):
 
 
 def make_asset(mesh="strip", size=(7, 3), poses=2, dimension=4, material="neo-hookean", predictor=False, load=False,
-               polygons=False, seed=1, quartic=False, compact=0.0):
+               polygons=False, seed=1, quartic=False, compact=0.0, smoothing=False):
     model = make_model(mesh, size, poses, dimension, material, predictor, load, seed, quartic)
-    return assemble(*chunks_of(model, polygons, compact))
+    return assemble(*chunks_of(model, polygons, compact, smoothing))
 
 
 def main():
@@ -287,6 +292,7 @@ def main():
     parser.add_argument("--predictor", action="store_true")
     parser.add_argument("--load", action="store_true", help="needs --predictor")
     parser.add_argument("--polygons", action="store_true")
+    parser.add_argument("--smoothing", action="store_true", help="SMTH: pairs of vertices share a normal")
     parser.add_argument("--compact", type=float, default=0.0, help="BASC of about this accuracy, and BNDS, instead of BASI")
     parser.add_argument("--seed", type=int, default=1)
     options = parser.parse_args()
@@ -297,7 +303,8 @@ def main():
     if options.quartic and options.material != "tet-stvk":
         parser.error("--quartic needs --material tet-stvk: no other is a polynomial")
     blob = make_asset(options.mesh, options.size, options.poses, options.dim, options.material, options.predictor,
-                      options.load, options.polygons, options.seed, options.quartic, options.compact)
+                      options.load, options.polygons, options.seed, options.quartic, options.compact,
+                      options.smoothing)
     with open(options.output, "wb") as file:
         file.write(blob)
     return 0
