@@ -22,10 +22,10 @@ struct Arguments {
 ExitCode run(const Arguments& a)
 {
     const std::vector<double> values = parse_weights(a.weights);
-    const Weights w = normalised_weights(values, a.poses.size());
     probe_output(a.output, input_files(a.poses, a.energy));
     ConsoleProgress progress("average", a.is_quiet);
     const PoseSet poses = load_with_warnings("average", a.poses, a.energy);
+    const Weights w = normalised_weights(values, poses.pose_count()); // one glTF file may give many
     const ShapeSet set = normalise(poses, a.energy.keep_placement);
     const std::unique_ptr<Energy> energy = make_energy(set, a.energy);
     SolverPool pool(*energy, set, a.energy.solver);
