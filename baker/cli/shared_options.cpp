@@ -1,6 +1,7 @@
 #include "cli/verbs.h"
 
 #include "energy/parallel.h"
+#include "gltf/pose_source.h"
 #include "io/source_file.h"
 #include "mesh/load_poses.h"
 #include "report/certificate.h"
@@ -62,8 +63,10 @@ void add_material(CLI::App& verb, EnergyOptions& options)
 void add_pose_arguments(CLI::App& verb, std::vector<std::string>& poses)
 {
     verb.add_option("poses", poses,
-                    "Pose files, the rest pose first: one mesh, other positions. Surfaces: .obj .ply .off; solids of "
-                    "tetrahedra: .msh (Gmsh) .mesh (MEDIT) .veg (Vega) .vtk")
+                    "Poses, the rest pose first: one mesh, other positions. Surfaces: .obj .ply .off .glb .gltf; solids of "
+                    "tetrahedra: .msh (Gmsh) .mesh (MEDIT) .veg (Vega) .vtk. A glTF file gives its shape at rest and "
+                    "every morph target at weight 1; FILE.glb#rest only the first, FILE.glb#target=NAME,NAME only these "
+                    "targets, FILE.glb#animation=NAME@0,0.3,0.6 an animation (name, or number from 0) at these seconds")
         ->required()
         ->type_name("POSE")
         ->expected(1, -1);
@@ -144,7 +147,8 @@ DrawnSurface load_surface_with_warnings(const std::string& verb, const std::stri
 
 std::vector<std::string> input_files(const std::vector<std::string>& poses, const EnergyOptions& options)
 {
-    std::vector<std::string> files = poses;
+    std::vector<std::string> files;
+    for (const std::string& pose : poses) files.push_back(split_pose_argument(pose).path);
     if (!options.fixed_path.empty()) files.push_back(options.fixed_path);
     return files;
 }

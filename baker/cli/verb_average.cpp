@@ -76,7 +76,8 @@ std::vector<Weights> path_points(const std::string& path, std::size_t pose_count
     return points;
 }
 
-std::vector<Wanted> wanted_averages(const Arguments& a)
+// What can be said before the poses are read.
+void check_usage(const Arguments& a)
 {
     if (int(!a.weights.empty()) + int(!a.path.empty()) + int(a.grid > 0) != 1)
         throw Failure(ExitCode::usage,
@@ -84,7 +85,11 @@ std::vector<Wanted> wanted_averages(const Arguments& a)
     if (!a.list.empty() && a.grid == 0)
         throw Failure(ExitCode::usage,
                       error_at(1224, "", "--list belongs to --grid", "the weights of --path are in its file already"));
-    const std::size_t pose_count = a.poses.size();
+    if (!a.weights.empty()) parse_weights(a.weights);
+}
+
+std::vector<Wanted> wanted_averages(const Arguments& a, std::size_t pose_count)
+{
     if (!a.weights.empty()) return { { normalised_weights(parse_weights(a.weights), pose_count), "", a.output } };
     const std::vector<Weights> points = a.grid > 0 ? simplex_grid(pose_count, a.grid) : path_points(a.path, pose_count);
     std::vector<Wanted> wanted;
@@ -150,10 +155,11 @@ std::vector<FamilyPoint> compute(const AverageFamily& family, const std::vector<
 
 ExitCode run(const Arguments& a)
 {
-    const std::vector<Wanted> wanted = wanted_averages(a);
-    check_inputs_and_outputs(a, wanted);
+    check_usage(a);
     ConsoleProgress progress("average", a.is_quiet);
     const PoseSet poses = load_with_warnings("average", a.poses, a.energy);
+    const std::vector<Wanted> wanted = wanted_averages(a, poses.pose_count()); // one glTF file may give many poses
+    check_inputs_and_outputs(a, wanted);
     const ShapeSet set = normalise(poses, a.energy.keep_placement);
     const std::unique_ptr<Energy> energy = make_energy(set, a.energy);
     SolverPool pool(*energy, set, a.energy.solver);

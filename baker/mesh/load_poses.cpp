@@ -1,6 +1,6 @@
 #include "mesh/load_poses.h"
 
-#include "io/read_mesh.h"
+#include "gltf/pose_source.h"
 #include "mesh/check_solid.h"
 #include "mesh/check_surface.h"
 #include "mesh/compare_poses.h"
@@ -14,38 +14,6 @@
 
 namespace pliant {
 namespace {
-
-void check_pose_count(const std::vector<std::string>& paths)
-{
-    if (paths.size() < 2) {
-        throw Failure(ExitCode::bad_input,
-                      error_at(3001, paths.empty() ? "" : paths[0],
-                               fmt::format("{} pose given, two or more are needed", paths.size()),
-                               "name all poses of the character, the rest pose first"));
-    }
-    if (paths.size() > pose_count_limit) {
-        throw Failure(ExitCode::bad_input,
-                      error_at(3002, "", fmt::format("{} poses given, the limit is {}", paths.size(), pose_count_limit),
-                               "choose the poses that differ most"));
-    }
-}
-
-// The files that could be read, in order; the first is always pose 0 or nothing is.
-struct ReadPoses {
-    std::vector<MeshFile> meshes;
-    bool has_first = false;
-};
-
-ReadPoses read_all(const std::vector<std::string>& paths, FindingList& findings)
-{
-    ReadPoses poses;
-    for (const std::string& path : paths) {
-        std::optional<MeshFile> mesh = read_mesh(path, findings);
-        if (&path == &paths.front()) poses.has_first = mesh.has_value();
-        if (mesh) poses.meshes.push_back(std::move(*mesh));
-    }
-    return poses;
-}
 
 // Every pose on its own and against pose 0, as far as the earlier findings leave a meaning to the later questions. True if all poses
 // show the same mesh.
@@ -112,7 +80,7 @@ PoseSet to_pose_set(std::vector<MeshFile> meshes, Triangulation triangulation, s
 {
     PoseSet poses;
     for (MeshFile& mesh : meshes) {
-        poses.names.push_back(std::filesystem::path(mesh.path).stem().string());
+        poses.names.push_back(mesh.name.empty() ? std::filesystem::path(mesh.path).stem().string() : std::move(mesh.name));
         poses.paths.push_back(std::move(mesh.path));
         poses.positions.push_back(std::move(mesh.positions));
     }
@@ -121,6 +89,7 @@ PoseSet to_pose_set(std::vector<MeshFile> meshes, Triangulation triangulation, s
     poses.tets = std::move(meshes[0].tets);
     poses.regions = std::move(meshes[0].regions);
     poses.fixed_vertices = std::move(fixed);
+    poses.scene = std::move(meshes[0].scene);
     if (poses.is_solid()) renumber(poses);
     return poses;
 }
@@ -153,9 +122,8 @@ std::vector<std::uint32_t> check_all(std::vector<MeshFile>& meshes, const LoadOp
 
 PoseSet load_poses(const std::vector<std::string>& paths, const LoadOptions& options, std::vector<Finding>* warnings)
 {
-    check_pose_count(paths);
     FindingList findings(options.lines_per_number);
-    ReadPoses read = read_all(paths, findings);
+    PoseSources read = read_pose_sources(paths, pose_count_limit, findings);
     Triangulation triangulation;
     std::vector<std::uint32_t> fixed;
     if (read.has_first) fixed = check_all(read.meshes, options, triangulation, findings);

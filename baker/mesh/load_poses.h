@@ -15,7 +15,7 @@ struct LoadOptions {
 
 constexpr std::size_t pose_count_limit = 12;
 
-// Reads 2 to 12 mesh files and checks that an elastic average of them exists: each file on its own (P2xxx) and against the first
+// Reads 2 to 12 poses from mesh files and glTF files (gltf/pose_source.h says what an argument may be) and checks that an elastic average of them exists: each file on its own (P2xxx) and against the first
 // (P3xxx). All findings of all files are gathered before anything is thrown.
 //
 // Result of surfaces: positions as they are in the files, vertices in their order; the faces of the first file; their triangles. All

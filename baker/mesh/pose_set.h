@@ -5,10 +5,13 @@
 #include <Eigen/Geometry>
 #include <array>
 #include <cstdint>
+#include <memory>
 #include <string>
 #include <vector>
 
 namespace pliant {
+
+struct RenderScene;
 
 // n x 3, one row per vertex, in the units of the file it came from.
 using Positions = Eigen::Matrix<double, Eigen::Dynamic, 3, Eigen::RowMajor>;
@@ -41,7 +44,8 @@ struct Polygons {
 
 // One mesh file, read but not yet compared with others.
 struct MeshFile {
-    std::string path;
+    std::string path; // as the command line may name it: of a glTF file with what of it this is, behind a '#'
+    std::string name; // of the pose, for people; empty: the file's
     Positions positions;
     Polygons faces;
     std::vector<std::uint32_t> face_lines; // line of each face in a text file, empty for binary ones; for messages
@@ -50,6 +54,8 @@ struct MeshFile {
     std::vector<Tetrahedron> tets;
     std::vector<std::uint32_t> tet_lines; // as face_lines
     SolidRegions regions;
+
+    std::shared_ptr<const RenderScene> scene; // of a glTF file: what its vertices and faces are drawn with
 };
 
 // Poses of one character: same faces or tetrahedra, other positions. Pose 0 is the rest pose of the subspace (tau).
@@ -57,7 +63,7 @@ struct MeshFile {
 // order of the files, so that drawing needs a leading part only, then those inside.
 struct PoseSet {
     std::vector<std::string> paths;
-    std::vector<std::string> names;   // file names without folder and extension, for people
+    std::vector<std::string> names;   // file names without folder and extension, or what glTF calls the pose; for people
     std::vector<Positions> positions; // per pose
     Polygons polygons;                // as pose 0 gave them, for writing; of a solid: the triangles
     std::vector<Triangle>
@@ -70,6 +76,8 @@ struct PoseSet {
     std::size_t boundary_vertex_count = 0;      // of a solid: the leading vertices, which triangles use
 
     std::vector<std::uint32_t> fixed_vertices; // ascending; they stay where they are in every blend
+
+    std::shared_ptr<const RenderScene> scene; // of pose 0, whose vertices and faces these are; null: it has none
 
     bool is_solid() const { return !tets.empty(); }
     std::size_t pose_count() const { return positions.size(); }

@@ -5,6 +5,7 @@ import pathlib
 import random
 import struct
 
+import gltf_files
 import solids
 
 CASES = dict(solids.CASES)
@@ -487,6 +488,10 @@ def average_path_empty(folder):
 
 file_case("truncated_asset", "cut.pliant", lambda: ASSET.read_bytes()[:-1])
 both_case("arap_bow_tie", "bow", joined_corners)
+
+
+gltf_files.add_cases(good)
+CASES.update(gltf_files.CASES)
 
 
 def generate(name, folder):

@@ -1,0 +1,193 @@
+"""Cases of glTF for generate.py: a small good file with one edit each. Also what tests/baker/gltf makes its files with."""
+import base64
+import copy
+import json
+import struct
+
+CASES = {}
+FORMATS = {5120: "b", 5121: "B", 5122: "h", 5123: "H", 5125: "I", 5126: "f"}
+TYPES = {1: "SCALAR", 2: "VEC2", 3: "VEC3", 4: "VEC4", 16: "MAT4"}
+
+
+class Gltf:
+    """The JSON and the bytes of one buffer."""
+
+    def __init__(self):
+        self.json = {"asset": {"version": "2.0"}, "scene": 0, "scenes": [{"nodes": [0]}], "nodes": [{"mesh": 0}], "meshes": [],
+                     "accessors": [], "bufferViews": [], "buffers": [{"byteLength": 0}]}
+        self.bytes = b""
+
+    def view(self, data):
+        self.bytes += b"\0" * (-len(self.bytes) % 4)
+        self.json["bufferViews"].append({"buffer": 0, "byteOffset": len(self.bytes), "byteLength": len(data)})
+        self.bytes += data
+        self.json["buffers"][0]["byteLength"] = len(self.bytes)
+        return len(self.json["bufferViews"]) - 1
+
+    def accessor(self, rows, component=5126, **more):
+        """Rows of numbers, or plain numbers."""
+        rows = [row if isinstance(row, (tuple, list)) else (row,) for row in rows]
+        data = b"".join(struct.pack(f"<{len(row)}{FORMATS[component]}", *row) for row in rows)
+        self.json["accessors"].append({"bufferView": self.view(data), "componentType": component, "count": len(rows),
+                                       "type": TYPES[len(rows[0])], **more})
+        return len(self.json["accessors"]) - 1
+
+    def mesh(self, vertices, faces, targets=(), names=(), **attributes):
+        primitive = {"attributes": {"POSITION": self.accessor(vertices), **attributes},
+                     "indices": self.accessor([i for face in faces for i in face], 5125)}
+        if targets:
+            primitive["targets"] = [{"POSITION": self.accessor(target)} for target in targets]
+        self.json["meshes"].append({"name": "body", "primitives": [primitive], **({"extras": {"targetNames": list(names)}} if names else {})})
+        return primitive
+
+    def animation(self, name, *channels):
+        """Channels: (node, path, interpolation, times, rows)."""
+        animation = {"name": name, "channels": [], "samplers": []}
+        for node, path, interpolation, times, rows in channels:
+            animation["channels"].append({"sampler": len(animation["samplers"]), "target": {"node": node, "path": path}})
+            animation["samplers"].append({"input": self.accessor(times), "output": self.accessor(rows), "interpolation": interpolation})
+        self.json.setdefault("animations", []).append(animation)
+
+    def glb(self):
+        text = json.dumps(self.json).encode()
+        text += b" " * (-len(text) % 4)
+        data = self.bytes + b"\0" * (-len(self.bytes) % 4)
+        chunks = struct.pack("<II", len(text), 0x4E4F534A) + text + (struct.pack("<II", len(data), 0x004E4942) + data if data else b"")
+        return struct.pack("<4sII", b"glTF", 2, 12 + len(chunks)) + chunks
+
+    def gltf(self, uri=None):
+        """As text; without a uri the buffer is in it."""
+        out = copy.deepcopy(self.json)
+        out["buffers"][0]["uri"] = uri or "data:application/octet-stream;base64," + base64.b64encode(self.bytes).decode()
+        return json.dumps(out).encode()
+
+
+def bend(vertex):
+    return 0.3 * vertex[2] * vertex[2], 0.0, 0.0
+
+
+def blob(mesh):
+    """The good mesh with one target, "bent"."""
+    out = Gltf()
+    out.mesh(mesh.vertices, mesh.faces, [[bend(v) for v in mesh.vertices]], ["bent"])
+    return out
+
+
+def add_cases(good):
+    """Registers the cases; good() is the mesh of generate.py."""
+    def case(name, edit=lambda g: None, file="a.glb", write=lambda g: g.glb()):
+        def make(folder):
+            gltf = blob(good())
+            edit(gltf)
+            (folder / file).write_bytes(write(gltf))
+        CASES[name] = make
+
+    def edited(name, *path, value):
+        def edit(gltf):
+            place = gltf.json
+            for key in path[:-1]:
+                place = place[key]
+            place[path[-1]] = value
+        case(name, edit)
+
+    primitive = ("meshes", 0, "primitives", 0)
+    case("gltf_good")
+    case("gltf_with_others")
+    case("gltf_text", file="a.gltf", write=lambda g: g.gltf())
+    CASES["gltf_hash_in_name"] = lambda folder: (folder / "a#b.obj").write_text((folder / "good.obj").read_text())
+    case("gltf_choice_unknown")
+    case("gltf_no_time", lambda g: g.animation("Run", (0, "weights", "LINEAR", [0, 1], [0, 1])))
+    case("gltf_time_not_a_number", lambda g: g.animation("Run", (0, "weights", "LINEAR", [0, 1], [0, 1])))
+    case("gltf_time_after_end", lambda g: g.animation("Run", (0, "weights", "LINEAR", [0, 1], [0, 1])))
+    case("gltf_animation_unknown", lambda g: g.animation("Run", (0, "weights", "LINEAR", [0, 1], [0, 1])))
+    case("gltf_keys", lambda g: g.animation("Run", (0, "weights", "LINEAR", [1, 0], [0, 1])))
+    case("gltf_target_unknown")
+
+    def many(gltf):
+        gltf.json["meshes"] = []
+        gltf.mesh(good().vertices, good().faces, [[(0.01 * k * v[2] ** 2, 0, 0) for v in good().vertices] for k in range(1, 15)])
+    case("gltf_many_targets", many)
+    case("gltf_one_pose", lambda g: g.json["meshes"][0]["primitives"][0].pop("targets"))
+
+    case("gltf_not_gltf", write=lambda g: b"\x89PNG\r\n" + bytes(64))
+    case("gltf_cut_off", write=lambda g: g.glb()[:-100])
+    case("gltf_json_damaged", write=lambda g: g.glb().replace(b'"asset"', b'"asset,'))
+    case("gltf_nesting", file="a.gltf", write=lambda g: b'{"asset":' + b"[" * 1000000)
+    edited("gltf_version", "asset", "version", value="1.0")
+    edited("gltf_extension", "extensionsRequired", value=["KHR_materials_unlit", "ACME_secret"])
+    edited("gltf_meshopt", "extensionsRequired", value=["EXT_meshopt_compression"])
+    edited("gltf_wrong_type", "accessors", 0, "count", value="many")
+    edited("gltf_index", *primitive, "indices", value=99)
+    edited("gltf_negative", *primitive, "indices", value=-1)
+    edited("gltf_accessor_outside", "accessors", 0, "byteOffset", value=64)
+    edited("gltf_view_outside", "bufferViews", 0, "byteLength", value=1000000)
+    edited("gltf_huge_count", "accessors", 0, "count", value=4294967295)
+    edited("gltf_huge_numbers", "bufferViews", 0, "byteOffset", value=9007199254740992)
+    edited("gltf_huge_sparse", "accessors", 0, "sparse", value={"count": 1 << 40, "indices": {"bufferView": 0, "componentType": 5125},
+                                                                "values": {"bufferView": 0}})
+    edited("gltf_accessor_type", "accessors", 0, "type", value="VEC4")
+    edited("gltf_component_type", "accessors", 0, "componentType", value=5124)
+    edited("gltf_no_triangles", *primitive, "mode", value=1)
+    edited("gltf_node_circle", "nodes", value=[{"mesh": 0, "children": [1]}, {"children": [0]}])
+    edited("gltf_target_count", *primitive, "targets", 0, "POSITION", value=1)
+
+    def instances(gltf):
+        gltf.json.update(scenes=[], nodes=[{"mesh": 0}] * 30000)
+        del gltf.json["scene"]
+    case("gltf_instances", instances)
+
+    def lines(gltf):
+        first = gltf.json["meshes"][0]["primitives"][0]
+        gltf.json["meshes"][0]["primitives"].append({"attributes": first["attributes"], "mode": 1})
+    case("gltf_lines", lines)
+
+    def corner(gltf):
+        indices = gltf.json["accessors"][gltf.json["meshes"][0]["primitives"][0]["indices"]]
+        start = gltf.json["bufferViews"][indices["bufferView"]]["byteOffset"]
+        gltf.bytes = gltf.bytes[:start] + struct.pack("<I", 9001) + gltf.bytes[start + 4:]
+    case("gltf_corner", corner)
+
+    def not_finite(gltf):
+        gltf.bytes = struct.pack("<f", float("nan")) + gltf.bytes[4:]
+    case("gltf_nan", not_finite)
+
+    def draco(gltf):
+        view = gltf.view(b"DRACO\x02\x02\x01\x00\x00\x00" + b"\xff" * 40)
+        gltf.json["meshes"][0]["primitives"][0]["extensions"] = {
+            "KHR_draco_mesh_compression": {"bufferView": view, "attributes": {"POSITION": 0}}}
+    case("gltf_draco_damaged", draco)
+
+    def joint(gltf):
+        count = len(good().vertices)
+        attributes = gltf.json["meshes"][0]["primitives"][0]["attributes"]
+        attributes["JOINTS_0"] = gltf.accessor([(7, 0, 0, 0)] * count, 5121)
+        attributes["WEIGHTS_0"] = gltf.accessor([(1, 0, 0, 0)] * count)
+        gltf.json["nodes"][0]["skin"] = 0
+        gltf.json["skins"] = [{"joints": [0]}]
+    case("gltf_joint", joint)
+
+    def image(gltf):
+        gltf.json["images"] = [{"uri": "skin.png"}]
+    case("gltf_missing_image", image)
+
+    for name, uri in (("gltf_missing_buffer", "nowhere.bin"), ("gltf_outside_folder", "../../../../../../etc/passwd"),
+                      ("gltf_absolute", "/etc/passwd"), ("gltf_url", "https://example.org/a.bin"),
+                      ("gltf_escaped", "%2e%2e/%2e%2e/etc/passwd"), ("gltf_command", "$(touch made)`touch made`"),
+                      ("gltf_base64_damaged", "data:application/octet-stream;base64,*!*")):
+        case(name, file="a.gltf", write=lambda g, uri=uri: g.gltf(uri))
+
+    def beside(folder, size):
+        gltf = blob(good())
+        (folder / "parts").mkdir()
+        (folder / "parts/my mesh.bin").write_bytes(gltf.bytes[:size])
+        (folder / "a.gltf").write_bytes(gltf.gltf("parts/my%20mesh.bin"))
+    CASES["gltf_buffer_beside"] = lambda folder: beside(folder, None)
+    CASES["gltf_short_buffer"] = lambda folder: beside(folder, -8)
+
+    def link(folder):
+        (folder / "inside").mkdir()
+        gltf = blob(good())
+        (folder / "outside.bin").write_bytes(gltf.bytes)
+        (folder / "inside/link.bin").symlink_to("../outside.bin")
+        (folder / "inside/a.gltf").write_bytes(gltf.gltf("link.bin"))
+    CASES["gltf_link_outside"] = link
