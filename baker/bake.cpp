@@ -6,6 +6,7 @@
 #include "energy/arap.h"
 #include "energy/parallel.h"
 #include "energy/solid.h"
+#include "energy/tied.h"
 #include "mesh/tets.h"
 #include "pliant_format.h"
 #include "reduce/ghost.h"
@@ -324,8 +325,9 @@ void describe(BakeReport& report, const PoseSet& poses, const ShapeSet& set, con
     std::sort(report.fixed_vertices.begin(), report.fixed_vertices.end());
     report.vertex_count = std::size_t(set.dof_count() / 3);
     report.pose_count = set.pose_count();
-    if (const auto* shells = dynamic_cast<const DiscreteShells*>(&energy))
+    if (const auto* shells = dynamic_cast<const DiscreteShells*>(&without_ties(energy)))
         report.foldover_count = shells->foldover_hinges().size();
+    if (const TieSet* ties = ties_of(energy)) report.ties = start_tie_report(*ties, set);
 }
 
 } // namespace
@@ -350,7 +352,7 @@ std::unique_ptr<Energy> make_energy(const ShapeSet& set, const EnergyOptions& op
     case Material::stvk: return std::make_unique<Solid>(set, SolidOptions { SolidLaw::stvk, options.poisson });
     case Material::mooney_rivlin:
         return std::make_unique<Solid>(set, SolidOptions { SolidLaw::mooney_rivlin, options.poisson });
-    default: return std::make_unique<DiscreteShells>(set, options.shell);
+    default: return tie_parts(std::make_unique<DiscreteShells>(set, options.shell), find_ties(set));
     }
 }
 
@@ -429,6 +431,10 @@ BakedAsset bake(const PoseSet& poses, const BakeOptions& given, Progress& progre
     report.basis = check_basis(asset, reachable);
     tell_findings(report, poses, progress);
     tell_inversion(report, progress);
+    if (report.ties) {
+        use_file_numbers(poses.source_vertices, *report.ties);
+        tell_ties(*report.ties, progress);
+    }
     report.certificate = write_certificate(report, options, poses.names);
     asset.certificate = report.certificate;
     out.bytes = encode_asset(asset);

@@ -6,6 +6,7 @@
 #include "energy/discrete_shells.h"
 #include "mesh/drawn_surface.h"
 #include "reduce/choose_stand_in.h"
+#include "report/tie_report.h"
 #include "subspace/adaptive.h"
 #include "write/check_drawn.h"
 
@@ -96,6 +97,7 @@ struct BakeReport {
     Weights worst_weights;
     bool meets_tolerance = false;
     BasisReport basis;
+    std::optional<TieReport> ties;    // of a character in several parts, or with cracks
     std::optional<DrawnErrors> drawn; // at the same weights, where the asset draws a surface of its own
     std::string certificate;          // the JSON that went into the asset
 };

@@ -1,5 +1,7 @@
 #include "bake_checks.h"
 
+#include "energy/tied.h"
+
 #include "average/rigid_modes.h"
 #include "energy/parallel.h"
 #include "pliant_format.h"
@@ -104,6 +106,7 @@ void check_asset(const std::vector<std::uint8_t>& bytes, AverageFamily& family, 
         const Shape blend = blend_at(check.weights);
         report.checks.push_back({ check.weights, shape_error(pool.energy(), set, check.weights, blend, check.truth),
                                   smallest_cell_ratio(set, blend), i >= known_count, check.has_converged });
+        if (report.ties) add_check(*ties_of(pool.energy()), set, check.weights, check.truth, blend, *report.ties);
         report.findings.insert(report.findings.end(), check.findings.begin(), check.findings.end());
     }
     judge(options, report);

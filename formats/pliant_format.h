@@ -6,11 +6,10 @@
 #include <stdint.h>
 
 #define PLIANT_FORMAT_MAJOR 1
-#define PLIANT_FORMAT_MINOR 3         /* the newest described here; a file states the oldest that has all that it holds */
-#define PLIANT_FORMAT_MINOR_LOAD 1    /* the first with LOAD */
-#define PLIANT_FORMAT_MINOR_SOLID 2   /* the first with QUAR, VERT and elements for tetrahedra */
-#define PLIANT_FORMAT_MINOR_COMPACT 3 /* the first with BASC and BNDS */
-#define PLIANT_FORMAT_MINOR_SMOOTH 3  /* the first with SMTH */
+#define PLIANT_FORMAT_MINOR 3       /* the newest described here; a file states the oldest that has all that it holds */
+#define PLIANT_FORMAT_MINOR_LOAD 1  /* the first with LOAD */
+#define PLIANT_FORMAT_MINOR_SOLID 2 /* the first with QUAR, VERT and elements for tetrahedra */
+#define PLIANT_FORMAT_MINOR_PARTS 3 /* the first with BASC, BNDS, SMTH and elements that tie parts together */
 
 /* "«PLIANT»" with CR LF EOF LF behind it: a transfer in text mode breaks it visibly. */
 #define PLIANT_FORMAT_IDENTIFIER                                               \
@@ -141,7 +140,8 @@ typedef enum pliant_element_kind {
     PLIANT_ELEMENT_FACE_EDGE = 4,
     PLIANT_ELEMENT_ARAP_CELL = 5,
     PLIANT_ELEMENT_TET_STVK = 6,
-    PLIANT_ELEMENT_TET_MOONEY_RIVLIN = 7
+    PLIANT_ELEMENT_TET_MOONEY_RIVLIN = 7,
+    PLIANT_ELEMENT_TIE = 8
 } pliant_element_kind;
 
 typedef struct pliant_format_batch {
@@ -178,6 +178,7 @@ static inline pliant_format_shape pliant_format_batch_shape(uint32_t kind, uint3
         break;
     case PLIANT_ELEMENT_TET_STVK: shape.row_count = 9; shape.pose_number_count = 27; break;
     case PLIANT_ELEMENT_TET_MOONEY_RIVLIN: shape.row_count = 9; shape.pose_number_count = 20; break;
+    case PLIANT_ELEMENT_TIE: shape.row_count = 9; shape.pose_number_count = 4; break;
     default: break;
     }
     return shape;

@@ -179,9 +179,9 @@ void Checker::find_unreferenced_vertices()
     for (std::size_t vertex = 0; vertex < is_used.size() && listed < 5; ++vertex) {
         if (!is_used[vertex]) list += fmt::format("{}{}", listed++ == 0 ? "" : ", ", vertex);
     }
-    findings_.add(error_at(2207, mesh_.path,
-                           fmt::format("{} vertices belong to no face: {}{}", count, list, count > listed ? ", ..." : ""),
-                           "nothing says where they should go: remove them from all poses"));
+    findings_.add(warning_at(2207, mesh_.path,
+                             fmt::format("{} vertices belong to no face: {}{}", count, list, count > listed ? ", ..." : ""),
+                             "nothing says where they should go: remove them from all poses"));
 }
 
 void Checker::find_components()
@@ -209,9 +209,9 @@ void Checker::find_components()
                             triangulation_.faces[components[i]]);
     }
     findings_.add(
-        error_at(2208, mesh_.path,
-                 fmt::format("has {} components: {}{}", components.size(), list, components.size() > 5 ? ", ..." : ""),
-                 "no elastic energy holds parts together that share no edge: join them or bake them one by one"));
+        warning_at(2208, mesh_.path,
+                   fmt::format("has {} components: {}{}", components.size(), list, components.size() > 5 ? ", ..." : ""),
+                   "no elastic energy holds parts together that share no edge: join them or bake them one by one"));
 }
 
 void Checker::find_bow_ties()

@@ -166,7 +166,7 @@ TEST_CASE("smoothing groups are written unless every vertex is its own")
 
     groups[5] = 2;
     const std::vector<std::uint8_t> bytes = encode_asset(model);
-    CHECK(bytes[14] == PLIANT_FORMAT_MINOR_SMOOTH);
+    CHECK(bytes[14] == PLIANT_FORMAT_MINOR_PARTS);
     pliant_asset asset;
     std::vector<std::uint8_t> aligned(bytes.size() + 64);
     std::uint8_t* start = aligned.data() + (64 - std::uintptr_t(aligned.data()) % 64) % 64;
