@@ -47,7 +47,8 @@ ExitCode run(const Arguments& a)
     for (const BranchFinding& jump : point.jumps)
         progress.warn(4406,
                       fmt::format("the average jumps on the way towards pose {}: {:.1f} %, most at vertex {}, weights {}",
-                                  poses.names[jump.pose], 100 * jump.distance, jump.vertex, weights_text(jump.weights)),
+                                  poses.names[jump.pose], 100 * jump.distance, poses.file_number(jump.vertex),
+                                  weights_text(jump.weights)),
                       "add a pose in between, so that there is only one way to bend");
     if (!a.is_quiet)
         fmt::print("{}: energy {:.6e}, decrement {:.1e}, {} factorisations\n", a.output, result.energy, result.decrement,

@@ -27,9 +27,8 @@ struct AssetModel {
     const Polygons* polygons = nullptr;                          // faces as given
     const std::vector<std::uint32_t>* source_vertices = nullptr; // of a solid: numbers in the files; null or empty: the same
     std::size_t boundary_vertex_count = 0;                       // of a solid
-    const DrawnSurface* drawn
-        = nullptr;           // of a solid: what is stored for drawing, in the place of its own vertices and faces
-    std::string certificate; // JSON text
+    const DrawnSurface* drawn = nullptr; // what is stored for drawing, in the place of the mesh's own vertices and faces
+    std::string certificate;             // JSON text
     std::vector<std::pair<Weights, Eigen::VectorXf>> answers; // weights and the q that the runtime found
 };
 
