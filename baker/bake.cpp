@@ -503,8 +503,8 @@ BakedAsset bake(const PoseSet& poses, const BakeOptions& given, Progress& progre
     asset.predictor = built.model.predictor;
     asset.load = built.model.load;
     asset.names = poses.names;
-    asset.polygons = &poses.polygons;
-    asset.source_vertices = &poses.source_vertices;
+    asset.polygons = poses.drawn ? nullptr : &poses.polygons; // those name drawn vertices, as drawn->polygons will
+    asset.source_vertices = poses.is_solid() ? &poses.source_vertices : nullptr;
     asset.boundary_vertex_count = poses.boundary_vertex_count;
 
     // A first encoding to let the real runtime answer; answers and certificate are written last.

@@ -159,6 +159,7 @@ bool Builder::judge_flat(const MeshFile& pose, const std::vector<FlatTriangle>& 
         fmt::format("face {} and others have no area: {} triangles, {:.1f} % of the surface of {}, {:.0f} % allowed",
                     drawn_.faces[flat[0].triangle], flat.size(), 100 * worst, where->path, 100 * flat_part_limit),
         "these parts cannot be elastic: export this pose again, or leave it out"));
+    return false;
 }
 
 void Builder::leave_out_duplicates()

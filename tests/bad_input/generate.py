@@ -279,8 +279,9 @@ both_case("no_face_is_one", "lines", lambda: Mesh(good().vertices, [face[:2] + f
 
 def split(mesh):
     """Flat shading: every face has vertices of its own."""
+    size = len(mesh.faces[0])
     return Mesh([mesh.vertices[i] for face in mesh.faces for i in face],
-                [(3 * f, 3 * f + 1, 3 * f + 2) for f in range(len(mesh.faces))])
+                [tuple(range(size * f, size * (f + 1))) for f in range(len(mesh.faces))])
 
 
 both_case("flat_shaded", "split", lambda: split(good()))

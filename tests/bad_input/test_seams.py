@@ -49,6 +49,19 @@ def make_poses(folder):
     return poses
 
 
+def test_quads(folder):
+    """Faces of four corners, split, are written with four."""
+    files = [folder / "quads.obj", folder / "quads_bent.obj"]
+    for file, motion in zip(files, (generate.saddle, generate.roof)):
+        generate.write_mesh(file, generate.split(generate.sheet(motion, quads=True, n=6)))
+    baked = run("bake", *files, "-o", folder / "quads.pliant", *QUICK)
+    check(baked.returncode == 0, f"split quads bake {baked.stderr}")
+    run("blend", folder / "quads.pliant", "--weights", "1,0", "-o", folder / "quads.ply")
+    check(counts(folder / "quads.ply") == [144, 36], "their blend has the vertices and faces of the files")
+    measured = run("measure", folder / "quads.pliant", *files, "--samples", "1")
+    check(measured.returncode == 0, f"all their rows reproduce the poses {measured.stderr}")
+
+
 def main():
     with tempfile.TemporaryDirectory(prefix="pliant-test-") as name:
         folder = pathlib.Path(name)
@@ -80,6 +93,7 @@ def main():
             check(counts(folder / f"joined_{shape}.ply") == [130, 256], f"{shape}: the same of the joined mesh")
         one, other = points(folder / "split_average.ply"), points(folder / "joined_average.ply")
         other = [other[3 * vertex + c] for face in faces for vertex in face for c in range(3)]
+        test_quads(folder)
         check(distance(one, other) < 1e-5, f"the averages are the same: {distance(one, other):.1e} apart")
         check(all(abs(a - b) < 0.2 * max(a, b) for a, b in zip(*measured.values())), f"so are the errors: {measured}")
     return 1 if failures else 0
