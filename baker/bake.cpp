@@ -303,7 +303,7 @@ void tell_fit(const Fitted& fitted, Progress& progress, BakeReport& report)
 }
 
 // A stand-in that the material does not have is a wrong command line.
-void check_stand_in(const BakeOptions& options)
+void check_stand_in(const BakeOptions& options, const PoseSet& poses)
 {
     const Material material = *options.energy.material;
     const bool is_solid = material == Material::stvk || material == Material::mooney_rivlin;
@@ -315,13 +315,20 @@ void check_stand_in(const BakeOptions& options)
         throw Failure(ExitCode::usage,
                       error_at(1208, "", "--energy ghost is for surfaces, the poses are solids",
                                "leave it out, or use --energy cubature"));
+    if (options.stand_in == StandInKind::ghost) // before the minutes that come before the ghost
+        require_manifold(poses.triangles, poses.vertex_count(), poses.source_vertices, "--energy ghost",
+                         "repair it alike in all poses, or use --energy cubature, which needs none");
 }
 
 void describe(BakeReport& report, const PoseSet& poses, const ShapeSet& set, const Energy& energy)
 {
     report.tet_count = set.tets.size();
-    for (std::uint32_t v : set.fixed_vertices)
-        report.fixed_vertices.push_back(poses.source_vertices.empty() ? v : poses.source_vertices[v]);
+    report.repairs = poses.repairs;
+    if (poses.drawn) {
+        report.drawn_vertex_count = poses.drawn->embedding.count();
+        report.drawn_triangle_count = poses.drawn->triangles.size();
+    }
+    for (std::uint32_t v : set.fixed_vertices) report.fixed_vertices.push_back(poses.file_number(v));
     std::sort(report.fixed_vertices.begin(), report.fixed_vertices.end());
     report.vertex_count = std::size_t(set.dof_count() / 3);
     report.pose_count = set.pose_count();
@@ -360,7 +367,7 @@ BakedAsset bake(const PoseSet& poses, const BakeOptions& given, Progress& progre
 {
     BakeOptions options = given;
     options.energy.material = material_for(given.energy, poses.is_solid());
-    check_stand_in(options);
+    check_stand_in(options, poses);
     BakedAsset out;
     BakeReport& report = out.report;
     Stopwatch watch(report.stages);
@@ -407,8 +414,8 @@ BakedAsset bake(const PoseSet& poses, const BakeOptions& given, Progress& progre
     asset.predictor = built.model.predictor;
     asset.load = built.model.load;
     asset.names = poses.names;
-    asset.polygons = &poses.polygons;
-    asset.source_vertices = &poses.source_vertices;
+    asset.polygons = poses.drawn ? nullptr : &poses.polygons; // those name drawn vertices, as drawn->polygons will
+    asset.source_vertices = poses.is_solid() ? &poses.source_vertices : nullptr;
     asset.boundary_vertex_count = poses.boundary_vertex_count;
 
     const Eigen::MatrixXd reachable = reachable_coordinates(subspace, fitted.training);
@@ -423,6 +430,8 @@ BakedAsset bake(const PoseSet& poses, const BakeOptions& given, Progress& progre
     asset.answers.erase(asset.answers.begin());
     check_asset(encode_asset(asset), family, pool, found.checks, options, progress, report);
     report.factorization_count = pool.factorization_count();
+    for (BranchFinding& finding : report.findings) finding.vertex = poses.file_number(finding.vertex);
+    asset.drawn = poses.drawn.get(); // rows of the same vertices, so what was found at these holds there, too
     if (options.drawn) {
         asset.drawn = options.drawn.get();
         stored = store_shape(set, subspace, &options.drawn->embedding, reachable, position_error);

@@ -5,6 +5,7 @@
 #include "average/shape_error.h"
 #include "energy/discrete_shells.h"
 #include "mesh/drawn_surface.h"
+#include "mesh/weld.h"
 #include "reduce/choose_stand_in.h"
 #include "report/tie_report.h"
 #include "subspace/adaptive.h"
@@ -30,6 +31,8 @@ struct EnergyOptions {
     bool keep_placement = false;               // do not align the poses
     std::string fixed_path;                    // a file of vertices that stay where they are; empty: none
     std::vector<std::uint32_t> fixed_vertices; // the same by the files' numbers, where a certificate names them
+    double weld_tolerance
+        = default_weld_tolerance; // of surfaces: vertices this near in all poses are one (over the diagonal); 0: none
     SolverKind solver = default_solver();
 };
 
@@ -77,6 +80,9 @@ struct BasisReport {
 
 struct BakeReport {
     std::size_t vertex_count = 0, tet_count = 0, pose_count = 0, element_count = 0, foldover_count = 0;
+    std::size_t drawn_vertex_count = 0; // of a surface whose elastic mesh is not the drawn one, as repairs tells; else 0
+    std::size_t drawn_triangle_count = 0;
+    SurfaceRepairs repairs;
     StandInKind stand_in_kind = StandInKind::cubature; // what was chosen
     std::string stand_in_reason;                       // why, where there was a choice
     std::vector<std::uint32_t> fixed_vertices;         // numbers of the files

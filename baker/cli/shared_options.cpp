@@ -91,6 +91,12 @@ void add_energy_options(CLI::App& verb, EnergyOptions& options)
                "Sparse factorisation: cholmod (fast) or eigen (portable, bit-stable)");
     verb.add_flag("--no-align", options.keep_placement,
                   "Take the poses where they stand instead of moving them rigidly onto the first");
+    verb.add_option(
+            "--weld", options.weld_tolerance,
+            "Vertices of a surface that lie this near to each other in all poses, over the diagonal, are one for the "
+            "energy: seams of files are no cuts; 0: none are")
+        ->check(CLI::Range(0.0, 1e-3))
+        ->capture_default_str();
     verb.add_option("--fix", options.fixed_path,
                     "Vertices that stay where they are: a text file, one number a line, from 0 as the pose files count. "
                     "Implies --no-align")
@@ -131,6 +137,7 @@ PoseSet load_with_warnings(const std::string& verb, const std::vector<std::strin
     load.align = !options.keep_placement;
     load.fixed_path = options.fixed_path;
     load.fixed_vertices = options.fixed_vertices;
+    load.weld_tolerance = options.weld_tolerance;
     std::vector<Finding> warnings;
     PoseSet poses = load_poses(paths, load, &warnings);
     for (const Finding& warning : warnings) print_finding(verb, warning);

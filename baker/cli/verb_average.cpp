@@ -133,7 +133,7 @@ void warn_of_jumps(ConsoleProgress& progress, const PoseSet& poses, const Family
     for (const BranchFinding& jump : point.jumps)
         progress.warn(4406,
                       fmt::format("{}the average jumps on the way towards pose {}: {:.1f} %, most at vertex {}, weights {}",
-                                  wanted.frame, poses.names[jump.pose], 100 * jump.distance, jump.vertex,
+                                  wanted.frame, poses.names[jump.pose], 100 * jump.distance, poses.file_number(jump.vertex),
                                   weights_text(jump.weights)),
                       "add a pose in between, so that there is only one way to bend");
 }

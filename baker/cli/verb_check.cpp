@@ -14,6 +14,17 @@ struct Arguments {
     BakeOptions bake;
 };
 
+void print_surface(const PoseSet& poses)
+{
+    const DrawnSurface* const drawn = poses.drawn.get();
+    fmt::print("{} poses of {} vertices, {} faces, {} triangles: fit to bake\n", poses.pose_count(),
+               drawn ? drawn->embedding.count() : poses.vertex_count(), poses.polygons.count(),
+               drawn ? drawn->triangles.size() : poses.triangles.size());
+    if (drawn)
+        fmt::print("  the elastic mesh has {} vertices, {} triangles in {} components\n", poses.vertex_count(),
+                   poses.triangles.size(), poses.repairs.component_count);
+}
+
 ExitCode run(const Arguments& a)
 {
     const PoseSet poses = load_with_warnings("check", a.poses, a.bake.energy);
@@ -23,8 +34,7 @@ ExitCode run(const Arguments& a)
         fmt::print("{} poses of {} vertices, {} tetrahedra, {} of the vertices on the boundary: fit to bake\n",
                    poses.pose_count(), poses.vertex_count(), poses.tets.size(), poses.boundary_vertex_count);
     else
-        fmt::print("{} poses of {} vertices, {} faces, {} triangles: fit to bake\n", poses.pose_count(),
-                   poses.vertex_count(), poses.polygons.count(), poses.triangles.size());
+        print_surface(poses);
     for (std::size_t k = 1; k < poses.pose_count(); ++k)
         fmt::print("  {}: turned by {:.1f} degrees to meet {}\n", poses.names[k],
                    Eigen::AngleAxisd(set.motions[k].rotation).angle() * 57.29577951308232, poses.names[0]);

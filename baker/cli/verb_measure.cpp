@@ -45,6 +45,23 @@ struct Sample {
     std::size_t branch_count = 0; // jumps on the way, other averages for these weights
 };
 
+// What the asset draws in the place of the mesh of its energy.
+ShapeSet drawn_set(const PoseSet& poses, const ShapeSet& set, const Drawn* drawn)
+{
+    if (drawn) return drawn->set;
+    return poses.drawn ? drawn_shapes(set, *poses.drawn) : set;
+}
+
+// A blend as the mesh of the energy has it; of a solid that draws a surface, only that.
+Shape blend_of(const PoseSet& poses, const ShapeSet& set, const std::vector<float>& positions)
+{
+    if (poses.is_solid() || poses.source_vertices.empty()) return from_input_units(set, positions);
+    std::vector<float> elastic;
+    for (const std::uint32_t v : poses.source_vertices)
+        elastic.insert(elastic.end(), &positions[3 * std::size_t(v)], &positions[3 * std::size_t(v)] + 3);
+    return from_input_units(set, elastic);
+}
+
 // The asset must have been baked from these poses: it reproduces them.
 void check_same_poses(const RuntimeBlender& blender, const ShapeSet& set, const std::string& path)
 {
@@ -220,7 +237,7 @@ ExitCode run(const Arguments& a)
     const PoseSet poses = load_with_warnings("measure", a.poses, options);
     const ShapeSet set = normalise(poses, options.keep_placement);
     const std::unique_ptr<const Drawn> drawn = load_drawn(a, blender.certificate(), poses, set);
-    check_same_poses(blender, drawn ? drawn->set : set, a.asset);
+    check_same_poses(blender, drawn_set(poses, set, drawn.get()), a.asset);
     const std::unique_ptr<Energy> energy = make_energy(set, options);
     SolverPool pool(*energy, set, options.solver);
     NewtonOptions newton;
@@ -233,7 +250,7 @@ ExitCode run(const Arguments& a)
         const Eigen::VectorXf wf = s.weights.cast<float>();
         const std::vector<float> w(wf.data(), wf.data() + wf.size());
         time_solve(blender, w, s);
-        blends.push_back(from_input_units(set, blender.positions(blender.solve(w, false))));
+        blends.push_back(blend_of(poses, set, blender.positions(blender.solve(w, false))));
     }
     SharedProgress shared(&progress);
     std::atomic<std::size_t> done { 0 };

@@ -59,6 +59,8 @@ Arap::Arap(const ShapeSet& set)
     , dof_count_(set.dof_count())
     , cells_(std::size_t(set.dof_count() / 3))
 {
+    require_manifold(set.triangles, cells_.size(), set.source_vertices, "--material arap",
+                     "repair it alike in all poses, or use --material discrete-shells, which needs none");
     const std::vector<Fan> fans = find_fans(set.triangles, cells_.size());
     std::vector<std::unordered_map<std::uint64_t, double>> cotangents;
     for (const Shape& shape : set.shapes) cotangents.push_back(edge_cotangents(shape, set.triangles));

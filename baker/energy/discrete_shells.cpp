@@ -36,7 +36,7 @@ DiscreteShells::DiscreteShells(const ShapeSet& set, const ShellOptions& options)
     : options_(options)
     , pose_count_(Eigen::Index(set.pose_count()))
     , dof_count_(set.dof_count())
-    , hinges_(find_hinges(set.triangles))
+    , hinges_(find_hinges(set.triangles, set.shapes[0]))
     , triangles_(set.triangles)
 {
     rest_metrics_.resize(3 * pose_count_, Eigen::Index(triangles_.size()));

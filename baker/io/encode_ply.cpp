@@ -1,5 +1,7 @@
 #include "io/encode_ply.h"
 
+#include "mesh/drawn_surface.h"
+
 #include <cstring>
 #include <fmt/format.h>
 
@@ -66,6 +68,7 @@ std::string encode_ply(const Positions& positions, const Polygons& faces, const 
 
 std::string encode_ply(const Positions& positions, const PoseSet& poses, bool all_vertices)
 {
+    if (poses.drawn) return encode_ply(drawn_positions(*poses.drawn, positions), poses.polygons);
     return encode_ply(positions, poses.polygons, { poses.source_vertices, poses.boundary_vertex_count }, all_vertices);
 }
 

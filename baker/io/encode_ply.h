@@ -27,7 +27,7 @@ struct VertexNumbers {
 // as here) or, with `all_vertices`, all of them in the order of the files, so that vertex i of the result is vertex i of a pose file.
 std::string encode_ply(const Positions& positions, const Polygons& faces, const VertexNumbers& numbers, bool all_vertices);
 
-// The same for a shape of a pose set.
+// The same for a shape of a pose set, with the vertices that it draws.
 std::string encode_ply(const Positions& positions, const PoseSet& poses, bool all_vertices = false);
 
 } // namespace pliant

@@ -51,6 +51,7 @@ ShapeSet normalise(const PoseSet& poses, bool keep_placement)
     set.triangles = poses.triangles;
     set.tets = poses.tets;
     set.regions = poses.regions;
+    set.source_vertices = poses.source_vertices;
     set.fixed_vertices = poses.fixed_vertices;
     keep_placement = keep_placement || !set.is_free();
     const Eigen::Index n = Eigen::Index(poses.vertex_count());
@@ -73,7 +74,7 @@ ShapeSet normalise(const PoseSet& poses, bool keep_placement)
         size += cell_sizes(set, shape).sum() / double(poses.pose_count());
     }
     set.length = set.is_solid() ? std::cbrt(size) : std::sqrt(size);
-    set.masses /= size;
+    set.masses /= poses.repairs.lone_vertex_count == 0 ? size : set.masses.sum(); // of cells, the same but for rounding
 
     // The runtime adds the origin in single precision: round it once, here, so that both sides mean the same point.
     const Eigen::Vector3d centre = centroid(set.shapes[0], set.masses);

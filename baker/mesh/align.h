@@ -20,16 +20,17 @@ void apply(const RigidMotion& motion, Shape& shape);
 // volume of a solid) around `origin` (the centroid of pose 0), so that nothing depends on the units of the files or on where the
 // character stands.
 struct ShapeSet {
-    std::vector<Triangle> triangles;           // of a solid: its boundary
-    std::vector<Tetrahedron> tets;             // empty: a surface
-    SolidRegions regions;                      // of a solid
-    std::vector<std::uint32_t> fixed_vertices; // ascending; without them bodies are free
-    std::vector<Shape> shapes;                 // per pose, aligned to pose 0
-    Eigen::VectorXd masses;                    // per vertex: lumped, mean over the poses
-    Eigen::Vector3d origin;                    // input units; each coordinate is exactly a float
-    double length = 1;                         // input units
-    std::vector<RigidMotion> motions;          // what was applied to each pose, in input units
-    double diagonal = 1;                       // bounding-box diagonal of pose 0, normalised units
+    std::vector<Triangle> triangles;            // of a solid: its boundary
+    std::vector<Tetrahedron> tets;              // empty: a surface
+    SolidRegions regions;                       // of a solid
+    std::vector<std::uint32_t> source_vertices; // as in PoseSet
+    std::vector<std::uint32_t> fixed_vertices;  // ascending; without them bodies are free
+    std::vector<Shape> shapes;                  // per pose, aligned to pose 0
+    Eigen::VectorXd masses;                     // per vertex: lumped, mean over the poses; sum 1; all positive
+    Eigen::Vector3d origin;                     // input units; each coordinate is exactly a float
+    double length = 1;                          // input units
+    std::vector<RigidMotion> motions;           // what was applied to each pose, in input units
+    double diagonal = 1;                        // bounding-box diagonal of pose 0, normalised units
 
     bool is_solid() const { return !tets.empty(); }
     bool is_free() const { return fixed_vertices.empty(); }

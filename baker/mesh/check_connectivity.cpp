@@ -1,9 +1,9 @@
 #include "mesh/check_surface.h"
+#include "mesh/elastic_surface.h"
 #include "mesh/union_find.h"
 
 #include <algorithm>
 #include <fmt/format.h>
-#include <numeric>
 
 namespace pliant {
 namespace {
@@ -22,28 +22,27 @@ struct HalfEdge {
 
 class Checker {
 public:
-    Checker(const MeshFile& mesh, const Triangulation& triangulation, FindingList& findings)
+    Checker(const MeshFile& mesh, ElasticSurface& surface, FindingList& findings)
         : mesh_(mesh)
-        , triangulation_(triangulation)
+        , surface_(surface)
+        , triangulation_(surface.triangulation)
         , findings_(findings)
-        , is_left_out_(mesh.faces.count(), false)
     {
     }
 
     void check();
 
 private:
-    void find_repeated_vertices();
-    void find_duplicate_faces();
     void collect_half_edges();
-    void check_edges();
-    void check_edge(const HalfEdge* begin, const HalfEdge* end);
+    void find_crowded_edges();
+    void find_turned_neighbours();
     void find_unreferenced_vertices();
     void find_components();
     void find_bow_ties();
-    void error(int number, std::size_t face, std::string what, const char* hint) const
+    Index face(const HalfEdge& half_edge) const { return triangulation_.faces[half_edge.triangle]; }
+    void warn(int number, std::size_t face, std::string what, const char* hint) const
     {
-        findings_.add({ Finding::Severity::error, number, where_is_face(mesh_, face), std::move(what), hint });
+        findings_.add({ Finding::Severity::warning, number, where_is_face(mesh_, face), std::move(what), hint });
     }
 
     template <class Visit> void for_each_edge(Visit visit) const
@@ -55,64 +54,36 @@ private:
         }
     }
 
+    // The edges that are so, in the order of the faces, which is the order of the file, not in that of the vertices.
+    using Edge = std::pair<const HalfEdge*, const HalfEdge*>;
+    template <class IsSo> std::vector<Edge> edges_that(IsSo is_so) const
+    {
+        std::vector<Edge> edges;
+        for_each_edge([&](const HalfEdge* begin, const HalfEdge* end) {
+            if (is_so(begin, end)) edges.emplace_back(begin, end);
+        });
+        std::sort(edges.begin(), edges.end(), [](const Edge& a, const Edge& b) {
+            const HalfEdge &ea = *a.first, &eb = *b.first;
+            return ea.triangle != eb.triangle ? ea.triangle < eb.triangle : ea.corner < eb.corner;
+        });
+        return edges;
+    }
+
     const MeshFile& mesh_;
+    ElasticSurface& surface_;
     const Triangulation& triangulation_;
     FindingList& findings_;
-    std::vector<bool> is_left_out_;    // per face: reported already, would only cause further findings
     std::vector<HalfEdge> half_edges_; // sorted by edge, then by triangle
 };
 
 void Checker::check()
 {
-    const std::size_t errors_before = findings_.error_count();
-    find_repeated_vertices();
-    find_duplicate_faces();
     collect_half_edges();
-    check_edges();
+    find_crowded_edges();
+    find_turned_neighbours();
     find_unreferenced_vertices();
     find_components();
-    if (findings_.error_count() == errors_before) find_bow_ties(); // fans exist on manifold edges only
-}
-
-void Checker::find_repeated_vertices()
-{
-    std::vector<Index> corners;
-    for (std::size_t face = 0; face < mesh_.faces.count(); ++face) {
-        const auto begin = mesh_.faces.indices.begin() + mesh_.faces.offsets[face];
-        corners.assign(begin, begin + static_cast<std::ptrdiff_t>(mesh_.faces.size(face)));
-        std::sort(corners.begin(), corners.end());
-        const auto repeated = std::adjacent_find(corners.begin(), corners.end());
-        if (repeated == corners.end()) continue;
-        is_left_out_[face] = true;
-        error(2201, face, fmt::format("face {} uses vertex {} more than once", face, *repeated),
-              "remove the face from all poses");
-    }
-}
-
-void Checker::find_duplicate_faces()
-{
-    // Faces in the order of their sorted corners: equal ones become neighbours.
-    std::vector<Index> sorted = mesh_.faces.indices;
-    const auto begin_of = [&](Index face) { return sorted.begin() + mesh_.faces.offsets[face]; };
-    const auto end_of = [&](Index face) { return sorted.begin() + mesh_.faces.offsets[face + 1]; };
-    std::vector<Index> order(mesh_.faces.count());
-    std::iota(order.begin(), order.end(), Index(0));
-    for (const Index face : order) std::sort(begin_of(face), end_of(face));
-    std::stable_sort(order.begin(), order.end(), [&](Index a, Index b) {
-        return std::lexicographical_compare(begin_of(a), end_of(a), begin_of(b), end_of(b));
-    });
-    Index first = 0; // of a run of equal faces
-    for (std::size_t i = 1; i < order.size(); ++i) {
-        const bool is_equal = std::equal(begin_of(order[i]), end_of(order[i]), begin_of(order[first]), end_of(order[first]));
-        if (!is_equal) {
-            first = static_cast<Index>(i);
-            continue;
-        }
-        if (is_left_out_[order[i]]) continue;
-        is_left_out_[order[i]] = true;
-        error(2205, order[i], fmt::format("face {} has the same vertices as face {}", order[i], order[first]),
-              "remove one of the two from all poses");
-    }
+    if (surface_.repairs.crowded_edge_count == 0) find_bow_ties(); // fans exist on edges of two faces only
 }
 
 void Checker::collect_half_edges()
@@ -120,7 +91,6 @@ void Checker::collect_half_edges()
     const std::vector<Triangle>& triangles = triangulation_.triangles;
     half_edges_.reserve(3 * triangles.size());
     for (Index t = 0; t < triangles.size(); ++t) {
-        if (is_left_out_[triangulation_.faces[t]]) continue;
         for (Index corner = 0; corner < 3; ++corner) {
             const Index from = triangles[t][corner], to = triangles[t][(corner + 1) % 3];
             half_edges_.push_back({ std::min(from, to), std::max(from, to), t, corner, from < to });
@@ -133,55 +103,48 @@ void Checker::collect_half_edges()
     });
 }
 
-void Checker::check_edges()
+void Checker::find_crowded_edges()
 {
-    // Findings in the order of the faces, which is the order of the file, not in that of the vertices.
-    std::vector<std::pair<const HalfEdge*, const HalfEdge*>> bad;
-    for_each_edge([&](const HalfEdge* begin, const HalfEdge* end) {
-        const bool is_opposed = end - begin == 2 && begin[0].is_upward != begin[1].is_upward;
-        if (end - begin > 1 && !is_opposed) bad.emplace_back(begin, end);
-    });
-    std::sort(bad.begin(), bad.end(), [](const auto& a, const auto& b) {
-        const HalfEdge &ea = *a.first, &eb = *b.first;
-        return ea.triangle != eb.triangle ? ea.triangle < eb.triangle : ea.corner < eb.corner;
-    });
-    for (const auto& [begin, end] : bad) check_edge(begin, end);
+    const std::vector<Edge> edges = edges_that([](const HalfEdge* begin, const HalfEdge* end) { return end - begin > 2; });
+    surface_.repairs.crowded_edge_count = edges.size();
+    if (edges.empty()) return;
+    const auto [begin, end] = edges[0];
+    std::vector<Index> faces;
+    for (const HalfEdge* h = begin; h != end; ++h) faces.push_back(face(*h));
+    warn(2203, faces[2],
+         fmt::format("edge {} {} belongs to {} faces: {}{}", begin->low, begin->high, faces.size(), first_few(faces),
+                     edges.size() > 1 ? fmt::format(" ({} edges have more than two)", edges.size()) : ""),
+         "each bends against the next around the edge; if that is not meant, separate the sheets, alike in all poses");
 }
 
-void Checker::check_edge(const HalfEdge* begin, const HalfEdge* end)
+void Checker::find_turned_neighbours()
 {
-    const auto face = [&](const HalfEdge& half_edge) { return triangulation_.faces[half_edge.triangle]; };
-    if (end - begin == 2) {
-        error(2204, face(begin[1]),
-              fmt::format("faces {} and {} run along their edge {} {} in the same direction", face(begin[0]), face(begin[1]),
-                          begin->low, begin->high),
-              "turn all faces the same way round, alike in all poses");
-        return;
-    }
-    constexpr std::ptrdiff_t listed = 5;
-    std::string faces;
-    for (const HalfEdge* h = begin; h != end && h != begin + listed; ++h)
-        faces += fmt::format("{}{}", h == begin ? "" : ", ", face(*h));
-    error(2203, face(begin[2]),
-          fmt::format("edge {} {} belongs to {} faces: {}{}", begin->low, begin->high, end - begin, faces,
-                      end - begin > listed ? ", ..." : ""),
-          "bending is defined between two faces: separate the sheets or remove faces, alike in all poses");
+    const std::vector<Edge> edges = edges_that([](const HalfEdge* begin, const HalfEdge* end) {
+        return end - begin == 2 && begin[0].is_upward == begin[1].is_upward;
+    });
+    surface_.repairs.turned_edge_count = edges.size();
+    if (edges.empty()) return;
+    const HalfEdge* const h = edges[0].first;
+    warn(2204, face(h[1]),
+         fmt::format("faces {} and {} run along their edge {} {} in the same direction{}", face(h[0]), face(h[1]), h->low,
+                     h->high, edges.size() > 1 ? fmt::format(" ({} pairs do)", edges.size()) : ""),
+         "blends do not mind, lighting does: turn all faces the same way round, alike in all poses");
 }
 
 void Checker::find_unreferenced_vertices()
 {
-    std::vector<bool> is_used(static_cast<std::size_t>(mesh_.positions.rows()), false);
-    for (const Index vertex : mesh_.faces.indices) is_used[vertex] = true;
-    const std::size_t count = static_cast<std::size_t>(std::count(is_used.begin(), is_used.end(), false));
-    if (count == 0) return;
-    std::string list;
-    std::size_t listed = 0;
-    for (std::size_t vertex = 0; vertex < is_used.size() && listed < 5; ++vertex) {
-        if (!is_used[vertex]) list += fmt::format("{}{}", listed++ == 0 ? "" : ", ", vertex);
-    }
-    findings_.add(warning_at(2207, mesh_.path,
-                             fmt::format("{} vertices belong to no face: {}{}", count, list, count > listed ? ", ..." : ""),
-                             "nothing says where they should go: remove them from all poses"));
+    std::vector<bool> is_used(surface_.targets.size(), false);
+    for (const Triangle& t : triangulation_.triangles)
+        for (const Index vertex : t) is_used[vertex] = true;
+    std::vector<Index> unused;
+    for (Index vertex = 0; vertex < is_used.size(); ++vertex)
+        if (!is_used[vertex] && !surface_.is_welded(vertex)) unused.push_back(vertex);
+    surface_.repairs.lone_vertex_count = unused.size();
+    if (unused.empty()) return;
+    findings_.add(
+        warning_at(2207, mesh_.path,
+                   fmt::format("{} vertices belong to no face of the elastic mesh: {}", unused.size(), first_few(unused)),
+                   "nothing but what lies beside them says where they should go"));
 }
 
 void Checker::find_components()
@@ -191,7 +154,7 @@ void Checker::find_components()
         for (const HalfEdge* h = begin + 1; h < end; ++h) sets.join(begin->triangle, h->triangle);
     });
     std::vector<std::size_t> sizes(triangulation_.triangles.size(), 0); // in polygons, at the set's first triangle
-    std::vector<bool> is_counted = is_left_out_;
+    std::vector<bool> is_counted(mesh_.faces.count(), false);
     for (Index t = 0; t < sizes.size(); ++t) {
         const Index face = triangulation_.faces[t];
         if (!is_counted[face]) ++sizes[sets.find(t)];
@@ -201,6 +164,7 @@ void Checker::find_components()
     for (Index t = 0; t < sizes.size(); ++t) {
         if (sizes[t] != 0) components.push_back(t);
     }
+    surface_.repairs.component_count = components.size();
     if (components.size() < 2) return;
     std::stable_sort(components.begin(), components.end(), [&](Index a, Index b) { return sizes[a] > sizes[b]; });
     std::string list;
@@ -211,7 +175,7 @@ void Checker::find_components()
     findings_.add(
         warning_at(2208, mesh_.path,
                    fmt::format("has {} components: {}{}", components.size(), list, components.size() > 5 ? ", ..." : ""),
-                   "no elastic energy holds parts together that share no edge: join them or bake them one by one"));
+                   "they share no edge, so no elastic energy holds them together"));
 }
 
 void Checker::find_bow_ties()
@@ -224,7 +188,7 @@ void Checker::find_bow_ties()
         fans.join(3 * a.triangle + a.corner, 3 * b.triangle + (b.corner + 1) % 3);
         fans.join(3 * a.triangle + (a.corner + 1) % 3, 3 * b.triangle + b.corner);
     });
-    std::vector<Index> fan_counts(static_cast<std::size_t>(mesh_.positions.rows()), 0);
+    std::vector<Index> fan_counts(surface_.targets.size(), 0);
     Index corner = 0;
     for (const Triangle& triangle : triangulation_.triangles) {
         for (const Index vertex : triangle) {
@@ -242,9 +206,9 @@ void Checker::find_bow_ties()
 
 } // namespace
 
-void check_connectivity(const MeshFile& mesh, const Triangulation& triangulation, FindingList& findings)
+void check_connectivity(const MeshFile& first, ElasticSurface& surface, FindingList& findings)
 {
-    Checker(mesh, triangulation, findings).check();
+    Checker(first, surface, findings).check();
 }
 
 std::string where_is_face(const MeshFile& mesh, std::size_t face)

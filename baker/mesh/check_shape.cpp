@@ -35,37 +35,10 @@ double longest_edge(const Positions& positions, const Triangle& t)
     return std::sqrt(std::max({ (b - a).squaredNorm(), (c - b).squaredNorm(), (a - c).squaredNorm() }));
 }
 
-bool has_repeated_vertex(const Triangle& t) { return t[0] == t[1] || t[1] == t[2] || t[2] == t[0]; }
-
 // Half of the longest side of the bounding box, in the units of the file.
 double half_size(const Positions& positions)
 {
     return (0.5 * positions.colwise().maxCoeff() - 0.5 * positions.colwise().minCoeff()).maxCoeff();
-}
-
-void check_areas(const MeshFile& mesh, const Triangulation& triangulation, const Positions& positions, double unit,
-                 FindingList& findings)
-{
-    const std::vector<Triangle>& triangles = triangulation.triangles;
-    std::vector<double> areas(triangles.size());
-    double mean_area = 0;
-    for (std::size_t t = 0; t < triangles.size(); ++t) {
-        areas[t] = area_vector(positions, triangles[t]).norm();
-        mean_area += areas[t] / static_cast<double>(triangles.size());
-    }
-    const double rounding = unit > 0 ? coordinate_rounding(mesh.positions) / unit : 0;
-    for (std::size_t t = 0; t < triangles.size(); ++t) {
-        if (has_repeated_vertex(triangles[t])) continue; // P2201 says it better
-        const double edge = longest_edge(positions, triangles[t]);
-        const double height = edge > 0 ? 2 * areas[t] / edge : 0;
-        if (height > std::max(height_limit * edge, rounding) && areas[t] > area_limit * mean_area) continue;
-        const std::uint32_t face = triangulation.faces[t];
-        const Triangle& v = triangles[t];
-        findings.add(error_at(2202, where_is_face(mesh, face),
-                              fmt::format("face {}: triangle {} {} {} has no area (height {:.3g} over an edge of {:.3g})",
-                                          face, v[0], v[1], v[2], height * unit, edge * unit),
-                              "move its corners apart in this pose, or remove the face from all poses"));
-    }
 }
 
 // A fan covers a polygon once only if the polygon is convex, or at least visible from its first corner.
@@ -121,13 +94,31 @@ void check_precision(const MeshFile& mesh, FindingList& findings)
                    "move the character to the origin before you export it, or export in double precision"));
 }
 
-void check_shape(const MeshFile& mesh, const Triangulation& triangulation, FindingList& findings)
+std::vector<FlatTriangle> find_flat_triangles(const MeshFile& mesh, const std::vector<Triangle>& triangles)
 {
     const Positions positions = to_unit_box(mesh.positions);
     const double unit = half_size(mesh.positions);
-    check_areas(mesh, triangulation, positions, unit, findings);
+    std::vector<double> areas(triangles.size());
+    double mean_area = 0;
+    for (std::size_t t = 0; t < triangles.size(); ++t) {
+        areas[t] = area_vector(positions, triangles[t]).norm();
+        mean_area += areas[t] / static_cast<double>(triangles.size());
+    }
+    const double rounding = unit > 0 ? coordinate_rounding(mesh.positions) / unit : 0;
+    std::vector<FlatTriangle> flat;
+    for (std::uint32_t t = 0; t < triangles.size(); ++t) {
+        const double edge = longest_edge(positions, triangles[t]);
+        const double height = edge > 0 ? 2 * areas[t] / edge : 0;
+        if (height > std::max(height_limit * edge, rounding) && areas[t] > area_limit * mean_area) continue;
+        flat.push_back({ t, height * unit, edge * unit });
+    }
+    return flat;
+}
+
+void check_shape(const MeshFile& mesh, const Triangulation& triangulation, FindingList& findings)
+{
     check_precision(mesh, findings);
-    check_fans(mesh, triangulation, positions, findings);
+    check_fans(mesh, triangulation, to_unit_box(mesh.positions), findings);
 }
 
 } // namespace pliant

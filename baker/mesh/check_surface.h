@@ -1,4 +1,4 @@
-// Is one mesh a surface that has an elastic energy? Connectivity first, then the shape of every pose.
+// The shape of one pose of a surface: its triangles, its coordinates.
 #pragma once
 
 #include "mesh/triangulate.h"
@@ -6,14 +6,17 @@
 
 namespace pliant {
 
-// Checks the faces of a mesh, positions unseen. Errors: P2201 a face with a repeated vertex, P2203 an edge of three or more faces,
-// P2204 neighbours of opposite orientation, P2205 the same face twice, P2207 vertices without a face, P2208 several components
-// (parts that touch in single vertices only can turn there freely, so they count as several). Warning: P2206 bow-tie vertices.
-void check_connectivity(const MeshFile& mesh, const Triangulation& triangulation, FindingList& findings);
+// A triangle that has no area in a pose: flat, or too small against the others for an energy in double precision.
+struct FlatTriangle {
+    std::uint32_t triangle;
+    double height, edge; // over the longest edge, which has this length; in the units of the file
+};
 
-// Checks the positions of one pose. Error: P2202 a triangle without area. Warnings: P2209 coordinates too coarse for the distance
-// from the origin, P2210 a polygon whose fan of triangles folds over.
-// The verdict depends neither on the unit of length nor on the place: both are removed first.
+// In the order of the triangles. The verdict depends neither on the unit of length nor on the place: both are removed first.
+std::vector<FlatTriangle> find_flat_triangles(const MeshFile& mesh, const std::vector<Triangle>& triangles);
+
+// Checks the positions of one pose. Warnings: P2209 coordinates too coarse for the distance from the origin, P2210 a polygon whose fan
+// of triangles folds over.
 void check_shape(const MeshFile& mesh, const Triangulation& triangulation, FindingList& findings);
 
 // The part of it that has nothing to do with surfaces: P2209.

@@ -89,6 +89,26 @@ DrawnSurface load_drawn_surface(const std::string& path, const PoseSet& poses, s
     return surface;
 }
 
+std::shared_ptr<const DrawnSurface> draw_vertices(Polygons polygons, std::vector<Triangle> triangles,
+                                                  const std::vector<std::uint32_t>& places)
+{
+    auto surface = std::make_shared<DrawnSurface>();
+    surface->polygons = std::move(polygons);
+    surface->triangles = std::move(triangles);
+    const Eigen::Index count = static_cast<Eigen::Index>(places.size());
+    for (const std::uint32_t v : places) surface->embedding.corners.push_back({ v, v, v, v });
+    surface->embedding.weights.setZero(4, count);
+    surface->embedding.weights.row(0).setOnes();
+    surface->embedding.distances.setZero(count);
+    return surface;
+}
+
+Positions drawn_positions(const DrawnSurface& surface, const Positions& positions)
+{
+    const Shape drawn = apply(surface.embedding, Eigen::Map<const Shape>(positions.data(), positions.size()));
+    return Eigen::Map<const Positions>(drawn.data(), drawn.size() / 3, 3);
+}
+
 ShapeSet drawn_shapes(const ShapeSet& solid, const DrawnSurface& surface)
 {
     ShapeSet set;

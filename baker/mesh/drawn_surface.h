@@ -1,4 +1,5 @@
-// A surface that is drawn in the place of a solid's own boundary: a fine mesh that rides on coarse tetrahedra.
+// What is drawn, where that is not the mesh of the elastic energy: a fine surface that rides on coarse tetrahedra in the place of their
+// own boundary, or a surface as its file has it, with seams that are welded for the energy and faces that have none.
 #pragma once
 
 #include "mesh/align.h"
@@ -21,8 +22,15 @@ struct DrawnSurface {
 // surface with area. Warning: P2607 vertices outside the solid.
 DrawnSurface load_drawn_surface(const std::string& path, const PoseSet& poses, std::vector<Finding>* warnings = nullptr);
 
+// Vertices that each lie exactly where vertex `places[v]` of the elastic mesh does.
+std::shared_ptr<const DrawnSurface> draw_vertices(Polygons polygons, std::vector<Triangle> triangles,
+                                                  const std::vector<std::uint32_t>& places);
+
 // The shapes of the surface in the poses of the solid, to measure its blends by: in the solid's units, around its origin. It has no
 // elements; fixed_vertices are the solid's, and say only whether shapes are held.
 ShapeSet drawn_shapes(const ShapeSet& solid, const DrawnSurface& surface);
+
+// Where the vertices of the surface are when those that they hang on are at `positions`.
+Positions drawn_positions(const DrawnSurface& surface, const Positions& positions);
 
 } // namespace pliant

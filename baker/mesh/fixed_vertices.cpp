@@ -70,7 +70,7 @@ std::vector<std::uint32_t> read_fixed_vertices(const std::string& path, std::siz
     return fixed;
 }
 
-void check_fixed_vertices(const std::string& path, const std::vector<std::uint32_t>& fixed,
+void check_fixed_vertices(const std::string& path, const std::vector<std::uint32_t>& fixed, std::size_t vertex_count,
                           const std::vector<MeshFile>& meshes, FindingList& findings)
 {
     const Positions& first = meshes[0].positions;
@@ -81,7 +81,7 @@ void check_fixed_vertices(const std::string& path, const std::vector<std::uint32
                               fmt::format("{} vertices are fixed{}: the body could still turn", fixed.size(),
                                           fixed.size() < 3 ? "" : ", all on a line"),
                               "fix three or more that do not lie on a line, or none"));
-    } else if (fixed.size() == static_cast<std::size_t>(first.rows())) {
+    } else if (fixed.size() == vertex_count) {
         findings.add(error_at(2605, path, fmt::format("all {} vertices are fixed: nothing could move", fixed.size()),
                               "name those only that hold the body"));
     }
@@ -100,10 +100,10 @@ void check_fixed_vertices(const std::string& path, const std::vector<std::uint32
     }
 }
 
-void pin_vertices(const std::vector<std::uint32_t>& fixed, std::vector<MeshFile>& meshes)
+void pin_vertices(const std::vector<std::uint32_t>& fixed, std::vector<Positions>& poses)
 {
-    for (MeshFile& mesh : meshes) {
-        for (const std::uint32_t vertex : fixed) mesh.positions.row(vertex) = meshes[0].positions.row(vertex);
+    for (Positions& positions : poses) {
+        for (const std::uint32_t vertex : fixed) positions.row(vertex) = poses[0].row(vertex);
     }
 }
 

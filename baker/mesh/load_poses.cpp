@@ -4,6 +4,8 @@
 #include "mesh/check_solid.h"
 #include "mesh/check_surface.h"
 #include "mesh/compare_poses.h"
+#include "mesh/drawn_surface.h"
+#include "mesh/elastic_surface.h"
 #include "mesh/fixed_vertices.h"
 #include "mesh/solid.h"
 
@@ -15,23 +17,29 @@
 namespace pliant {
 namespace {
 
+// What the checks found out on the way.
+struct Checked {
+    Triangulation triangulation;      // what is drawn and, of a solid, compared: of that its boundary
+    ElasticSurface surface;           // of surfaces
+    std::vector<std::uint32_t> fixed; // by the numbers of the files
+};
+
 // Every pose on its own and against pose 0, as far as the earlier findings leave a meaning to the later questions. True if all poses
 // show the same mesh.
-bool check_surfaces(const std::vector<MeshFile>& meshes, const Triangulation& triangulation, FindingList& findings)
+bool check_surfaces(const std::vector<MeshFile>& meshes, double weld_tolerance, Checked& checked, FindingList& findings)
 {
     const MeshFile& first = meshes[0];
-    check_connectivity(first, triangulation, findings);
-    check_shape(first, triangulation, findings);
-    bool is_comparable = true;
-    for (std::size_t k = 1; k < meshes.size(); ++k) {
-        if (!check_same_kind(first, meshes[k], findings) || !check_same_faces(first, meshes[k], findings)) {
-            is_comparable = false;
-            continue;
-        }
-        check_shape(meshes[k], triangulation, findings);
-        check_correspondence(first, meshes[k], triangulation, findings);
-    }
-    return is_comparable;
+    std::vector<const MeshFile*> alike = { &first };
+    for (std::size_t k = 1; k < meshes.size(); ++k)
+        if (check_same_kind(first, meshes[k], findings) && check_same_faces(first, meshes[k], findings))
+            alike.push_back(&meshes[k]);
+    for (const MeshFile* mesh : alike) check_shape(*mesh, checked.triangulation, findings);
+    checked.surface = make_elastic_surface(alike, checked.triangulation, weld_tolerance, findings);
+    if (checked.surface.triangulation.triangles.empty()) return false; // said; nothing to look at
+    check_connectivity(first, checked.surface, findings);
+    for (std::size_t k = 1; k < alike.size(); ++k)
+        check_correspondence(first, *alike[k], checked.surface.triangulation, findings);
+    return alike.size() == meshes.size();
 }
 
 // The same for solids.
@@ -76,7 +84,33 @@ void renumber(PoseSet& poses)
     poses.boundary_vertex_count = numbering.boundary_count;
 }
 
-PoseSet to_pose_set(std::vector<MeshFile> meshes, Triangulation triangulation, std::vector<std::uint32_t> fixed)
+// From the vertices of the files to those of the elastic surface; the former are drawn where they differ.
+void take_elastic(PoseSet& poses, Triangulation drawn, ElasticSurface surface)
+{
+    poses.repairs = surface.repairs;
+    poses.triangles = std::move(surface.triangulation.triangles);
+    if (poses.repairs.welded_count == 0 && poses.repairs.left_out_count() == 0) return;
+    std::vector<std::uint32_t> places(surface.targets.size()), sources;
+    for (std::uint32_t v = 0; v < places.size(); ++v) {
+        if (!surface.is_welded(v)) sources.push_back(v);
+        places[v] = surface.is_welded(v) ? places[surface.targets[v]] : static_cast<std::uint32_t>(sources.size() - 1);
+    }
+    poses.drawn = draw_vertices(poses.polygons, std::move(drawn.triangles), places);
+    for (Triangle& triangle : poses.triangles)
+        for (std::uint32_t& vertex : triangle) vertex = places[vertex];
+    poses.fixed_vertices = surface.joined(poses.fixed_vertices);
+    for (std::uint32_t& vertex : poses.fixed_vertices) vertex = places[vertex]; // ascending still
+    if (sources.size() == places.size()) return;
+    for (Positions& positions : poses.positions) {
+        const Positions in_files = positions;
+        positions.resize(static_cast<Eigen::Index>(sources.size()), 3);
+        for (std::size_t v = 0; v < sources.size(); ++v)
+            positions.row(static_cast<Eigen::Index>(v)) = in_files.row(sources[v]);
+    }
+    poses.source_vertices = std::move(sources);
+}
+
+PoseSet to_pose_set(std::vector<MeshFile> meshes, Checked checked)
 {
     PoseSet poses;
     for (MeshFile& mesh : meshes) {
@@ -85,26 +119,31 @@ PoseSet to_pose_set(std::vector<MeshFile> meshes, Triangulation triangulation, s
         poses.positions.push_back(std::move(mesh.positions));
     }
     poses.polygons = std::move(meshes[0].faces);
-    poses.triangles = std::move(triangulation.triangles);
     poses.tets = std::move(meshes[0].tets);
     poses.regions = std::move(meshes[0].regions);
-    poses.fixed_vertices = std::move(fixed);
+    poses.fixed_vertices = std::move(checked.fixed);
     poses.scene = std::move(meshes[0].scene);
-    if (poses.is_solid()) renumber(poses);
+    if (poses.is_solid()) {
+        poses.triangles = std::move(checked.triangulation.triangles);
+        renumber(poses);
+    } else {
+        take_elastic(poses, std::move(checked.triangulation), std::move(checked.surface));
+    }
+    pin_vertices(poses.fixed_vertices, poses.positions);
     return poses;
 }
 
 // The checks of what was read; the fixed vertices.
-std::vector<std::uint32_t> check_all(std::vector<MeshFile>& meshes, const LoadOptions& options, Triangulation& triangulation,
-                                     FindingList& findings)
+Checked check_all(std::vector<MeshFile>& meshes, const LoadOptions& options, FindingList& findings)
 {
     const bool is_solid = !meshes[0].tets.empty();
     if (is_solid) orient_tets(meshes, findings);
-    triangulation = triangulate(meshes[0]);
-    const bool is_comparable
-        = is_solid ? check_solids(meshes, triangulation, findings) : check_surfaces(meshes, triangulation, findings);
+    Checked checked;
+    checked.triangulation = triangulate(meshes[0]);
+    const bool is_comparable = is_solid ? check_solids(meshes, checked.triangulation, findings)
+                                        : check_surfaces(meshes, options.weld_tolerance, checked, findings);
     const std::size_t vertex_count = static_cast<std::size_t>(meshes[0].positions.rows());
-    std::vector<std::uint32_t> fixed;
+    std::vector<std::uint32_t>& fixed = checked.fixed;
     for (const std::uint32_t v : options.fixed_vertices)
         if (v < vertex_count) fixed.push_back(v); // others belong to another mesh, as will be found out
     const bool has_fixed = !options.fixed_path.empty() || !fixed.empty();
@@ -112,10 +151,13 @@ std::vector<std::uint32_t> check_all(std::vector<MeshFile>& meshes, const LoadOp
         const std::size_t errors_before = findings.error_count();
         fixed = read_fixed_vertices(options.fixed_path, vertex_count, findings);
         if (is_comparable && findings.error_count() == errors_before)
-            check_fixed_vertices(options.fixed_path, fixed, meshes, findings);
+            check_fixed_vertices(options.fixed_path, is_solid ? fixed : checked.surface.joined(fixed),
+                                 vertex_count - checked.surface.repairs.welded_count, meshes, findings);
     }
-    if (is_comparable && meshes.size() > 1) check_distinct(meshes, triangulation, options.align && !has_fixed, findings);
-    return fixed;
+    if (is_comparable && meshes.size() > 1)
+        check_distinct(meshes, is_solid ? checked.triangulation : checked.surface.triangulation, options.align && !has_fixed,
+                       findings);
+    return checked;
 }
 
 } // namespace
@@ -124,16 +166,14 @@ PoseSet load_poses(const std::vector<std::string>& paths, const LoadOptions& opt
 {
     FindingList findings(options.lines_per_number);
     PoseSources read = read_pose_sources(paths, pose_count_limit, findings);
-    Triangulation triangulation;
-    std::vector<std::uint32_t> fixed;
-    if (read.has_first) fixed = check_all(read.meshes, options, triangulation, findings);
+    Checked checked;
+    if (read.has_first) checked = check_all(read.meshes, options, findings);
     if (findings.has_errors()) throw Failure(ExitCode::bad_input, findings.findings());
     if (warnings) {
         const std::vector<Finding> found = findings.findings();
         warnings->insert(warnings->end(), found.begin(), found.end());
     }
-    pin_vertices(fixed, read.meshes);
-    return to_pose_set(std::move(read.meshes), std::move(triangulation), std::move(fixed));
+    return to_pose_set(std::move(read.meshes), std::move(checked));
 }
 
 } // namespace pliant

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "mesh/pose_set.h"
+#include "mesh/weld.h"
 #include "report/diagnostics.h"
 
 namespace pliant {
@@ -10,7 +11,8 @@ struct LoadOptions {
     bool align = true;                 // poses will be aligned rigidly, so those that differ by a motion only are the same
     std::size_t lines_per_number = 10; // findings of one kind that are told one by one
     std::string fixed_path;            // a text file of fixed vertices; then nothing is aligned. Empty: none is fixed
-    std::vector<std::uint32_t> fixed_vertices; // the same by the files' numbers
+    std::vector<std::uint32_t> fixed_vertices;      // the same by the files' numbers
+    double weld_tolerance = default_weld_tolerance; // of surfaces, see mesh/weld.h; 0: vertices stay as the files have them
 };
 
 constexpr std::size_t pose_count_limit = 12;
@@ -19,8 +21,9 @@ constexpr std::size_t pose_count_limit = 12;
 // (P3xxx). All findings of all files are gathered before anything is thrown.
 //
 // Result of surfaces: positions as they are in the files, vertices in their order; the faces of the first file; their triangles. All
-// positions are finite, all triangles have an area in every pose, the surface is manifold, oriented, connected, and uses every
-// vertex.
+// positions are finite, all triangles have an area in every pose and three vertices that no other one has. Vertices that lie on each
+// other in all poses are one, and faces without an elastic energy are left out (mesh/elastic_surface.h): then `drawn` has all of them.
+// The surface need not be manifold, oriented or connected, nor use every vertex: `repairs` counts, warnings tell.
 // Result of solids: see PoseSet for the numbering. All tetrahedra have a positive volume in every pose, hang together by their faces,
 // and use every vertex; the boundary is closed and counter-clockwise seen from outside, but may touch itself in edges and vertices.
 // Fixed vertices have exactly the same positions in all poses. Messages use the numbers of the files.

@@ -58,28 +58,53 @@ struct MeshFile {
     std::shared_ptr<const RenderScene> scene; // of a glTF file: what its vertices and faces are drawn with
 };
 
+// How the surface that files draw differs from the one that the elastic energy lives on, and what is unusual about the latter.
+struct SurfaceRepairs {
+    std::size_t welded_count = 0;                                        // vertices that another one stands for
+    std::size_t repeated_count = 0, flat_count = 0, duplicate_count = 0; // triangles left out
+    std::size_t crowded_edge_count = 0, turned_edge_count = 0;           // edges of three faces; neighbours turned over
+    std::size_t lone_vertex_count = 0, component_count = 1;              // vertices of no triangle; the others' parts
+
+    bool is_irregular() const
+    {
+        return lone_vertex_count > 0 || component_count > 1 || crowded_edge_count > 0 || turned_edge_count > 0;
+    }
+    std::size_t left_out_count() const { return repeated_count + flat_count + duplicate_count; }
+};
+
+struct DrawnSurface;
+
 // Poses of one character: same faces or tetrahedra, other positions. Pose 0 is the rest pose of the subspace (tau).
-// Vertices of a surface come in the order of the files. Those of a solid are numbered anew: the ones on its boundary first, in the
+// Vertices of a surface come in the order of the files, but of those that are one in all poses only the first. Those of a solid are numbered anew: the ones on its boundary first, in the
 // order of the files, so that drawing needs a leading part only, then those inside.
 struct PoseSet {
     std::vector<std::string> paths;
     std::vector<std::string> names;   // file names without folder and extension, or what glTF calls the pose; for people
     std::vector<Positions> positions; // per pose
-    Polygons polygons;                // as pose 0 gave them, for writing; of a solid: the triangles
+    Polygons polygons;                // as pose 0 gave them, by the files' numbers, for writing; of a solid: the triangles
     std::vector<Triangle>
-        triangles; // the same, triangulated alike in all poses: a fan from the first corner. Of a solid: its
-                   // boundary, counter-clockwise seen from outside
+        triangles; // the same, triangulated alike in all poses, a fan from the first corner, as far as they have an energy.
+                   // Of a solid: its boundary, counter-clockwise seen from outside
 
     std::vector<Tetrahedron> tets;              // empty: a surface
     SolidRegions regions;                       // of pose 0
     std::vector<std::uint32_t> source_vertices; // per vertex its number in the files; empty: the same
     std::size_t boundary_vertex_count = 0;      // of a solid: the leading vertices, which triangles use
 
+    SurfaceRepairs repairs; // of a surface
+    // The vertices and faces of the files, where those above are not the same: what is drawn and written. Else null.
+    std::shared_ptr<const DrawnSurface> drawn;
+
     std::vector<std::uint32_t> fixed_vertices; // ascending; they stay where they are in every blend
 
     std::shared_ptr<const RenderScene> scene; // of pose 0, whose vertices and faces these are; null: it has none
 
     bool is_solid() const { return !tets.empty(); }
+    // A vertex as messages and files name it.
+    std::uint32_t file_number(std::size_t vertex) const
+    {
+        return source_vertices.empty() ? static_cast<std::uint32_t>(vertex) : source_vertices[vertex];
+    }
     std::size_t pose_count() const { return positions.size(); }
     std::size_t vertex_count() const { return positions.empty() ? 0 : static_cast<std::size_t>(positions[0].rows()); }
 };

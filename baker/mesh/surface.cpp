@@ -1,10 +1,14 @@
 #include "mesh/surface.h"
 
+#include "mesh/union_find.h"
 #include "report/diagnostics.h"
 
+#include <Eigen/Geometry>
 #include <algorithm>
+#include <cmath>
 #include <fmt/core.h>
 #include <map>
+#include <tuple>
 
 namespace pliant {
 
@@ -34,16 +38,53 @@ std::vector<Side> sorted_sides(const std::vector<Triangle>& triangles)
     return sides;
 }
 
+// Calls visit(begin, end) for the sides of every edge.
+template <class Visit> void for_each_edge(const std::vector<Side>& sides, Visit visit)
+{
+    for (std::size_t begin = 0, end = 0; begin < sides.size(); begin = end) {
+        while (end < sides.size() && sides[end].key == sides[begin].key) ++end;
+        visit(sides.data() + begin, sides.data() + end);
+    }
+}
+
+// The sides of one edge in the order in which their faces follow each other around it, from the first one on.
+void sort_around(const std::vector<Triangle>& triangles, const Shape& rest, Side* begin, Side* end)
+{
+    const auto corner
+        = [&](const Side& side, std::uint32_t i) { return point(rest, triangles[side.face][(side.corner + i) % 3]); };
+    const Eigen::Vector3d origin = corner(*begin, 0), axis = (corner(*begin, 1) - origin).normalized();
+    const auto across = [&](const Side& side) -> Eigen::Vector3d {
+        const Eigen::Vector3d to = corner(side, 2) - origin;
+        return to - to.dot(axis) * axis;
+    };
+    const Eigen::Vector3d zero = across(*begin), quarter = axis.cross(zero);
+    std::vector<std::pair<double, Side>> angles;
+    for (const Side* side = begin; side != end; ++side) {
+        const double angle = side == begin ? 0 : std::atan2(across(*side).dot(quarter), across(*side).dot(zero));
+        angles.push_back({ angle < 0 ? angle + 6.283185307179586 : angle, *side });
+    }
+    std::stable_sort(angles.begin(), angles.end(), [](const auto& a, const auto& b) { return a.first < b.first; });
+    for (std::size_t i = 0; i < angles.size(); ++i) begin[i] = angles[i].second;
+}
+
 } // namespace
 
-std::vector<Hinge> find_hinges(const std::vector<Triangle>& triangles)
+std::vector<Hinge> find_hinges(const std::vector<Triangle>& triangles, const Shape& rest)
 {
     const std::vector<Side> sides = sorted_sides(triangles);
     std::vector<std::pair<Side, Side>> pairs;
-    for (std::size_t i = 0; i + 1 < sides.size(); ++i)
-        if (sides[i].key == sides[i + 1].key) pairs.push_back({ sides[i], sides[i + 1] });
+    const auto pair_up = [&](const Side& a, const Side& b) {
+        pairs.push_back(a.face < b.face ? std::make_pair(a, b) : std::make_pair(b, a));
+    };
+    for_each_edge(sides, [&](const Side* begin, const Side* end) {
+        if (end - begin == 2) pair_up(begin[0], begin[1]);
+        if (end - begin < 3) return;
+        std::vector<Side> around(begin, end);
+        sort_around(triangles, rest, around.data(), around.data() + around.size());
+        for (std::size_t i = 0; i < around.size(); ++i) pair_up(around[i], around[(i + 1) % around.size()]);
+    });
     std::sort(pairs.begin(), pairs.end(), [](const auto& a, const auto& b) {
-        return std::tie(a.first.face, a.first.corner) < std::tie(b.first.face, b.first.corner);
+        return std::tie(a.first.face, a.first.corner, a.second.face) < std::tie(b.first.face, b.first.corner, b.second.face);
     });
 
     std::vector<Hinge> hinges;
@@ -55,6 +96,34 @@ std::vector<Hinge> find_hinges(const std::vector<Triangle>& triangles)
                            { one.face, two.face } });
     }
     return hinges;
+}
+
+void require_manifold(const std::vector<Triangle>& triangles, std::size_t vertex_count,
+                      const std::vector<std::uint32_t>& sources, const std::string& what, const std::string& remedy)
+{
+    const auto number = [&](std::size_t v) { return sources.empty() ? v : std::size_t(sources[v]); };
+    std::string defect;
+    UnionFind parts(triangles.size());
+    std::vector<bool> is_used(vertex_count, false);
+    for_each_edge(sorted_sides(triangles), [&](const Side* begin, const Side* end) {
+        const std::uint32_t from = triangles[begin->face][begin->corner],
+                            to = triangles[begin->face][(begin->corner + 1) % 3];
+        is_used[from] = is_used[to] = true;
+        for (const Side* side = begin + 1; side < end; ++side) parts.join(begin->face, side->face);
+        if (!defect.empty() || end - begin < 2) return;
+        if (end - begin > 2)
+            defect = fmt::format("edge {} {} belongs to {} faces", number(from), number(to), end - begin);
+        else if (triangles[begin[1].face][begin[1].corner] == from)
+            defect = fmt::format("the faces at edge {} {} are turned against each other", number(from), number(to));
+    });
+    for (std::uint32_t f = 1; f < triangles.size() && defect.empty(); ++f)
+        if (parts.find(f) != parts.find(0)) defect = "it has several components";
+    const auto unused = std::find(is_used.begin(), is_used.end(), false);
+    if (defect.empty() && unused != is_used.end())
+        defect = fmt::format("vertex {} belongs to no face", number(std::size_t(unused - is_used.begin())));
+    if (!defect.empty())
+        throw Failure(ExitCode::bad_input,
+                      error_at(2222, "", fmt::format("{} needs one oriented manifold surface: {}", what, defect), remedy));
 }
 
 std::vector<Fan> find_fans(const std::vector<Triangle>& triangles, std::size_t vertex_count)

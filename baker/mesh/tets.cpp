@@ -30,7 +30,12 @@ Eigen::VectorXd lumped_tet_masses(const Shape& shape, const std::vector<Tetrahed
 
 Eigen::VectorXd cell_masses(const ShapeSet& set, const Shape& shape)
 {
-    return set.is_solid() ? lumped_tet_masses(shape, set.tets) : lumped_masses(shape, set.triangles);
+    if (set.is_solid()) return lumped_tet_masses(shape, set.tets);
+    Eigen::VectorXd masses = lumped_masses(shape, set.triangles);
+    const double least = lone_vertex_mass * masses.mean();
+    for (double& mass : masses)
+        if (mass == 0) mass = least;
+    return masses;
 }
 
 Eigen::VectorXd cell_sizes(const ShapeSet& set, const Shape& shape)

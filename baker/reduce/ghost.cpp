@@ -47,6 +47,8 @@ HalfEdgeMesh to_half_edges(const ShapeSet& set)
 
 Ghost make_ghost(const ShapeSet& set, const Subspace& subspace, std::size_t vertex_count)
 {
+    require_manifold(set.triangles, std::size_t(set.dof_count() / 3), set.source_vertices, "--energy ghost",
+                     "repair it alike in all poses, or use --energy cubature, which needs none");
     HalfEdgeMesh mesh = to_half_edges(set);
     OpenMesh::Decimater::DecimaterT<HalfEdgeMesh> decimater(mesh);
     OpenMesh::Decimater::ModQuadricT<HalfEdgeMesh>::Handle quadric;

@@ -164,6 +164,27 @@ Json ties_of(const TieReport& report)
     return ties;
 }
 
+// How the mesh of the energy differs from the one of the files, which is drawn.
+Json elastic_of(const BakeReport& report)
+{
+    const SurfaceRepairs& r = report.repairs;
+    return { { "drawn_vertices", report.drawn_vertex_count },
+             { "drawn_triangles", report.drawn_triangle_count },
+             { "welded_vertices", r.welded_count },
+             { "repeated_vertex_triangles", r.repeated_count },
+             { "flat_triangles", r.flat_count },
+             { "duplicate_triangles", r.duplicate_count } };
+}
+
+// What its triangles have that a manifold has not.
+Json irregular_of(const SurfaceRepairs& r)
+{
+    return { { "lone_vertices", r.lone_vertex_count },
+             { "components", r.component_count },
+             { "edges_of_many_faces", r.crowded_edge_count },
+             { "edges_of_turned_faces", r.turned_edge_count } };
+}
+
 Json drawn_of(const BakeReport& report, const DrawnSurface& surface)
 {
     Json drawn = { { "vertices", surface.embedding.count() },
@@ -195,12 +216,15 @@ std::string write_certificate(const BakeReport& report, const BakeOptions& optio
     }
     energy["aligned"] = !options.energy.keep_placement;
     energy["solver"] = name_of(options.energy.solver);
+    if (report.repairs.welded_count > 0) energy["weld"] = options.energy.weld_tolerance;
     if (!report.fixed_vertices.empty()) energy["fixed_vertices"] = report.fixed_vertices;
 
     Json certificate = {
         { "certificate", 1 }, { "baker", "pliant 0.1.0" }, { "poses", pose_names }, { "vertices", report.vertex_count }
     };
     if (report.tet_count) certificate["tetrahedra"] = report.tet_count;
+    if (report.drawn_vertex_count > 0) certificate["elastic"] = elastic_of(report);
+    if (report.repairs.is_irregular()) certificate["irregular"] = irregular_of(report.repairs);
     if (options.drawn) certificate["surface"] = drawn_of(report, *options.drawn);
     certificate["energy"] = energy;
     if (report.ties) certificate["ties"] = ties_of(*report.ties);
@@ -229,6 +253,7 @@ EnergyOptions read_energy_options(const std::string& certificate, const std::str
             = parse_name(energy.at("material").get<std::string>(),
                          { Material::discrete_shells, Material::arap, Material::stvk, Material::mooney_rivlin });
         options.poisson = energy.value("poisson", -1.0);
+        options.weld_tolerance = energy.value("weld", 0.0); // nothing was welded
         options.fixed_vertices = energy.value("fixed_vertices", std::vector<std::uint32_t>());
         options.keep_placement = !energy.at("aligned").get<bool>();
         if (options.material == Material::discrete_shells) {

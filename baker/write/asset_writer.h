@@ -30,8 +30,7 @@ struct AssetModel {
     const std::vector<std::uint32_t>* smoothing
         = nullptr;                         // groups of drawn vertices that share a normal; null: each its own
     std::size_t boundary_vertex_count = 0; // of a solid
-    const DrawnSurface* drawn
-        = nullptr; // of a solid: what is stored for drawing, in the place of its own vertices and faces
+    const DrawnSurface* drawn = nullptr;   // what is stored for drawing, in the place of the mesh's own vertices and faces
     const StoredShape* stored
         = nullptr;           // of what is drawn; null: the subspace as it is, in single precision, without bounds
     std::string certificate; // JSON text

@@ -275,6 +275,19 @@ mesh_case("zero_area", "flat.obj", lambda: flattened(good(), 0))
 mesh_case("zero_area_in_second_pose", "flat_bent.obj", lambda: flattened(bent(), 0))
 mesh_case("needle_in_second_pose", "needle.obj", lambda: flattened(bent(), 1e-8))
 mesh_case("collapsed_pose", "collapsed.obj", lambda: good().moved(lambda x, y, z: (1, 2, 3)))
+mesh_case("collapsed_part", "collapsed.obj", lambda: good().moved(lambda x, y, z: (x, y, z) if z < 1 else (0, 0, 1)))
+both_case("no_face_is_one", "lines", lambda: Mesh(good().vertices, [face[:2] + face[:1] for face in good().faces]))
+
+
+def split(mesh):
+    """Flat shading: every face has vertices of its own."""
+    size = len(mesh.faces[0])
+    return Mesh([mesh.vertices[i] for face in mesh.faces for i in face],
+                [tuple(range(size * f, size * (f + 1))) for f in range(len(mesh.faces))])
+
+
+both_case("flat_shaded", "split", lambda: split(good()))
+both_case("flat_shaded_and_bad", "split", lambda: split(good().with_face(EDITED_FACE, edited_corners(good())[:2] + edited_corners(good())[:1])))
 both_case("three_faces_at_edge", "fin", lambda: good().plus([(9, 9, 9)], [edited_corners(good())[:2] + (VERTEX_COUNT,)]))
 both_case("flipped_face", "flipped", lambda: good().with_face(EDITED_FACE, edited_corners(good())[::-1]))
 both_case("duplicate_face", "double", lambda: good().plus([], [edited_corners(good())[1:] + edited_corners(good())[:1]]))
@@ -488,6 +501,9 @@ def average_path_empty(folder):
 
 file_case("truncated_asset", "cut.pliant", lambda: ASSET.read_bytes()[:-1])
 both_case("arap_bow_tie", "bow", joined_corners)
+both_case("arap_components", "parts", lambda: two_blobs(False))
+for needs_manifold in ("arap_fin", "ghost_fin"):
+    CASES[needs_manifold] = CASES["three_faces_at_edge"]
 
 
 gltf_files.add_cases(good)
