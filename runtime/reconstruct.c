@@ -19,8 +19,7 @@ static PLIANT_INLINE void rebuild_tile(const pliant_asset* asset, const pliant_f
         const float qj = frame->q[j];
         for (size_t i = 0; i < TILE_FLOATS; ++i) sum[i] += qj * column[i];
     }
-    for (size_t i = 0; i < TILE_VERTICES; ++i)
-        for (size_t c = 0; c < 3; ++c) out[3 * i + c] = sum[3 * i + c] + asset->origin[c];
+    for (size_t i = 0; i < TILE_FLOATS; ++i) out[i] = sum[i] + frame->origin[i];
 }
 
 /* --------------------------------------------------------------------------------------------------------- compact ---- */
@@ -42,28 +41,26 @@ static PLIANT_INLINE void add_field(float* PLIANT_RESTRICT sum, float factor, co
 static PLIANT_INLINE void read_tail(const unsigned char* PLIANT_RESTRICT bytes, uint32_t bits,
                                     uint32_t* PLIANT_RESTRICT tail)
 {
-    uint32_t at = 0;
-    memset(tail, 0, TILE_FLOATS * sizeof *tail);
-    if (bits & 16u) {
+    const size_t half = TILE_FLOATS / 2;
+    const uint32_t eights = bits & 16u, fours = bits & 24u; /* where the 8 and the 4 bits begin */
+    if (eights) {
         uint16_t halves[TILE_FLOATS];
         memcpy(halves, bytes, sizeof halves);
         for (size_t i = 0; i < TILE_FLOATS; ++i) tail[i] = halves[i];
         bytes += sizeof halves;
-        at = 16;
-    }
+    } else
+        memset(tail, 0, TILE_FLOATS * sizeof *tail);
     if (bits & 8u) {
-        for (size_t i = 0; i < TILE_FLOATS; ++i) tail[i] |= (uint32_t)bytes[i] << at;
+        for (size_t i = 0; i < TILE_FLOATS; ++i) tail[i] |= (uint32_t)bytes[i] << eights;
         bytes += TILE_FLOATS;
-        at += 8;
     }
-    if (bits & 4u)
-        for (size_t i = 0; i < TILE_FLOATS / 2; ++i) {
-            tail[i] |= (uint32_t)(bytes[i] & 15u) << at;
-            tail[i + TILE_FLOATS / 2] |= (uint32_t)(bytes[i] >> 4) << at;
-        }
+    if (bits & 4u) {
+        for (size_t i = 0; i < half; ++i) tail[i] |= (bytes[i] & 15u) << fours;
+        for (size_t i = 0; i < half; ++i) tail[half + i] |= (uint32_t)(bytes[i] >> 4) << fours;
+    }
 }
 
-/* The fields of one part, weighted: 48 sums. */
+/* Adds the fields of one part, weighted, to 48 sums. */
 static PLIANT_INLINE void add_part(const pliant_frame* frame, const pliant_format_field* PLIANT_RESTRICT fields,
                                    const uint32_t* PLIANT_RESTRICT words, uint32_t bits, float* PLIANT_RESTRICT sum)
 {
@@ -81,27 +78,33 @@ static PLIANT_INLINE void add_part(const pliant_frame* frame, const pliant_forma
     }
 }
 
+/* x, y and z for every vertex of a tile. */
+static PLIANT_INLINE void spread(const float* xyz, float* PLIANT_RESTRICT lanes)
+{
+    for (size_t i = 0; i < TILE_VERTICES; ++i)
+        for (size_t c = 0; c < 3; ++c) lanes[3 * i + c] = xyz[c];
+}
+
 /* Parts first .. end-1 of tile `tile`, 48 floats each. */
 static PLIANT_INLINE void rebuild_compact(const pliant_asset* asset, const pliant_frame* frame, size_t tile, size_t first,
                                           size_t end, float* PLIANT_RESTRICT out)
 {
     const pliant_format_field* PLIANT_RESTRICT fields = asset->fields + tile * asset->dimension;
-    float base[3] = { 0.0f, 0.0f, 0.0f };
+    float base[3] = { 0.0f, 0.0f, 0.0f }, bases[TILE_FLOATS];
     uint32_t bits = 0;
     for (size_t j = 0; j < frame->columns; ++j)
         for (size_t c = 0; c < 3; ++c) base[c] += frame->bases[j] * (float)fields[j].base[c];
     for (size_t j = 0; j < asset->dimension; ++j) bits += fields[j].width;
-    bits = (bits + 3) / 4 * 4;
+    spread(base, bases);
     const float factor = asset->tiles[tile].factor;
-    const uint32_t* words = asset->data + asset->tiles[tile].offset + first * pliant_format_compact_part(bits);
+    const size_t part = pliant_format_compact_part(bits);
+    const uint32_t* words = asset->data + asset->tiles[tile].offset + first * part;
     const float* PLIANT_RESTRICT rest = asset->rest + (tile * PLIANT_FORMAT_COMPACT_PARTS + first) * TILE_FLOATS;
-    for (; first < end; ++first, words += pliant_format_compact_part(bits), rest += TILE_FLOATS, out += TILE_FLOATS) {
+    for (; first < end; ++first, words += part, rest += TILE_FLOATS, out += TILE_FLOATS) {
         float sum[TILE_FLOATS];
-        for (size_t i = 0; i < TILE_VERTICES; ++i)
-            for (size_t c = 0; c < 3; ++c) sum[3 * i + c] = base[c];
-        add_part(frame, fields, words, bits, sum);
-        for (size_t i = 0; i < TILE_VERTICES; ++i)
-            for (size_t c = 0; c < 3; ++c) out[3 * i + c] = rest[3 * i + c] + factor * sum[3 * i + c] + asset->origin[c];
+        memcpy(sum, bases, sizeof sum);
+        add_part(frame, fields, words, (bits + 3) / 4 * 4, sum);
+        for (size_t i = 0; i < TILE_FLOATS; ++i) out[i] = rest[i] + factor * sum[i] + frame->origin[i];
     }
 }
 
@@ -117,6 +120,7 @@ PLIANT_KERNEL(rebuild_compact,
 void pliant_frame_begin(const pliant_asset* asset, const float* q, uint32_t columns, pliant_frame* frame)
 {
     frame->q = q;
+    spread(asset->origin, frame->origin);
     frame->columns = columns < asset->dimension ? columns : asset->dimension;
     if (asset->columns)
         for (size_t j = 0; j < frame->columns; ++j) {
