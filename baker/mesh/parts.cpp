@@ -91,7 +91,7 @@ Parts find_parts(const ShapeSet& set)
     const std::vector<Triangle>& triangles = set.triangles;
     const std::size_t vertex_count = std::size_t(set.dof_count() / 3);
     UnionFind faces(triangles.size());
-    for (const Hinge& hinge : find_hinges(triangles)) faces.join(hinge.faces[0], hinge.faces[1]);
+    for (const Hinge& hinge : find_hinges(triangles, set.shapes[0])) faces.join(hinge.faces[0], hinge.faces[1]);
     Parts parts;
     std::vector<std::size_t> part_of(triangles.size(), no_part); // at the face that stands for its set
     std::vector<bool> is_used(vertex_count, false);

@@ -276,7 +276,7 @@ TieSet find_ties(const ShapeSet& set)
     TieSet out;
     if (set.is_solid()) return out;
     out.parts = find_parts(set);
-    std::vector<BorderEdge> border = find_border(set.triangles, find_hinges(set.triangles));
+    std::vector<BorderEdge> border = find_border(set.triangles, find_hinges(set.triangles, set.shapes[0]));
     out.distances.assign(out.parts.count(), 0);
     out.tree.hosts.assign(out.parts.count(), no_part);
     if (out.parts.count() < 2 && border.empty()) return out;
