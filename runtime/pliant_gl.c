@@ -1,5 +1,5 @@
-/* pliant_gl: contexts, meshes, instances. Shaders are in pliant_gl_shaders.c, what is put back after each call in
-   pliant_gl_state.c. */
+/* pliant_gl: contexts and instances. Meshes are in pliant_gl_mesh.c, shaders in pliant_gl_shaders.c, what is put back after each
+   call in pliant_gl_state.c. */
 #include "pliant_gl_internal.h"
 
 /* A compile-time check that the struct of the header has a place for every function. */
@@ -88,10 +88,7 @@ static pliant_gl_result load_context(pliant_gl* gl, pliant_gl_loader load, plian
     return load_functions(gl, load, 0, end);
 }
 
-/* With so many layers of 1024 rows the number of a word still fits into 32 bits. */
-#define LAYER_LIMIT 2048u
-
-/* Rows of layers: a power of two, as every context has at least 1024, and smaller only if asked for. */
+/* Rows of layers: a power of two of at least 1024, which every context has, and smaller only if asked for. */
 static void read_limits(pliant_gl* gl, const pliant_gl_desc* desc)
 {
     gl_int size = 0, layers = 0;
@@ -99,14 +96,21 @@ static void read_limits(pliant_gl* gl, const pliant_gl_desc* desc)
     GL(gl, GetIntegerv)(GL_MAX_ARRAY_TEXTURE_LAYERS, &layers);
     if (desc->max_texture_size && desc->max_texture_size < (uint32_t)size) size = (gl_int)desc->max_texture_size;
     if (desc->max_layers && desc->max_layers < (uint32_t)layers) layers = (gl_int)desc->max_layers;
-    while (gl->layer_shift < PLIANT_GL_ROW_SHIFT && (2 << gl->layer_shift) <= size) ++gl->layer_shift;
-    gl->max_layers = (uint32_t)layers < LAYER_LIMIT ? (uint32_t)layers : LAYER_LIMIT;
+    while (gl->layer_shift < 20 && (2 << gl->layer_shift) <= size) ++gl->layer_shift;
+    gl->max_layers = (uint32_t)layers;
 }
 
 /* Errors of before are the caller's; the bound is for contexts that are lost and report errors for ever. */
-static void clear_errors(const pliant_gl* gl)
+void pliant_gl_clear_errors(const pliant_gl* gl)
 {
     for (int i = 0; i < 64 && GL(gl, GetError)() != GL_NO_ERROR; ++i) {}
+}
+
+pliant_gl_result pliant_gl_check_errors(pliant_gl* gl)
+{
+    if (GL(gl, GetError)() == GL_NO_ERROR) return PLIANT_GL_OK;
+    pliant_gl_say(gl, "the driver reports an error while textures or buffers are made", NULL);
+    return PLIANT_GL_ERROR_MEMORY;
 }
 
 static int is_good_desc(const pliant_gl_desc* desc)
@@ -128,7 +132,7 @@ pliant_gl_result pliant_gl_init(pliant_gl* out, pliant_gl_loader load, const pli
     if (result == PLIANT_GL_OK) {
         read_limits(out, desc);
         pliant_gl_save(out, &state);
-        clear_errors(out);
+        pliant_gl_clear_errors(out);
         result = pliant_gl_make_programs(out);
         if (result == PLIANT_GL_OK) GL(out, GenVertexArrays)(1, &out->vertex_array);
         pliant_gl_restore(out, &state);
@@ -153,228 +157,6 @@ void pliant_gl_free(pliant_gl* gl)
     gl->magic = 0;
 }
 
-/* -------------------------------------------------------------------------------------------------- array textures ---- */
-
-static uint64_t rows_of(uint64_t texels) { return (texels + PLIANT_GL_ROW - 1) / PLIANT_GL_ROW; }
-
-/* What the texels of a texture are. */
-typedef struct texel_kind {
-    gl_int internal;
-    gl_enum format, type;
-    uint32_t size;
-} texel_kind;
-
-static const texel_kind word_kind = { GL_R32UI, GL_RED_INTEGER, GL_UNSIGNED_INT, 4 };
-static const texel_kind point_kind = { GL_RGB32F, GL_RGB, GL_FLOAT, 12 };
-
-/* A texture of so many rows, bound to the active unit; 0 if the context has none so large. Adds its bytes to *bytes. */
-static gl_name make_texture(const pliant_gl* gl, const texel_kind* kind, uint64_t rows, uint64_t* bytes)
-{
-    const uint64_t layer_rows = (uint64_t)1 << gl->layer_shift, layers = (rows + layer_rows - 1) >> gl->layer_shift;
-    const uint64_t height = layers == 1 ? rows : layer_rows;
-    gl_name texture = 0;
-    if (layers == 0 || layers > gl->max_layers) return 0;
-    GL(gl, GenTextures)(1, &texture);
-    GL(gl, BindTexture)(GL_TEXTURE_2D_ARRAY, texture);
-    GL(gl, TexImage3D)
-    (GL_TEXTURE_2D_ARRAY, 0, kind->internal, (gl_int)PLIANT_GL_ROW, (gl_int)height, (gl_int)layers, 0, kind->format,
-     kind->type, NULL);
-    GL(gl, TexParameteri)(GL_TEXTURE_2D_ARRAY, GL_TEXTURE_MIN_FILTER, GL_NEAREST);
-    GL(gl, TexParameteri)(GL_TEXTURE_2D_ARRAY, GL_TEXTURE_MAG_FILTER, GL_NEAREST);
-    GL(gl, TexParameteri)(GL_TEXTURE_2D_ARRAY, GL_TEXTURE_MAX_LEVEL, 0);
-    *bytes += PLIANT_GL_ROW * height * layers * kind->size;
-    return texture;
-}
-
-/* Puts `texels` texels into the bound texture, from row `row` on: from memory, or from an offset into the unpack buffer. */
-static void put_texels(const pliant_gl* gl, const texel_kind* kind, uint64_t row, uintptr_t from, uint64_t texels)
-{
-    const uint64_t layer_rows = (uint64_t)1 << gl->layer_shift;
-    while (texels > 0) {
-        const uint64_t y = row & (layer_rows - 1), left = texels / PLIANT_GL_ROW;
-        uint64_t rows = left < layer_rows - y ? left : layer_rows - y, width = PLIANT_GL_ROW;
-        if (rows == 0) {
-            rows = 1;
-            width = texels; /* what does not fill a row */
-        }
-        GL(gl, TexSubImage3D)
-        (GL_TEXTURE_2D_ARRAY, 0, 0, (gl_int)y, (gl_int)(row >> gl->layer_shift), (gl_int)width, (gl_int)rows, 1,
-         kind->format, kind->type, (const void*)from);
-        row += rows;
-        texels -= rows * width;
-        from += (uintptr_t)(rows * width * kind->size);
-    }
-}
-
-/* ------------------------------------------------------------------------------------------------------------ mesh ---- */
-
-/* A run of words that goes into a texture, from the start of a row on. */
-typedef struct word_run {
-    const void* words;
-    uint64_t count;
-} word_run;
-
-static uint64_t rows_of_runs(const word_run* runs, size_t count)
-{
-    uint64_t rows = 0;
-    for (size_t i = 0; i < count; ++i) rows += rows_of(runs[i].count);
-    return rows;
-}
-
-static void put_runs(const pliant_gl* gl, const word_run* runs, size_t count)
-{
-    uint64_t row = 0;
-    for (size_t i = 0; i < count; ++i) {
-        put_texels(gl, &word_kind, row, (uintptr_t)runs[i].words, runs[i].count);
-        row += rows_of(runs[i].count);
-    }
-}
-
-/* Where the fields of tile `tile` of a compact basis end, in words; the last one may have fewer than four parts. */
-static uint64_t compact_end(const pliant_asset* asset, uint64_t tile, uint64_t rest_tiles)
-{
-    const uint64_t first = tile * PLIANT_FORMAT_COMPACT_PARTS, left = rest_tiles - first;
-    const uint64_t parts = left < PLIANT_FORMAT_COMPACT_PARTS ? left : PLIANT_FORMAT_COMPACT_PARTS;
-    uint32_t bits = 0;
-    for (uint32_t j = 0; j < asset->dimension; ++j) bits += asset->fields[tile * asset->dimension + j].width;
-    return asset->tiles[tile].offset + parts * pliant_format_compact_part(bits);
-}
-
-/* A compact basis as the file has it: tiles, fields, data. Fills the runs behind the first. */
-static size_t compact_runs(pliant_gl_mesh* mesh, const pliant_asset* asset, uint64_t used_tiles, word_run* runs)
-{
-    const uint64_t rest_tiles
-        = ((uint64_t)asset->vertex_count + PLIANT_FORMAT_TILE_VERTICES - 1) / PLIANT_FORMAT_TILE_VERTICES;
-    const uint64_t tiles = (rest_tiles + PLIANT_FORMAT_COMPACT_PARTS - 1) / PLIANT_FORMAT_COMPACT_PARTS;
-    const uint64_t used = (used_tiles + PLIANT_FORMAT_COMPACT_PARTS - 1) / PLIANT_FORMAT_COMPACT_PARTS;
-    runs[1].words = asset->tiles;
-    runs[1].count = 2 * tiles;
-    runs[2].words = asset->fields;
-    runs[2].count = 2 * tiles * asset->dimension;
-    runs[3].words = asset->data;
-    runs[3].count = compact_end(asset, used - 1, rest_tiles);
-    mesh->compact[0] = (uint32_t)(rows_of_runs(runs, 2) << PLIANT_GL_ROW_SHIFT);
-    mesh->compact[1] = (uint32_t)(rows_of_runs(runs, 3) << PLIANT_GL_ROW_SHIFT);
-    mesh->compact[2] = (uint32_t)compact_end(asset, tiles - 1, rest_tiles);
-    mesh->compact[3] = (uint32_t)rest_tiles;
-    for (uint32_t j = 0; j < asset->dimension; ++j) {
-        mesh->scales[j] = asset->columns[j].scale;
-        mesh->steps[j] = (float)(1u << asset->columns[j].shift);
-    }
-    return 4;
-}
-
-/* REST and the basis as the file has them. Tiles past the boundary of a solid are left out: they come last. */
-static pliant_gl_result upload_shape(pliant_gl_mesh* mesh, const pliant_asset* asset)
-{
-    const pliant_gl* gl = mesh->gl;
-    const uint64_t tiles = ((uint64_t)mesh->vertex_count + PLIANT_FORMAT_TILE_VERTICES - 1) / PLIANT_FORMAT_TILE_VERTICES;
-    word_run runs[4] = { { asset->rest, tiles * PLIANT_FORMAT_TILE_FLOATS }, { NULL, 0 }, { NULL, 0 }, { NULL, 0 } };
-    size_t count = 2;
-    if (asset->columns) {
-        count = compact_runs(mesh, asset, tiles, runs);
-    } else {
-        runs[1].words = asset->basis;
-        runs[1].count = runs[0].count * asset->dimension;
-        for (uint32_t j = 0; j < asset->dimension; ++j) mesh->scales[j] = 1.0f;
-    }
-    mesh->store[2] = (uint32_t)(rows_of(runs[0].count) << PLIANT_GL_ROW_SHIFT);
-    mesh->shape_texture = make_texture(gl, &word_kind, rows_of_runs(runs, count), &mesh->byte_count);
-    if (!mesh->shape_texture) return PLIANT_GL_ERROR_LIMIT;
-    put_runs(gl, runs, count);
-    return PLIANT_GL_OK;
-}
-
-/* Start and count of every vertex's words, some rows at a time, then the words. */
-static pliant_gl_result upload_topology(pliant_gl_mesh* mesh, const pliant_normals* normals)
-{
-    const pliant_gl* gl = mesh->gl;
-    const uint64_t spans = rows_of(2 * (uint64_t)mesh->vertex_count);
-    uint32_t row[PLIANT_GL_ROW];
-    mesh->topology_start = (uint32_t)(spans << PLIANT_GL_ROW_SHIFT);
-    mesh->topology_texture
-        = make_texture(gl, &word_kind, spans + rows_of((uint64_t)normals->neighbour_count), &mesh->byte_count);
-    if (!mesh->topology_texture) return PLIANT_GL_ERROR_LIMIT;
-    for (uint32_t v = 0; v < mesh->vertex_count;) {
-        const uint64_t at = 2 * (uint64_t)v / PLIANT_GL_ROW;
-        uint32_t count = 0;
-        for (; count < PLIANT_GL_ROW && v < mesh->vertex_count; ++v) {
-            const size_t group = normals->groups ? normals->groups[v] : v;
-            row[count++] = normals->starts[group];
-            row[count++] = normals->starts[group + 1] - normals->starts[group];
-        }
-        put_texels(gl, &word_kind, at, (uintptr_t)row, count);
-    }
-    put_texels(gl, &word_kind, spans, (uintptr_t)normals->neighbours, normals->neighbour_count);
-    if (gl->path == PLIANT_GL_PATH_COMPUTE) return PLIANT_GL_OK; /* reads positions where they are */
-    mesh->position_texture = make_texture(gl, &point_kind, rows_of(mesh->vertex_count), &mesh->byte_count);
-    return mesh->position_texture ? PLIANT_GL_OK : PLIANT_GL_ERROR_LIMIT;
-}
-
-static void upload_indices(pliant_gl_mesh* mesh, const pliant_asset* asset)
-{
-    const pliant_gl* gl = mesh->gl;
-    const uint64_t size = 12 * (uint64_t)asset->triangle_count;
-    GL(gl, GenBuffers)(1, &mesh->index_buffer);
-    GL(gl, BindBuffer)(GL_COPY_WRITE_BUFFER, mesh->index_buffer);
-    GL(gl, BufferData)(GL_COPY_WRITE_BUFFER, (gl_size)size, asset->triangles, GL_STATIC_DRAW);
-    mesh->byte_count += size;
-}
-
-static void delete_mesh(pliant_gl_mesh* mesh)
-{
-    const gl_name textures[3] = { mesh->shape_texture, mesh->topology_texture, mesh->position_texture };
-    GL(mesh->gl, DeleteTextures)(3, textures); /* zeros are skipped */
-    GL(mesh->gl, DeleteBuffers)(1, &mesh->index_buffer);
-    memset(mesh, 0, sizeof *mesh);
-}
-
-static pliant_gl_result check_errors(pliant_gl* gl)
-{
-    if (GL(gl, GetError)() == GL_NO_ERROR) return PLIANT_GL_OK;
-    pliant_gl_say(gl, "the driver reports an error while textures or buffers are made", NULL);
-    return PLIANT_GL_ERROR_MEMORY;
-}
-
-pliant_gl_result pliant_gl_mesh_init(pliant_gl_mesh* out, pliant_gl* gl, const pliant_asset* asset,
-                                     const pliant_normals* normals)
-{
-    pliant_gl_state state;
-    if (!out) return PLIANT_GL_ERROR_ARGUMENT;
-    memset(out, 0, sizeof *out);
-    if (!gl || gl->magic != PLIANT_GL_MAGIC || !asset || !asset->rest || (!asset->basis && !asset->columns))
-        return PLIANT_GL_ERROR_ARGUMENT;
-    if (normals && (!normals->starts || normals->vertex_count != asset->boundary_vertex_count))
-        return PLIANT_GL_ERROR_ARGUMENT;
-
-    out->gl = gl;
-    out->vertex_count = asset->boundary_vertex_count;
-    out->index_count = 3 * asset->triangle_count;
-    out->has_normals = normals != NULL;
-    out->dimension = asset->dimension;
-    out->store[0] = (1u << gl->layer_shift) - 1u;
-    out->store[1] = gl->layer_shift + PLIANT_GL_ROW_SHIFT;
-    memcpy(out->origin, asset->origin, sizeof out->origin);
-    pliant_gl_save(gl, &state);
-    clear_errors(gl);
-    pliant_gl_result result = upload_shape(out, asset);
-    if (result == PLIANT_GL_OK && normals) result = upload_topology(out, normals);
-    if (result == PLIANT_GL_OK) upload_indices(out, asset);
-    if (result == PLIANT_GL_OK) result = check_errors(gl);
-    pliant_gl_restore(gl, &state);
-    if (result != PLIANT_GL_OK) {
-        delete_mesh(out);
-        return result;
-    }
-    out->magic = PLIANT_GL_MESH_MAGIC;
-    return PLIANT_GL_OK;
-}
-
-void pliant_gl_mesh_free(pliant_gl_mesh* mesh)
-{
-    if (mesh && mesh->magic == PLIANT_GL_MESH_MAGIC) delete_mesh(mesh);
-}
-
 /* ------------------------------------------------------------------------------------------------------- instances ---- */
 
 pliant_gl_result pliant_gl_instance_init(pliant_gl_instance* out, const pliant_gl_mesh* mesh)
@@ -386,7 +168,7 @@ pliant_gl_result pliant_gl_instance_init(pliant_gl_instance* out, const pliant_g
     gl_name buffers[2] = { 0, 0 };
     const gl_int count = mesh->has_normals ? 2 : 1;
     gl_int bound;
-    clear_errors(gl);
+    pliant_gl_clear_errors(gl);
     GL(gl, GetIntegerv)(GL_COPY_WRITE_BUFFER, &bound);
     GL(gl, GenBuffers)(count, buffers);
     for (gl_int i = 0; i < count; ++i) {
@@ -394,7 +176,7 @@ pliant_gl_result pliant_gl_instance_init(pliant_gl_instance* out, const pliant_g
         GL(gl, BufferData)(GL_COPY_WRITE_BUFFER, (gl_size)mesh->vertex_count * 12, NULL, GL_DYNAMIC_COPY);
     }
     GL(gl, BindBuffer)(GL_COPY_WRITE_BUFFER, (gl_name)bound);
-    const pliant_gl_result result = check_errors(gl);
+    const pliant_gl_result result = pliant_gl_check_errors(gl);
     if (result != PLIANT_GL_OK) {
         GL(gl, DeleteBuffers)(count, buffers);
         return result;
@@ -460,18 +242,18 @@ static void update_normals(const pliant_gl_instance* instance)
 {
     const pliant_gl_mesh* mesh = instance->mesh;
     const pliant_gl* gl = mesh->gl;
-    const gl_name store[3] = { mesh->store[0], mesh->store[1], mesh->topology_start };
     GL(gl, UseProgram)(gl->normal_program);
-    GL(gl, Uniform3uiv)(gl->normal_store, 1, store);
+    GL(gl, Uniform3uiv)(gl->normal_store, 1, mesh->topology_store);
     bind_texture(gl, PLIANT_GL_UNIT_SHAPE, mesh->topology_texture);
     if (gl->path == PLIANT_GL_PATH_COMPUTE) {
         GL(gl, BindBufferBase)(GL_SHADER_STORAGE_BUFFER, 0, instance->position_buffer);
         GL(gl, BindBufferBase)(GL_SHADER_STORAGE_BUFFER, 1, instance->normal_buffer);
         run_compute(mesh, gl->normal_count);
     } else {
+        GL(gl, Uniform3uiv)(gl->normal_points, 1, mesh->position_store);
         bind_texture(gl, PLIANT_GL_UNIT_POSITIONS, mesh->position_texture);
         GL(gl, BindBuffer)(GL_PIXEL_UNPACK_BUFFER, instance->position_buffer);
-        put_texels(gl, &point_kind, 0, 0, mesh->vertex_count);
+        pliant_gl_put_positions(mesh);
         GL(gl, BindBuffer)(GL_PIXEL_UNPACK_BUFFER, 0);
         run_feedback(mesh, instance->normal_buffer);
     }

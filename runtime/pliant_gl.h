@@ -94,11 +94,11 @@ typedef struct pliant_gl {
         [PLIANT_GL_MESSAGE_SIZE]; /* more about the last error, zero-terminated: the driver's words, a missing function */
 
     uint32_t magic;
-    uint32_t layer_shift; /* layers of array textures have 2^layer_shift rows */
+    uint32_t layer_shift; /* layers of array textures have at most 2^layer_shift rows */
     uint32_t max_layers;
     uint32_t position_program, normal_program, vertex_array;
     pliant_gl_locations locations;
-    int32_t position_count, normal_store, normal_count; /* further uniforms */
+    int32_t position_count, normal_store, normal_points, normal_count; /* further uniforms */
     pliant_gl_function functions[PLIANT_GL_FUNCTION_COUNT];
 } pliant_gl;
 
@@ -122,7 +122,8 @@ typedef struct pliant_gl_mesh {
     pliant_gl* gl;
     uint32_t dimension;
     uint32_t shape_texture, topology_texture, position_texture;
-    uint32_t store[3], compact[4], topology_start; /* where the parts of the shape texture are: pliant_gl_shaders.c */
+    /* Of each texture mask and shift of its rows and where its second part starts; where parts of a compact basis are. */
+    uint32_t store[3], topology_store[3], position_store[3], compact[4];
     float origin[3];
     float scales[256], steps[256]; /* what q is multiplied by: for numbers of the basis, for their bases */
     uint32_t magic;

@@ -184,7 +184,14 @@ pliant_gl_result pliant_gl_make_programs(pliant_gl* gl);
 void pliant_gl_set_shape(const pliant_gl_mesh* mesh, const pliant_gl_locations* locations, uint32_t unit, const float* q,
                          uint32_t columns);
 
-/* Puts `text`, and `more` if it is not null, into gl->message, cut to its size. */
+/* pliant_gl.c. Errors of before are the caller's: cleared, so that those found later are ours (MEMORY). */
+void pliant_gl_clear_errors(const pliant_gl* gl);
+pliant_gl_result pliant_gl_check_errors(pliant_gl* gl);
+
+/* pliant_gl_mesh.c. Fills the position texture, which is bound, from the unpack buffer that is bound. */
+void pliant_gl_put_positions(const pliant_gl_mesh* mesh);
+
+/* pliant_gl_shaders.c. Puts `text`, and `more` if it is not null, into gl->message, cut to its size. */
 void pliant_gl_say(pliant_gl* gl, const char* text, const char* more);
 
 #endif

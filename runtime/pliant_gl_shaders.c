@@ -3,7 +3,7 @@
 
    The shape texture holds words of 32 bits as the file has them, one after the other in rows of 1024: REST, then the basis (BASI;
    or the tiles, fields and data of BASC), each from the start of a row on. Word i is at x = i mod 1024, in row i / 1024, layers
-   having 2^layer_shift rows. Neighbouring vertices read neighbouring words. */
+   having 2^(shift - 10) rows. Neighbouring vertices read neighbouring words. */
 #include "pliant_gl_internal.h"
 
 /* clang-format off */
@@ -120,10 +120,10 @@ static const char compute_position[] =
 static const char normal_source[] =
     "uniform highp usampler2DArray pliant_topology;\n"
     "uniform highp uvec3 pliant_store;\n"
-    "highp ivec3 pliant_texel(highp uint i) {\n"
-    "  return ivec3(i & 1023u, (i >> 10) & pliant_store.x, i >> pliant_store.y);\n"
+    "highp ivec3 pliant_texel(highp uint i, highp uvec3 store) {\n"
+    "  return ivec3(i & 1023u, (i >> 10) & store.x, i >> store.y);\n"
     "}\n"
-    "highp uint pliant_word(highp uint i) { return texelFetch(pliant_topology, pliant_texel(i), 0).r; }\n"
+    "highp uint pliant_word(highp uint i) { return texelFetch(pliant_topology, pliant_texel(i, pliant_store), 0).r; }\n"
     "highp vec3 pliant_point(highp uint v);\n"
     "highp vec3 pliant_normal(highp uint v) {\n"
     "  highp uint at = pliant_store.z + pliant_word(2u * v), end = at + pliant_word(2u * v + 1u);\n"
@@ -142,8 +142,9 @@ static const char normal_source[] =
 
 static const char feedback_normal[] =
     "uniform highp sampler2DArray pliant_points;\n"
+    "uniform highp uvec3 pliant_points_store;\n"
     "out highp vec3 pliant_out;\n"
-    "highp vec3 pliant_point(highp uint v) { return texelFetch(pliant_points, pliant_texel(v), 0).xyz; }\n"
+    "highp vec3 pliant_point(highp uint v) { return texelFetch(pliant_points, pliant_texel(v, pliant_points_store), 0).xyz; }\n"
     "void main() {\n"
     "  pliant_out = pliant_normal(uint(gl_VertexID));\n"
     "  gl_Position = vec4(0.0);\n"
@@ -254,6 +255,7 @@ pliant_gl_result pliant_gl_make_programs(pliant_gl* gl)
     gl->position_count = GL(gl, GetUniformLocation)(gl->position_program, "pliant_count");
     gl->normal_count = GL(gl, GetUniformLocation)(gl->normal_program, "pliant_count");
     gl->normal_store = GL(gl, GetUniformLocation)(gl->normal_program, "pliant_store");
+    gl->normal_points = GL(gl, GetUniformLocation)(gl->normal_program, "pliant_points_store");
     GL(gl, UseProgram)(gl->normal_program);
     GL(gl, Uniform1i)(GL(gl, GetUniformLocation)(gl->normal_program, "pliant_topology"), PLIANT_GL_UNIT_SHAPE);
     GL(gl, Uniform1i)(GL(gl, GetUniformLocation)(gl->normal_program, "pliant_points"), PLIANT_GL_UNIT_POSITIONS);

@@ -1,5 +1,5 @@
-/* libFuzzer target: any bytes through open, two frames (the second continues the first), reconstruction and the small
-   accessors. Checksums are not verified here: a checksum would hide every bug behind it, and a hostile file has the right
+/* libFuzzer target: any bytes through open, two frames (the second continues the first), reconstruction, normals and the
+   small accessors. Checksums are not verified here: a checksum would hide every bug behind it, and a hostile file has the right
    one. */
 #include "pliant.h"
 
@@ -35,6 +35,23 @@ static void solve_frames(const pliant_asset* asset, pliant_solver* solver)
     require(pliant_bounds(asset, q, positions, positions + 3) == PLIANT_OK);
 }
 
+/* Positions are all zero: what bytes steer is who is next to whom. */
+static void use_normals(const pliant_asset* asset)
+{
+    const size_t needed = pliant_normals_memory(asset);
+    const uint32_t n = asset->boundary_vertex_count;
+    float* positions = calloc(n, 12);
+    void* memory = malloc(needed);
+    float found[3 * 48];
+    pliant_normals normals;
+    require(positions && memory && pliant_normals_init(&normals, asset, memory, needed) == PLIANT_OK);
+    require(normals.memory_used <= needed);
+    pliant_normals_compute(&normals, positions, 12, 0, 48, found, 12);
+    pliant_normals_compute(&normals, positions, 12, n - 1, 48, found, 12);
+    free(memory);
+    free(positions);
+}
+
 static void use_asset(const pliant_asset* asset, size_t blob_size)
 {
     pliant_solver_desc desc = pliant_solver_desc_default();
@@ -49,6 +66,7 @@ static void use_asset(const pliant_asset* asset, size_t blob_size)
         solve_frames(asset, solver);
         free(memory);
     }
+    use_normals(asset);
     for (uint32_t k = 0; k < asset->pose_count; ++k) require(strlen(pliant_asset_pose_name(asset, k)) < blob_size);
     for (uint32_t i = 0; i < 3 * asset->triangle_count; ++i) require(asset->triangles[i] < asset->boundary_vertex_count);
     require(asset->boundary_vertex_count <= asset->vertex_count);

@@ -28,8 +28,12 @@ static uint16_t oldest_minor(const pliant_asset* asset)
 {
     const pliant_format_batch* batches = asset->batches;
     int is_solid = asset->quartic || asset->source_vertices;
-    for (uint32_t i = 0; i < asset->batch_count; ++i) is_solid |= batches[i].kind >= PLIANT_ELEMENT_TET_STVK;
-    if (asset->columns || asset->bounds) return PLIANT_FORMAT_MINOR_COMPACT;
+    int has_parts = asset->columns || asset->bounds || asset->smoothing_groups;
+    for (uint32_t i = 0; i < asset->batch_count; ++i) {
+        is_solid |= batches[i].kind == PLIANT_ELEMENT_TET_STVK || batches[i].kind == PLIANT_ELEMENT_TET_MOONEY_RIVLIN;
+        has_parts |= batches[i].kind == PLIANT_ELEMENT_TIE;
+    }
+    if (has_parts) return PLIANT_FORMAT_MINOR_PARTS;
     if (is_solid) return PLIANT_FORMAT_MINOR_SOLID;
     return asset->load_coefficients ? PLIANT_FORMAT_MINOR_LOAD : 0;
 }
