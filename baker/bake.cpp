@@ -513,6 +513,7 @@ BakedAsset bake(const PoseSet& poses, const BakeOptions& given, Progress& progre
     }
     tell_findings(report, poses, progress);
     tell_inversion(report, progress);
+    if (options.keep_scene) asset.scene = poses.scene.get();
     report.certificate = write_certificate(report, options, poses.names);
     asset.certificate = report.certificate;
     out.bytes = encode_asset(asset);

@@ -46,6 +46,7 @@ struct BakeOptions {
     std::uint64_t seed = 1;
     int check_count = 24;                      // weights at which d, the elements and the dead load are judged
     int fresh_count = 4;                       // weights that nothing was chosen by
+    bool keep_scene = true;                    // of poses from glTF: store materials, texture coordinates and images
     std::shared_ptr<const DrawnSurface> drawn; // of a solid: what the asset draws in the place of its boundary; none: that
 };
 

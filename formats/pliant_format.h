@@ -1,4 +1,4 @@
-/* The structures of a .pliant asset, as SPEC.md (format 1.2) defines them. C99 and C++11. Shared by the runtime, which
+/* The structures of a .pliant asset, as SPEC.md (format 1.3) defines them. C99 and C++11. Shared by the runtime, which
    reads them, and the baker, which writes them. Plain little-endian data: no pointers, no padding. */
 #ifndef PLIANT_FORMAT_H
 #define PLIANT_FORMAT_H
@@ -6,9 +6,10 @@
 #include <stdint.h>
 
 #define PLIANT_FORMAT_MAJOR 1
-#define PLIANT_FORMAT_MINOR 2       /* the newest described here; a file states the oldest that has all that it holds */
+#define PLIANT_FORMAT_MINOR 3       /* the newest described here; a file states the oldest that has all that it holds */
 #define PLIANT_FORMAT_MINOR_LOAD 1  /* the first with LOAD */
 #define PLIANT_FORMAT_MINOR_SOLID 2 /* the first with QUAR, VERT and elements for tetrahedra */
+#define PLIANT_FORMAT_MINOR_SCENE 3 /* the first with GLTF */
 
 /* "«PLIANT»" with CR LF EOF LF behind it: a transfer in text mode breaks it visibly. */
 #define PLIANT_FORMAT_IDENTIFIER                                               \
@@ -30,6 +31,7 @@
 #define PLIANT_CHUNK_NAMES PLIANT_FORMAT_TAG('N', 'A', 'M', 'E')
 #define PLIANT_CHUNK_ANSWERS PLIANT_FORMAT_TAG('A', 'N', 'S', 'W')
 #define PLIANT_CHUNK_CERTIFICATE PLIANT_FORMAT_TAG('C', 'E', 'R', 'T')
+#define PLIANT_CHUNK_SCENE PLIANT_FORMAT_TAG('G', 'L', 'T', 'F')
 #define PLIANT_CHUNK_BASIS PLIANT_FORMAT_TAG('B', 'A', 'S', 'I')
 
 #define PLIANT_CHUNK_FLAG_REQUIRED 1u

@@ -1,5 +1,6 @@
 #include "write/asset_writer.h"
 
+#include "gltf/scene_chunk.h"
 #include "pliant_format.h"
 #include "report/diagnostics.h"
 
@@ -232,8 +233,9 @@ Bytes encode_vertices(const AssetModel& model)
 }
 
 // The oldest version whose readers understand all that the asset holds.
-std::uint16_t format_minor(const AssetModel& model)
+std::uint16_t format_minor(const AssetModel& model, bool has_scene)
 {
+    if (has_scene) return PLIANT_FORMAT_MINOR_SCENE;
     if (model.set->is_solid()) return PLIANT_FORMAT_MINOR_SOLID;
     return model.load ? PLIANT_FORMAT_MINOR_LOAD : 0;
 }
@@ -334,12 +336,14 @@ std::vector<std::uint8_t> encode_asset(const AssetModel& model)
     chunks.push_back({ PLIANT_CHUNK_NAMES, required, encode_names(model.names) });
     chunks.push_back({ PLIANT_CHUNK_ANSWERS, required, encode_answers(model) });
     chunks.push_back({ PLIANT_CHUNK_CERTIFICATE, required, encode_text(model.certificate) });
+    const bool has_scene = model.scene && model.scene->vertex_count == drawn.vertex_count;
+    if (has_scene) chunks.push_back({ PLIANT_CHUNK_SCENE, 0, { encode_scene_chunk(*model.scene) } });
     chunks.push_back({ PLIANT_CHUNK_BASIS, required, drawn.tiles(model.subspace->basis, model.set->length) });
 
     const pliant_format_header blank
         = { PLIANT_FORMAT_IDENTIFIER,
             PLIANT_FORMAT_MAJOR,
-            format_minor(model),
+            format_minor(model, has_scene),
             0,
             std::uint32_t(chunks.size()),
             0,

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "mesh/drawn_surface.h"
+#include "mesh/render_scene.h"
 #include "reduce/stand_in.h"
 #include "warmstart/predictor.h"
 
@@ -28,8 +29,9 @@ struct AssetModel {
     const std::vector<std::uint32_t>* source_vertices = nullptr; // of a solid: numbers in the files; null or empty: the same
     std::size_t boundary_vertex_count = 0;                       // of a solid
     const DrawnSurface* drawn
-        = nullptr;           // of a solid: what is stored for drawing, in the place of its own vertices and faces
-    std::string certificate; // JSON text
+        = nullptr;                      // of a solid: what is stored for drawing, in the place of its own vertices and faces
+    const RenderScene* scene = nullptr; // for GLTF; written if its vertices are as many as those drawn. Null: none
+    std::string certificate;            // JSON text
     std::vector<std::pair<Weights, Eigen::VectorXf>> answers; // weights and the q that the runtime found
 };
 
