@@ -7,6 +7,7 @@
 #include "energy/parallel.h"
 #include "energy/solid.h"
 #include "energy/tied.h"
+#include "mesh/smoothing_groups.h"
 #include "mesh/tets.h"
 #include "pliant_format.h"
 #include "reduce/ghost.h"
@@ -337,6 +338,18 @@ void describe(BakeReport& report, const PoseSet& poses, const ShapeSet& set, con
     if (const TieSet* ties = ties_of(energy)) report.ties = start_tie_report(*ties, set);
 }
 
+// Welded vertices share a normal unless the file's own normals say that there is an edge.
+std::vector<std::uint32_t> smoothing_of(const DrawnSurface& drawn, const RenderScene* scene)
+{
+    std::vector<std::uint32_t> welded;
+    for (const Tetrahedron& corners : drawn.embedding.corners) welded.push_back(corners[0]);
+    std::vector<Eigen::Vector3d> normals;
+    const VertexAttribute* given = scene && scene->vertex_count == welded.size() ? scene->find("NORMAL") : nullptr;
+    for (std::size_t v = 0; given && v < welded.size(); ++v)
+        normals.push_back(Eigen::Map<const Eigen::Vector3f>(given->values.data() + 3 * v).cast<double>());
+    return smoothing_groups(welded, normals);
+}
+
 } // namespace
 
 Material material_for(const EnergyOptions& options, bool is_solid)
@@ -422,21 +435,25 @@ BakedAsset bake(const PoseSet& poses, const BakeOptions& given, Progress& progre
     const double position_error = options.position_error * set.diagonal;
     StoredShape stored = store_shape(set, subspace, nullptr, reachable, position_error);
     asset.stored = &stored;
+    asset.certificate = "{}"; // written last
 
-    // A first encoding to let the real runtime answer; answers and certificate are written last.
-    asset.certificate = "{}";
-    asset.answers.push_back({ fitted.training.weights[0], stored.frame.stored(asset.mean).cast<float>() });
     collect_answers(asset, built.model, fitted.training, report);
-    asset.answers.erase(asset.answers.begin());
     check_asset(encode_asset(asset), family, pool, found.checks, options, progress, report);
     report.factorization_count = pool.factorization_count();
     for (BranchFinding& finding : report.findings) finding.vertex = poses.file_number(finding.vertex);
-    asset.drawn = poses.drawn.get(); // rows of the same vertices, so what was found at these holds there, too
-    if (options.drawn) {
-        asset.drawn = options.drawn.get();
-        stored = store_shape(set, subspace, &options.drawn->embedding, reachable, position_error);
-        report.drawn = check_drawn(encode_asset(asset), set, *options.drawn, found.checks);
+    const DrawnSurface* drawn = options.drawn ? options.drawn.get() : poses.drawn.get();
+    std::vector<std::uint32_t> smoothing;
+    if (drawn) { // the coordinates may be others: what single precision does as well stays in it
+        asset.drawn = drawn;
+        stored = store_shape(set, subspace, &drawn->embedding, reachable, position_error);
+        collect_answers(asset, built.model, fitted.training, report);
     }
+    // Welded vertices are rows of the elastic ones, so what was found at these holds there, too.
+    if (options.drawn)
+        report.drawn = check_drawn(encode_asset(asset), set, *options.drawn, found.checks);
+    else if (drawn)
+        smoothing = smoothing_of(*drawn, poses.scene.get());
+    if (!smoothing.empty()) asset.smoothing = &smoothing;
     report.basis = check_basis(asset, reachable);
     tell_findings(report, poses, progress);
     tell_inversion(report, progress);
@@ -444,6 +461,7 @@ BakedAsset bake(const PoseSet& poses, const BakeOptions& given, Progress& progre
         use_file_numbers(poses.source_vertices, *report.ties);
         tell_ties(*report.ties, progress);
     }
+    if (options.keep_scene) asset.scene = poses.scene.get();
     report.certificate = write_certificate(report, options, poses.names);
     asset.certificate = report.certificate;
     out.bytes = encode_asset(asset);

@@ -51,6 +51,7 @@ struct BakeOptions {
     int check_count = 24;         // weights at which d, the elements and the dead load are judged
     int fresh_count = 4;          // weights that nothing was chosen by
     double position_error = 1e-5; // of a vertex by storing the basis in few bits, over the diagonal; 0: single precision
+    bool keep_scene = true;       // of poses from glTF: store materials, texture coordinates and images
     std::shared_ptr<const DrawnSurface> drawn; // of a solid: what the asset draws in the place of its boundary; none: that
 };
 

@@ -9,7 +9,7 @@
 #define PLIANT_FORMAT_MINOR 3       /* the newest described here; a file states the oldest that has all that it holds */
 #define PLIANT_FORMAT_MINOR_LOAD 1  /* the first with LOAD */
 #define PLIANT_FORMAT_MINOR_SOLID 2 /* the first with QUAR, VERT and elements for tetrahedra */
-#define PLIANT_FORMAT_MINOR_PARTS 3 /* the first with BASC, BNDS, SMTH and elements that tie parts together */
+#define PLIANT_FORMAT_MINOR_PARTS 3 /* the first with BASC, BNDS, SMTH, GLTF and elements that tie parts together */
 
 /* "«PLIANT»" with CR LF EOF LF behind it: a transfer in text mode breaks it visibly. */
 #define PLIANT_FORMAT_IDENTIFIER                                               \
@@ -32,6 +32,7 @@
 #define PLIANT_CHUNK_NAMES PLIANT_FORMAT_TAG('N', 'A', 'M', 'E')
 #define PLIANT_CHUNK_ANSWERS PLIANT_FORMAT_TAG('A', 'N', 'S', 'W')
 #define PLIANT_CHUNK_CERTIFICATE PLIANT_FORMAT_TAG('C', 'E', 'R', 'T')
+#define PLIANT_CHUNK_SCENE PLIANT_FORMAT_TAG('G', 'L', 'T', 'F')
 #define PLIANT_CHUNK_BASIS PLIANT_FORMAT_TAG('B', 'A', 'S', 'I')
 #define PLIANT_CHUNK_COMPACT PLIANT_FORMAT_TAG('B', 'A', 'S', 'C')
 #define PLIANT_CHUNK_BOUNDS PLIANT_FORMAT_TAG('B', 'N', 'D', 'S')

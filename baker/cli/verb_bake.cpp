@@ -178,6 +178,9 @@ Verb add_bake(CLI::App& app)
         ->check(CLI::Range(0.0, 1e-2))
         ->capture_default_str();
     verb->add_option("--seed", a->bake.seed, "Seed of everything random")->capture_default_str();
+    verb->add_flag_callback(
+        "--no-scene", [a] { a->bake.keep_scene = false; },
+        "Do not store what poses from glTF are drawn with: texture coordinates, colours, materials, images");
     verb->add_option("--report", a->report, "Also write a report with errors and times")->type_name("OUT.json");
     add_threads(*verb);
     add_quiet(*verb, a->is_quiet);

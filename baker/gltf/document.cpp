@@ -176,10 +176,22 @@ GltfDocument::GltfDocument(std::string path)
     FindingList findings;
     std::optional<std::string> bytes = read_bytes(path_, findings);
     if (!bytes) throw Failure(ExitCode::bad_input, findings.findings());
-    byte_count_ = bytes->size();
-    if (bytes->empty())
+    read(std::move(*bytes));
+}
+
+GltfDocument::GltfDocument(std::string path, std::string bytes)
+    : path_(std::move(path))
+    , is_alone_(true)
+{
+    read(std::move(bytes));
+}
+
+void GltfDocument::read(std::string bytes)
+{
+    byte_count_ = bytes.size();
+    if (bytes.empty())
         throw Failure(ExitCode::bad_input, error_at(2005, path_, "is empty: has no vertices", "export the file again"));
-    read_container(std::move(*bytes));
+    read_container(std::move(bytes));
     check_extensions();
     read_buffers();
 }
@@ -253,7 +265,7 @@ std::string GltfDocument::read_beside(const GltfValue& uri_value, const std::str
 {
     const std::optional<std::string> name = decode_file_uri(uri);
     const std::filesystem::path folder = std::filesystem::absolute(path_).parent_path();
-    if (!name)
+    if (!name || is_alone_)
         uri_value.fail(2309, fmt::format("{} is not a file in the folder of this one", excerpt(uri)),
                        "only files beside the .gltf or below are opened: put them there, or pack all into one .glb");
     // A link inside the folder may still lead out of it.

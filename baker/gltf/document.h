@@ -63,6 +63,8 @@ public:
     // program started, no network used. Throws Failure (bad_input): P2001, P2002, P2008 (the file itself), P2301 to P2305 (container,
     // JSON, version, extensions), P2306 to P2310 (buffers). Memory: a few times the size of the files.
     explicit GltfDocument(std::string path);
+    // The same from bytes; `path` is for messages, and no other file is opened (P2309).
+    GltfDocument(std::string path, std::string bytes);
     GltfDocument(const GltfDocument&) = delete;
     GltfDocument& operator=(const GltfDocument&) = delete;
 
@@ -78,6 +80,7 @@ public:
     std::size_t byte_count() const { return byte_count_; }
 
 private:
+    void read(std::string bytes);
     void read_container(std::string bytes);
     void parse(std::string_view text);
     void check_extensions() const;
@@ -88,7 +91,7 @@ private:
     std::string path_;
     GltfJson json_;
     std::string binary_; // the BIN chunk of a .glb
-    bool has_binary_ = false;
+    bool has_binary_ = false, is_alone_ = false;
     std::vector<std::string> buffers_;
     std::size_t byte_count_ = 0;
 };

@@ -1,5 +1,7 @@
 #include "gltf/render_scene.h"
 
+#include "gltf/evaluate.h"
+
 #include <algorithm>
 #include <fmt/format.h>
 
@@ -59,27 +61,67 @@ void put_parts(const GltfScene& scene, const Positions& normals, RenderScene& ou
     }
 }
 
-// Images without their places in the file; their bytes go to `out`.
-GltfJson take_images(const GltfDocument& document, RenderScene& out, std::vector<Finding>& warnings)
+// Images without their places in the file; their bytes go to `out`. numbers[i]: the new number of image i, -1 if it is left out.
+GltfJson take_images(const GltfDocument& document, RenderScene& out, std::vector<int>& numbers,
+                     std::vector<Finding>& warnings)
 {
     GltfJson images = GltfJson::array();
     const GltfValue list = document["images"];
     for (std::size_t i = 0; i < list.size(); ++i) {
-        std::string why;
+        std::string why = "it is empty";
         std::string bytes = document.image(i, why);
+        numbers.push_back(bytes.empty() ? -1 : static_cast<int>(images.size()));
+        if (bytes.empty()) {
+            warnings.push_back(warning_at(2328, document.path(), fmt::format("image {} is left out: {}", i, why),
+                                          "put the file there, or pack all into one .glb"));
+            continue;
+        }
         GltfJson image = GltfJson::object();
         for (const char* key : { "name", "mimeType" })
             if (list.at(i)[key].exists()) image[key] = list.at(i)[key].text();
         if (!image.contains("mimeType"))
             image["mimeType"] = bytes.compare(0, 3, "\xff\xd8\xff") == 0 ? "image/jpeg" : "image/png";
-        if (bytes.empty())
-            warnings.push_back(warning_at(2328, document.path(),
-                                          fmt::format("image {} is left out: {}", i, why.empty() ? "it is empty" : why),
-                                          "put the file there, or pack all into one .glb"));
         out.images.push_back(std::move(bytes));
         images.push_back(std::move(image));
     }
     return images;
+}
+
+// An object with an image's number: the texture itself, or an extension's part of it.
+void renumber_source(GltfJson& holder, const std::vector<int>& numbers)
+{
+    if (!holder.is_object() || !holder.contains("source")) return;
+    const GltfJson& source = holder["source"];
+    const bool is_known = source.is_number_unsigned() && source.get<std::uint64_t>() < numbers.size();
+    const int number = is_known ? numbers[source.get<std::size_t>()] : -1;
+    if (number < 0)
+        holder.erase("source");
+    else
+        holder["source"] = number;
+}
+
+GltfJson textures_of(const GltfDocument& document, const std::vector<int>& numbers)
+{
+    GltfJson textures = document["textures"].json();
+    for (GltfJson& texture : textures) {
+        renumber_source(texture, numbers);
+        if (texture.contains("extensions") && texture["extensions"].is_object())
+            for (GltfJson& extension : texture["extensions"]) renumber_source(extension, numbers);
+    }
+    return textures;
+}
+
+// Those that say how to paint; the others are about what is not kept.
+GltfJson painting_extensions(const GltfDocument& document)
+{
+    GltfJson out = GltfJson::array();
+    const GltfValue used = document["extensionsUsed"];
+    for (std::size_t i = 0; i < used.size(); ++i) {
+        const std::string name = used.at(i).text();
+        if (name.find("_materials_") != std::string::npos || name.find("_texture_") != std::string::npos)
+            out.push_back(name);
+    }
+    return out;
 }
 
 // Every index in the lists that are kept points into them, or the file is wrong.
@@ -90,7 +132,7 @@ void check_materials(const GltfDocument& document)
         textures.at(i)["source"].index_or_none(document["images"].size(), "images");
         textures.at(i)["sampler"].index_or_none(document["samplers"].size(), "samplers");
     }
-    for (const char* key : { "materials", "samplers" })
+    for (const char* key : { "materials", "samplers", "textures" })
         for (std::size_t i = 0; i < document[key].size(); ++i)
             if (!document[key].at(i).json().is_object()) document[key].at(i).fail(2306, "an object expected");
 }
@@ -103,13 +145,18 @@ RenderScene render_scene(const GltfScene& scene, const Positions& normals, std::
     RenderScene out;
     out.path = document.path();
     out.vertex_count = static_cast<std::uint32_t>(scene.vertex_count());
+    out.triangles = triangles_of(scene);
     put_parts(scene, normals, out);
     check_materials(document);
     GltfJson materials = GltfJson::object();
-    for (const char* key : { "materials", "textures", "samplers", "extensionsUsed" })
+    for (const char* key : { "materials", "samplers" })
         if (document[key].size() != 0) materials[key] = document[key].json();
-    GltfJson images = take_images(document, out, warnings);
+    std::vector<int> numbers;
+    GltfJson images = take_images(document, out, numbers, warnings);
     if (!images.empty()) materials["images"] = std::move(images);
+    if (document["textures"].size() != 0) materials["textures"] = textures_of(document, numbers);
+    GltfJson extensions = painting_extensions(document);
+    if (!extensions.empty()) materials["extensionsUsed"] = std::move(extensions);
     out.materials = materials.dump(-1, ' ', false, GltfJson::error_handler_t::replace);
     return out;
 }

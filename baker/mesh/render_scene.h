@@ -1,6 +1,7 @@
 // What a glTF pose source draws besides positions: parts, colours, materials. Plain data, kept from the file to the asset's scene chunk.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <string>
 #include <vector>
@@ -27,11 +28,12 @@ struct VertexAttribute {
 struct RenderScene {
     std::string path;
     std::uint32_t vertex_count = 0;
-    std::vector<ScenePart> parts; // in the order of vertices and faces, without gaps
+    std::vector<std::array<std::uint32_t, 3>> triangles; // as the file has them, corners below vertex_count
+    std::vector<ScenePart> parts;                        // in the order of vertices and faces, without gaps
     std::vector<VertexAttribute> attributes;
 
-    // JSON text of an object with the file's own materials, textures, samplers, images and extensionsUsed, where it has them. An image is
-    // {"mimeType", "name"} and its bytes are images[i], in the file's encoding (PNG, JPEG, ...).
+    // JSON text of an object with the file's own materials, textures, samplers, images and the extensionsUsed of these, where it has them.
+    // An image is {"mimeType", "name"} and its bytes are images[i], in the file's encoding (PNG, JPEG, ...).
     std::string materials;
     std::vector<std::string> images;
 

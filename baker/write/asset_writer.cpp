@@ -1,6 +1,7 @@
 #include "write/asset_writer.h"
 
 #include "energy/tied.h"
+#include "gltf/scene_chunk.h"
 #include "mesh/smoothing_groups.h"
 #include "pliant_format.h"
 #include "report/diagnostics.h"
@@ -245,9 +246,9 @@ bool has_ties(const StandIn& stand_in)
 }
 
 // The oldest version whose readers understand all that the asset holds.
-std::uint16_t format_minor(const AssetModel& model)
+std::uint16_t format_minor(const AssetModel& model, bool has_scene)
 {
-    if (model.stored || has_smoothing(model) || has_ties(*model.stand_in)) return PLIANT_FORMAT_MINOR_PARTS;
+    if (model.stored || has_scene || has_smoothing(model) || has_ties(*model.stand_in)) return PLIANT_FORMAT_MINOR_PARTS;
     if (model.set->is_solid()) return PLIANT_FORMAT_MINOR_SOLID;
     return model.load ? PLIANT_FORMAT_MINOR_LOAD : 0;
 }
@@ -355,6 +356,8 @@ std::vector<std::uint8_t> encode_asset(const AssetModel& model)
     chunks.push_back({ PLIANT_CHUNK_NAMES, required, encode_names(model.names) });
     chunks.push_back({ PLIANT_CHUNK_ANSWERS, required, encode_answers(model) });
     chunks.push_back({ PLIANT_CHUNK_CERTIFICATE, required, encode_text(model.certificate) });
+    const bool has_scene = model.scene && model.scene->vertex_count == drawn.vertex_count;
+    if (has_scene) chunks.push_back({ PLIANT_CHUNK_SCENE, 0, { encode_scene_chunk(*model.scene) } });
     if (model.stored) chunks.push_back({ PLIANT_CHUNK_BOUNDS, 0, Bytes { model.stored->bounds } });
     if (model.stored && !model.stored->basis.empty())
         chunks.push_back({ PLIANT_CHUNK_COMPACT, required, Bytes { model.stored->basis } });
@@ -364,7 +367,7 @@ std::vector<std::uint8_t> encode_asset(const AssetModel& model)
     const pliant_format_header blank
         = { PLIANT_FORMAT_IDENTIFIER,
             PLIANT_FORMAT_MAJOR,
-            format_minor(model),
+            format_minor(model, has_scene),
             0,
             std::uint32_t(chunks.size()),
             0,

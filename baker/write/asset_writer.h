@@ -2,6 +2,7 @@
 #pragma once
 
 #include "mesh/drawn_surface.h"
+#include "mesh/render_scene.h"
 #include "reduce/stand_in.h"
 #include "warmstart/predictor.h"
 #include "write/stored_shape.h"
@@ -31,6 +32,7 @@ struct AssetModel {
         = nullptr;                         // groups of drawn vertices that share a normal; null: each its own
     std::size_t boundary_vertex_count = 0; // of a solid
     const DrawnSurface* drawn = nullptr;   // what is stored for drawing, in the place of the mesh's own vertices and faces
+    const RenderScene* scene = nullptr;    // for GLTF; written if its vertices are as many as those drawn. Null: none
     const StoredShape* stored
         = nullptr;           // of what is drawn; null: the subspace as it is, in single precision, without bounds
     std::string certificate; // JSON text
