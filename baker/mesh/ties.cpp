@@ -11,8 +11,10 @@ namespace {
 
 constexpr double infinity = std::numeric_limits<double>::infinity();
 
-// As stiff as a membrane patch is to one of its corners (mu = 1), times this: THEORY.md tells what other values do.
-constexpr double tie_stiffness = 0.3;
+// As stiff as a membrane of modulus 1 is to one of its vertices, times this, for a tie whose place hardly differs between the poses.
+// Where places differ by more than this (units of the diagonal), the mean of the places means less, down to the least stiffness: an eye
+// that turns would get dents from ties that pull its vertices from the arc to the chord. THEORY.md tells what other values do.
+constexpr double tie_stiffness = 0.3, least_stiffness = 0.01, sure_place = 0.005;
 
 // Lengths in units of the diagonal. Tied vertices of a part keep this distance, anchors lie about as far apart, and vertices this much
 // farther from the host than the nearest are tied as well.
@@ -68,7 +70,6 @@ Tie make_tie(const ShapeSet& set, std::size_t part, const std::array<std::uint32
     Tie tie;
     tie.vertices = vertices;
     tie.part = part;
-    tie.stiffness = tie_stiffness;
     // With L L^T the metric of (b - a, c - a), that of the columns of (b - a, c - a) L^-T is the identity.
     const Eigen::Matrix2d lower = mean_metric(set, vertices[1], vertices[2], vertices[3]).llt().matrixL();
     tie.frame = lower.transpose().inverse();
@@ -79,6 +80,10 @@ Tie make_tie(const ShapeSet& set, std::size_t part, const std::array<std::uint32
         tie.rest.col(Eigen::Index(k)) = tie_place(tie_vectors(tie, point(shape, vertices[0]), point(shape, vertices[1]),
                                                               point(shape, vertices[2]), point(shape, vertices[3])));
     }
+    const Eigen::Vector3d mean = tie.rest.rowwise().mean();
+    const double spread2 = (tie.rest.colwise() - mean).squaredNorm() / double(set.pose_count());
+    const double softening = 1 + spread2 / std::pow(sure_place * set.diagonal, 2);
+    tie.stiffness = std::max(tie_stiffness / softening, least_stiffness);
     return tie;
 }
 
@@ -309,17 +314,60 @@ std::vector<TiePart> describe_parts(const TieSet& ties, const ShapeSet& set)
     return out;
 }
 
+namespace {
+
+// Where the anchors of a tie, as they are in y, would have the tied vertex: in pose k (columns of the first), and where it is.
+struct Places {
+    Eigen::Matrix3Xd wanted;
+    Eigen::Vector3d found;
+};
+
+Places places_of(const Tie& tie, const Shape& y)
+{
+    const auto& v = tie.vertices;
+    const Eigen::Matrix3d vectors = tie_vectors(tie, point(y, v[0]), point(y, v[1]), point(y, v[2]), point(y, v[3]));
+    Eigen::Matrix3d frame; // rows e1, e2, n
+    frame << vectors.col(1).transpose(), vectors.col(2).transpose(), vectors.col(1).cross(vectors.col(2)).transpose();
+    return { (frame.inverse() * tie.rest).colwise() + point(y, v[1]), point(y, v[0]) };
+}
+
+// The weighted mean of clouds of points (3 x count each) that does not shrink where they are turned against each other: their shapes are
+// turned onto the plain mean before they are averaged.
+Eigen::Matrix3Xd mean_cloud(const std::vector<Eigen::Matrix3Xd>& clouds, const Eigen::VectorXd& weights)
+{
+    const Eigen::Index count = clouds[0].cols();
+    Eigen::Matrix3Xd plain = Eigen::Matrix3Xd::Zero(3, count);
+    for (std::size_t k = 0; k < clouds.size(); ++k) plain += weights[Eigen::Index(k)] / weights.sum() * clouds[k];
+    if (count < 3) return plain; // nothing that could be seen to turn
+    const Shape target = Eigen::Map<const Shape>(plain.data(), plain.size());
+    Shape mean = Shape::Zero(target.size());
+    for (std::size_t k = 0; k < clouds.size(); ++k) {
+        Shape turned = Eigen::Map<const Shape>(clouds[k].data(), target.size());
+        apply(best_rigid_motion(turned, target, Eigen::VectorXd::Ones(count)), turned);
+        mean += weights[Eigen::Index(k)] / weights.sum() * turned;
+    }
+    return Eigen::Map<const Eigen::Matrix3Xd>(mean.data(), 3, count);
+}
+
+} // namespace
+
 TieDrift measure_drift(const TieSet& ties, const ShapeSet& set, const Eigen::VectorXd& weights, const Shape& y)
 {
     TieDrift out;
-    for (const Tie& tie : ties.ties) {
-        const auto& v = tie.vertices;
-        const Eigen::Matrix3d vectors = tie_vectors(tie, point(y, v[0]), point(y, v[1]), point(y, v[2]), point(y, v[3]));
-        Eigen::Matrix3d frame; // rows e1, e2, n
-        frame << vectors.col(1).transpose(), vectors.col(2).transpose(), vectors.col(1).cross(vectors.col(2)).transpose();
-        const Eigen::Vector3d wanted = frame.inverse() * (tie.rest * (weights / weights.sum()));
-        const double drift = (vectors.col(0) - wanted).norm() / set.diagonal;
-        if (!(drift <= out.largest)) out = { drift, tie.part, v[0] };
+    for (std::size_t first = 0, last = 0; first < ties.ties.size(); first = last) {
+        const std::size_t part = ties.ties[first].part;
+        std::vector<Places> places;
+        for (; last < ties.ties.size() && ties.ties[last].part == part; ++last)
+            places.push_back(places_of(ties.ties[last], y));
+        std::vector<Eigen::Matrix3Xd> clouds(set.pose_count(), Eigen::Matrix3Xd(3, Eigen::Index(places.size())));
+        for (std::size_t k = 0; k < clouds.size(); ++k)
+            for (std::size_t i = 0; i < places.size(); ++i)
+                clouds[k].col(Eigen::Index(i)) = places[i].wanted.col(Eigen::Index(k));
+        const Eigen::Matrix3Xd wanted = mean_cloud(clouds, weights);
+        for (std::size_t i = 0; i < places.size(); ++i) {
+            const double drift = (places[i].found - wanted.col(Eigen::Index(i))).norm() / set.diagonal;
+            if (!(drift <= out.largest)) out = { drift, part, ties.ties[first + i].vertices[0] };
+        }
     }
     return out;
 }

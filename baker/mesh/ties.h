@@ -42,8 +42,8 @@ TieSet find_ties(const ShapeSet& set);
 
 std::vector<TiePart> describe_parts(const TieSet& ties, const ShapeSet& set);
 
-// How far the tied vertices of a shape are from where their anchors would have them: at the mean of their places in the poses, weighted
-// like these.
+// How far the tied vertices of a shape are from where their anchors would have them: each part's tied vertices as a cloud, at the mean of
+// their places in the poses, weighted like these, where a part that turns between poses turns in step and does not shrink.
 struct TieDrift {
     double largest = 0; // over the ties, in units of the diagonal
     std::size_t part = 0;

@@ -17,7 +17,7 @@ from pathlib import Path
 import numpy as np
 
 import pliant_reference_path  # noqa: F401
-from pliant_reference import Asset, FormatError
+from pliant_reference import TIE, Asset, FormatError
 from pliant_reference_solid import Layout
 
 ALIGNMENT, TRUNCATED, NOT_PLIANT, VERSION, LIMIT, LAYOUT, NUMBER, INDEX, CHECKSUM = 12, 20, 21, 22, 23, 24, 25, 26, 27
@@ -260,6 +260,33 @@ def bad_solids(solid):
         yield f"R17_{name}", NUMBER, edited(b"ELEM", rows + 4 * (row * lanes + lane), "f", value)
 
 
+def bad_ties(tied):
+    """(name, code, bytes): what can be wrong with the last batch of elements, which are ties."""
+    count = struct.unpack_from("<I", Draft(tied).data[b"ELEM"], 0)[0]
+    record = 64 + 64 * (count - 1)
+    kind, = struct.unpack_from("<I", Draft(tied).data[b"ELEM"], record)
+    if kind != TIE:
+        raise SystemExit("give an asset whose last batch are ties")
+    poses, = struct.unpack_from("<Q", Draft(tied).data[b"ELEM"], record + 32)
+
+    def edited(offset, form, *values):
+        d = Draft(tied)
+        d.put(b"ELEM", offset, form, *values)
+        return d.join()
+
+    def cut(floats):
+        d = Draft(tied)
+        del d.data[b"ELEM"][len(d.data[b"ELEM"]) - 4 * floats:]
+        return d.join()
+
+    yield "R05_no_ties", LIMIT, edited(record + 4, "I", 0)
+    yield "R09_tie_rows_past_end", LAYOUT, edited(record + 16, "Q", poses)
+    yield "R09_tie_numbers_cut", LAYOUT, cut(16)
+    yield "R10_tie_stiffness_nan", NUMBER, edited(poses, "f", float("nan"))
+    yield "R14_tie_valence", LAYOUT, edited(record + 8, "I", 3)
+    yield "R14_tie_closed", LAYOUT, edited(record + 12, "I", 1)
+
+
 def bad_quartics(quartic):
     """(name, code, bytes): what can be wrong with QUAR."""
     def edited(edit):
@@ -394,7 +421,7 @@ def bad_compacts(compact):
     yield "R19_radius_negative", NUMBER, put(b"BNDS", 64 + 12, "f", -1e-30)
 
 
-def good_variants(good, loaded, solid, quartic, compact):
+def good_variants(good, loaded, solid, quartic, compact, tied):
     """Files that differ in what a reader must tolerate."""
     yield "good_loaded", Draft(loaded).join()
     yield "good_solid", Draft(solid).join()
@@ -409,6 +436,7 @@ def good_variants(good, loaded, solid, quartic, compact):
     dimension = struct.unpack_from("<I", good, 40)[0]
     d.data[b"BNDS"] = bytearray(struct.pack("<I60x", 1) + bytes(24 * (1 + dimension)))
     yield "good_bounds_beside_BASI", d.join()
+    yield "good_tied", Draft(tied).join()
     d = Draft(solid)
     d.table.remove(d.entry(b"VERT"))
     yield "good_solid_without_source", d.join()
@@ -433,15 +461,15 @@ def good_variants(good, loaded, solid, quartic, compact):
 
 
 def main():
-    good, loaded, solid, quartic, compact = (Path(path).read_bytes() for path in sys.argv[1:6])
+    good, loaded, solid, quartic, compact, tied = (Path(path).read_bytes() for path in sys.argv[1:7])
     folder = Path(sys.argv[-1])
     folder.mkdir(parents=True, exist_ok=True)
-    if any(Draft(blob).join() != blob for blob in (good, loaded, solid, quartic, compact)):
+    if any(Draft(blob).join() != blob for blob in (good, loaded, solid, quartic, compact, tied)):
         raise SystemExit("taking a good file apart and joining it changes it: give those of tiny_asset.py")
     rules, names = set(), []
     np.seterr(invalid="ignore")
     for name, code, blob in [*bad_files(good), *bad_loads(loaded), *bad_solids(solid), *bad_quartics(quartic),
-                             *bad_smoothing(good), *bad_compacts(compact)]:
+                             *bad_smoothing(good), *bad_compacts(compact), *bad_ties(tied)]:
         try:
             Asset(blob)
             raise SystemExit(f"{name}: the reference accepts it")
@@ -454,7 +482,7 @@ def main():
     missing = {f"R{i:02}" for i in range(1, 20)} - rules
     if missing:
         raise SystemExit(f"no file breaks {missing}")
-    for name, blob in good_variants(good, loaded, solid, quartic, compact):
+    for name, blob in good_variants(good, loaded, solid, quartic, compact, tied):
         Asset(blob)
         names.append(f"{name}.0")
         (folder / f"{name}.0.pliant").write_bytes(blob)
