@@ -5,6 +5,7 @@
 #include "energy/arap.h"
 #include "energy/parallel.h"
 #include "energy/solid.h"
+#include "energy/tied.h"
 #include "mesh/tets.h"
 #include "pliant_format.h"
 #include "reduce/ghost.h"
@@ -350,6 +351,7 @@ void check_asset(const std::vector<std::uint8_t>& bytes, AverageFamily& family, 
         const Shape blend = blend_at(check.weights);
         report.checks.push_back({ check.weights, shape_error(pool.energy(), set, check.weights, blend, check.truth),
                                   smallest_cell_ratio(set, blend), i >= known_count, check.has_converged });
+        if (report.ties) add_check(*ties_of(pool.energy()), set, check.weights, check.truth, blend, *report.ties);
         report.findings.insert(report.findings.end(), check.findings.begin(), check.findings.end());
     }
     judge(options, report);
@@ -422,8 +424,9 @@ void describe(BakeReport& report, const PoseSet& poses, const ShapeSet& set, con
     std::sort(report.fixed_vertices.begin(), report.fixed_vertices.end());
     report.vertex_count = std::size_t(set.dof_count() / 3);
     report.pose_count = set.pose_count();
-    if (const auto* shells = dynamic_cast<const DiscreteShells*>(&energy))
+    if (const auto* shells = dynamic_cast<const DiscreteShells*>(&without_ties(energy)))
         report.foldover_count = shells->foldover_hinges().size();
+    if (const TieSet* ties = ties_of(energy)) report.ties = start_tie_report(*ties, set);
 }
 
 } // namespace
@@ -448,7 +451,7 @@ std::unique_ptr<Energy> make_energy(const ShapeSet& set, const EnergyOptions& op
     case Material::stvk: return std::make_unique<Solid>(set, SolidOptions { SolidLaw::stvk, options.poisson });
     case Material::mooney_rivlin:
         return std::make_unique<Solid>(set, SolidOptions { SolidLaw::mooney_rivlin, options.poisson });
-    default: return std::make_unique<DiscreteShells>(set, options.shell);
+    default: return tie_parts(std::make_unique<DiscreteShells>(set, options.shell), find_ties(set));
     }
 }
 
@@ -522,6 +525,10 @@ BakedAsset bake(const PoseSet& poses, const BakeOptions& given, Progress& progre
     }
     tell_findings(report, poses, progress);
     tell_inversion(report, progress);
+    if (report.ties) {
+        use_file_numbers(poses.source_vertices, *report.ties);
+        tell_ties(*report.ties, progress);
+    }
     report.certificate = write_certificate(report, options, poses.names);
     asset.certificate = report.certificate;
     out.bytes = encode_asset(asset);

@@ -7,6 +7,7 @@
 #include "mesh/drawn_surface.h"
 #include "mesh/weld.h"
 #include "reduce/choose_stand_in.h"
+#include "report/tie_report.h"
 #include "subspace/adaptive.h"
 #include "write/check_drawn.h"
 
@@ -92,6 +93,7 @@ struct BakeReport {
     double largest_distance = 0, cell_ratio = 1;
     Weights worst_weights;
     bool meets_tolerance = false;
+    std::optional<TieReport> ties;    // of a character in several parts, or with cracks
     std::optional<DrawnErrors> drawn; // at the same weights, where the asset draws a surface of its own
     std::string certificate;          // the JSON that went into the asset
 };

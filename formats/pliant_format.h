@@ -1,4 +1,4 @@
-/* The structures of a .pliant asset, as SPEC.md (format 1.2) defines them. C99 and C++11. Shared by the runtime, which
+/* The structures of a .pliant asset, as SPEC.md (format 1.3) defines them. C99 and C++11. Shared by the runtime, which
    reads them, and the baker, which writes them. Plain little-endian data: no pointers, no padding. */
 #ifndef PLIANT_FORMAT_H
 #define PLIANT_FORMAT_H
@@ -6,9 +6,10 @@
 #include <stdint.h>
 
 #define PLIANT_FORMAT_MAJOR 1
-#define PLIANT_FORMAT_MINOR 2       /* the newest described here; a file states the oldest that has all that it holds */
+#define PLIANT_FORMAT_MINOR 3       /* the newest described here; a file states the oldest that has all that it holds */
 #define PLIANT_FORMAT_MINOR_LOAD 1  /* the first with LOAD */
 #define PLIANT_FORMAT_MINOR_SOLID 2 /* the first with QUAR, VERT and elements for tetrahedra */
+#define PLIANT_FORMAT_MINOR_TIE 3   /* the first with elements that tie parts together */
 
 /* "«PLIANT»" with CR LF EOF LF behind it: a transfer in text mode breaks it visibly. */
 #define PLIANT_FORMAT_IDENTIFIER                                               \
@@ -99,7 +100,8 @@ typedef enum pliant_element_kind {
     PLIANT_ELEMENT_FACE_EDGE = 4,
     PLIANT_ELEMENT_ARAP_CELL = 5,
     PLIANT_ELEMENT_TET_STVK = 6,
-    PLIANT_ELEMENT_TET_MOONEY_RIVLIN = 7
+    PLIANT_ELEMENT_TET_MOONEY_RIVLIN = 7,
+    PLIANT_ELEMENT_TIE = 8
 } pliant_element_kind;
 
 typedef struct pliant_format_batch {
@@ -136,6 +138,7 @@ static inline pliant_format_shape pliant_format_batch_shape(uint32_t kind, uint3
         break;
     case PLIANT_ELEMENT_TET_STVK: shape.row_count = 9; shape.pose_number_count = 27; break;
     case PLIANT_ELEMENT_TET_MOONEY_RIVLIN: shape.row_count = 9; shape.pose_number_count = 20; break;
+    case PLIANT_ELEMENT_TIE: shape.row_count = 9; shape.pose_number_count = 4; break;
     default: break;
     }
     return shape;

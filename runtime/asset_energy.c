@@ -26,7 +26,7 @@ static pliant_result check_batch(const pliant_open_context* context, const plian
 {
     const pliant_format_header* h = &context->header;
     const int is_arap = batch->kind == PLIANT_ELEMENT_ARAP_CELL;
-    if (batch->kind < PLIANT_ELEMENT_HINGE || batch->kind > PLIANT_ELEMENT_TET_MOONEY_RIVLIN) return PLIANT_ERROR_LAYOUT;
+    if (batch->kind < PLIANT_ELEMENT_HINGE || batch->kind > PLIANT_ELEMENT_TIE) return PLIANT_ERROR_LAYOUT;
     if (batch->element_count < 1 || batch->element_count > PLIANT_FORMAT_MAX_ELEMENTS) return PLIANT_ERROR_LIMIT;
     if (is_arap && (batch->valence < 2 || batch->valence > PLIANT_FORMAT_MAX_VALENCE)) return PLIANT_ERROR_LIMIT;
     if (!is_arap && (batch->valence != 0 || batch->is_closed != 0)) return PLIANT_ERROR_LAYOUT;
@@ -41,7 +41,8 @@ static pliant_result check_batch(const pliant_open_context* context, const plian
     pliant_result result = check_lanes(context, chunk, data_start, batch->rows_offset, rows, lanes);
     if (result == PLIANT_OK) result = check_lanes(context, chunk, data_start, batch->fixed_offset, shape.fixed_count, lanes);
     if (result == PLIANT_OK) result = check_lanes(context, chunk, data_start, batch->pose_offset, numbers, lanes);
-    if (result != PLIANT_OK || batch->kind < PLIANT_ELEMENT_TET_STVK) return result;
+    const int is_tet = batch->kind == PLIANT_ELEMENT_TET_STVK || batch->kind == PLIANT_ELEMENT_TET_MOONEY_RIVLIN;
+    if (result != PLIANT_OK || !is_tet) return result;
     const float* at_zero = (const float*)(const void*)(context->blob + chunk->offset + batch->rows_offset);
     return are_identities(at_zero, lanes) ? PLIANT_OK : PLIANT_ERROR_NUMBER;
 }

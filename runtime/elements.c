@@ -157,6 +157,7 @@ static void evaluate_group(const pliant_kernels* kernels, uint32_t kind, const p
     case PLIANT_ELEMENT_FACE_EDGE: kernels->face_edge(group, force, energy); break;
     case PLIANT_ELEMENT_TET_STVK: kernels->tet_stvk(group, force, energy); break;
     case PLIANT_ELEMENT_TET_MOONEY_RIVLIN: kernels->tet_mooney_rivlin(group, force, energy); break;
+    case PLIANT_ELEMENT_TIE: kernels->tie(group, force, energy); break;
     default: /* ARAP; pliant_asset_open lets no other kind pass */ kernels->arap_cell(group, poses, force, energy); break;
     }
 }

@@ -125,6 +125,7 @@ typedef struct pliant_kernels {
     pliant_arap_kernel* arap_cell;
     pliant_element_kernel* tet_stvk;
     pliant_element_kernel* tet_mooney_rivlin;
+    pliant_element_kernel* tie;
     pliant_quartic_kernel* quartic;
     pliant_tile_kernel* rebuild_tile;
 } pliant_kernels;
@@ -139,7 +140,7 @@ pliant_symmetric_kernel pliant_add_symmetric;
 pliant_forward_kernel pliant_pass_forward;
 pliant_backward_kernel pliant_pass_backward;
 pliant_element_kernel pliant_evaluate_hinge, pliant_evaluate_face_neo_hookean, pliant_evaluate_face_stvk,
-    pliant_evaluate_face_edge, pliant_evaluate_tet_stvk, pliant_evaluate_tet_mooney_rivlin;
+    pliant_evaluate_face_edge, pliant_evaluate_tet_stvk, pliant_evaluate_tet_mooney_rivlin, pliant_evaluate_tie;
 pliant_arap_kernel pliant_evaluate_arap_cell;
 pliant_quartic_kernel pliant_evaluate_quartic;
 pliant_tile_kernel pliant_rebuild_tile;
@@ -150,7 +151,7 @@ PLIANT_AVX2 pliant_forward_kernel pliant_pass_forward_avx2;
 PLIANT_AVX2 pliant_backward_kernel pliant_pass_backward_avx2;
 PLIANT_AVX2 pliant_element_kernel pliant_evaluate_hinge_avx2, pliant_evaluate_face_neo_hookean_avx2,
     pliant_evaluate_face_stvk_avx2, pliant_evaluate_face_edge_avx2, pliant_evaluate_tet_stvk_avx2,
-    pliant_evaluate_tet_mooney_rivlin_avx2;
+    pliant_evaluate_tet_mooney_rivlin_avx2, pliant_evaluate_tie_avx2;
 PLIANT_AVX2 pliant_arap_kernel pliant_evaluate_arap_cell_avx2;
 PLIANT_AVX2 pliant_quartic_kernel pliant_evaluate_quartic_avx2;
 PLIANT_AVX2 pliant_tile_kernel pliant_rebuild_tile_avx2;

@@ -50,6 +50,7 @@ const pliant_kernels pliant_kernels_plain = {
     pliant_evaluate_arap_cell,
     pliant_evaluate_tet_stvk,
     pliant_evaluate_tet_mooney_rivlin,
+    pliant_evaluate_tie,
     pliant_evaluate_quartic,
     pliant_rebuild_tile,
 };
@@ -68,6 +69,7 @@ static const pliant_kernels kernels_avx2 = {
     pliant_evaluate_arap_cell_avx2,
     pliant_evaluate_tet_stvk_avx2,
     pliant_evaluate_tet_mooney_rivlin_avx2,
+    pliant_evaluate_tie_avx2,
     pliant_evaluate_quartic_avx2,
     pliant_rebuild_tile_avx2,
 };

@@ -1,6 +1,7 @@
 #include "reduce/cubature.h"
 
 #include "energy/parallel.h"
+#include "energy/tied.h"
 
 #include <Eigen/Dense>
 #include <algorithm>
@@ -148,16 +149,27 @@ void fill_column(const Energy& energy, std::size_t element, const Eigen::VectorX
     }
 }
 
-std::vector<std::size_t> choose_candidates(std::size_t element_count, std::size_t wanted, std::uint64_t seed)
+// `wanted` of the numbers first .. first + count - 1, all if there are no more.
+void append_random(std::size_t first, std::size_t count, std::size_t wanted, Random& random, std::vector<std::size_t>& out)
 {
-    std::vector<std::size_t> all(element_count);
-    std::iota(all.begin(), all.end(), std::size_t(0));
-    if (element_count <= wanted) return all;
+    std::vector<std::size_t> all(count);
+    std::iota(all.begin(), all.end(), first);
+    for (std::size_t i = 0; i < wanted && wanted < count; ++i) std::swap(all[i], all[i + random.below(count - i)]);
+    out.insert(out.end(), all.begin(), all.begin() + std::ptrdiff_t(std::min(wanted, count)));
+}
+
+// Ties are few among many, and only they resist where parts move against each other: as many of them as may be half of all.
+std::vector<std::size_t> choose_candidates(const Energy& energy, std::size_t wanted, std::uint64_t seed)
+{
+    const std::size_t inner = without_ties(energy).element_count(), ties = energy.element_count() - inner;
+    const bool takes_all = energy.element_count() <= wanted;
+    const std::size_t tie_count = takes_all ? ties : std::min(ties, wanted / 2);
+    std::vector<std::size_t> out;
     Random random(seed);
-    for (std::size_t i = 0; i < wanted; ++i) std::swap(all[i], all[i + random.below(element_count - i)]);
-    all.resize(wanted);
-    std::sort(all.begin(), all.end());
-    return all;
+    append_random(0, inner, takes_all ? inner : wanted - tie_count, random, out);
+    append_random(inner, ties, tie_count, random, out);
+    std::sort(out.begin(), out.end());
+    return out;
 }
 
 // What the mesh does at a probe, whitened: the target of the weighted elements' rows. Training data from true averages take the mesh as
@@ -240,7 +252,7 @@ CubatureFit::CubatureFit(const ReducedEnergy& reduced, const TrainingSet& traini
     , training_(training)
     , progress_(progress)
     , solver_(options.solver)
-    , candidates_(choose_candidates(reduced.energy().element_count(), options.candidate_count, options.seed))
+    , candidates_(choose_candidates(reduced.energy(), options.candidate_count, options.seed))
     , all_(reduced.energy(), reduced.subspace().origin, reduced.subspace().basis, candidates_,
            Eigen::VectorXd::Ones(Eigen::Index(candidates_.size())))
 {

@@ -160,6 +160,23 @@ Json irregular_of(const SurfaceRepairs& r)
              { "edges_of_turned_faces", r.turned_edge_count } };
 }
 
+Json drift_of(const WorstDrift& worst)
+{
+    Json drift = { { "largest", worst.drift.largest }, { "part", worst.drift.part }, { "vertex", worst.drift.vertex } };
+    drift["weights"] = json_of(worst.weights);
+    return drift;
+}
+
+Json ties_of(const TieReport& report)
+{
+    Json ties = { { "parts", report.part_count }, { "ties", report.tie_count }, { "seam_ties", report.seam_count } };
+    if (report.blends.weights.size() > 0) {
+        ties["drift_of_averages"] = drift_of(report.truth);
+        ties["drift_of_blends"] = drift_of(report.blends);
+    }
+    return ties;
+}
+
 Json drawn_of(const BakeReport& report, const DrawnSurface& surface)
 {
     Json drawn = { { "vertices", surface.embedding.count() },
@@ -202,6 +219,7 @@ std::string write_certificate(const BakeReport& report, const BakeOptions& optio
     if (report.repairs.is_irregular()) certificate["irregular"] = irregular_of(report.repairs);
     if (options.drawn) certificate["surface"] = drawn_of(report, *options.drawn);
     certificate["energy"] = energy;
+    if (report.ties) certificate["ties"] = ties_of(*report.ties);
     certificate["tolerance"] = options.tolerance;
     if (options.tolerance_max > 0) certificate["tolerance_max"] = options.tolerance_max;
     certificate["meets_tolerance"] = report.meets_tolerance;

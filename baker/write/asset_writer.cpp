@@ -1,5 +1,6 @@
 #include "write/asset_writer.h"
 
+#include "energy/tied.h"
 #include "pliant_format.h"
 #include "report/diagnostics.h"
 
@@ -231,9 +232,18 @@ Bytes encode_vertices(const AssetModel& model)
     return out;
 }
 
+bool has_ties(const StandIn& stand_in)
+{
+    const Energy& energy = stand_in.energy();
+    const std::size_t first = without_ties(energy).element_count();
+    const auto& elements = stand_in.elements();
+    return std::any_of(elements.begin(), elements.end(), [first](std::size_t element) { return element >= first; });
+}
+
 // The oldest version whose readers understand all that the asset holds.
 std::uint16_t format_minor(const AssetModel& model)
 {
+    if (has_ties(*model.stand_in)) return PLIANT_FORMAT_MINOR_TIE;
     if (model.set->is_solid()) return PLIANT_FORMAT_MINOR_SOLID;
     return model.load ? PLIANT_FORMAT_MINOR_LOAD : 0;
 }

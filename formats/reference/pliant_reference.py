@@ -18,7 +18,7 @@ from pliant_reference_solid import Layout, Quartic, evaluate_tet_mooney_rivlin, 
 IDENTIFIER = bytes([0xAB]) + b"PLIANT" + bytes([0xBB]) + b"\r\n\x1a\n"
 REQUIRED = ("SOLV", "REST", "TRIS", "NAME", "ANSW", "CERT", "BASI")
 KNOWN = REQUIRED + ("ELEM", "QUAR", "PRED", "LOAD", "POLY", "VERT")
-HINGE, NEO_HOOKEAN, STVK, EDGE, ARAP, TET_STVK, TET_MOONEY_RIVLIN = range(1, 8)
+HINGE, NEO_HOOKEAN, STVK, EDGE, ARAP, TET_STVK, TET_MOONEY_RIVLIN, TIE = range(1, 9)
 
 
 class FormatError(Exception):
@@ -44,7 +44,7 @@ def shape_of(kind, valence, is_closed):
         edges = valence + (valence if is_closed else valence - 1)
         return 3 * valence, 0, 4 * edges + 1
     return {HINGE: (9, 2, 2), NEO_HOOKEAN: (6, 4, 5), STVK: (6, 0, 9), EDGE: (6, 4, 8), TET_STVK: (9, 0, 27),
-            TET_MOONEY_RIVLIN: (9, 0, 20)}[kind]
+            TET_MOONEY_RIVLIN: (9, 0, 20), TIE: (9, 0, 4)}[kind]
 
 
 class Batch:
@@ -153,7 +153,7 @@ class Asset:
 
     def read_batch(self, data, at, data_start):
         kind, count, valence, is_closed, rows_at, fixed_at, poses_at = struct.unpack_from("<4I3Q", data, at)
-        require(HINGE <= kind <= TET_MOONEY_RIVLIN, "R09", f"element kind {kind}")
+        require(HINGE <= kind <= TIE, "R09", f"element kind {kind}")
         require(1 <= count <= 1 << 22, "R05", f"{count} elements")
         if kind == ARAP:
             require(2 <= valence <= 32, "R05", f"valence {valence}")
@@ -451,8 +451,21 @@ def evaluate_arap(batch, differences, weights):
     return energy, force.reshape(3 * batch.valence, -1)
 
 
+def evaluate_tie(batch, differences, weights):
+    def place(rows):
+        r, e1, e2 = vectors_of(rows)
+        return np.stack([dot(r, e1), dot(r, e2), dot(r, cross(e1, e2))])
+
+    r, e1, e2 = vectors_of(differences)
+    kappa, pull = np.split(combined(batch, weights), [1])
+    moved = place(differences) - place(batch.rows[0])
+    f1, f2, f3 = 2 * kappa * moved + pull
+    force = np.stack([f1 * e1 + f2 * e2 + f3 * cross(e1, e2), f1 * r + f3 * cross(e2, r), f2 * r + f3 * cross(r, e1)])
+    return (moved * (kappa * moved + pull)).sum(), force.reshape(9, -1)
+
+
 EVALUATE = {HINGE: evaluate_hinges, NEO_HOOKEAN: evaluate_neo_hookean, STVK: evaluate_stvk, EDGE: evaluate_edge,
-            ARAP: evaluate_arap,
+            ARAP: evaluate_arap, TIE: evaluate_tie,
             TET_STVK: lambda batch, rows, weights: evaluate_tet_stvk(combined(batch, weights), rows),
             TET_MOONEY_RIVLIN: lambda batch, rows, weights: evaluate_tet_mooney_rivlin(combined(batch, weights), rows)}
 

@@ -29,17 +29,21 @@ struct Tube {
         return out;
     }
 
-    // Bent into an arc of `bend` radians in the xz plane and twisted by `twist` radians from end to end.
+    // Where a point beside the straight tube's axis goes when the tube is bent into an arc of `bend` radians in the xz plane and twisted
+    // by `twist` radians from end to end.
+    static Eigen::RowVector3d place(double bend, double twist, double z, double x, double y)
+    {
+        const double angle = twist * z / 6, cx = std::cos(angle) * x - std::sin(angle) * y,
+                     cy = std::sin(angle) * x + std::cos(angle) * y;
+        if (std::abs(bend) < 1e-9) return Eigen::RowVector3d(cx, cy, z);
+        const double radius = 6 / bend, phi = bend * z / 6;
+        return Eigen::RowVector3d(radius - (radius - cx) * std::cos(phi), cy, (radius - cx) * std::sin(phi));
+    }
+
     Positions pose(double bend, double twist) const
     {
         Positions out(ring_count * side_count + 2, 3);
-        const auto place = [&](double z, double x, double y) {
-            const double angle = twist * z / 6, cx = std::cos(angle) * x - std::sin(angle) * y,
-                         cy = std::sin(angle) * x + std::cos(angle) * y;
-            if (std::abs(bend) < 1e-9) return Eigen::RowVector3d(cx, cy, z);
-            const double radius = 6 / bend, phi = bend * z / 6;
-            return Eigen::RowVector3d(radius - (radius - cx) * std::cos(phi), cy, (radius - cx) * std::sin(phi));
-        };
+        const auto place = [&](double z, double x, double y) { return Tube::place(bend, twist, z, x, y); };
         for (std::uint32_t r = 0; r < ring_count; ++r)
             for (std::uint32_t s = 0; s < side_count; ++s) {
                 const double phi = 6.283185307179586 * (s + 0.3 * std::sin(1.0 + r)) / side_count;

@@ -138,7 +138,7 @@ def bad_files(good):
             yield f"R09_{tag.decode()}_long", LAYOUT, resized(tag, 4)
     yield "R09_POLY_short", LAYOUT, resized(b"POLY", -4)
     yield "R09_kind_0", LAYOUT, chunk(b"ELEM", 64, "I", 0)
-    yield "R09_kind_8", LAYOUT, chunk(b"ELEM", 64, "I", 8)
+    yield "R09_kind_9", LAYOUT, chunk(b"ELEM", 64, "I", 9)
     yield "R09_rows_in_records", LAYOUT, chunk(b"ELEM", 64 + 16, "Q", 0)
     yield "R09_rows_misaligned", LAYOUT, chunk(b"ELEM", 64 + 16, "Q", 64 * 4 + 4)
     yield "R09_numbers_past_end", LAYOUT, chunk(b"ELEM", 64 + 32, "Q", (len(draft().data[b"ELEM"]) + 63) // 64 * 64)

@@ -29,6 +29,7 @@ ASSETS = {
     "tube_arap": dict(mesh="tube", size=(6, 5), poses=3, dimension=7, material="arap", predictor=True),
     "strip_load": dict(mesh="strip", size=(7, 3), poses=3, dimension=4, material="neo-hookean", predictor=True, load=True),
     "tube_load": dict(mesh="tube", size=(6, 6), poses=4, dimension=17, material="edge", predictor=True, load=True),
+    "strip_tied": dict(mesh="strip", size=(6, 3), poses=3, dimension=5, material="tied", predictor=True),
     "beam_stvk": dict(mesh="beam", size=(5, 2), poses=3, dimension=6, material="tet-stvk", predictor=True),
     "beam_mooney": dict(mesh="beam", size=(4, 3), poses=3, dimension=9, material="mooney-rivlin", predictor=True),
     "beam_mixed": dict(mesh="beam", size=(4, 2), poses=2, dimension=4, material="tet-mixed", predictor=True, load=True),

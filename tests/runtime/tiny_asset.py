@@ -14,7 +14,7 @@ import numpy as np
 import tiny_elements
 import tiny_mesh
 import tiny_solids
-from pliant_reference import IDENTIFIER, TET_STVK, Asset, Batch, pad16
+from pliant_reference import IDENTIFIER, TET_STVK, TIE, Asset, Batch, pad16
 from pliant_reference_solid import Layout, Quartic
 
 
@@ -232,6 +232,8 @@ def oldest_minor(chunks):
     """The format version that has all that a file holds."""
     elements = chunks.get("ELEM", bytes(64))
     kinds = [struct.unpack_from("<I", elements, 64 + 64 * i)[0] for i in range(struct.unpack_from("<I", elements)[0])]
+    if TIE in kinds:
+        return 3
     if "QUAR" in chunks or "VERT" in chunks or any(kind >= TET_STVK for kind in kinds):
         return 2
     return int("LOAD" in chunks)
@@ -268,7 +270,7 @@ def main():
     parser.add_argument("--poses", type=int, default=2)
     parser.add_argument("--dim", type=int, default=4)
     parser.add_argument("--material", default="neo-hookean",
-                        choices=["neo-hookean", "stvk", "edge", "arap", "mixed", "tet-stvk", "mooney-rivlin", "tet-mixed"])
+                        choices=["neo-hookean", "stvk", "edge", "arap", "mixed", "tied", "tet-stvk", "mooney-rivlin", "tet-mixed"])
     parser.add_argument("--quartic", action="store_true", help="QUAR instead of ELEM, for tet-stvk")
     parser.add_argument("--predictor", action="store_true")
     parser.add_argument("--load", action="store_true", help="needs --predictor")

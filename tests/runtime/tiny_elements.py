@@ -6,7 +6,7 @@ tiny_asset.make_model() insists that they differ by a constant.
 import numpy as np
 
 import pliant_reference_path  # noqa: F401
-from pliant_reference import ARAP, EDGE, HINGE, NEO_HOOKEAN, STVK, Batch
+from pliant_reference import ARAP, EDGE, HINGE, NEO_HOOKEAN, STVK, TIE, Batch
 
 MU = LAMBDA = 1.0
 BENDING = 0.02  # thickness delta: larger than a real one, so that bending and membrane both matter in a small mesh
@@ -212,6 +212,51 @@ def arap_numbers(topology, poses, base, fan_class):
     return np.zeros((0, len(edges0))), np.array(numbers)
 
 
+# ----------------------------------------------------------------------------------------------------------- ties --
+
+TIE_STIFFNESS = 0.7
+
+
+def tie_vertices(topology):
+    """Tied vertex and three anchors: nothing says that they must be of different parts."""
+    return np.array([[face[0], *topology.faces[(f + 3) % len(topology.faces)]] for f, face in enumerate(topology.faces)])
+
+
+def tie_frames(topology, poses):
+    """f00, f01, f11 [3, E]: e1 = f00 (b - a), e2 = f01 (b - a) + f11 (c - a) are orthonormal in pose 0."""
+    _, a, b, c = (poses[0][corner] for corner in tie_vertices(topology).T)
+    first, second = b - a, c - a
+    length = np.sqrt(dot(first, first))
+    across = second - first * (dot(first, second) / dot(first, first))[:, None]
+    height = np.sqrt(dot(across, across))
+    return np.stack([1 / length, -dot(first, second) / dot(first, first) / height, 1 / height])
+
+
+def tie_rows(topology, frames, fields):
+    """r, e1, e2 of vertex fields [..., n, 3]: [..., 9, E]."""
+    x, a, b, c = (fields[..., corner, :] for corner in tie_vertices(topology).T)
+    f00, f01, f11 = frames[:, :, None]
+    rows = np.stack([x - a, f00 * (b - a), f01 * (b - a) + f11 * (c - a)], axis=-3)  # [..., 3, E, 3]
+    return np.moveaxis(rows, -1, -2).reshape(*rows.shape[:-3], 9, -1)
+
+
+def tie_places(topology, frames, x):
+    r, e1, e2 = np.moveaxis(tie_rows(topology, frames, x).reshape(3, 3, -1), 1, -1)
+    return np.stack([dot(r, e1), dot(r, e2), dot(r, np.cross(e1, e2))])
+
+
+def tie_numbers(topology, poses, base):
+    frames, stiffness = tie_frames(topology, poses), np.full((1, len(topology.faces)), TIE_STIFFNESS)
+    start = tie_places(topology, frames, base)
+    numbers = [np.concatenate([stiffness, 2 * TIE_STIFFNESS * (start - tie_places(topology, frames, pose))]) for pose in poses]
+    return np.zeros((0, len(topology.faces))), np.array(numbers)
+
+
+def tie_energy(topology, poses, pose, y):
+    frames = tie_frames(topology, poses)
+    return TIE_STIFFNESS * ((tie_places(topology, frames, y) - tie_places(topology, frames, pose)) ** 2).sum()
+
+
 # -------------------------------------------------------------------------------------------------------- material --
 
 def fan_classes(topology):
@@ -231,6 +276,10 @@ def make_batches(topology, poses, material, base, directions):
     if material in ("arap", "mixed"):
         batches += [Batch(ARAP, fan_class[0], fan_class[1], rows_of(topology, ARAP, fields, fan_class),
                           *arap_numbers(topology, poses, base, fan_class)) for fan_class in fan_classes(topology)]
+    if material == "tied":
+        batches += make_batches(topology, poses, "neo-hookean", base, directions)[1:]
+        batches.append(Batch(TIE, 0, False, tie_rows(topology, tie_frames(topology, poses), fields),
+                             *tie_numbers(topology, poses, base)))
     return batches
 
 
@@ -245,6 +294,8 @@ def absolute_energy(topology, poses, material, weights, y):
                 total += weight * membrane_energy(topology, pose, name, y)
         if material in ("arap", "mixed"):
             total += weight * arap_energy(topology, pose, y)
+        if material == "tied":
+            total += weight * (membrane_energy(topology, pose, "neo-hookean", y) + tie_energy(topology, poses, pose, y))
     return total
 
 

@@ -1,0 +1,152 @@
+#include "energy/tied.h"
+
+#include "pliant_format.h"
+
+#include <Eigen/Geometry>
+
+namespace pliant {
+
+namespace {
+
+using Eigen::Matrix3d;
+using Eigen::Vector3d;
+using Matrix9x3 = Eigen::Matrix<double, 9, 3>;
+using Matrix9 = Eigen::Matrix<double, 9, 9>;
+
+Matrix3d cross_matrix(const Vector3d& v)
+{
+    Matrix3d m;
+    m << 0, -v.z(), v.y(), v.z(), 0, -v.x(), -v.y(), v.x(), 0;
+    return m;
+}
+
+// From the vertices (x, a, b, c) to (r, e1, e2): the factor of each, coordinates apart.
+Eigen::Matrix<double, 3, 4> vector_factors(const Tie& tie)
+{
+    const Eigen::Matrix2d& f = tie.frame;
+    Eigen::Matrix<double, 3, 4> out;
+    out << 1, -1, 0, 0,          //
+        0, -f(0, 0), f(0, 0), 0, //
+        0, -f(0, 1) - f(1, 1), f(0, 1), f(1, 1);
+    return out;
+}
+
+// Derivatives of the three numbers of the place by (r, e1, e2).
+Matrix9x3 place_slopes(const Matrix3d& v)
+{
+    const Vector3d r = v.col(0), e1 = v.col(1), e2 = v.col(2);
+    Matrix9x3 out;
+    out.col(0) << e1, r, Vector3d::Zero();
+    out.col(1) << e2, Vector3d::Zero(), r;
+    out.col(2) << e1.cross(e2), e2.cross(r), r.cross(e1);
+    return out;
+}
+
+// sum_c off[c] times the second derivative of number c.
+Matrix9 place_curvature(const Matrix3d& v, const Vector3d& off)
+{
+    Matrix9 out = Matrix9::Zero();
+    // det(r, e1, e2): its derivative by r and e1 is u . (w x e2) for directions u of r and w of e1.
+    out.block<3, 3>(0, 3) = off[0] * Matrix3d::Identity() - off[2] * cross_matrix(v.col(2));
+    out.block<3, 3>(0, 6) = off[1] * Matrix3d::Identity() + off[2] * cross_matrix(v.col(1));
+    out.block<3, 3>(3, 6) = -off[2] * cross_matrix(v.col(0));
+    out.block<3, 3>(3, 0) = out.block<3, 3>(0, 3).transpose();
+    out.block<3, 3>(6, 0) = out.block<3, 3>(0, 6).transpose();
+    out.block<3, 3>(6, 3) = out.block<3, 3>(3, 6).transpose();
+    return out;
+}
+
+Matrix3d vectors_of(const Tie& tie, const double* x)
+{
+    using Point = Eigen::Map<const Vector3d>;
+    return tie_vectors(tie, Point(x), Point(x + 3), Point(x + 6), Point(x + 9));
+}
+
+// sum_k w_k kappa |p - p_k|^2 = kappa (W |p - p'|^2 + constant), W the sum of the weights, p' the weighted mean of the places p_k.
+void evaluate_tie(const Tie& tie, std::size_t pose_count, const double* weights, const double* x, Order order,
+                  HessianKind kind, ElementResult& result)
+{
+    const Matrix3d vectors = vectors_of(tie, x);
+    const Vector3d place = tie_place(vectors);
+    double stiffness = 0;
+    Vector3d pull = Vector3d::Zero();
+    result.value = 0;
+    for (std::size_t k = 0; k < pose_count; ++k) {
+        const Vector3d off = place - tie.rest.col(Eigen::Index(k));
+        const double factor = weights[k] * tie.stiffness;
+        result.value += factor * off.squaredNorm();
+        pull += 2 * factor * off;
+        stiffness += 2 * factor;
+    }
+    if (order < Order::gradient) return;
+    const Eigen::Matrix<double, 3, 4> factors = vector_factors(tie);
+    const Matrix9x3 slopes = place_slopes(vectors);
+    const Eigen::Matrix<double, 9, 1> force = slopes * pull;
+    result.gradient.resize(12);
+    Eigen::Map<Eigen::Matrix<double, 3, 4>>(result.gradient.data()) = Eigen::Map<const Matrix3d>(force.data()) * factors;
+    if (order < Order::hessian) return;
+    Matrix9 curvature = stiffness * slopes * slopes.transpose(); // Gauss-Newton: positive semidefinite as it is
+    if (kind == HessianKind::exact) curvature += place_curvature(vectors, pull);
+    Eigen::Matrix<double, 9, 12> to_vertices;
+    for (Eigen::Index i = 0; i < 3; ++i)
+        for (Eigen::Index j = 0; j < 4; ++j) to_vertices.block<3, 3>(3 * i, 3 * j) = factors(i, j) * Matrix3d::Identity();
+    result.hessian = to_vertices.transpose() * curvature * to_vertices;
+}
+
+} // namespace
+
+const std::uint32_t* TiedEnergy::element_vertices(std::size_t element, std::size_t& count) const
+{
+    if (element < inner_->element_count()) return inner_->element_vertices(element, count);
+    count = 4;
+    return ties_.ties[element - inner_->element_count()].vertices.data();
+}
+
+void TiedEnergy::evaluate(std::size_t element, const double* weights, const double* x, Order order, HessianKind kind,
+                          ElementResult& result) const
+{
+    if (element < inner_->element_count())
+        inner_->evaluate(element, weights, x, order, kind, result);
+    else
+        evaluate_tie(ties_.ties[element - inner_->element_count()], pose_count(), weights, x, order, kind, result);
+}
+
+// formats/SPEC.md, kind 8.
+RuntimeElement TiedEnergy::runtime_element(std::size_t element, const Shape& reference) const
+{
+    if (element < inner_->element_count()) return inner_->runtime_element(element, reference);
+    const Tie& tie = ties_.ties[element - inner_->element_count()];
+    const auto& v = tie.vertices;
+    RuntimeElement out;
+    out.kind = PLIANT_ELEMENT_TIE;
+    out.differences = { { v[1], v[0] }, { v[1], v[2] }, { v[1], v[3] } };
+    out.combination = Eigen::Matrix3d::Zero();
+    out.combination(0, 0) = 1;
+    out.combination.bottomRightCorner<2, 2>() = tie.frame;
+    const Vector3d start = tie_place(
+        tie_vectors(tie, point(reference, v[0]), point(reference, v[1]), point(reference, v[2]), point(reference, v[3])));
+    out.pose_numbers.resize(tie.rest.cols(), 4);
+    out.pose_numbers.col(0).setConstant(tie.stiffness);
+    out.pose_numbers.rightCols<3>() = 2 * tie.stiffness * (start.replicate(1, tie.rest.cols()) - tie.rest).transpose();
+    return out;
+}
+
+std::unique_ptr<Energy> tie_parts(std::unique_ptr<Energy> energy, TieSet ties)
+{
+    if (ties.ties.empty()) return energy;
+    return std::make_unique<TiedEnergy>(std::move(energy), std::move(ties));
+}
+
+const TieSet* ties_of(const Energy& energy)
+{
+    const auto* tied = dynamic_cast<const TiedEnergy*>(&energy);
+    return tied ? &tied->ties() : nullptr;
+}
+
+const Energy& without_ties(const Energy& energy)
+{
+    const auto* tied = dynamic_cast<const TiedEnergy*>(&energy);
+    return tied ? tied->inner() : energy;
+}
+
+} // namespace pliant

@@ -1,0 +1,327 @@
+#include "mesh/ties.h"
+
+#include <Eigen/Dense>
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <memory>
+
+namespace pliant {
+namespace {
+
+constexpr double infinity = std::numeric_limits<double>::infinity();
+
+// As stiff as a membrane patch is to one of its corners (mu = 1), times this: THEORY.md tells what other values do.
+constexpr double tie_stiffness = 0.3;
+
+// Lengths in units of the diagonal. Tied vertices of a part keep this distance, anchors lie about as far apart, and vertices this much
+// farther from the host than the nearest are tied as well.
+constexpr double tie_spacing = 0.03, anchor_spread = 0.02, near_margin = 0.02;
+
+// A part has at least so many tied vertices if it has as many, so that it is held against turning with some to spare, and at most so
+// many, so that what they cost stays small beside the part.
+constexpr std::size_t least_ties = 12, most_ties = 400;
+
+// At least this part of a part's vertices, the nearest ones, may be tied: a coat that hangs on the shoulders.
+constexpr double near_share = 0.25;
+
+// Anchors a b c should have at least this ratio of 4 area / (longest side)^2 in every pose; 1.7 is equilateral, below the ratio places
+// are ill-defined.
+constexpr double good_triangle = 0.2, poor_triangle = 1e-3;
+
+// A border vertex lies on another border's edge if it is this near to it in units of the edge's length, root mean square over the poses;
+// and on the edge and not at its end if its foot is this far from the end.
+constexpr double seam_width = 0.05;
+
+// The smallest over the poses of the area of a triangle, and of its ratio to the longest side.
+struct TriangleMeasure {
+    double area, quality;
+};
+
+TriangleMeasure measure_triangle(const ShapeSet& set, std::uint32_t a, std::uint32_t b, std::uint32_t c)
+{
+    TriangleMeasure out = { infinity, infinity };
+    for (const Shape& shape : set.shapes) {
+        const Eigen::Vector3d ab = point(shape, b) - point(shape, a), ac = point(shape, c) - point(shape, a);
+        const double twice_area = ab.cross(ac).norm();
+        const double longest = std::max({ ab.squaredNorm(), ac.squaredNorm(), (ac - ab).squaredNorm() });
+        out.area = std::min(out.area, 0.5 * twice_area);
+        out.quality = std::min(out.quality, longest > 0 ? 2 * twice_area / longest : 0);
+    }
+    return out;
+}
+
+// Metric of two edges: first first, first second, second second.
+Eigen::Matrix2d mean_metric(const ShapeSet& set, std::uint32_t a, std::uint32_t b, std::uint32_t c)
+{
+    Eigen::Matrix2d sum = Eigen::Matrix2d::Zero();
+    for (const Shape& shape : set.shapes) {
+        Eigen::Matrix<double, 3, 2> edges;
+        edges << point(shape, b) - point(shape, a), point(shape, c) - point(shape, a);
+        sum += edges.transpose() * edges;
+    }
+    return sum / double(set.pose_count());
+}
+
+Tie make_tie(const ShapeSet& set, std::size_t part, const std::array<std::uint32_t, 4>& vertices)
+{
+    Tie tie;
+    tie.vertices = vertices;
+    tie.part = part;
+    tie.stiffness = tie_stiffness;
+    // With L L^T the metric of (b - a, c - a), that of the columns of (b - a, c - a) L^-T is the identity.
+    const Eigen::Matrix2d lower = mean_metric(set, vertices[1], vertices[2], vertices[3]).llt().matrixL();
+    tie.frame = lower.transpose().inverse();
+    tie.frame(1, 0) = 0;
+    tie.rest.resize(3, Eigen::Index(set.pose_count()));
+    for (std::size_t k = 0; k < set.pose_count(); ++k) {
+        const Shape& shape = set.shapes[k];
+        tie.rest.col(Eigen::Index(k)) = tie_place(tie_vectors(tie, point(shape, vertices[0]), point(shape, vertices[1]),
+                                                              point(shape, vertices[2]), point(shape, vertices[3])));
+    }
+    return tie;
+}
+
+// Ties parts to their hosts.
+class Binder {
+public:
+    Binder(const ShapeSet& set, const Eigen::MatrixXd& columns, TieSet& out)
+        : set_(set)
+        , columns_(columns)
+        , out_(out)
+        , trees_(out.parts.surface_count)
+    {
+    }
+
+    void bind(std::size_t part)
+    {
+        const std::size_t host = out_.tree.hosts[part];
+        if (host == no_part) return;
+        const std::vector<std::uint32_t>& vertices = out_.parts.vertices[part];
+        std::vector<double> distances;
+        for (const std::uint32_t v : vertices)
+            distances.push_back(std::sqrt(tree(host).nearest(v, 1, infinity).squared_distance));
+        out_.distances[part] = *std::min_element(distances.begin(), distances.end());
+        for (const std::size_t i : choose(vertices, distances)) bind_vertex(part, vertices[i], distances[i]);
+    }
+
+private:
+    const PointTree& tree(std::size_t part)
+    {
+        if (!trees_[part]) {
+            std::vector<TreePoint> points;
+            for (const std::uint32_t v : out_.parts.vertices[part]) points.push_back({ v, 0 });
+            trees_[part] = std::make_unique<PointTree>(columns_, std::move(points));
+        }
+        return *trees_[part];
+    }
+
+    // Which of a part's vertices are tied: from the nearest to the host onwards always the one farthest from those before.
+    std::vector<std::size_t> choose(const std::vector<std::uint32_t>& vertices, const std::vector<double>& distances) const
+    {
+        std::vector<double> sorted = distances;
+        std::sort(sorted.begin(), sorted.end());
+        const std::size_t quarter = std::min(sorted.size() - 1, std::size_t(near_share * double(sorted.size())));
+        const std::size_t enough = std::min(sorted.size() - 1, least_ties);
+        const double reach = std::max({ sorted[0] + near_margin * set_.diagonal, sorted[quarter], sorted[enough] });
+        std::vector<double> gaps(vertices.size()); // to the nearest chosen one; negative: out of reach
+        for (std::size_t i = 0; i < gaps.size(); ++i) gaps[i] = distances[i] <= reach ? infinity : -1;
+        std::vector<std::size_t> chosen;
+        std::size_t next = std::size_t(std::min_element(distances.begin(), distances.end()) - distances.begin());
+        while (chosen.size() < most_ties) {
+            chosen.push_back(next);
+            for (std::size_t i = 0; i < gaps.size(); ++i)
+                if (gaps[i] > 0)
+                    gaps[i] = std::min(gaps[i], (columns_.col(vertices[i]) - columns_.col(vertices[next])).norm());
+            next = std::size_t(std::max_element(gaps.begin(), gaps.end()) - gaps.begin());
+            if (!(gaps[next] > 0) || (chosen.size() >= least_ties && gaps[next] < tie_spacing * set_.diagonal)) break;
+        }
+        return chosen;
+    }
+
+    // Anchors: the nearest vertex of the host, and two around it that make a large triangle in every pose. The farther the vertex, the
+    // larger, so that a small turn of the triangle is not a large way of the vertex.
+    void bind_vertex(std::size_t part, std::uint32_t v, double distance)
+    {
+        const PointTree& host = tree(out_.tree.hosts[part]);
+        const std::uint32_t a = host.points()[host.nearest(v, 1, infinity).point].vertex;
+        double best_quality = 0;
+        std::array<std::uint32_t, 4> best = { v, a, a, a };
+        for (double reach = std::max(anchor_spread * set_.diagonal, 1.5 * distance); best_quality < good_triangle;
+             reach *= 2) {
+            const std::vector<std::uint32_t> around = host.ball(columns_.col(a), reach, reach / 4);
+            double best_area = 0;
+            for (std::size_t i = 0; i < around.size(); ++i)
+                for (std::size_t j = i + 1; j < around.size(); ++j) {
+                    if (around[i] == v || around[j] == v || around[i] == a || around[j] == a) continue;
+                    const TriangleMeasure found = measure_triangle(set_, a, around[i], around[j]);
+                    const bool is_good = found.quality >= good_triangle;
+                    if (is_good ? found.area <= best_area : best_area > 0 || found.quality <= best_quality) continue;
+                    if (is_good) best_area = found.area;
+                    best_quality = found.quality;
+                    best = { v, a, around[i], around[j] };
+                }
+            if (reach > 4 * set_.diagonal) break; // that was all of the host
+        }
+        if (best_quality >= poor_triangle) out_.ties.push_back(make_tie(set_, part, best));
+    }
+
+    const ShapeSet& set_;
+    const Eigen::MatrixXd& columns_;
+    TieSet& out_;
+    std::vector<std::unique_ptr<PointTree>> trees_; // of hosts
+};
+
+// An edge of one triangle only, and the corner opposite.
+struct BorderEdge {
+    std::uint32_t a, b, c;
+};
+
+std::vector<BorderEdge> find_border(const std::vector<Triangle>& triangles, const std::vector<Hinge>& hinges)
+{
+    using Edge = std::pair<std::uint32_t, std::uint32_t>;
+    std::vector<Edge> inner;
+    for (const Hinge& hinge : hinges) inner.push_back(std::minmax(hinge.vertices[0], hinge.vertices[1]));
+    std::sort(inner.begin(), inner.end());
+    std::vector<BorderEdge> border;
+    for (const Triangle& t : triangles)
+        for (std::size_t i = 0; i < 3; ++i) {
+            const BorderEdge edge = { t[i], t[(i + 1) % 3], t[(i + 2) % 3] };
+            if (!std::binary_search(inner.begin(), inner.end(), Edge(std::minmax(edge.a, edge.b)))) border.push_back(edge);
+        }
+    return border;
+}
+
+// Ties border vertices to the borders they lie on, so that cracks stay shut.
+class SeamBinder {
+public:
+    SeamBinder(const ShapeSet& set, const Eigen::MatrixXd& columns, std::vector<BorderEdge> border)
+        : set_(set)
+        , columns_(columns)
+        , border_(std::move(border))
+        , found_(std::size_t(columns.cols()))
+    {
+        for (const BorderEdge& edge : border_) {
+            neighbours_.emplace_back(edge.a, edge.b);
+            neighbours_.emplace_back(edge.b, edge.a);
+        }
+        std::sort(neighbours_.begin(), neighbours_.end());
+    }
+
+    // Calls tie(vertices) for each, by ascending vertex.
+    template <class Visit> void bind(Visit tie)
+    {
+        std::vector<TreePoint> points;
+        for (std::size_t i = 0; i < neighbours_.size(); ++i)
+            if (i == 0 || neighbours_[i].first != neighbours_[i - 1].first) points.push_back({ neighbours_[i].first, 0 });
+        const PointTree tree(columns_, points);
+        for (const BorderEdge& edge : border_) {
+            const Eigen::VectorXd along = columns_.col(edge.b) - columns_.col(edge.a);
+            const Eigen::VectorXd middle = columns_.col(edge.a) + 0.5 * along;
+            for (const std::uint32_t v : tree.ball(middle, (0.5 + seam_width) * along.norm(), 0)) consider(v, edge, along);
+        }
+        for (const TreePoint& point : points)
+            if (const BorderEdge* edge = found_[point.vertex].edge) tie({ point.vertex, edge->a, edge->b, edge->c });
+    }
+
+private:
+    struct Nearest {
+        double squared_distance = infinity;
+        const BorderEdge* edge = nullptr;
+    };
+
+    void consider(std::uint32_t v, const BorderEdge& edge, const Eigen::VectorXd& along)
+    {
+        if (v == edge.a || v == edge.b || v == edge.c) return;
+        const double length2 = along.squaredNorm();
+        const Eigen::VectorXd off = columns_.col(v) - columns_.col(edge.a);
+        const double foot = std::clamp(off.dot(along) / length2, 0.0, 1.0);
+        const double distance2 = (off - foot * along).squaredNorm();
+        if (distance2 > seam_width * seam_width * length2 || distance2 >= found_[v].squared_distance) return;
+        // Around a corner of its own border every vertex is near the end of the next edge.
+        const std::uint32_t end = foot < seam_width ? edge.a : edge.b;
+        const bool is_inside = foot >= seam_width && foot <= 1 - seam_width;
+        if (!is_inside && std::binary_search(neighbours_.begin(), neighbours_.end(), std::make_pair(v, end))) return;
+        if (measure_triangle(set_, edge.a, edge.b, edge.c).quality < poor_triangle) return;
+        found_[v] = { distance2, &edge };
+    }
+
+    const ShapeSet& set_;
+    const Eigen::MatrixXd& columns_;
+    std::vector<BorderEdge> border_;
+    std::vector<std::pair<std::uint32_t, std::uint32_t>> neighbours_; // along border edges, both ways, sorted
+    std::vector<Nearest> found_;                                      // per vertex
+};
+
+} // namespace
+
+Eigen::Matrix3d tie_vectors(const Tie& tie, const Eigen::Vector3d& vertex, const Eigen::Vector3d& a,
+                            const Eigen::Vector3d& b, const Eigen::Vector3d& c)
+{
+    Eigen::Matrix3d out;
+    out.col(0) = vertex - a;
+    out.col(1) = tie.frame(0, 0) * (b - a);
+    out.col(2) = tie.frame(0, 1) * (b - a) + tie.frame(1, 1) * (c - a);
+    return out;
+}
+
+Eigen::Vector3d tie_place(const Eigen::Matrix3d& vectors)
+{
+    const Eigen::Vector3d r = vectors.col(0), e1 = vectors.col(1), e2 = vectors.col(2);
+    return { r.dot(e1), r.dot(e2), r.dot(e1.cross(e2)) };
+}
+
+TieSet find_ties(const ShapeSet& set)
+{
+    TieSet out;
+    if (set.is_solid()) return out;
+    out.parts = find_parts(set);
+    std::vector<BorderEdge> border = find_border(set.triangles, find_hinges(set.triangles, set.shapes[0]));
+    out.distances.assign(out.parts.count(), 0);
+    out.tree.hosts.assign(out.parts.count(), no_part);
+    if (out.parts.count() < 2 && border.empty()) return out;
+    const Eigen::MatrixXd columns = pose_space(set);
+    if (out.parts.count() > 1) {
+        out.tree = connect_parts(out.parts, columns, set.masses);
+        Binder binder(set, columns, out);
+        for (const std::size_t part : out.tree.order) binder.bind(part);
+    }
+    const std::size_t part_tie_count = out.ties.size();
+    std::vector<std::size_t> part_of(std::size_t(columns.cols()), 0);
+    for (std::size_t p = 0; p < out.parts.count(); ++p)
+        for (const std::uint32_t v : out.parts.vertices[p]) part_of[v] = p;
+    SeamBinder(set, columns, std::move(border)).bind([&](const std::array<std::uint32_t, 4>& vertices) {
+        out.ties.push_back(make_tie(set, part_of[vertices[0]], vertices));
+    });
+    out.seam_count = out.ties.size() - part_tie_count;
+    return out;
+}
+
+std::vector<TiePart> describe_parts(const TieSet& ties, const ShapeSet& set)
+{
+    std::vector<TiePart> out;
+    for (std::size_t p = 0; p < ties.parts.count(); ++p) {
+        const std::size_t host = ties.tree.hosts[p] == no_part ? p : ties.tree.hosts[p];
+        out.push_back({ ties.parts.vertices[p][0], ties.parts.vertices[host][0], ties.parts.vertices[p].size(), 0,
+                        ties.distances[p] / set.diagonal });
+    }
+    for (std::size_t i = 0; i + ties.seam_count < ties.ties.size(); ++i) ++out[ties.ties[i].part].tie_count;
+    return out;
+}
+
+TieDrift measure_drift(const TieSet& ties, const ShapeSet& set, const Eigen::VectorXd& weights, const Shape& y)
+{
+    TieDrift out;
+    for (const Tie& tie : ties.ties) {
+        const auto& v = tie.vertices;
+        const Eigen::Matrix3d vectors = tie_vectors(tie, point(y, v[0]), point(y, v[1]), point(y, v[2]), point(y, v[3]));
+        Eigen::Matrix3d frame; // rows e1, e2, n
+        frame << vectors.col(1).transpose(), vectors.col(2).transpose(), vectors.col(1).cross(vectors.col(2)).transpose();
+        const Eigen::Vector3d wanted = frame.inverse() * (tie.rest * (weights / weights.sum()));
+        const double drift = (vectors.col(0) - wanted).norm() / set.diagonal;
+        if (!(drift <= out.largest)) out = { drift, tie.part, v[0] };
+    }
+    return out;
+}
+
+} // namespace pliant

@@ -1,0 +1,54 @@
+// What holds a character of several parts together: each tied vertex keeps its place relative to three vertices of another part.
+// How they are chosen and why: baker/THEORY.md, "Ties".
+#pragma once
+
+#include "mesh/parts.h"
+
+namespace pliant {
+
+// The place of `vertices[0]` relative to the anchors a b c = vertices[1..3] is measured along three vectors that turn with them,
+//     e1 = f00 (b - a),  e2 = f01 (b - a) + f11 (c - a),  n = e1 x e2:   (r.e1, r.e2, r.n),  r = x - a.
+// On the mean of the poses e1 and e2 are orthonormal, so that the three numbers are lengths.
+struct Tie {
+    std::array<std::uint32_t, 4> vertices;
+    Eigen::Matrix2d frame; // f, upper triangular
+    double stiffness;      // energy per squared length
+    Eigen::Matrix3Xd rest; // the three numbers in every pose
+    std::size_t part;      // the tied vertex's
+};
+
+// Columns r, e1, e2.
+Eigen::Matrix3d tie_vectors(const Tie& tie, const Eigen::Vector3d& vertex, const Eigen::Vector3d& a,
+                            const Eigen::Vector3d& b, const Eigen::Vector3d& c);
+Eigen::Vector3d tie_place(const Eigen::Matrix3d& vectors);
+
+// A part for people: a vertex of it, and one of the part that it hangs on.
+struct TiePart {
+    std::uint32_t vertex, host_vertex;
+    std::size_t vertex_count, tie_count;
+    double distance; // of the nearest vertices, root mean square over the poses, in units of the diagonal
+};
+
+struct TieSet {
+    Parts parts;
+    PartTree tree;
+    std::vector<Tie> ties;
+    std::vector<double> distances; // per part: to its host, normalised units; 0 for the root
+    std::size_t seam_count = 0;    // the last ties: borders that lie on other borders (T-junctions, cracks)
+};
+
+// None for a surface in one part without such borders, and for solids. Costs n log n.
+TieSet find_ties(const ShapeSet& set);
+
+std::vector<TiePart> describe_parts(const TieSet& ties, const ShapeSet& set);
+
+// How far the tied vertices of a shape are from where their anchors would have them: at the mean of their places in the poses, weighted
+// like these.
+struct TieDrift {
+    double largest = 0; // over the ties, in units of the diagonal
+    std::size_t part = 0;
+    std::uint32_t vertex = 0;
+};
+TieDrift measure_drift(const TieSet& ties, const ShapeSet& set, const Eigen::VectorXd& weights, const Shape& y);
+
+} // namespace pliant

@@ -1,0 +1,84 @@
+#include "report/tie_report.h"
+
+#include "energy/energy.h"
+
+#include <algorithm>
+#include <fmt/core.h>
+
+namespace pliant {
+
+namespace {
+
+// A part that is this far from the one it hangs on, in units of the diagonal, does not lie on it: nothing says what holds it there.
+constexpr double far_away = 0.1;
+
+void add(const TieDrift& drift, const Eigen::VectorXd& weights, WorstDrift& worst)
+{
+    if (drift.largest > worst.drift.largest) worst = { drift, weights };
+}
+
+} // namespace
+
+TieReport start_tie_report(const TieSet& ties, const ShapeSet& set)
+{
+    TieReport report;
+    report.part_count = ties.parts.count();
+    report.tie_count = ties.ties.size();
+    report.seam_count = ties.seam_count;
+    report.parts = describe_parts(ties, set);
+    return report;
+}
+
+void add_check(const TieSet& ties, const ShapeSet& set, const Eigen::VectorXd& weights, const Shape& truth,
+               const Shape& blend, TieReport& report)
+{
+    add(measure_drift(ties, set, weights, truth), weights, report.truth);
+    add(measure_drift(ties, set, weights, blend), weights, report.blends);
+}
+
+void use_file_numbers(const std::vector<std::uint32_t>& numbers, TieReport& report)
+{
+    if (numbers.empty()) return;
+    for (TiePart& part : report.parts) part.vertex = numbers[part.vertex], part.host_vertex = numbers[part.host_vertex];
+    for (WorstDrift* worst : { &report.truth, &report.blends }) worst->drift.vertex = numbers[worst->drift.vertex];
+}
+
+void tell_ties(const TieReport& report, Progress& progress)
+{
+    std::vector<TiePart> loose, distant;
+    for (const TiePart& part : report.parts) {
+        if (part.vertex == part.host_vertex) continue; // the root hangs on none
+        if (part.tie_count == 0) loose.push_back(part);
+        if (part.distance > far_away) distant.push_back(part);
+    }
+    const auto text = [&](const TiePart& part) {
+        return fmt::format("the one of vertex {} ({} vertices)", part.vertex, part.vertex_count);
+    };
+    if (!loose.empty())
+        progress.warn(
+            4409,
+            fmt::format("{} parts hang on nothing, as what is next to them has no three vertices that could hold them: {}",
+                        loose.size(), text(loose[0])),
+            "join them with other parts, or leave them out of all poses");
+    if (!distant.empty()) {
+        const TiePart& most = *std::max_element(distant.begin(), distant.end(),
+                                                [](const TiePart& a, const TiePart& b) { return a.distance < b.distance; });
+        progress.warn(
+            4410,
+            fmt::format("{} parts are far from all others, most {}: {:.0f} % of the diagonal from the part of vertex {}, "
+                        "which it follows",
+                        distant.size(), text(most), 100 * most.distance, most.host_vertex),
+            "bake one by one what does not belong together");
+    }
+    const WorstDrift& worst = report.blends;
+    if (worst.drift.largest > drift_limit)
+        progress.warn(
+            4408,
+            fmt::format("the part of vertex {} drifts by {:.2f} % of the diagonal from where it is attached, most at vertex "
+                        "{}, weights {}",
+                        report.parts[worst.drift.part].vertex, 100 * worst.drift.largest, worst.drift.vertex,
+                        weights_text(worst.weights)),
+            "add a pose in between, or lower --tolerance");
+}
+
+} // namespace pliant

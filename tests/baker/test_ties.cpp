@@ -1,0 +1,268 @@
+// Characters in several parts: which ties they get, what these do, and whole bakes.
+#include "parts_mesh.h"
+
+#include "average/hessian.h"
+#include "average/newton.h"
+#include "average/rigid_modes.h"
+#include "bake.h"
+#include "energy/tied.h"
+#include "write/runtime_blender.h"
+
+#include <Eigen/Eigenvalues>
+#include <algorithm>
+#include <doctest/doctest.h>
+
+using namespace pliant;
+
+namespace {
+
+double relative(const Eigen::MatrixXd& a, const Eigen::MatrixXd& b) { return (a - b).norm() / b.norm(); }
+
+Shape noise(Eigen::Index size, double scale)
+{
+    Shape out(size);
+    std::uint64_t state = 7;
+    for (double& x : out) {
+        state = state * 6364136223846793005ull + 1442695040888963407ull;
+        x = scale * (double(state >> 33) / double(1u << 31) - 0.5);
+    }
+    return out;
+}
+
+Eigen::MatrixXd dense_hessian(const Energy& energy, const Weights& w, const Shape& y, HessianKind kind)
+{
+    HessianAssembler assembler(energy);
+    assembler.assemble(w, y, kind);
+    return Eigen::MatrixXd(assembler.matrix()).selfadjointView<Eigen::Lower>();
+}
+
+struct Fixture {
+    explicit Fixture(const PartsMesh& mesh = {}, std::size_t pose_count = 3)
+        : poses(mesh.poses(pose_count))
+        , set(normalise(poses))
+        , energy(make_energy(set, EnergyOptions()))
+        , ties(*ties_of(*energy))
+    {
+    }
+    PoseSet poses;
+    ShapeSet set;
+    std::unique_ptr<Energy> energy;
+    const TieSet& ties;
+};
+
+} // namespace
+
+TEST_CASE("parts are found and each hangs on the body")
+{
+    const Fixture f;
+    REQUIRE(f.ties.parts.count() == 4);
+    CHECK(f.ties.parts.surface_count == 3);
+    CHECK(f.ties.tree.hosts == std::vector<std::size_t> { no_part, 0, 0, 0 });
+    std::vector<std::size_t> counts(4, 0);
+    for (const Tie& tie : f.ties.ties) {
+        ++counts[tie.part];
+        CHECK(tie.vertices[0] != tie.vertices[1]);
+    }
+    CHECK(counts[0] == 0);
+    CHECK(counts[1] >= 12);
+    CHECK(counts[2] >= 40);
+    CHECK(counts[3] == 1);
+}
+
+TEST_CASE("a surface in one part has no ties")
+{
+    const ShapeSet set = normalise(tube_poses(2));
+    CHECK(find_ties(set).ties.empty());
+    CHECK(ties_of(*make_energy(set, EnergyOptions())) == nullptr);
+}
+
+TEST_CASE("ties vanish at the poses, and exactly six motions are free")
+{
+    const Fixture f;
+    for (std::size_t k = 0; k < f.set.pose_count(); ++k) {
+        const Weights w = corner_weights(f.set.pose_count(), k);
+        CHECK(std::abs(energy_value(*f.energy, w, f.set.shapes[k])) < 1e-20);
+        const Eigen::MatrixXd hessian = dense_hessian(*f.energy, w, f.set.shapes[k], HessianKind::exact);
+        const Eigen::VectorXd values = Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(hessian).eigenvalues();
+        const double largest = values[values.size() - 1];
+        CHECK(values[0] > -1e-12 * largest);
+        CHECK(values[5] < 1e-12 * largest);
+        CHECK(values[6] > 1e-8 * largest);
+    }
+}
+
+TEST_CASE("derivatives are finite differences, projected Hessians are positive semidefinite")
+{
+    const Fixture f;
+    const Weights w = Eigen::Vector3d(0.2, 0.5, 0.3);
+    const Shape y = f.set.shapes[1] + noise(f.set.dof_count(), 0.02), direction = noise(f.set.dof_count(), 1).normalized();
+    const std::size_t first = without_ties(*f.energy).element_count();
+    ElementResult at, plus, minus;
+    for (std::size_t e = first; e < f.energy->element_count(); ++e) {
+        std::size_t count = 0;
+        const std::uint32_t* vertices = f.energy->element_vertices(e, count);
+        Eigen::VectorXd x(12);
+        gather(vertices, count, y, x.data());
+        const Eigen::VectorXd along = direction.head(12).normalized();
+        const auto evaluate = [&](double step, ElementResult& result) {
+            const Eigen::VectorXd moved = x + step * along;
+            f.energy->evaluate(e, w.data(), moved.data(), Order::hessian, HessianKind::exact, result);
+        };
+        evaluate(0, at);
+        evaluate(1e-5, plus);
+        evaluate(-1e-5, minus);
+        CHECK(at.gradient.dot(along) == doctest::Approx((plus.value - minus.value) / 2e-5).epsilon(1e-6));
+        CHECK(relative(at.hessian * along, (plus.gradient - minus.gradient) / 2e-5) < 1e-6);
+        ElementResult projected;
+        f.energy->evaluate(e, w.data(), x.data(), Order::hessian, HessianKind::projected, projected);
+        const Eigen::VectorXd values = Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(projected.hessian).eigenvalues();
+        CHECK(values[0] > -1e-12 * values[11]);
+    }
+}
+
+TEST_CASE("ties do not see rigid motions, the order of the poses or the unit")
+{
+    const Fixture f;
+    const Weights w = Eigen::Vector3d(0.2, 0.5, 0.3);
+    const Shape y = f.set.shapes[1] + noise(f.set.dof_count(), 0.02);
+    const double value = energy_value(*f.energy, w, y);
+    Shape moved = y;
+    RigidMotion motion;
+    motion.rotation = Eigen::AngleAxisd(1.1, Eigen::Vector3d(1, 2, 3).normalized()).toRotationMatrix();
+    motion.translation = Eigen::Vector3d(3, -1, 2);
+    apply(motion, moved);
+    CHECK(energy_value(*f.energy, w, moved) == doctest::Approx(value).epsilon(1e-9));
+
+    PoseSet scaled = f.poses;
+    for (Positions& positions : scaled.positions) positions *= 1000;
+    const ShapeSet scaled_set = normalise(scaled);
+    CHECK(energy_value(*make_energy(scaled_set, EnergyOptions()), w, y) == doctest::Approx(value).epsilon(1e-6));
+
+    // A mirrored part is not at rest: the place knows sides.
+    const Tie& tie = f.ties.ties[0];
+    const auto& v = tie.vertices;
+    const Eigen::Vector3d a = point(f.set.shapes[0], v[1]), b = point(f.set.shapes[0], v[2]),
+                          c = point(f.set.shapes[0], v[3]);
+    const Eigen::Vector3d normal = (b - a).cross(c - a).normalized(), x = point(f.set.shapes[0], v[0]);
+    const Eigen::Vector3d mirrored = x - 2 * normal * normal.dot(x - a);
+    CHECK((tie_place(tie_vectors(tie, mirrored, a, b, c)) - tie.rest.col(0)).norm()
+          == doctest::Approx(2 * std::abs(normal.dot(x - a))).epsilon(0.5));
+}
+
+TEST_CASE("touching parts that lie in one plane are held to first order")
+{
+    // Two flat squares side by side, in all poses in the same plane.
+    PoseSet poses;
+    poses.triangles = { { 0, 1, 2 }, { 0, 2, 3 }, { 4, 5, 6 }, { 4, 6, 7 } };
+    Positions square(8, 3);
+    square << 0, 0, 0, 1, 0, 0, 1, 1, 0, 0, 1, 0, 1, 0, 0, 2, 0, 0, 2, 1, 0, 1, 1, 0;
+    poses.positions = { square, 1.2 * square };
+    poses.names = { "a", "b" };
+    const ShapeSet set = normalise(poses);
+    const auto energy = make_energy(set, EnergyOptions());
+    REQUIRE(ties_of(*energy) != nullptr);
+    const Eigen::VectorXd values = Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(
+                                       dense_hessian(*energy, corner_weights(2, 0), set.shapes[0], HessianKind::exact))
+                                       .eigenvalues();
+    CHECK(values[5] < 1e-12 * values[23]);
+    CHECK(values[6] > 1e-8 * values[23]);
+}
+
+namespace {
+
+// Two strips of squares along x that share the border y = 0 only in space: the lower one has vertices at x = 0, 1, 2, .. there, the upper
+// one at 0, 2, 4, .., and the two are one part by the square at their end if `is_joined`.
+PoseSet cracked_sheet(bool is_joined)
+{
+    PoseSet poses;
+    const std::uint32_t n = 9;
+    std::vector<Eigen::RowVector3d> rest;
+    for (std::uint32_t i = 0; i < n; ++i) rest.emplace_back(i, -1, 0);
+    for (std::uint32_t i = 0; i < n; ++i) rest.emplace_back(i, 0, 0);
+    const std::uint32_t upper = 2 * n, half = n / 2 + 1;
+    for (std::uint32_t i = 0; i < half; ++i) rest.emplace_back(2 * i, 0.001, 0);
+    for (std::uint32_t i = 0; i < half; ++i) rest.emplace_back(2 * i, 2, 0);
+    for (std::uint32_t i = 0; i + 1 < n; ++i) {
+        poses.triangles.push_back({ i, i + 1, n + i + 1 });
+        poses.triangles.push_back({ i, n + i + 1, n + i });
+    }
+    const auto at = [&](std::uint32_t i) { return is_joined && i == 0 ? n : upper + i; };
+    for (std::uint32_t i = 0; i + 1 < half; ++i) {
+        poses.triangles.push_back({ at(i), at(i + 1), upper + half + i + 1 });
+        poses.triangles.push_back({ at(i), upper + half + i + 1, upper + half + i });
+    }
+    for (const double bend : { 0.0, 1.5 }) {
+        Positions positions(Eigen::Index(rest.size()), 3);
+        for (std::size_t v = 0; v < rest.size(); ++v)
+            positions.row(Eigen::Index(v)) = Tube::place(bend, 0, rest[v].x() * 6 / n, rest[v].z(), rest[v].y());
+        poses.positions.push_back(positions);
+        poses.names.push_back("bent");
+    }
+    return poses;
+}
+
+} // namespace
+
+TEST_CASE("borders that lie on borders are tied to them")
+{
+    for (const bool is_joined : { false, true }) {
+        const ShapeSet set = normalise(cracked_sheet(is_joined));
+        const TieSet ties = find_ties(set);
+        CHECK(ties.parts.count() >= 2); // touching in one vertex is two
+        // The lower strip's vertices between the ends of the upper one's edges, at least.
+        std::vector<std::uint32_t> seams;
+        for (std::size_t i = ties.ties.size() - ties.seam_count; i < ties.ties.size(); ++i)
+            seams.push_back(ties.ties[i].vertices[0]);
+        for (const std::uint32_t v : { 10u, 12u, 14u, 16u }) CHECK(std::find(seams.begin(), seams.end(), v) != seams.end());
+        for (const std::uint32_t v : seams) CHECK(v >= 9); // never a vertex that lies on no other border
+        for (const std::uint32_t v : seams) CHECK(v < 23);
+    }
+}
+
+TEST_CASE("what is wrong with parts is said")
+{
+    struct Listener : Progress {
+        std::vector<int> numbers;
+        void warn(int number, const std::string&, const std::string&) override { numbers.push_back(number); }
+    } heard;
+    TieReport report;
+    report.parts = { { 0, 0, 100, 0, 0 }, { 5, 0, 3, 12, 0.01 } };
+    tell_ties(report, heard);
+    CHECK(heard.numbers.empty());
+    report.parts.push_back({ 8, 5, 3, 0, 0.01 });
+    report.parts.push_back({ 11, 0, 3, 12, 0.3 });
+    report.blends = { { 0.02, 1, 6 }, Eigen::Vector2d(0.5, 0.5) };
+    tell_ties(report, heard);
+    CHECK(heard.numbers == std::vector<int> { 4409, 4410, 4408 });
+    use_file_numbers({ 10, 11, 12, 13, 14, 15, 16, 17, 18, 19, 20, 21 }, report);
+    CHECK(report.parts[2].vertex == 18);
+    CHECK(report.blends.drift.vertex == 16);
+}
+
+TEST_CASE("a character in several parts bakes, and its parts keep their place")
+{
+    const PoseSet poses = PartsMesh().poses(3);
+    Progress silent;
+    BakeOptions options;
+    options.tolerance = 3e-3;
+    options.check_count = 12;
+    const BakedAsset baked = bake(poses, options, silent);
+    CHECK(baked.report.mean_error < 3e-3);
+    const ShapeSet set = normalise(poses);
+    const TieSet ties = find_ties(set);
+    REQUIRE(baked.report.ties.has_value());
+    CHECK(baked.report.ties->part_count == 4);
+    double worst = 0;
+    RuntimeBlender blender(baked.bytes, "the test's asset");
+    for (const AssetCheck& check : baked.report.checks) {
+        const Eigen::VectorXf w = check.weights.cast<float>();
+        const Shape blend = from_input_units(set, blender.positions(blender.solve({ w[0], w[1], w[2] }, false)));
+        const TieDrift drift = measure_drift(ties, set, check.weights, blend);
+        CAPTURE(drift.part);
+        CAPTURE(weights_text(check.weights));
+        CHECK(drift.largest < 0.005);
+        worst = std::max(worst, drift.largest);
+    }
+    CHECK(baked.report.ties->blends.drift.largest == doctest::Approx(worst).epsilon(1e-4));
+    CHECK(baked.report.certificate.find("drift_of_blends") != std::string::npos);
+}
