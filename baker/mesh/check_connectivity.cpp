@@ -144,7 +144,7 @@ void Checker::find_unreferenced_vertices()
     findings_.add(
         warning_at(2207, mesh_.path,
                    fmt::format("{} vertices belong to no face of the elastic mesh: {}", unused.size(), first_few(unused)),
-                   "nothing but what lies beside them says where they should go"));
+                   "ties hold them to what lies beside them; remove them from all poses if they are nothing"));
 }
 
 void Checker::find_components()
@@ -172,10 +172,10 @@ void Checker::find_components()
         list += fmt::format("{}{} faces with face {}", i == 0 ? "" : ", ", sizes[components[i]],
                             triangulation_.faces[components[i]]);
     }
-    findings_.add(
-        warning_at(2208, mesh_.path,
-                   fmt::format("has {} components: {}{}", components.size(), list, components.size() > 5 ? ", ..." : ""),
-                   "they share no edge, so no elastic energy holds them together"));
+    findings_.add(warning_at(
+        2208, mesh_.path,
+        fmt::format("has {} components: {}{}", components.size(), list, components.size() > 5 ? ", ..." : ""),
+        "ties hold each to the one beside it, and a bake tells how far it drifts; join them if they should be one"));
 }
 
 void Checker::find_bow_ties()

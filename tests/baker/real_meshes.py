@@ -1,0 +1,141 @@
+"""real_meshes.py TOOL [--bake] [--only TEXT]: what becomes of meshes as people make them. For every set of poses below, one row of a Markdown
+table on standard output: what the files have, what of it is elastic, what was told; with --bake also a small bake (d and elements fixed) and
+its errors at fresh weights. real_meshes.md is this table. Data: PLIANT_DATA; sets that are not there are left out.
+
+real_meshes.py TOOL --compare: the table without bakes against real_meshes.md. Exit code 0 the same, 1 not, 77 no data."""
+import argparse
+import os
+import pathlib
+import re
+import subprocess
+import sys
+import tempfile
+
+HERE = pathlib.Path(__file__).parent
+DATA = pathlib.Path(os.environ.get("PLIANT_DATA", "") or HERE.parents[2] / "shared" / "data")
+TABLE = HERE / "real_meshes.md"
+# Enough for a look at every file; the errors are those of so few dimensions.
+BAKE = ["--quiet", "--dim", "6", "--elements", "40", "--check-samples", "2", "--fresh-samples", "2"]
+HEAD = ["set", "drawn vertices / triangles", "elastic vertices / triangles", "components", "told", "verdict"]
+BAKE_HEAD = ["bake", "mean relative L2"]
+
+# Name of the set, and the poses relative to the data folder; "*" stands for files.
+SETS = [
+    ("cloth_ball", ["cloth_ball/*.ply"]),
+    ("ict_face original", ["ict_face/original_obj/*.obj"]),
+    ("human_pair", ["human_pair/*.ply"]),
+    ("AnimatedMorphCube", ["gltf_morph/AnimatedMorphCube.glb"]),
+    ("AnimatedMorphSphere", ["gltf_morph/AnimatedMorphSphere.glb"]),
+    ("MorphStressTest", ["gltf_morph/MorphStressTest.gltf"]),
+    ("RobotExpressive, morph", ["gltf_morph/RobotExpressive.glb"]),
+    ("RobotExpressive, animation", ["gltf_morph/RobotExpressive.glb#animation=0@0,0.5,1"]),
+    ("ict_face_14targets", ["gltf_morph/ict_face_14targets.glb#target=jawOpen,mouthSmile_L"]),
+    ("Fox", ["gltf_skin/Fox.glb#animation=2@0,0.2,0.4"]),
+    ("CesiumMan", ["gltf_skin/CesiumMan.glb#animation=0@0,0.5,1"]),
+    ("CesiumMan, .gltf", ["gltf_skin/CesiumMan/CesiumMan.gltf#animation=0@0,0.5,1"]),
+    ("Trex", ["gltf_skin/Trex.glb#animation=0@0,0.3,0.6"]),
+    ("Wolf", ["gltf_skin/Wolf.glb#animation=0@0,0.3,0.6"]),
+    ("AnimatedMorphSphere, Draco", ["gltf_draco/AnimatedMorphSphere_draco.glb"]),
+    ("MorphStressTest, Draco", ["gltf_draco/MorphStressTest_draco.glb"]),
+    ("ict_face_14targets, Draco", ["gltf_draco/ict_face_14targets_draco.glb#target=jawOpen,mouthSmile_L"]),
+    ("CesiumMan, Draco", ["gltf_draco/CesiumMan_draco.glb#animation=0@0,0.5,1"]),
+    ("Mech_FinnTheFrog, Draco", ["gltf_draco/Mech_FinnTheFrog-transformed.glb#animation=0@0,0.3,0.6"]),
+    ("Enemy_Small, Draco", ["gltf_draco/Enemy_Small-transformed.glb#animation=0@0,0.3,0.6"]),
+]
+
+
+def poses_of(patterns):
+    """The arguments of the tool, or none if a file is missing."""
+    poses = []
+    for pattern in patterns:
+        name, mark, choice = pattern.partition("#")
+        files = sorted(DATA.glob(name))
+        if not files:
+            return []
+        poses += [str(file) + mark + choice for file in files]
+    return poses
+
+
+def run(tool, *arguments):
+    return subprocess.run([tool, *arguments], stdin=subprocess.DEVNULL, capture_output=True, text=True, timeout=3600)
+
+
+def numbers(result):
+    """Numbers of errors and warnings, each once, in order."""
+    return ", ".join(dict.fromkeys(re.findall(r"(?m)^.*?\b(?:error|warning) (P\d{4}):", result.stderr))) or "-"
+
+
+def checked(tool, poses):
+    """The cells from drawn vertices to verdict."""
+    result = run(tool, "check", *poses)
+    drawn = re.search(r"poses of (\d+) vertices, \d+ faces, (\d+) triangles", result.stdout)
+    elastic = re.search(r"elastic mesh has (\d+) vertices, (\d+) triangles", result.stdout)
+    parts = re.search(r"has (\d+) components", result.stderr)
+    verdict = "fit" if result.returncode == 0 else f"exit code {result.returncode}"
+    if not drawn:
+        return ["-", "-", "-", numbers(result), verdict]
+    return [" / ".join(drawn.groups()), " / ".join((elastic or drawn).groups()), parts[1] if parts else "1", numbers(result), verdict]
+
+
+def baked(tool, poses):
+    """What a small bake ends with, and its mean error."""
+    with tempfile.TemporaryDirectory(prefix="pliant-real-") as folder:
+        asset = str(pathlib.Path(folder) / "a.pliant")
+        result = run(tool, "bake", *poses, "-o", asset, *BAKE)
+        if result.returncode != 0:
+            return [f"exit code {result.returncode}, {numbers(result)}", "-"]
+        error = re.search(r'"mean_error": ([-+.\de]+)', run(tool, "info", asset, "--json").stdout.split('"measured"')[-1])
+        return ["done", f"{float(error[1]):.1e}" if error else "-"]
+
+
+def rows(arguments):
+    for name, patterns in SETS:
+        poses = poses_of(patterns)
+        if not poses or arguments.only not in name:
+            continue
+        cells = [name, *checked(arguments.tool, poses)]
+        if arguments.bake:
+            cells += baked(arguments.tool, poses) if cells[-1] == "fit" else ["-", "-"]
+        yield cells
+
+
+def line(cells):
+    return "| " + " | ".join(cells) + " |"
+
+
+def compare(arguments):
+    committed = {}
+    for text in TABLE.read_text(encoding="utf-8").splitlines():
+        cells = [cell.strip() for cell in text.strip("| ").split(" | ")]
+        if text.startswith("|"):
+            committed[cells[0]] = cells[:len(HEAD)]
+    count = different = 0
+    for cells in rows(arguments):
+        if cells[0] not in committed:
+            print(f"not in the table: {line(cells)}")
+            continue
+        count += 1
+        if committed[cells[0]] != cells:
+            different += 1
+            print(f"FAILED: {line(cells)}\n  the table has {line(committed[cells[0]])}")
+    print(f"{count} sets, {different} otherwise than in {TABLE.name}" if count else "skipped: no data, set PLIANT_DATA")
+    return 77 if count == 0 else 1 if different else 0
+
+
+def main():
+    parser = argparse.ArgumentParser()
+    parser.add_argument("tool")
+    parser.add_argument("--bake", action="store_true")
+    parser.add_argument("--compare", action="store_true")
+    parser.add_argument("--only", default="")
+    arguments = parser.parse_args()
+    if arguments.compare:
+        return compare(arguments)
+    head = HEAD + (BAKE_HEAD if arguments.bake else [])
+    print(line(head), line(["---"] * len(head)), sep="\n")
+    for cells in rows(arguments):
+        print(line(cells), flush=True)
+    return 0
+
+
+sys.exit(main())
