@@ -1,6 +1,7 @@
 #include "cli/verbs.h"
 
 #include "energy/parallel.h"
+#include "io/source_file.h"
 #include "mesh/load_poses.h"
 #include "report/certificate.h"
 
@@ -167,6 +168,29 @@ std::vector<double> parse_weights(const std::string& text)
         start = end + 1;
     }
     return values;
+}
+
+std::vector<std::vector<double>> read_weight_rows(const std::string& path)
+{
+    FindingList findings;
+    const auto text = read_bytes(path, findings);
+    if (!text) throw Failure(ExitCode::bad_input, findings.findings());
+    std::vector<std::vector<double>> rows;
+    std::size_t start = 0;
+    for (std::size_t line = 1; start < text->size(); ++line) {
+        const std::size_t end = std::min(text->find('\n', start), text->size());
+        std::string row = text->substr(start, end - start);
+        start = end + 1;
+        if (row.find_first_not_of(" \t\r") == std::string::npos || row[0] == '#') continue;
+        try {
+            rows.push_back(parse_weights(row));
+        } catch (const Failure& failure) {
+            throw Failure(ExitCode::bad_input,
+                          error_at(2601, path + ":" + std::to_string(line), failure.findings()[0].what,
+                                   "one line per frame, one weight per pose, separated by commas; # starts a comment"));
+        }
+    }
+    return rows;
 }
 
 Weights normalised_weights(const std::vector<double>& values, std::size_t pose_count)

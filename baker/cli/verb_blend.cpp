@@ -1,7 +1,6 @@
 #include "cli/verbs.h"
 
 #include "io/encode_ply.h"
-#include "io/source_file.h"
 #include "io/write_file.h"
 #include "write/runtime_blender.h"
 
@@ -43,29 +42,6 @@ std::string frame_name(const std::string& pattern, std::size_t frame)
     return pattern.substr(0, percent) + number + pattern.substr(end + 1);
 }
 
-std::vector<std::vector<double>> read_path(const std::string& path)
-{
-    FindingList findings;
-    const auto text = read_bytes(path, findings);
-    if (!text) throw Failure(ExitCode::bad_input, findings.findings());
-    std::vector<std::vector<double>> rows;
-    std::size_t start = 0;
-    for (std::size_t line = 1; start < text->size(); ++line) {
-        const std::size_t end = std::min(text->find('\n', start), text->size());
-        std::string row = text->substr(start, end - start);
-        start = end + 1;
-        if (row.find_first_not_of(" \t\r") == std::string::npos || row[0] == '#') continue;
-        try {
-            rows.push_back(parse_weights(row));
-        } catch (const Failure& failure) {
-            throw Failure(ExitCode::bad_input,
-                          error_at(2601, path + ":" + std::to_string(line), failure.findings()[0].what,
-                                   "one line per frame, one weight per pose, separated by commas; # starts a comment"));
-        }
-    }
-    return rows;
-}
-
 void write_frame(const RuntimeBlender& blender, const std::vector<float>& q, const Writing& how, const std::string& path)
 {
     const std::vector<float> positions = blender.positions(q);
@@ -90,7 +66,7 @@ ExitCode run(const Arguments& a)
         if (!a.is_quiet) fmt::print("{}: {} iterations, {} evaluations\n", a.output, info.iterations, info.evaluations);
         return ExitCode::done;
     }
-    const auto rows = read_path(a.path);
+    const auto rows = read_weight_rows(a.path);
     for (std::size_t frame = 0; frame < rows.size(); ++frame) probe_output(frame_name(a.output, frame), { a.asset, a.path });
     ConsoleProgress progress("blend", a.is_quiet);
     for (std::size_t frame = 0; frame < rows.size(); ++frame) {

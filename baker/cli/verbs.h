@@ -20,6 +20,7 @@ Verb add_blend(CLI::App& app);
 Verb add_measure(CLI::App& app);
 Verb add_info(CLI::App& app);
 Verb add_validate(CLI::App& app);
+Verb add_export(CLI::App& app);
 
 // Options that several verbs share.
 void add_pose_arguments(CLI::App& verb, std::vector<std::string>& poses);
@@ -40,6 +41,9 @@ std::vector<std::string> input_files(const std::vector<std::string>& poses, cons
 
 // "1,0.5,2" as numbers. Throws Failure (usage, P1201) quoting what is not one.
 std::vector<double> parse_weights(const std::string& text);
+
+// A file with weights, a line a frame. Throws Failure (bad_input, P2001, P2601) naming the line that is not one.
+std::vector<std::vector<double>> read_weight_rows(const std::string& path);
 
 // Checks count and values (P1203, P1204) and divides by the sum.
 Weights normalised_weights(const std::vector<double>& values, std::size_t pose_count);
