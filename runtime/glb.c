@@ -42,7 +42,7 @@ pliant_result pliant_glb_find(const void* glb, size_t glb_size, size_t* offset, 
     if (length < sizeof header) return PLIANT_ERROR_ABSENT;
     memcpy(&header, bytes + start, sizeof header);
     if (memcmp(header.identifier, identifier, sizeof identifier) != 0) return PLIANT_ERROR_ABSENT;
-    if (header.file_size > length) return PLIANT_ERROR_TRUNCATED;
+    if (header.file_size < sizeof header || header.file_size > length) return PLIANT_ERROR_TRUNCATED;
     *offset = start;
     *size = (size_t)header.file_size;
     return PLIANT_OK;

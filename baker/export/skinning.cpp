@@ -44,11 +44,11 @@ struct BoneSums {
         target += m * q;
         product += m * p * q.transpose();
     }
-    RigidMotion solve(const RigidMotion& otherwise) const
+    BoneMotion solve(const BoneMotion& otherwise) const
     {
         if (mass < least_mass) return otherwise;
         const Eigen::Vector3d p = rest / mass, q = target / mass;
-        RigidMotion motion;
+        BoneMotion motion;
         motion.rotation = rotation_of(product - mass * p * q.transpose());
         motion.translation = q - motion.rotation * p;
         return motion;
@@ -218,7 +218,7 @@ void sweep_bones(const Skin& skin, const std::vector<std::vector<Member>>& membe
     for (int sweep = 0; sweep < sweeps; ++sweep)
         for (std::size_t b = 0; b < skin.bone_count; ++b) {
             BoneSums sums;
-            const RigidMotion old = pose[b];
+            const BoneMotion old = pose[b];
             for (const Member& m : members[b])
                 sums.add(m.weight, skin.rest.col(m.vertex),
                          residual.col(m.vertex) + m.weight * (old * skin.rest.col(m.vertex)));

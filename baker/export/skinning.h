@@ -11,7 +11,7 @@ namespace pliant {
 
 constexpr std::size_t max_influences = 4; // of a vertex: what JOINTS_0 and WEIGHTS_0 hold
 
-struct RigidMotion {
+struct BoneMotion {
     Eigen::Matrix3d rotation = Eigen::Matrix3d::Identity();
     Eigen::Vector3d translation = Eigen::Vector3d::Zero();
 
@@ -19,7 +19,7 @@ struct RigidMotion {
 };
 
 // Where all bones are in one shape: takes the rest pose there.
-using BonePose = std::vector<RigidMotion>;
+using BonePose = std::vector<BoneMotion>;
 
 struct Influences {
     std::array<std::uint16_t, max_influences> bones {};

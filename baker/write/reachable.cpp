@@ -6,8 +6,7 @@ namespace pliant {
 
 namespace {
 
-// Enough that on 12 poses each of the 66 edges gets ten; on the bodies at hand twice as many move no range by more than a fifth of the
-// margin (tests/export/test_ranges.cpp repeats that on a small one).
+// Enough that with 12 poses each of the 66 edges gets ten.
 constexpr std::size_t range_sample_count = 2000;
 constexpr std::uint64_t range_seed = 7919;
 // What lies between the samples, and the last digits of a solve that comes from another side.

@@ -279,8 +279,8 @@ class Asset:
             require(len(data) == 2 * 4 * pad16(d), "R09", "size of MRNG")
             table = np.frombuffer(data, "<f4").reshape(2, -1)
             require(np.isfinite(table).all(), "R10", "MRNG")
-            width = table[1, :d] - table[0, :d]
-            require((width >= 0).all() and np.isfinite(width).all(), "R20", "a range of MRNG")
+            width = table[1, :d].astype(float) - table[0, :d]
+            require((width >= 0).all() and np.isfinite(width.astype("<f4")).all(), "R20", "a range of MRNG")
             require(not table[:, d:].tobytes().strip(b"\0"), "R14", "padding of MRNG")
             self.morph_ranges = table[:, :d].astype(float)
 

@@ -1,4 +1,5 @@
 // The parts of `pliant export` by themselves: GLB bytes, fitted normals, paths, warnings, skins. Whole exports: tests/export.
+#include "export/draco_mesh.h"
 #include "export/glb.h"
 #include "export/skinning.h"
 #include "reduce/training.h"
@@ -83,6 +84,27 @@ TEST_CASE("a GLB is laid out as the format wants, an asset in front on a page")
     CHECK(bytes.substr(4096, 10) == "0123456789");
     CHECK(word_at(bytes, 4096 - 8) == bytes.size() - 4096);
     CHECK(bytes.size() % 4 == 0);
+}
+
+TEST_CASE("Draco gives vertices back in their order, to a millionth of the size")
+{
+    Random random(9);
+    std::vector<float> positions, normals;
+    std::vector<std::uint32_t> triangles;
+    for (int v = 0; v < 300; ++v) {
+        const Eigen::Vector3d normal = Eigen::Vector3d(random.normal(), random.normal(), random.normal()).normalized();
+        for (int c = 0; c < 3; ++c) {
+            positions.push_back(float(100 + 5 * random.normal()));
+            normals.push_back(float(normal[c]));
+        }
+    }
+    for (int f = 0; f < 500; ++f)
+        for (int c = 0; c < 3; ++c) triangles.push_back(std::uint32_t(random.below(300)));
+    const DracoMesh mesh = compress_mesh(positions, normals, triangles);
+    REQUIRE(mesh.positions.size() == positions.size());
+    for (std::size_t i = 0; i < positions.size(); ++i) CHECK(std::abs(mesh.positions[i] - positions[i]) < 4e-5);
+    CHECK(mesh.largest_error < 4e-5);
+    CHECK(mesh.bytes.size() < positions.size() * sizeof(float));
 }
 
 TEST_CASE("P5201: what 32 bits cannot count is refused")

@@ -378,7 +378,7 @@ def main():
     if any(Draft(blob).join() != blob for blob in (good, loaded, solid, quartic, ranged)):
         raise SystemExit("taking a good file apart and joining it changes it: give those of tiny_asset.py")
     rules, names = set(), []
-    np.seterr(invalid="ignore")
+    np.seterr(invalid="ignore", over="ignore")
     for name, code, blob in [*bad_files(good), *bad_loads(loaded), *bad_solids(solid), *bad_quartics(quartic),
                              *bad_ranges(ranged)]:
         try:

@@ -23,7 +23,8 @@ static void check_weights(const opened* o)
         CHECK(pliant_morph_weights(&o->asset, q, weights) == PLIANT_OK, "%s", o->name);
         for (uint32_t j = 0; j < d; ++j) {
             const double back = (double)low[j] + (double)weights[j] * ((double)high[j] - (double)low[j]);
-            CHECK(fabs(back - (double)q[j]) < 1e-6 * (1.0 + fabs((double)q[j])), "%s: %u", o->name, j);
+            const double size = fabs((double)low[j]) + fabs((double)high[j]) + fabs((double)q[j]);
+            CHECK(fabs(back - (double)q[j]) < 1e-6 * size, "%s: %u", o->name, j);
         }
     }
     CHECK(pliant_morph_weights(&o->asset, low, weights) == PLIANT_OK && weights[0] == 0.0f, "%s: low", o->name);
