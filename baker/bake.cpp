@@ -454,6 +454,9 @@ BakedAsset bake(const PoseSet& poses, const BakeOptions& given, Progress& progre
     else if (drawn)
         smoothing = smoothing_of(*drawn, poses.scene.get());
     if (!smoothing.empty()) asset.smoothing = &smoothing;
+    const std::vector<std::uint8_t> drawn_bytes = encode_asset(asset);
+    RuntimeBlender blender(drawn_bytes, "the asset just baked");
+    asset.morph_ranges = find_morph_ranges(blender);
     report.basis = check_basis(asset, reachable);
     tell_findings(report, poses, progress);
     tell_inversion(report, progress);

@@ -9,7 +9,7 @@
 #define PLIANT_FORMAT_MINOR 3       /* the newest described here; a file states the oldest that has all that it holds */
 #define PLIANT_FORMAT_MINOR_LOAD 1  /* the first with LOAD */
 #define PLIANT_FORMAT_MINOR_SOLID 2 /* the first with QUAR, VERT and elements for tetrahedra */
-#define PLIANT_FORMAT_MINOR_PARTS 3 /* the first with BASC, BNDS, SMTH, GLTF and elements that tie parts together */
+#define PLIANT_FORMAT_MINOR_PARTS 3 /* the first with BASC, BNDS, SMTH, GLTF, MRNG and elements that tie parts together */
 
 /* "«PLIANT»" with CR LF EOF LF behind it: a transfer in text mode breaks it visibly. */
 #define PLIANT_FORMAT_IDENTIFIER                                               \
@@ -26,6 +26,7 @@
 #define PLIANT_CHUNK_LOAD PLIANT_FORMAT_TAG('L', 'O', 'A', 'D')
 #define PLIANT_CHUNK_REST PLIANT_FORMAT_TAG('R', 'E', 'S', 'T')
 #define PLIANT_CHUNK_TRIANGLES PLIANT_FORMAT_TAG('T', 'R', 'I', 'S')
+#define PLIANT_CHUNK_MORPH_RANGES PLIANT_FORMAT_TAG('M', 'R', 'N', 'G')
 #define PLIANT_CHUNK_VERTICES PLIANT_FORMAT_TAG('V', 'E', 'R', 'T')
 #define PLIANT_CHUNK_SMOOTHING PLIANT_FORMAT_TAG('S', 'M', 'T', 'H')
 #define PLIANT_CHUNK_POLYGONS PLIANT_FORMAT_TAG('P', 'O', 'L', 'Y')

@@ -52,4 +52,7 @@ pliant_result pliant_open_energy(const pliant_open_context* context, pliant_asse
 /* What positions are rebuilt from: REST, BASI or BASC, BNDS. The chunks are disjoint and inside the file. */
 pliant_result pliant_open_shape(const pliant_open_context* context, pliant_asset* asset);
 
+/* MRNG, which is optional. */
+pliant_result pliant_open_morph_ranges(const pliant_open_context* context, pliant_asset* asset);
+
 #endif

@@ -5,6 +5,7 @@
 #include "mesh/render_scene.h"
 #include "reduce/stand_in.h"
 #include "warmstart/predictor.h"
+#include "write/reachable.h"
 #include "write/stored_shape.h"
 
 #include <cstdint>
@@ -34,8 +35,9 @@ struct AssetModel {
     const DrawnSurface* drawn = nullptr;   // what is stored for drawing, in the place of the mesh's own vertices and faces
     const RenderScene* scene = nullptr;    // for GLTF; written if its vertices are as many as those drawn. Null: none
     const StoredShape* stored
-        = nullptr;           // of what is drawn; null: the subspace as it is, in single precision, without bounds
-    std::string certificate; // JSON text
+        = nullptr; // of what is drawn; null: the subspace as it is, in single precision, without bounds
+    std::optional<MorphRanges> morph_ranges; // of q as weights of morph targets
+    std::string certificate;                 // JSON text
     std::vector<std::pair<Weights, Eigen::VectorXf>>
         answers; // weights and the q that the runtime found, in stored coordinates
 };

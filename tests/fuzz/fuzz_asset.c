@@ -29,6 +29,7 @@ static void solve_frames(const pliant_asset* asset, pliant_solver* solver)
         require(info.evaluations <= 3);
         for (uint32_t j = 0; j < asset->dimension; ++j) require(q[j] - q[j] == 0.0f);
     }
+    require(pliant_morph_weights(asset, q, q) == (asset->morph_ranges ? PLIANT_OK : PLIANT_ERROR_ABSENT));
     pliant_reconstruct(asset, q, 0, 48, positions, 12);
     pliant_reconstruct(asset, q, asset->vertex_count - 1, 48, positions, 12);
     pliant_reconstruct_columns(asset, q, pliant_columns_needed(asset, q, 1e-2f), 0, 48, positions, 12);

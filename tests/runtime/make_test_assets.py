@@ -44,6 +44,8 @@ ASSETS = {
     "tube_compact": dict(mesh="tube", size=(12, 16), poses=3, dimension=12, material="edge", predictor=True, compact=1e-4),
     "tube_compact_fine": dict(mesh="tube", size=(9, 9), poses=2, dimension=5, material="stvk", predictor=True, load=True,
                               compact=1e-7),
+    "tube_ranges": dict(mesh="tube", size=(12, 9), poses=3, dimension=8, material="neo-hookean", predictor=True, ranges=True),
+    "beam_ranges": dict(mesh="beam", size=(4, 3), poses=2, dimension=5, material="mooney-rivlin", predictor=True, ranges=True),
     "twelve_poses": dict(mesh="strip", size=(8, 4), poses=12, dimension=16, material="neo-hookean", predictor=True),
 }
 

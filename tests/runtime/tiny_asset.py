@@ -170,6 +170,14 @@ def quartic_chunk(quartic, dimension):
     return struct.pack("<I60x", layout.count) + floats(tables)
 
 
+def ranges_chunk(model):
+    """MRNG: where q was found at a few weights, and the width of the widest on both sides."""
+    q = np.concatenate([model.pose_coordinates, model.mean + np.array(model.answers) @ model.whitening.T])
+    low, high = q.min(axis=0), q.max(axis=0)
+    table = np.array([low - (high - low).max(), high + (high - low).max()])
+    return floats(padded(table, pad16(len(model.mean))))
+
+
 def vertex_chunk(source, boundary_count):
     return struct.pack("<I60x", boundary_count) + np.array(source, "<u4").tobytes()
 
@@ -211,7 +219,7 @@ def shape_chunks(model, origin, compact):
     return [("BNDS", 0, tiny_shape.bounds_chunk(rest, packed, min(5, len(rest)))), ("BASC", 1, chunk)]
 
 
-def chunks_of(model, polygons, compact=0.0, smoothing=False):
+def chunks_of(model, polygons, compact=0.0, smoothing=False, ranges=False):
     m, d = len(model.x), len(model.mean)
     origin = model.x[0].mean(axis=0)
     answers = np.array([np.concatenate([w, model.mean + model.whitening @ z])
@@ -225,6 +233,8 @@ def chunks_of(model, polygons, compact=0.0, smoothing=False):
         chunks.append(("PRED", 0, predictor_chunk(model)))
     if model.load is not None:
         chunks.append(("LOAD", 1, load_chunk(model)))
+    if ranges:
+        chunks.append(("MRNG", 0, ranges_chunk(model)))
     chunks += [("REST", 1, floats(tiles_of(model.x[0] - np.float32(origin)))),
                ("TRIS", 1, np.array(model.faces, "<u4").tobytes())]
     if model.vertices is not None:
@@ -244,7 +254,7 @@ def chunks_of(model, polygons, compact=0.0, smoothing=False):
 
 def oldest_minor(chunks):
     """The format version that has all that a file holds."""
-    if "BASC" in chunks or "BNDS" in chunks:
+    if "BASC" in chunks or "BNDS" in chunks or "MRNG" in chunks:
         return 3
     elements = chunks.get("ELEM", bytes(64))
     kinds = [struct.unpack_from("<I", elements, 64 + 64 * i)[0] for i in range(struct.unpack_from("<I", elements)[0])]
@@ -274,9 +284,9 @@ def assemble(counts, origin, chunks):
 
 
 def make_asset(mesh="strip", size=(7, 3), poses=2, dimension=4, material="neo-hookean", predictor=False, load=False,
-               polygons=False, seed=1, quartic=False, compact=0.0, smoothing=False):
+               polygons=False, seed=1, quartic=False, compact=0.0, smoothing=False, ranges=False):
     model = make_model(mesh, size, poses, dimension, material, predictor, load, seed, quartic)
-    return assemble(*chunks_of(model, polygons, compact, smoothing))
+    return assemble(*chunks_of(model, polygons, compact, smoothing, ranges))
 
 
 def main():
@@ -294,6 +304,7 @@ def main():
     parser.add_argument("--polygons", action="store_true")
     parser.add_argument("--smoothing", action="store_true", help="SMTH: pairs of vertices share a normal")
     parser.add_argument("--compact", type=float, default=0.0, help="BASC of about this accuracy, and BNDS, instead of BASI")
+    parser.add_argument("--ranges", action="store_true", help="with MRNG")
     parser.add_argument("--seed", type=int, default=1)
     options = parser.parse_args()
     if options.load and not options.predictor:
@@ -304,7 +315,7 @@ def main():
         parser.error("--quartic needs --material tet-stvk: no other is a polynomial")
     blob = make_asset(options.mesh, options.size, options.poses, options.dim, options.material, options.predictor,
                       options.load, options.polygons, options.seed, options.quartic, options.compact,
-                      options.smoothing)
+                      options.smoothing, options.ranges)
     with open(options.output, "wb") as file:
         file.write(blob)
     return 0
