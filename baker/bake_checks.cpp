@@ -2,6 +2,7 @@
 
 #include "average/rigid_modes.h"
 #include "energy/parallel.h"
+#include "mesh/tets.h"
 #include "pliant_format.h"
 #include "write/runtime_blender.h"
 

@@ -112,6 +112,7 @@ typedef void pliant_quartic_kernel(uint32_t dimension, const float* table, const
 typedef struct pliant_frame {
     const float* q;
     uint32_t columns;                          /* how many count */
+    float origin[PLIANT_FORMAT_TILE_FLOATS];   /* of the asset, for every vertex of a tile */
     float scaled[PLIANT_FORMAT_MAX_DIMENSION]; /* of BASC: q by the columns' scales, and by those of their bases */
     float bases[PLIANT_FORMAT_MAX_DIMENSION];
 } pliant_frame;

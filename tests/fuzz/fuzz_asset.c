@@ -31,6 +31,8 @@ static void solve_frames(const pliant_asset* asset, pliant_solver* solver)
     }
     pliant_reconstruct(asset, q, 0, 48, positions, 12);
     pliant_reconstruct(asset, q, asset->vertex_count - 1, 48, positions, 12);
+    pliant_reconstruct_columns(asset, q, pliant_columns_needed(asset, q, 1e-2f), 0, 48, positions, 12);
+    require(pliant_bounds(asset, q, positions, positions + 3) == PLIANT_OK);
 }
 
 /* Positions are all zero: what bytes steer is who is next to whom. */
@@ -68,6 +70,8 @@ static void use_asset(const pliant_asset* asset, size_t blob_size)
     for (uint32_t k = 0; k < asset->pose_count; ++k) require(strlen(pliant_asset_pose_name(asset, k)) < blob_size);
     for (uint32_t i = 0; i < 3 * asset->triangle_count; ++i) require(asset->triangles[i] < asset->boundary_vertex_count);
     require(asset->boundary_vertex_count <= asset->vertex_count);
+    pliant_column column;
+    for (uint32_t j = 0; j < asset->dimension; ++j) require(pliant_asset_column(asset, j, &column) == PLIANT_OK);
     for (uint32_t v = 0; asset->source_vertices && v < asset->vertex_count; ++v)
         require(asset->source_vertices[v] < asset->vertex_count);
 }

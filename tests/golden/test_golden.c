@@ -29,6 +29,7 @@ static uint16_t oldest_minor(const pliant_asset* asset)
     const pliant_format_batch* batches = asset->batches;
     int is_solid = asset->quartic || asset->source_vertices;
     for (uint32_t i = 0; i < asset->batch_count; ++i) is_solid |= batches[i].kind >= PLIANT_ELEMENT_TET_STVK;
+    if (asset->columns || asset->bounds) return PLIANT_FORMAT_MINOR_COMPACT;
     if (is_solid) return PLIANT_FORMAT_MINOR_SOLID;
     return asset->load_coefficients ? PLIANT_FORMAT_MINOR_LOAD : 0;
 }

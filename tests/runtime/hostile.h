@@ -65,6 +65,8 @@ static inline pliant_result exercise(const unsigned char* bytes, size_t size)
         for (uint32_t v = 0; v < asset.vertex_count && v < 65536; v += 40)
             pliant_reconstruct(&asset, q, v, 40, positions, 12);
         pliant_reconstruct(&asset, q, asset.vertex_count - 1, 40, positions, 12);
+        pliant_reconstruct_columns(&asset, q, pliant_columns_needed(&asset, q, 1e-2f), 0, 40, positions, 12);
+        CHECK(pliant_bounds(&asset, q, positions, positions + 3) == PLIANT_OK, "bounds of an open asset");
     }
     for (uint32_t k = 0; k < asset.pose_count; ++k) {
         const char* name = pliant_asset_pose_name(&asset, k);
@@ -73,6 +75,9 @@ static inline pliant_result exercise(const unsigned char* bytes, size_t size)
     }
     for (uint32_t i = 0; i < 3 * asset.triangle_count; ++i)
         CHECK(asset.triangles[i] < asset.boundary_vertex_count, "a triangle");
+    pliant_column column;
+    for (uint32_t j = 0; j < asset.dimension; ++j)
+        CHECK(pliant_asset_column(&asset, j, &column) == PLIANT_OK, "column %u", j);
     CHECK(asset.boundary_vertex_count >= 1 && asset.boundary_vertex_count <= asset.vertex_count, "the boundary");
     for (uint32_t v = 0; asset.source_vertices && v < asset.vertex_count; ++v)
         CHECK(asset.source_vertices[v] < asset.vertex_count, "a vertex of the input");
