@@ -7,6 +7,7 @@
 #include <cmath>
 #include <cstring>
 #include <fmt/core.h>
+#include <map>
 #include <memory>
 #include <nlohmann/json.hpp>
 
@@ -37,6 +38,40 @@ Json chunk_table(const pliant_asset& asset)
     return table;
 }
 
+// How many columns of the basis take how many bits a number (rounded), of those that a compact one has.
+Json column_bits(const pliant_asset& asset)
+{
+    std::map<int, int> counts;
+    for (std::uint32_t j = 0; j < asset.dimension; ++j) {
+        pliant_column column;
+        if (pliant_asset_column(&asset, j, &column) == PLIANT_OK) ++counts[int(std::lround(column.bits))];
+    }
+    Json out = Json::array();
+    for (const auto& [bits, count] : counts) out.push_back({ { "bits", bits }, { "columns", count } });
+    return out;
+}
+
+// The basis, and what linear morph targets in single precision would take for as many poses: one pose and the differences of the
+// others, positions only, and the same triangles. A frame reads rest positions and basis; of morph targets the first pose and the differences.
+Json shape_costs(const pliant_asset& asset)
+{
+    const auto size_of = [&](std::uint32_t tag) {
+        std::size_t size = 0;
+        pliant_asset_chunk(&asset, tag, &size);
+        return size;
+    };
+    const std::size_t basis = size_of(PLIANT_CHUNK_COMPACT) + size_of(PLIANT_CHUNK_BASIS);
+    const std::size_t position = 3 * sizeof(float) * std::size_t(asset.vertex_count);
+    const std::size_t morph = position * asset.pose_count;
+    return { { "basis",
+               { { "compact", asset.columns != nullptr },
+                 { "bytes", basis },
+                 { "bytes_per_number", double(basis) / (3.0 * double(asset.vertex_count) * double(asset.dimension)) },
+                 { "columns", column_bits(asset) } } },
+             { "frame_bytes", basis + size_of(PLIANT_CHUNK_REST) },
+             { "morph_targets", { { "file_size", morph + size_of(PLIANT_CHUNK_TRIANGLES) }, { "frame_bytes", morph } } } };
+}
+
 Json describe(const RuntimeBlender& blender)
 {
     const pliant_asset& asset = blender.asset();
@@ -51,12 +86,28 @@ Json describe(const RuntimeBlender& blender)
                   { "file_size", asset.blob_size },
                   { "solver_memory", pliant_solver_memory(&asset, &desc) },
                   { "chunks", chunk_table(asset) } };
+    info["shape"] = shape_costs(asset);
     for (std::uint32_t k = 0; k < asset.pose_count; ++k) info["poses"].push_back(blender.pose_name(k));
     // Nested deeper than any certificate of ours, a text is not one: do not let it eat the stack.
     const Json certificate = Json::parse(
         blender.certificate(), [](int depth, Json::parse_event_t, Json&) { return depth < 32; }, false);
     info["certificate"] = certificate.is_discarded() ? Json() : certificate;
     return info;
+}
+
+void print_shape(const Json& info)
+{
+    const Json &shape = info["shape"], &basis = shape["basis"], &morph = shape["morph_targets"];
+    std::string columns;
+    for (const Json& group : basis["columns"])
+        columns
+            += fmt::format("{}{} of {} bits", columns.empty() ? "" : ", ", group["columns"].dump(), group["bits"].dump());
+    fmt::print("basis: {:.2f} bytes a number; columns: {}\n", basis["bytes_per_number"].get<double>(), columns);
+    fmt::print("file {:.1f} KiB, read in a frame {:.1f} KiB; linear morph targets of the same poses in single precision: "
+               "{:.1f} and "
+               "{:.1f} KiB\n",
+               info["file_size"].get<double>() / 1024, shape["frame_bytes"].get<double>() / 1024,
+               morph["file_size"].get<double>() / 1024, morph["frame_bytes"].get<double>() / 1024);
 }
 
 ExitCode run_info(const Arguments& a)
@@ -74,6 +125,7 @@ ExitCode run_info(const Arguments& a)
     for (const Json& chunk : info["chunks"])
         fmt::print("  {}  {:>12} bytes at {}\n", chunk["tag"].get<std::string>(), chunk["size"].dump(),
                    chunk["offset"].dump());
+    print_shape(info);
     fmt::print("certificate: {}\n", info["certificate"].dump(2, ' ', false, Json::error_handler_t::replace));
     return ExitCode::done;
 }

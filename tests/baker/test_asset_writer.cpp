@@ -10,6 +10,7 @@
 #include "write/runtime_blender.h"
 
 #include <Eigen/Dense>
+#include <cmath>
 #include <cstring>
 #include <doctest/doctest.h>
 #include <numeric>
@@ -179,4 +180,108 @@ TEST_CASE("smoothing groups are written unless every vertex is its own")
     CHECK_THROWS_AS(encode_asset(model), std::invalid_argument);
     groups.pop_back();
     CHECK_THROWS_AS(encode_asset(model), std::invalid_argument);
+}
+
+namespace {
+
+Eigen::MatrixXd columns_of(const std::vector<Eigen::VectorXd>& vectors)
+{
+    Eigen::MatrixXd out(vectors[0].size(), Eigen::Index(vectors.size()));
+    for (std::size_t i = 0; i < vectors.size(); ++i) out.col(Eigen::Index(i)) = vectors[i];
+    return out;
+}
+
+// The farthest vertex of the runtime's shape from the subspace's, normalised units; checks the box round it, too.
+double farthest_vertex(const Problem& p, const StoredShape& stored, const RuntimeBlender& blender, const Eigen::VectorXd& q)
+{
+    const Eigen::VectorXf to_runtime = stored.frame.stored(q).cast<float>();
+    const std::vector<float> coordinates(to_runtime.data(), to_runtime.data() + to_runtime.size());
+    const std::vector<float> positions = blender.positions(coordinates);
+    const Shape off = from_input_units(p.set, positions) - p.subspace.shape(q);
+    float low[3], high[3];
+    REQUIRE(pliant_bounds(&blender.asset(), coordinates.data(), low, high) == PLIANT_OK);
+    double farthest = 0;
+    for (Eigen::Index i = 0; i < off.size(); i += 3) {
+        farthest = std::max(farthest, off.segment<3>(i).norm());
+        for (Eigen::Index c = 0; c < 3; ++c) {
+            REQUIRE(positions[std::size_t(i + c)] >= low[c]);
+            REQUIRE(positions[std::size_t(i + c)] <= high[c]);
+        }
+    }
+    return farthest;
+}
+
+} // namespace
+
+TEST_CASE("a compact basis keeps its position error at averages, poses and between them")
+{
+    const Problem p;
+    AssetModel model = p.model();
+    const std::vector<std::uint8_t> plain = encode_asset(model);
+    const Eigen::MatrixXd reachable = columns_of(p.training.averages); // the last ones are the poses
+    for (double error : { 1e-2, 1e-4, 1e-5 }) {
+        CAPTURE(error);
+        const StoredShape stored = store_shape(p.set, p.subspace, nullptr, reachable, error * p.set.diagonal);
+        REQUIRE_FALSE(stored.basis.empty());
+        CHECK(stored.largest_error <= error * p.set.diagonal);
+        CHECK(stored.largest_error > 0.5 * error * p.set.diagonal); // no more bits than it takes
+        model.stored = &stored;
+        const std::vector<std::uint8_t> bytes = encode_asset(model);
+        CHECK(minor_of(bytes) == PLIANT_FORMAT_MINOR_COMPACT);
+        CHECK(bytes.size() < plain.size());
+        RuntimeBlender blender(bytes, "memory", true), exact(plain, "memory", true);
+        const double allowed = (error + 1e-6) * p.set.diagonal; // single precision besides
+        for (Eigen::Index i = 0; i < reachable.cols(); ++i) {
+            CHECK(farthest_vertex(p, stored, blender, reachable.col(i)) < allowed);
+            CHECK(farthest_vertex(p, stored, blender, (reachable.col(i) + reachable.col(0)) / 2) < allowed);
+        }
+        CHECK(farthest_vertex(p, stored, blender, reachable.col(0) + 50 * Eigen::VectorXd::Random(reachable.rows())) > 0);
+        // The same blends in other coordinates.
+        const Eigen::VectorXf w = p.training.weights[2].cast<float>();
+        const std::vector<float> q = blender.solve({ w.data(), w.data() + w.size() }, false),
+                                 same = exact.solve({ w.data(), w.data() + w.size() }, false);
+        const Eigen::VectorXd back
+            = stored.frame.coordinates(Eigen::Map<const Eigen::VectorXf>(q.data(), Eigen::Index(q.size())).cast<double>());
+        const Eigen::VectorXd wanted
+            = Eigen::Map<const Eigen::VectorXf>(same.data(), Eigen::Index(same.size())).cast<double>();
+        CHECK((back - wanted).norm() < 1e-5 * p.subspace.pose_coordinates.norm());
+    }
+}
+
+TEST_CASE("columns come in the order of what they move, and few are needed near the middle")
+{
+    const Problem p;
+    AssetModel model = p.model();
+    const Eigen::MatrixXd reachable = columns_of(p.training.averages);
+    const StoredShape stored = store_shape(p.set, p.subspace, nullptr, reachable, 1e-5 * p.set.diagonal);
+    model.stored = &stored;
+    const RuntimeBlender blender(encode_asset(model), "memory");
+    float last = INFINITY;
+    for (std::uint32_t j = 0; j < blender.asset().dimension; ++j) {
+        pliant_column column;
+        REQUIRE(pliant_asset_column(&blender.asset(), j, &column) == PLIANT_OK);
+        CHECK(column.reach * column.limit <= 1.01F * last + 1e-6F);
+        last = column.reach * column.limit;
+        double largest = 0;
+        for (Eigen::Index i = 0; i < reachable.cols(); ++i)
+            largest = std::max(largest, std::abs(stored.frame.stored(reachable.col(i))[Eigen::Index(j)]));
+        CHECK(column.limit == doctest::Approx(reach_margin * largest).epsilon(1e-5));
+    }
+}
+
+TEST_CASE("what single precision does as well stays in single precision")
+{
+    const Problem p;
+    const Eigen::MatrixXd reachable = columns_of(p.training.averages);
+    for (double error : { 0.0, 1e-12 }) {
+        const StoredShape stored = store_shape(p.set, p.subspace, nullptr, reachable, error);
+        CHECK(stored.basis.empty());
+        CHECK(stored.frame.axes.isIdentity(0));
+        AssetModel model = p.model();
+        model.stored = &stored;
+        const RuntimeBlender blender(encode_asset(model), "memory", true);
+        CHECK(blender.asset().basis != nullptr);
+        for (Eigen::Index i = 0; i < reachable.cols(); ++i)
+            CHECK(farthest_vertex(p, stored, blender, reachable.col(i)) < 1e-6 * p.set.diagonal);
+    }
 }
