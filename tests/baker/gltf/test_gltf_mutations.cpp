@@ -1,0 +1,130 @@
+// Damaged glTF files: random mutations of good ones, in child processes. Whatever the bytes, reading ends within five seconds, in meshes
+// whose indices are in range or in numbered findings, and never in a crash, another exception, or much memory.
+#include <doctest/doctest.h>
+
+#include "../io/files.h"
+#include "glb_samples.h"
+#include "gltf/pose_source.h"
+
+#include <array>
+#include <cstring>
+#include <random>
+#include <sys/mman.h>
+#include <sys/wait.h>
+
+using namespace pliant;
+
+namespace {
+
+constexpr unsigned mutation_count = 2000;
+constexpr unsigned batch_size = 250; // children are costly under sanitizers
+
+std::string mutate(std::string bytes, std::mt19937& random)
+{
+    const auto any = [&](std::size_t count) { return std::uniform_int_distribution<std::size_t>(0, count - 1)(random); };
+    switch (any(5)) {
+    case 0: bytes.resize(any(bytes.size())); break;
+    case 1: // random bytes anywhere
+        for (std::size_t i = 0, count = 1 + any(8); i < count; ++i) bytes[any(bytes.size())] = static_cast<char>(any(256));
+        break;
+    case 2: { // extremes of 32-bit fields
+        constexpr std::array<std::uint32_t, 6> extremes { 0, 0xffffffff, 0x7fffffff, 0x80000000, 0x7f800000, 0x7fc00000 };
+        const std::uint32_t value = extremes[any(extremes.size())];
+        std::memcpy(&bytes[any(bytes.size() - 4)], &value, 4);
+        break;
+    }
+    case 3: { // another number in the JSON, of the same length
+        std::size_t digit = bytes.find_first_of("0123456789", 20 + any(bytes.size() - 20));
+        for (std::size_t i = 0, count = 1 + any(3); i < count && digit != std::string::npos; ++i) {
+            bytes[digit] = static_cast<char>('0' + any(10));
+            digit = bytes.find_first_of("0123456789", 20 + any(bytes.size() - 20));
+        }
+        break;
+    }
+    default: { // bytes of the binary part
+        const std::size_t binary = bytes.find("BIN");
+        for (std::size_t i = 0, count = 1 + any(6); i < count; ++i)
+            bytes[binary + any(bytes.size() - binary)] = static_cast<char>(any(256));
+    }
+    }
+    return bytes;
+}
+
+bool is_sane(const MeshFile& mesh)
+{
+    bool sane = mesh.positions.allFinite() && mesh.faces.offsets.back() == mesh.faces.indices.size();
+    for (const std::uint32_t index : mesh.faces.indices) sane &= index < static_cast<std::uint64_t>(mesh.positions.rows());
+    return sane;
+}
+
+// True if reading did what it promises.
+bool read_is_sane(const std::vector<std::string>& arguments)
+{
+    FindingList findings;
+    try {
+        const PoseSources poses = read_pose_sources(arguments, 100, findings);
+        for (const MeshFile& mesh : poses.meshes)
+            if (!is_sane(mesh)) return false;
+        return findings.has_errors() || poses.meshes.size() == poses.count;
+    } catch (const Failure& failure) { // a target or an animation may have got another name
+        return failure.code() == ExitCode::usage || failure.code() == ExitCode::bad_input;
+    } catch (...) {
+        return false;
+    }
+}
+
+// Returns the first mutation that went wrong, or -1. Each batch runs in a child of its own.
+int first_failure(const std::string& sample, const std::vector<std::string>& choices)
+{
+    const pliant_test::TemporaryFolder folder;
+    const std::string path = folder / "mutant.glb";
+    std::vector<std::string> arguments;
+    for (const std::string& choice : choices) arguments.push_back(path + choice);
+    auto* current = static_cast<volatile int*>(
+        ::mmap(nullptr, sizeof(int), PROT_READ | PROT_WRITE, MAP_SHARED | MAP_ANONYMOUS, -1, 0));
+    int failed = -1;
+    for (unsigned begin = 0; begin < mutation_count && failed < 0; begin += batch_size) {
+        const pid_t child = ::fork();
+        if (child == 0) {
+            for (unsigned i = begin; i < begin + batch_size; ++i) {
+                *current = static_cast<int>(i);
+                ::alarm(5); // kills a reader that does not end
+                std::mt19937 random(i);
+                pliant_test::write_bytes(path, mutate(sample, random));
+                if (!read_is_sane(arguments)) ::_exit(1);
+            }
+            ::_exit(0);
+        }
+        int status = 0;
+        ::waitpid(child, &status, 0);
+        if (!WIFEXITED(status) || WEXITSTATUS(status) != 0) failed = *current;
+    }
+    ::munmap(const_cast<int*>(current), sizeof(int));
+    return failed;
+}
+
+} // namespace
+
+TEST_CASE("skin, morph target, animation, texture, sparse accessor")
+{
+    const std::vector<std::string> choices = { "", "#animation=0@0,0.4,1" };
+    const std::string sample = pliant_test::moving_glb();
+    {
+        const pliant_test::TemporaryFolder folder;
+        pliant_test::write_bytes(folder / "a.glb", sample);
+        FindingList findings;
+        REQUIRE(read_pose_sources({ folder / "a.glb", folder / "a.glb#animation=Run@0,0.4,1" }, 100, findings).meshes.size()
+                == 5);
+        REQUIRE(!findings.has_errors());
+    }
+    CHECK(first_failure(sample, choices) == -1);
+}
+
+TEST_CASE("Draco data")
+{
+    const std::size_t n = pliant_test::grid_positions().size() / 3;
+    for (const int method : { draco::MESH_SEQUENTIAL_ENCODING, draco::MESH_EDGEBREAKER_ENCODING }) {
+        CAPTURE(method);
+        CHECK(first_failure(pliant_test::draco_glb(pliant_test::encode_draco(method), n, n), { "" }) == -1);
+    }
+}
