@@ -462,7 +462,7 @@ BakedAsset bake(const PoseSet& poses, const BakeOptions& given, Progress& progre
     tell_inversion(report, progress);
     if (report.ties) {
         use_file_numbers(poses.source_vertices, *report.ties);
-        tell_ties(*report.ties, progress);
+        tell_ties(*report.ties, drift_limit, progress);
     }
     if (options.keep_scene) asset.scene = poses.scene.get();
     report.certificate = write_certificate(report, options, poses.names);

@@ -2,6 +2,7 @@
 
 #include "average/shape_error.h"
 #include "energy/parallel.h"
+#include "energy/tied.h"
 
 #include <Eigen/Dense>
 #include <algorithm>
@@ -119,11 +120,17 @@ BlendModel loaded_model(std::shared_ptr<const StandIn> stand_in, const TrainingS
 BlendError blend_error(const BlendModel& model, const Subspace& subspace, const ShapeSet& set,
                        const std::vector<CheckPoint>& checks)
 {
-    std::vector<double> errors(checks.size());
+    const Energy& energy = model.stand_in->energy();
+    const TieSet* ties
+        = energy.dof_count() == set.dof_count() ? ties_of(energy) : nullptr; // a ghost's are of other vertices
+    std::vector<double> errors(checks.size()), drifts(checks.size(), 0);
     for_each_task(checks.size(), [&](std::size_t i, std::size_t) {
-        errors[i] = relative_distance(set, subspace.shape(model.solve(checks[i].weights).q), checks[i].truth);
+        const Shape shape = subspace.shape(model.solve(checks[i].weights).q);
+        errors[i] = relative_distance(set, shape, checks[i].truth);
+        if (ties) drifts[i] = measure_drift(*ties, set, checks[i].weights, shape).largest;
     });
     BlendError out;
+    for (double drift : drifts) out.drift = std::max(out.drift, drift);
     for (double error : errors) {
         out.mean += error / double(errors.size());
         out.largest = std::max(out.largest, error);

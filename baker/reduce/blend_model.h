@@ -28,6 +28,8 @@ struct BlendModel {
 // Of blends next to truths, relative L2.
 struct BlendError {
     double mean = 0, largest = 0;
+    double drift
+        = 0; // the largest of tied vertices (mesh/ties.h): a small part can be lost without that the body's error shows it
 };
 
 // The stand-in as it is: its own mean, its own minimisers as the predictor's data.

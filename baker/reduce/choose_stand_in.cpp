@@ -22,17 +22,19 @@ constexpr double aim = 0.75;
 // Where the tolerance is missed with the most dimensions, an error this much larger is as good.
 constexpr double reachable = 1.1;
 
-// Mean and largest error count alike, each in units of what is wanted of it.
+// Mean and largest error count alike, each in units of what is wanted of it; parts only where they drift too far.
 double score(const BlendError& error, const StandInOptions& options)
 {
-    return error.mean / options.tolerance + error.largest / options.largest();
+    return error.mean / options.tolerance + error.largest / options.largest()
+        + std::max(0.0, error.drift / options.drift - aim);
 }
 
 } // namespace
 
 bool is_enough(const BlendError& error, const StandInOptions& options)
 {
-    return error.mean < aim * options.tolerance && error.largest < aim * options.largest();
+    return error.mean < aim * options.tolerance && error.largest < aim * options.largest()
+        && error.drift <= aim * options.drift;
 }
 
 BlendModel fit_model(std::shared_ptr<const StandIn> stand_in, const Subspace& subspace, const ShapeSet& set,
@@ -94,6 +96,7 @@ Eigen::Index choose_dimension(Eigen::Index least, Eigen::Index most, const Stand
     const BlendError best = error_at(most);
     wanted.tolerance = std::max(options.tolerance, reachable * best.mean / aim);
     wanted.tolerance_max = std::max(options.largest(), reachable * best.largest / aim);
+    wanted.drift = std::max(options.drift, reachable * best.drift / aim);
     Eigen::Index low = least, high = most, last = most;
     while (low < high) {
         last = (low + high) / 2;

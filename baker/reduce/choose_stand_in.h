@@ -8,12 +8,16 @@
 
 namespace pliant {
 
+// Wanted of all parts of a character: farther from its place none may be, in units of the diagonal.
+constexpr double drift_limit = 0.005;
+
 struct StandInOptions {
     double tolerance = 1e-3;       // wanted total error, mean over the checks
     double tolerance_max = 0;      // and the largest; 0: three times the tolerance is aimed at
     std::size_t element_count = 0; // 0: as few as keep the tolerance, four to twelve per dimension
     std::uint64_t seed = 1;
     CubatureSolver cubature = CubatureSolver::nnls;
+    double drift = drift_limit; // wanted of the parts of a character
 
     double largest() const { return tolerance_max > 0 ? tolerance_max : 3 * tolerance; }
 };

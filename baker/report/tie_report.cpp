@@ -43,7 +43,7 @@ void use_file_numbers(const std::vector<std::uint32_t>& numbers, TieReport& repo
     for (WorstDrift* worst : { &report.truth, &report.blends }) worst->drift.vertex = numbers[worst->drift.vertex];
 }
 
-void tell_ties(const TieReport& report, Progress& progress)
+void tell_ties(const TieReport& report, double limit, Progress& progress)
 {
     std::vector<TiePart> loose, distant;
     for (const TiePart& part : report.parts) {
@@ -71,7 +71,7 @@ void tell_ties(const TieReport& report, Progress& progress)
             "bake one by one what does not belong together");
     }
     const WorstDrift& worst = report.blends;
-    if (worst.drift.largest > drift_limit)
+    if (worst.drift.largest > limit)
         progress.warn(
             4408,
             fmt::format("the part of vertex {} drifts by {:.2f} % of the diagonal from where it is attached, most at vertex "

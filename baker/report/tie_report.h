@@ -18,9 +18,6 @@ struct TieReport {
     WorstDrift truth, blends;   // over the checks
 };
 
-// No part may be farther from its place than this, in units of the diagonal.
-constexpr double drift_limit = 0.005;
-
 // `numbers`: of the vertices in the files; empty: the same.
 void use_file_numbers(const std::vector<std::uint32_t>& numbers, TieReport& report);
 
@@ -31,7 +28,7 @@ void add_check(const TieSet& ties, const ShapeSet& set, const Eigen::VectorXd& w
                const Shape& blend, TieReport& report);
 
 // Warns of parts that nothing could be tied to (P4409), of parts that are far from what they hang on (P4410) and of those that drift
-// (P4408).
-void tell_ties(const TieReport& report, Progress& progress);
+// (P4408: farther than `limit`).
+void tell_ties(const TieReport& report, double limit, Progress& progress);
 
 } // namespace pliant

@@ -8,7 +8,7 @@ namespace pliant {
 
 struct PartsMesh {
     bool has_eye = true, has_jacket = true, has_vertex = true;
-    double eye_turn = 0.8; // radians between two poses
+    double eye_turn = 0.5; // radians between two poses
 
     PoseSet poses(std::size_t count) const
     {

@@ -227,12 +227,12 @@ TEST_CASE("what is wrong with parts is said")
     } heard;
     TieReport report;
     report.parts = { { 0, 0, 100, 0, 0 }, { 5, 0, 3, 12, 0.01 } };
-    tell_ties(report, heard);
+    tell_ties(report, drift_limit, heard);
     CHECK(heard.numbers.empty());
     report.parts.push_back({ 8, 5, 3, 0, 0.01 });
     report.parts.push_back({ 11, 0, 3, 12, 0.3 });
     report.blends = { { 0.02, 1, 6 }, Eigen::Vector2d(0.5, 0.5) };
-    tell_ties(report, heard);
+    tell_ties(report, drift_limit, heard);
     CHECK(heard.numbers == std::vector<int> { 4409, 4410, 4408 });
     use_file_numbers({ 10, 11, 12, 13, 14, 15, 16, 17, 18, 19, 20, 21 }, report);
     CHECK(report.parts[2].vertex == 18);
@@ -265,4 +265,37 @@ TEST_CASE("a character in several parts bakes, and its parts keep their place")
     }
     CHECK(baked.report.ties->blends.drift.largest == doctest::Approx(worst).epsilon(1e-4));
     CHECK(baked.report.certificate.find("drift_of_blends") != std::string::npos);
+}
+
+// The table of baker/THEORY.md: baker_ties --no-skip -tc="study*"
+TEST_CASE("study: what the stiffness of ties does" * doctest::skip())
+{
+    for (const double turn : { 0.8, 0.3 }) {
+        PartsMesh mesh;
+        mesh.eye_turn = turn;
+        const ShapeSet set = normalise(mesh.poses(3));
+        for (const double stiffness : { 0.001, 0.01, 0.1, 0.3, 1.0, 10.0, 0.0 }) { // 0: as find_ties has it
+            TieSet ties = find_ties(set);
+            for (Tie& tie : ties.ties)
+                if (stiffness > 0) tie.stiffness = stiffness;
+            TieSet eye = ties, jacket = ties;
+            eye.ties.clear();
+            jacket.ties.clear();
+            for (const Tie& tie : ties.ties)
+                if (tie.part == 1 || tie.part == 2) (tie.part == 1 ? eye : jacket).ties.push_back(tie);
+            const auto energy = tie_parts(std::make_unique<DiscreteShells>(set, ShellOptions()), std::move(ties));
+            NewtonSolver solver(*energy, set, default_solver());
+            int steps = 0;
+            double eye_drift = 0, jacket_drift = 0;
+            for (const Eigen::Vector3d& w : { Eigen::Vector3d(1, 1, 0), Eigen::Vector3d(0, 1, 1), Eigen::Vector3d(1, 0, 1),
+                                              Eigen::Vector3d(1, 1, 1) }) {
+                const NewtonResult result = solver.minimise(w / w.sum(), set.shapes[0], NewtonOptions());
+                steps += result.iterations;
+                eye_drift = std::max(eye_drift, measure_drift(eye, set, w, result.y).largest);
+                jacket_drift = std::max(jacket_drift, measure_drift(jacket, set, w, result.y).largest);
+            }
+            MESSAGE("turn " << turn << " kappa " << stiffness << ": " << steps << " steps, eye " << 100 * eye_drift
+                            << " %, jacket " << 100 * jacket_drift << " %");
+        }
+    }
 }
