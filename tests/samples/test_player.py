@@ -279,7 +279,7 @@ def case_heat(folder):
     assert not hot(elastic).any(), "a difference of place is shown as one of shape"
     large = make_truth(asset, folder, stretch=1.5)
     far = picture(asset, folder, "--truth", *large, "--heat", "--both", size="900x450")[80:-70]
-    assert hot(far).mean() > 0.01 and (far.max(axis=2) < 150).mean() > 0.003, (hot(far).mean(), [(far.max(axis=2) < t).mean() for t in (110,130,150,170)])
+    assert (far.max(axis=2) < 110).mean() > 0.05 > (elastic.max(axis=2) < 110).mean(), "what is far off is not dark"
     refused(asset, "--heat", "--frames", "3", code=2, number=5942)
 
 
