@@ -505,7 +505,10 @@ BakedAsset bake(const PoseSet& poses, const BakeOptions& given, Progress& progre
     asset.answers.push_back({ fitted.training.weights[0], asset.mean.cast<float>() });
     collect_answers(asset, built.model, fitted.training, report);
     asset.answers.erase(asset.answers.begin());
-    check_asset(encode_asset(asset), family, pool, found.checks, options, progress, report);
+    const std::vector<std::uint8_t> first_bytes = encode_asset(asset);
+    RuntimeBlender first(first_bytes, "the asset just baked");
+    asset.morph_ranges = find_morph_ranges(first);
+    check_asset(first_bytes, family, pool, found.checks, options, progress, report);
     report.factorization_count = pool.factorization_count();
     if (options.drawn) {
         asset.drawn = options.drawn.get();

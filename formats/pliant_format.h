@@ -1,4 +1,4 @@
-/* The structures of a .pliant asset, as SPEC.md (format 1.2) defines them. C99 and C++11. Shared by the runtime, which
+/* The structures of a .pliant asset, as SPEC.md (format 1.3) defines them. C99 and C++11. Shared by the runtime, which
    reads them, and the baker, which writes them. Plain little-endian data: no pointers, no padding. */
 #ifndef PLIANT_FORMAT_H
 #define PLIANT_FORMAT_H
@@ -6,9 +6,10 @@
 #include <stdint.h>
 
 #define PLIANT_FORMAT_MAJOR 1
-#define PLIANT_FORMAT_MINOR 2       /* the newest described here; a file states the oldest that has all that it holds */
+#define PLIANT_FORMAT_MINOR 3       /* the newest described here; a file states the oldest that has all that it holds */
 #define PLIANT_FORMAT_MINOR_LOAD 1  /* the first with LOAD */
 #define PLIANT_FORMAT_MINOR_SOLID 2 /* the first with QUAR, VERT and elements for tetrahedra */
+#define PLIANT_FORMAT_MINOR_MORPH 3 /* the first with MRNG */
 
 /* "«PLIANT»" with CR LF EOF LF behind it: a transfer in text mode breaks it visibly. */
 #define PLIANT_FORMAT_IDENTIFIER                                               \
@@ -25,6 +26,7 @@
 #define PLIANT_CHUNK_LOAD PLIANT_FORMAT_TAG('L', 'O', 'A', 'D')
 #define PLIANT_CHUNK_REST PLIANT_FORMAT_TAG('R', 'E', 'S', 'T')
 #define PLIANT_CHUNK_TRIANGLES PLIANT_FORMAT_TAG('T', 'R', 'I', 'S')
+#define PLIANT_CHUNK_MORPH_RANGES PLIANT_FORMAT_TAG('M', 'R', 'N', 'G')
 #define PLIANT_CHUNK_VERTICES PLIANT_FORMAT_TAG('V', 'E', 'R', 'T')
 #define PLIANT_CHUNK_POLYGONS PLIANT_FORMAT_TAG('P', 'O', 'L', 'Y')
 #define PLIANT_CHUNK_NAMES PLIANT_FORMAT_TAG('N', 'A', 'M', 'E')

@@ -37,6 +37,7 @@ static int is_known_tag(uint32_t tag)
     case PLIANT_CHUNK_REST:
     case PLIANT_CHUNK_TRIANGLES:
     case PLIANT_CHUNK_VERTICES:
+    case PLIANT_CHUNK_MORPH_RANGES:
     case PLIANT_CHUNK_POLYGONS:
     case PLIANT_CHUNK_NAMES:
     case PLIANT_CHUNK_ANSWERS:
@@ -283,6 +284,7 @@ static pliant_result open_checked(pliant_open_context* context, pliant_asset* as
     if (result == PLIANT_OK) result = check_polygons(context, asset);
     if (result == PLIANT_OK) result = check_names(context);
     if (result == PLIANT_OK) result = check_answers(context);
+    if (result == PLIANT_OK) result = pliant_open_morph_ranges(context, asset);
     return result;
 }
 
@@ -352,6 +354,7 @@ const char* pliant_result_text(pliant_result result)
         return "bad argument: a null pointer, an unknown flag, or a desc not made by its _default function";
     case PLIANT_ERROR_MEMORY_SIZE: return "the memory given is smaller than pliant_solver_memory says";
     case PLIANT_ERROR_ALIGNMENT: return "the asset does not lie at an address that is a multiple of 16";
+    case PLIANT_ERROR_ABSENT: return "the asset does not hold what was asked for";
     case PLIANT_ERROR_TRUNCATED: return "the asset is not as long as it says: cut off, or more than one file";
     case PLIANT_ERROR_NOT_PLIANT: return "not a .pliant asset, or damaged by a transfer in text mode";
     case PLIANT_ERROR_VERSION: return "the asset needs another version of the runtime";

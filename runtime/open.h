@@ -49,4 +49,7 @@ pliant_result pliant_open_count(const pliant_open_context* context, const pliant
 /* What a frame reads beside SOLV: ELEM or QUAR, PRED, LOAD. The chunks are disjoint and inside the file. */
 pliant_result pliant_open_energy(const pliant_open_context* context, pliant_asset* asset);
 
+/* MRNG, which is optional. */
+pliant_result pliant_open_morph_ranges(const pliant_open_context* context, pliant_asset* asset);
+
 #endif

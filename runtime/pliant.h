@@ -55,6 +55,7 @@ typedef enum pliant_result {
     PLIANT_ERROR_ARGUMENT = 10,    /* a null pointer, an index out of range, a desc not made by its _default function */
     PLIANT_ERROR_MEMORY_SIZE = 11, /* the memory given is smaller than pliant_solver_memory says */
     PLIANT_ERROR_ALIGNMENT = 12,   /* the blob is not at a multiple of 16 */
+    PLIANT_ERROR_ABSENT = 13,      /* what was asked for is not there: no morph ranges, no asset in the GLB */
 
     /* the asset (rule numbers of formats/SPEC.md) */
     PLIANT_ERROR_TRUNCATED = 20,  /* R01, R04: smaller than a header, or not of the size that it states */
@@ -108,6 +109,7 @@ typedef struct pliant_asset {
     const float* predictor_centres; /* null without a predictor */
     const float* predictor_coefficients;
     const float* load_coefficients; /* null without a dead load */
+    const float* morph_ranges;      /* lows, then highs, padded; null without them */
     const float* rest;
     const float* basis;
     uint32_t batch_count;
@@ -210,6 +212,22 @@ PLIANT_API pliant_result pliant_solve(pliant_solver* solver, const float* weight
    threads. Cost: reads count * 12 * (dimension + 1) bytes of the basis, once, forwards. */
 PLIANT_API void pliant_reconstruct(const pliant_asset* asset, const float* q, uint32_t first, uint32_t count,
                                    float* positions, size_t stride);
+
+/* -------------------------------------------------------------------------------------------- morph targets ---- */
+
+/* For engines that draw a `pliant export --morph` GLB with morph targets of their own: the weights (dimension floats, in the
+   order of the targets) that make them draw the shape of `q`, w_j = (q_j - low_j) / (high_j - low_j). They are in [0,1] wherever
+   the bake has looked, with a margin; they are not clamped, so that an engine that does not clamp either draws the very shape.
+   `weights` may be `q`. PLIANT_ERROR_ABSENT: the asset has no ranges (baked before format 1.3); the GLB's extras have those
+   that it was exported with. Cost: dimension divisions. */
+PLIANT_API pliant_result pliant_morph_weights(const pliant_asset* asset, const float* q, float* weights);
+
+/* Finds the asset inside a `pliant export --embed` GLB of `glb_size` bytes: it is the first thing in the GLB's binary chunk
+   (formats/SPEC.md, section 7). On success glb + *offset is what to give to pliant_asset_open, with *size; *offset is a multiple
+   of 4096 in files that we write, so the blob is aligned if `glb` is. Accepts any bytes: PLIANT_ERROR_NOT_PLIANT if they are no
+   GLB, PLIANT_ERROR_TRUNCATED if it is cut off, PLIANT_ERROR_ABSENT if no asset is inside; *offset and *size are 0 then. It only
+   finds: pliant_asset_open does the checking. Cost: reads some hundred bytes. */
+PLIANT_API pliant_result pliant_glb_find(const void* glb, size_t glb_size, size_t* offset, size_t* size);
 
 #ifdef __cplusplus
 }

@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # The Debian packages that Pliant is made with, and a way to install those that are missing.
 #
-#   bash samples/install_packages.sh GROUP...    installs what is missing of the groups: build, player, tests
+#   bash samples/install_packages.sh GROUP...    installs what is missing of the groups: build, player, tests, engines
 #   source samples/install_packages.sh           defines pliant_packages GROUP and pliant_install_packages GROUP...
 #
 # Root or sudo is needed only if something is missing. Without apt-get it says what to install and fails.
@@ -11,7 +11,7 @@ pliant_packages() {
     case $1 in
         build)
             printf '%s\n' build-essential cmake ninja-build pkg-config libeigen3-dev libopenmesh-dev libsuitesparse-dev \
-                libmetis-dev libopenblas-pthread-dev libtinyobjloader-dev libcli11-dev nlohmann-json3-dev libfmt-dev zlib1g-dev
+                libmetis-dev libopenblas-pthread-dev libtinyobjloader-dev libcli11-dev nlohmann-json3-dev libfmt-dev zlib1g-dev libdraco-dev
             ;;
         player)
             # fonts-dejavu-core: without it the player's texts are drawn with a coarse built-in font.
@@ -21,9 +21,13 @@ pliant_packages() {
         tests)
             printf '%s\n' doctest-dev libbenchmark-dev python3-numpy python3-pil clang libclang-rt-14-dev clang-format valgrind
             ;;
+        engines)
+            # Programs that draw what `pliant export` writes; the tests that ask them are skipped without. Large: 1 GB with what they need.
+            printf '%s\n' chromium godot3-server blender nodejs npm
+            ;;
         *)
             echo "install_packages.sh: error: no package group '$1'" >&2
-            echo "hint: the groups are build, player and tests" >&2
+            echo "hint: the groups are build, player, tests and engines" >&2
             return 2
             ;;
     esac

@@ -57,7 +57,7 @@ int main(int argc, char** argv)
     const std::vector<std::pair<std::string, Verb>> verbs = {
         { "bake", add_bake(app) },         { "check", add_check(app) },     { "average", add_average(app) },
         { "blend", add_blend(app) },       { "measure", add_measure(app) }, { "info", add_info(app) },
-        { "validate", add_validate(app) },
+        { "validate", add_validate(app) }, { "export", add_export(app) },
     };
     try {
         app.parse(argc, argv);

@@ -20,6 +20,7 @@ Verb add_blend(CLI::App& app);
 Verb add_measure(CLI::App& app);
 Verb add_info(CLI::App& app);
 Verb add_validate(CLI::App& app);
+Verb add_export(CLI::App& app);
 
 // Options that several verbs share.
 void add_pose_arguments(CLI::App& verb, std::vector<std::string>& poses);

@@ -223,6 +223,14 @@ Bytes encode_triangles(const std::vector<Triangle>& triangles)
     return out;
 }
 
+Bytes encode_morph_ranges(const MorphRanges& ranges)
+{
+    Bytes out;
+    put_padded(out, ranges.low);
+    put_padded(out, ranges.high);
+    return out;
+}
+
 Bytes encode_vertices(const AssetModel& model)
 {
     Bytes out;
@@ -234,6 +242,7 @@ Bytes encode_vertices(const AssetModel& model)
 // The oldest version whose readers understand all that the asset holds.
 std::uint16_t format_minor(const AssetModel& model)
 {
+    if (model.morph_ranges) return PLIANT_FORMAT_MINOR_MORPH;
     if (model.set->is_solid()) return PLIANT_FORMAT_MINOR_SOLID;
     return model.load ? PLIANT_FORMAT_MINOR_LOAD : 0;
 }
@@ -325,6 +334,7 @@ std::vector<std::uint8_t> encode_asset(const AssetModel& model)
         chunks.push_back({ PLIANT_CHUNK_ELEMENTS, required, encode_elements(model) });
     if (!model.predictor.centres.empty()) chunks.push_back({ PLIANT_CHUNK_PREDICTOR, 0, encode_predictor(model) });
     if (model.load) chunks.push_back({ PLIANT_CHUNK_LOAD, required, encode_load(model) });
+    if (model.morph_ranges) chunks.push_back({ PLIANT_CHUNK_MORPH_RANGES, 0, encode_morph_ranges(*model.morph_ranges) });
     chunks.push_back({ PLIANT_CHUNK_REST, required, drawn.tiles(model.subspace->origin, model.set->length) });
     chunks.push_back({ PLIANT_CHUNK_TRIANGLES, required, encode_triangles(drawn.triangles) });
     if (!model.drawn && model.source_vertices && !model.source_vertices->empty())

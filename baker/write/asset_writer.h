@@ -4,6 +4,7 @@
 #include "mesh/drawn_surface.h"
 #include "reduce/stand_in.h"
 #include "warmstart/predictor.h"
+#include "write/reachable.h"
 
 #include <cstdint>
 #include <optional>
@@ -28,8 +29,9 @@ struct AssetModel {
     const std::vector<std::uint32_t>* source_vertices = nullptr; // of a solid: numbers in the files; null or empty: the same
     std::size_t boundary_vertex_count = 0;                       // of a solid
     const DrawnSurface* drawn
-        = nullptr;           // of a solid: what is stored for drawing, in the place of its own vertices and faces
-    std::string certificate; // JSON text
+        = nullptr; // of a solid: what is stored for drawing, in the place of its own vertices and faces
+    std::optional<MorphRanges> morph_ranges;                  // of q as weights of morph targets
+    std::string certificate;                                  // JSON text
     std::vector<std::pair<Weights, Eigen::VectorXf>> answers; // weights and the q that the runtime found
 };
 

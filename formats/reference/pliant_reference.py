@@ -17,7 +17,7 @@ from pliant_reference_solid import Layout, Quartic, evaluate_tet_mooney_rivlin, 
 
 IDENTIFIER = bytes([0xAB]) + b"PLIANT" + bytes([0xBB]) + b"\r\n\x1a\n"
 REQUIRED = ("SOLV", "REST", "TRIS", "NAME", "ANSW", "CERT", "BASI")
-KNOWN = REQUIRED + ("ELEM", "QUAR", "PRED", "LOAD", "POLY", "VERT")
+KNOWN = REQUIRED + ("ELEM", "QUAR", "PRED", "LOAD", "POLY", "VERT", "MRNG")
 HINGE, NEO_HOOKEAN, STVK, EDGE, ARAP, TET_STVK, TET_MOONEY_RIVLIN = range(1, 8)
 
 
@@ -75,6 +75,7 @@ class Asset:
         self.read_shape()
         self.read_topology()
         self.read_answers()
+        self.read_morph_ranges()
 
     def read_header(self):
         blob = self.blob
@@ -271,7 +272,25 @@ class Asset:
         require((abs(weights.sum(axis=1) - 1) <= 1e-3).all(), "R13", "sum of an answer's weights")
         self.answers = [(row[:self.pose_count], row[self.pose_count:]) for row in table]
 
+    def read_morph_ranges(self):
+        self.morph_ranges = None
+        if "MRNG" in self.chunks:
+            data, d = self.bytes_of("MRNG"), self.dimension
+            require(len(data) == 2 * 4 * pad16(d), "R09", "size of MRNG")
+            table = np.frombuffer(data, "<f4").reshape(2, -1)
+            require(np.isfinite(table).all(), "R10", "MRNG")
+            width = table[1, :d] - table[0, :d]
+            require((width >= 0).all() and np.isfinite(width).all(), "R20", "a range of MRNG")
+            require(not table[:, d:].tobytes().strip(b"\0"), "R14", "padding of MRNG")
+            self.morph_ranges = table[:, :d].astype(float)
+
     # ------------------------------------------------------------------------------------------------------ solving --
+
+    def morph_weights(self, q):
+        """q as weights of morph targets; 0 for a target that moves nothing."""
+        low, high = self.morph_ranges
+        width = high - low
+        return np.where(width > 0, (q - low) / np.where(width > 0, width, 1), 0)
 
     def features(self, weights):
         """What PRED and LOAD are linear in: the cubed distances from the centres, and the weights."""

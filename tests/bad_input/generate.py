@@ -470,6 +470,27 @@ def weights_file_damaged(folder):
     write(folder / "weights.csv", "1,1\n1,x\n")
 
 
+def export_case(name, weights):
+    """An asset, and a path of weights for it."""
+    def write_files(folder):
+        write(folder / "asset.pliant", ASSET.read_bytes())
+        write(folder / "weights.csv", weights)
+
+    CASES[name] = write_files
+
+
+export_case("export_path_without_animation", "1,1\n")
+export_case("export_path_damaged", "1,1\n1,x\n")
+export_case("export_path_count", "1,1\n1,1,1\n")
+export_case("export_path_negative", "-1,2\n")
+export_case("export_path_empty", "# nothing\n")
+export_case("export_path_missing", "")
+export_case("export_no_asset", "")
+export_case("export_over_asset", "")
+export_case("export_folder_missing", "")
+export_case("export_frame_rate", "")
+export_case("export_morph_and_skin", "")
+export_case("export_no_bones", "")
 @case
 def average_two_kinds(folder):
     write(folder / "weights.csv", "1,1\n")

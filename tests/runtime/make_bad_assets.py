@@ -1,8 +1,9 @@
 """The museum: one file for each way to break each rule of formats/SPEC.md section 5.
 
-    make_bad_assets.py GOOD.pliant LOADED.pliant SOLID.pliant QUARTIC.pliant FOLDER
+    make_bad_assets.py GOOD.pliant LOADED.pliant SOLID.pliant QUARTIC.pliant RANGED.pliant FOLDER
 
-GOOD: a shell with all optional chunks but LOAD, LOADED: one with a dead load, SOLID: with tetrahedra, QUARTIC: with QUAR.
+GOOD: a shell with all optional chunks but LOAD, LOADED: one with a dead load, SOLID: with tetrahedra, QUARTIC: with QUAR,
+RANGED: with MRNG.
 
 Files are named RULE_what.CODE.pliant, CODE being the pliant_result that the C runtime must answer; the script itself checks
 that the numpy reference refuses each one, naming the same rule. Every file has right checksums except those that are about
@@ -304,11 +305,49 @@ def bad_quartics(quartic):
     yield "R16_not_required", LAYOUT, edited(lambda d: d.entry(b"QUAR").__setitem__(1, 0))
 
 
-def good_variants(good, loaded, solid, quartic):
+def bad_ranges(ranged):
+    """(name, code, bytes): what can be wrong with MRNG."""
+    def put(offset, *values):
+        d = Draft(ranged)
+        d.put(b"MRNG", offset, f"{len(values)}f", *values)
+        return d.join()
+
+    dim = struct.unpack_from("<I", ranged, 40)[0]
+    size = len(Draft(ranged).data[b"MRNG"])
+    if size == 8 * dim:
+        raise SystemExit("give ranges with padding")
+    for name, change in (("short", -4), ("empty", -size), ("half", -size // 2), ("long", 4)):
+        d = Draft(ranged)
+        d.data[b"MRNG"] = d.data[b"MRNG"][:size + change] + bytes(max(change, 0))
+        yield f"R09_MRNG_{name}", LAYOUT, d.join()
+    yield "R10_MRNG_nan", NUMBER, put(0, float("nan"))
+    yield "R10_MRNG_inf", NUMBER, put(size // 2 + 4 * (dim - 1), float("inf"))
+    yield "R10_MRNG_padding_nan", NUMBER, put(size - 4, float("nan"))
+    yield "R14_MRNG_padding", LAYOUT, put(size - 4, 1.0)
+    yield "R14_MRNG_padding_of_lows", LAYOUT, put(4 * dim, -0.0)
+    yield "R20_low_above_high", NUMBER, put(4, 2e30)
+    high = struct.unpack_from("<f", Draft(ranged).data[b"MRNG"], size // 2)[0]
+    yield "R20_a_little_above", NUMBER, put(0, np.nextafter(np.float32(high), np.float32(1e30)))
+    yield "R20_width_overflows", NUMBER, width_overflow(ranged, size)
+
+
+def width_overflow(ranged, size):
+    d = Draft(ranged)
+    d.put(b"MRNG", 0, "f", -3e38)
+    d.put(b"MRNG", size // 2, "f", 3e38)
+    return d.join()
+
+
+def good_variants(good, loaded, solid, quartic, ranged):
     """Files that differ in what a reader must tolerate."""
     yield "good_loaded", Draft(loaded).join()
     yield "good_solid", Draft(solid).join()
     yield "good_quartic", Draft(quartic).join()
+    yield "good_ranged", Draft(ranged).join()
+    d = Draft(ranged)
+    half = len(d.data[b"MRNG"]) // 2
+    d.data[b"MRNG"][half:] = d.data[b"MRNG"][:half]
+    yield "good_ranges_without_width", d.join()
     d = Draft(solid)
     d.table.remove(d.entry(b"VERT"))
     yield "good_solid_without_source", d.join()
@@ -333,14 +372,15 @@ def good_variants(good, loaded, solid, quartic):
 
 
 def main():
-    good, loaded, solid, quartic = (Path(path).read_bytes() for path in sys.argv[1:5])
+    good, loaded, solid, quartic, ranged = (Path(path).read_bytes() for path in sys.argv[1:6])
     folder = Path(sys.argv[-1])
     folder.mkdir(parents=True, exist_ok=True)
-    if any(Draft(blob).join() != blob for blob in (good, loaded, solid, quartic)):
+    if any(Draft(blob).join() != blob for blob in (good, loaded, solid, quartic, ranged)):
         raise SystemExit("taking a good file apart and joining it changes it: give those of tiny_asset.py")
     rules, names = set(), []
     np.seterr(invalid="ignore")
-    for name, code, blob in [*bad_files(good), *bad_loads(loaded), *bad_solids(solid), *bad_quartics(quartic)]:
+    for name, code, blob in [*bad_files(good), *bad_loads(loaded), *bad_solids(solid), *bad_quartics(quartic),
+                             *bad_ranges(ranged)]:
         try:
             Asset(blob)
             raise SystemExit(f"{name}: the reference accepts it")
@@ -350,10 +390,10 @@ def main():
         rules.add(name[:3])
         names.append(f"{name}.{code}")
         (folder / f"{name}.{code}.pliant").write_bytes(blob)
-    missing = {f"R{i:02}" for i in range(1, 18)} - rules
+    missing = ({f"R{i:02}" for i in range(1, 18)} | {"R20"}) - rules
     if missing:
         raise SystemExit(f"no file breaks {missing}")
-    for name, blob in good_variants(good, loaded, solid, quartic):
+    for name, blob in good_variants(good, loaded, solid, quartic, ranged):
         Asset(blob)
         names.append(f"{name}.0")
         (folder / f"{name}.0.pliant").write_bytes(blob)

@@ -36,6 +36,8 @@ ASSETS = {
     "beam_quartic_line": dict(mesh="beam", size=(3, 2), poses=2, dimension=1, material="tet-stvk", quartic=True),
     "beam_quartic_load": dict(mesh="beam", size=(6, 2), poses=4, dimension=17, material="tet-stvk", predictor=True, load=True,
                               quartic=True),
+    "tube_ranges": dict(mesh="tube", size=(12, 9), poses=3, dimension=8, material="stvk", predictor=True, ranges=True),
+    "beam_ranges": dict(mesh="beam", size=(4, 3), poses=2, dimension=5, material="mooney-rivlin", predictor=True, ranges=True),
     "twelve_poses": dict(mesh="strip", size=(8, 4), poses=12, dimension=16, material="neo-hookean", predictor=True),
 }
 

@@ -169,6 +169,14 @@ def quartic_chunk(quartic, dimension):
     return struct.pack("<I60x", layout.count) + floats(tables)
 
 
+def ranges_chunk(model):
+    """MRNG: where q was found at a few weights, and the width of the widest on both sides."""
+    q = np.concatenate([model.pose_coordinates, model.mean + np.array(model.answers) @ model.whitening.T])
+    low, high = q.min(axis=0), q.max(axis=0)
+    table = np.array([low - (high - low).max(), high + (high - low).max()])
+    return floats(padded(table, pad16(len(model.mean))))
+
+
 def vertex_chunk(source, boundary_count):
     return struct.pack("<I60x", boundary_count) + np.array(source, "<u4").tobytes()
 
@@ -200,7 +208,7 @@ def polygon_chunk(faces):
     return struct.pack("<2I", len(sizes), len(corners)) + np.array(sizes + corners, "<u4").tobytes()
 
 
-def chunks_of(model, polygons):
+def chunks_of(model, polygons, ranges=False):
     m, d = len(model.x), len(model.mean)
     origin = model.x[0].mean(axis=0)
     answers = np.array([np.concatenate([w, model.mean + model.whitening @ z])
@@ -214,6 +222,8 @@ def chunks_of(model, polygons):
         chunks.append(("PRED", 0, predictor_chunk(model)))
     if model.load is not None:
         chunks.append(("LOAD", 1, load_chunk(model)))
+    if ranges:
+        chunks.append(("MRNG", 0, ranges_chunk(model)))
     chunks += [("REST", 1, floats(tiles_of(model.x[0] - np.float32(origin)))),
                ("TRIS", 1, np.array(model.faces, "<u4").tobytes())]
     if model.vertices is not None:
@@ -230,6 +240,8 @@ def chunks_of(model, polygons):
 
 def oldest_minor(chunks):
     """The format version that has all that a file holds."""
+    if "MRNG" in chunks:
+        return 3
     elements = chunks.get("ELEM", bytes(64))
     kinds = [struct.unpack_from("<I", elements, 64 + 64 * i)[0] for i in range(struct.unpack_from("<I", elements)[0])]
     if "QUAR" in chunks or "VERT" in chunks or any(kind >= TET_STVK for kind in kinds):
@@ -256,8 +268,9 @@ def assemble(counts, origin, chunks):
 
 
 def make_asset(mesh="strip", size=(7, 3), poses=2, dimension=4, material="neo-hookean", predictor=False, load=False,
-               polygons=False, seed=1, quartic=False):
-    return assemble(*chunks_of(make_model(mesh, size, poses, dimension, material, predictor, load, seed, quartic), polygons))
+               polygons=False, seed=1, quartic=False, ranges=False):
+    return assemble(*chunks_of(make_model(mesh, size, poses, dimension, material, predictor, load, seed, quartic), polygons,
+                               ranges))
 
 
 def main():
@@ -273,6 +286,7 @@ def main():
     parser.add_argument("--predictor", action="store_true")
     parser.add_argument("--load", action="store_true", help="needs --predictor")
     parser.add_argument("--polygons", action="store_true")
+    parser.add_argument("--ranges", action="store_true", help="with MRNG")
     parser.add_argument("--seed", type=int, default=1)
     options = parser.parse_args()
     if options.load and not options.predictor:
@@ -282,7 +296,7 @@ def main():
     if options.quartic and options.material != "tet-stvk":
         parser.error("--quartic needs --material tet-stvk: no other is a polynomial")
     blob = make_asset(options.mesh, options.size, options.poses, options.dim, options.material, options.predictor,
-                      options.load, options.polygons, options.seed, options.quartic)
+                      options.load, options.polygons, options.seed, options.quartic, options.ranges)
     with open(options.output, "wb") as file:
         file.write(blob)
     return 0

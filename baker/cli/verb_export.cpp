@@ -1,0 +1,140 @@
+#include "cli/verbs.h"
+
+#include "io/write_file.h"
+#include "write/export_asset.h"
+
+#include <filesystem>
+#include <fmt/core.h>
+#include <memory>
+
+namespace pliant {
+
+namespace {
+
+struct Arguments {
+    std::string asset, output, path;
+    bool with_morph = false, with_asset = false, with_compression = false, is_quiet = false;
+    int bone_count = 0;
+    double frames_per_second = 30;
+};
+
+constexpr double default_seconds = 6;
+
+// A line of the path as weights; what is wrong with it is the file's fault.
+std::vector<float> weights_of(const std::vector<double>& row, std::size_t frame, std::size_t pose_count,
+                              const std::string& path)
+{
+    try {
+        const Eigen::VectorXf floats = normalised_weights(row, pose_count).cast<float>();
+        return std::vector<float>(floats.data(), floats.data() + floats.size());
+    } catch (const Failure& failure) {
+        const Finding& finding = failure.findings()[0];
+        throw Failure(ExitCode::bad_input,
+                      error_at(5204, path, fmt::format("frame {}: {}", frame, finding.what), finding.hint));
+    }
+}
+
+std::vector<std::vector<float>> path_of(const Arguments& a, std::size_t pose_count)
+{
+    if (a.path.empty()) return default_path(pose_count, default_seconds, a.frames_per_second);
+    std::vector<std::vector<float>> path;
+    for (const std::vector<double>& row : read_weight_rows(a.path))
+        path.push_back(weights_of(row, path.size(), pose_count, a.path));
+    if (path.empty())
+        throw Failure(ExitCode::bad_input,
+                      error_at(5204, a.path, "has no frames", "one line of weights per frame, separated by commas"));
+    return path;
+}
+
+void tell(const Arguments& a, const ExportedFile& file)
+{
+    const ExportReport& report = file.report;
+    fmt::print("{}: {} vertices, {} triangles, {:.2f} MiB\n", a.output, report.vertex_count, report.triangle_count,
+               double(file.bytes.size()) / 1048576.0);
+    if (report.target_count)
+        fmt::print("  {} morph targets; normals against recomputed ones: mean {:.2f}, 99.9 % below {:.2f}, worst {:.1f} "
+                   "degrees\n  animation of {} frames at {:g} a second\n",
+                   report.target_count, report.normal_error.mean_degrees, report.normal_error.percentile_degrees,
+                   report.normal_error.worst_degrees, report.frame_count, a.frames_per_second);
+    if (report.bone_count)
+        fmt::print(
+            "  {} bones; against the blends: RMS {:.3f} %, largest {:.2f} % of the diagonal\n  animation of {} frames at "
+            "{:g} a second\n",
+            report.bone_count, 100 * report.skin_rms, 100 * report.skin_largest, report.frame_count, a.frames_per_second);
+    if (a.with_compression)
+        fmt::print("  compressed with Draco: coordinates are off by {:.2g} at most\n", report.compression_error);
+    if (a.with_asset) fmt::print("  the asset is embedded (PLIANT_elastic_blend)\n");
+}
+
+ExitCode run(const Arguments& a)
+{
+    const bool with_morph = a.with_morph || (!a.with_asset && !a.bone_count);
+    if (with_morph && a.bone_count)
+        throw Failure(ExitCode::usage,
+                      error_at(1216, "", "--morph and --skin are two ways to move one mesh", "choose one of them"));
+    if (!with_morph && !a.bone_count && !a.path.empty())
+        throw Failure(ExitCode::usage,
+                      error_at(1215, "", "--path is for an animation, and --embed alone writes none",
+                               "leave it out, or add --morph or --skin"));
+    RuntimeBlender blender = RuntimeBlender::from_file(a.asset);
+    std::vector<std::string> inputs = { a.asset };
+    if (!a.path.empty()) inputs.push_back(a.path);
+    probe_output(a.output, inputs);
+    ExportOptions options;
+    options.with_morph_targets = with_morph;
+    options.with_asset = a.with_asset;
+    options.bone_count = a.bone_count;
+    options.with_compression = a.with_compression;
+    options.name = std::filesystem::path(a.asset).stem().string();
+    options.frames_per_second = a.frames_per_second;
+    options.path = path_of(a, blender.asset().pose_count);
+    ConsoleProgress progress("export", a.is_quiet);
+    progress.update("fit", 0);
+    const ExportedFile file = export_asset(blender, options);
+    progress.clear_line();
+    for (const Finding& warning : warnings_about(file.report)) print_finding("export", warning);
+    write_output(a.output, file.bytes);
+    progress.clear_line();
+    if (!a.is_quiet) tell(a, file);
+    return ExitCode::done;
+}
+
+} // namespace
+
+Verb add_export(CLI::App& app)
+{
+    auto a = std::make_shared<Arguments>();
+    CLI::App* verb = app.add_subcommand("export", "Write an asset as a GLB for engines");
+    verb->footer(
+        "Examples:\n  pliant export hero.pliant -o hero.glb                 morph targets: plays in any glTF viewer\n"
+        "  pliant export hero.pliant --path weights.csv --fps 60 -o hero.glb\n"
+        "  pliant export hero.pliant --embed -o hero.glb         the asset inside, for programs with the runtime\n"
+        "  pliant export hero.pliant --skin 24 -o hero.glb       bones: for engines without morph targets, and crowds\n"
+        "Morph target j is coordinate q_j of the asset, with weights in [0,1]: pliant_morph_weights makes them of the q "
+        "of pliant_solve.");
+    verb->add_option("asset", a->asset, "Asset")->required()->type_name("ASSET");
+    verb->add_option("-o,--output", a->output, "File to write")->required()->type_name("OUT.glb");
+    verb->add_flag(
+        "--morph", a->with_morph,
+        "The reduced space as morph targets, and an animation of their weights (the default; with --embed only if "
+        "given)");
+    verb->add_flag("--embed", a->with_asset, "Put the asset into the GLB, where the C runtime opens it in place");
+    verb->add_option("--skin", a->bone_count,
+                     "A skin of B bones, fitted to the blends, instead of morph targets; its error is printed")
+        ->check(CLI::Range(1, 1024))
+        ->type_name("B");
+    verb->add_flag(
+        "--draco", a->with_compression,
+        "Compress positions, normals and triangles of the mesh (KHR_draco_mesh_compression); not its morph targets");
+    verb->add_option("--path", a->path,
+                     "The animation: a file with one line of weights a frame (default: from pose to pose and through their "
+                     "average, 6 seconds)")
+        ->type_name("FILE.csv");
+    verb->add_option("--fps", a->frames_per_second, "Frames a second of the animation")
+        ->check(CLI::Range(1.0, 1000.0))
+        ->capture_default_str();
+    add_quiet(*verb, a->is_quiet);
+    return [a] { return run(*a); };
+}
+
+} // namespace pliant

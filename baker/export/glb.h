@@ -1,0 +1,57 @@
+// A GLB (binary glTF 2.0) put together in memory: one buffer, views, accessors, and the JSON that the caller fills in.
+#pragma once
+
+#include <cstdint>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace pliant {
+
+class Glb {
+public:
+    using Json = nlohmann::ordered_json;
+
+    // What a view holds, as glTF names it.
+    enum class Target { none = 0, vertices = 34962, indices = 34963 };
+
+    // Starts with the asset, generator and buffer entries. `leading` (may be empty) becomes view 0, the first bytes of the binary chunk.
+    explicit Glb(std::string_view leading = {});
+
+    // Appends bytes as a view and returns its index; the view starts at a multiple of 4.
+    std::size_t add_view(std::string_view bytes, Target target = Target::none);
+
+    // Appends vectors of `width` floats (1: SCALAR, 3: VEC3, 4: VEC4, 16: MAT4) as a view with an accessor; its index. `with_bounds`
+    // writes min and max, exact for the floats.
+    std::size_t add_floats(const std::vector<float>& values, int width, Target target, bool with_bounds = false);
+
+    // The same without a view, for what an extension holds in compressed form; `values` are what comes out of it.
+    std::size_t describe_floats(const std::vector<float>& values, int width, bool with_bounds);
+    std::size_t describe_indices(std::size_t count, std::size_t vertex_count);
+
+    // Triangles' corners, in 16 bits where vertex_count allows it.
+    std::size_t add_indices(const std::vector<std::uint32_t>& indices, std::size_t vertex_count);
+
+    // Four bone numbers a vertex (JOINTS_0), in 8 or 16 bits.
+    std::size_t add_joints(const std::vector<std::uint16_t>& joints);
+
+    Json& json() { return json_; }
+
+    // The file. The binary chunk starts at a multiple of 4096, so that an asset in front of it lies as in a file of its own.
+    // Throws Failure (failed, P5201) above 4 GiB, which the format cannot count.
+    std::string bytes() const;
+
+private:
+    std::size_t add_accessor(int component, std::size_t count, const char* type);
+    std::size_t add_accessor(std::size_t view, int component, std::size_t count, const char* type);
+    void bound(std::size_t accessor, const std::vector<float>& values, int width);
+
+    Json json_;
+    std::string binary_;
+};
+
+// What does not fit a GLB's 32-bit counts. Throws Failure (failed, P5201).
+void check_glb_size(std::uint64_t size);
+
+} // namespace pliant

@@ -1,0 +1,175 @@
+// The parts of `pliant export` by themselves: GLB bytes, fitted normals, paths, warnings, skins. Whole exports: tests/export.
+#include "export/glb.h"
+#include "export/skinning.h"
+#include "reduce/training.h"
+#include "write/export_asset.h"
+
+#include <Eigen/Geometry>
+#include <doctest/doctest.h>
+
+using namespace pliant;
+
+namespace {
+
+std::uint32_t word_at(const std::string& bytes, std::size_t at)
+{
+    std::uint32_t word;
+    std::memcpy(&word, bytes.data() + at, sizeof word);
+    return word;
+}
+
+std::vector<int> numbers_of(const std::vector<Finding>& findings)
+{
+    std::vector<int> numbers;
+    for (const Finding& finding : findings) numbers.push_back(finding.number);
+    return numbers;
+}
+
+// A rod along x whose parts turn about z, three bones with smooth weights between them.
+struct Rod {
+    Skin skin;
+    std::vector<BonePose> poses;
+    std::vector<Eigen::Matrix3Xd> shapes;
+
+    explicit Rod(int shape_count)
+    {
+        const int n = 240;
+        skin.bone_count = 3;
+        skin.rest.resize(3, n);
+        skin.influences.resize(std::size_t(n));
+        Random random(3);
+        for (int v = 0; v < n; ++v) {
+            skin.rest.col(v) << 3.0 * v / n, 0.3 * random.normal(), 0.3 * random.normal();
+            const double at = 3.0 * v / n - 0.5, share = std::min(1.0, std::max(0.0, (at - std::floor(at)) * 2 - 0.5));
+            const int left = std::max(0, int(std::floor(at))), right = std::min(2, left + 1);
+            skin.influences[std::size_t(v)].bones = { std::uint16_t(left), std::uint16_t(right), 0, 0 };
+            skin.influences[std::size_t(v)].weights = { 1 - share, share, 0, 0 };
+        }
+        for (int s = 0; s < shape_count; ++s) {
+            BonePose pose(3);
+            Eigen::Affine3d whole = Eigen::Affine3d::Identity();
+            for (int b = 0; b < 3; ++b) {
+                whole = whole * Eigen::Translation3d(b, 0, 0)
+                    * Eigen::AngleAxisd(0.5 * random.normal(), Eigen::Vector3d(0, 0.4, 1).normalized())
+                    * Eigen::Translation3d(-b, 0, 0);
+                pose[std::size_t(b)] = { whole.linear(), whole.translation() };
+            }
+            poses.push_back(pose);
+            shapes.push_back(skin.shape(pose));
+        }
+    }
+};
+
+double distance(const Eigen::Matrix3Xd& a, const Eigen::Matrix3Xd& b) { return (a - b).colwise().norm().maxCoeff(); }
+
+} // namespace
+
+TEST_CASE("a GLB is laid out as the format wants, an asset in front on a page")
+{
+    Glb glb("0123456789");
+    CHECK(glb.add_floats({ 1, 2, 3, -4, 5, 6 }, 3, Glb::Target::vertices, true) == 0);
+    CHECK(glb.add_indices({ 0, 1, 1 }, 2) == 1);
+    CHECK(glb.json()["bufferViews"][0]["byteLength"] == 10);
+    CHECK(glb.json()["bufferViews"][1]["byteOffset"] == 12);
+    CHECK(glb.json()["accessors"][0]["min"] == std::vector<float> { -4, 2, 3 });
+    CHECK(glb.json()["accessors"][0]["max"] == std::vector<float> { 1, 5, 6 });
+    CHECK(glb.json()["accessors"][1]["componentType"] == 5123);
+    CHECK(glb.add_indices({ 0, 70000, 1 }, 70001) == 2);
+    CHECK(glb.json()["accessors"][2]["componentType"] == 5125);
+    const std::string bytes = glb.bytes();
+    CHECK(bytes.substr(0, 4) == "glTF");
+    CHECK(word_at(bytes, 8) == bytes.size());
+    CHECK(20 + word_at(bytes, 12) + 8 == 4096);
+    CHECK(bytes.substr(4096, 10) == "0123456789");
+    CHECK(word_at(bytes, 4096 - 8) == bytes.size() - 4096);
+    CHECK(bytes.size() % 4 == 0);
+}
+
+TEST_CASE("P5201: what 32 bits cannot count is refused")
+{
+    check_glb_size(0xFFFFFFFFull);
+    try {
+        check_glb_size(0x100000000ull);
+        FAIL("accepted");
+    } catch (const Failure& failure) {
+        CHECK(failure.findings()[0].number == 5201);
+    }
+}
+
+TEST_CASE("warnings about what some engine may not do: P5202, P5203, P5205")
+{
+    ExportReport report;
+    report.has_stored_ranges = report.box_covers = true;
+    report.target_count = 64;
+    CHECK(warnings_about(report).empty());
+    report.target_count = 65;
+    CHECK(numbers_of(warnings_about(report)) == std::vector<int> { 5202 });
+    report.box_covers = report.has_stored_ranges = false;
+    CHECK(numbers_of(warnings_about(report)) == std::vector<int> { 5202, 5203, 5205 });
+    report.target_count = 0; // without morph targets nothing of it matters
+    CHECK(warnings_about(report).empty());
+}
+
+TEST_CASE("the path passes all poses and the mean, and every row sums to 1")
+{
+    const auto path = default_path(3, 6, 30);
+    REQUIRE(path.size() == 181);
+    CHECK(path[0] == std::vector<float> { 1, 0, 0 });
+    CHECK(path[45] == std::vector<float> { 0, 1, 0 });
+    CHECK(path[90] == std::vector<float> { 0, 0, 1 });
+    CHECK(path[135][0] == doctest::Approx(1.0 / 3));
+    CHECK(path[180] == path[0]);
+    for (const auto& row : path) CHECK(row[0] + row[1] + row[2] == doctest::Approx(1));
+}
+
+TEST_CASE("normals that are linear up to length are found, also where the base would vanish")
+{
+    Random random(5);
+    const int n = 40, d = 3;
+    Eigen::VectorXd base(3 * n);
+    Eigen::MatrixXd deltas(3 * n, d);
+    for (Eigen::Index i = 0; i < base.size(); ++i) {
+        base[i] = random.normal();
+        for (int j = 0; j < d; ++j) deltas(i, j) = 0.1 * random.normal();
+    }
+    base.head<3>().setZero(); // its normals are as small as its deltas: the direction at w = 0 is undefined
+    NormalFit fit(n, d);
+    NormalErrorMeter meter;
+    const auto normals_at = [&](const Eigen::VectorXd& w) { return Eigen::VectorXd(base + deltas * w); };
+    for (int s = 0; s < 60; ++s) {
+        const Eigen::VectorXd w = Eigen::Vector3d(random.uniform(), random.uniform(), random.uniform());
+        fit.add(w, normals_at(w));
+    }
+    const NormalFit::Result result = fit.solve();
+    for (int v = 0; v < n; ++v) CHECK(result.base.segment<3>(3 * v).norm() == doctest::Approx(1));
+    for (int s = 0; s < 20; ++s) {
+        const Eigen::VectorXd w = Eigen::Vector3d(random.uniform(), random.uniform(), random.uniform());
+        Eigen::VectorXd others = normals_at(w);
+        others.head<3>().setZero(); // "no normal": not judged
+        meter.add(result, w, others);
+    }
+    CHECK(meter.error().worst_degrees < 1e-2);
+    CHECK(meter.error().mean_degrees <= meter.error().worst_degrees);
+}
+
+TEST_CASE("a skin that made the shapes is found again, and its bones in a shape not seen")
+{
+    const Rod rod(24);
+    const std::vector<Eigen::Matrix3Xd> seen(rod.shapes.begin(), rod.shapes.begin() + 20);
+    const SkinFit fit = fit_skin(rod.skin.rest, seen, 3);
+    REQUIRE(fit.skin.bone_count == 3);
+    for (std::size_t s = 0; s < seen.size(); ++s) CHECK(distance(fit.skin.shape(fit.poses[s]), seen[s]) < 0.03);
+    for (std::size_t s = 20; s < 24; ++s)
+        CHECK(distance(fit.skin.shape(fit_bones(fit.skin, rod.shapes[s], fit.poses[0])), rod.shapes[s]) < 0.06);
+    for (const Influences& influence : fit.skin.influences) {
+        double sum = 0;
+        for (double w : influence.weights) {
+            CHECK(w >= 0);
+            sum += w;
+        }
+        CHECK(sum == doctest::Approx(1));
+    }
+    // One rigid bone cannot do it.
+    const SkinFit stiff = fit_skin(rod.skin.rest, seen, 1);
+    CHECK(distance(stiff.skin.shape(stiff.poses[0]), seen[0]) > 0.1);
+}

@@ -1,0 +1,112 @@
+"""What the tests of `pliant export` share: GLB files read with numpy and nothing else, node with its packages, skipping."""
+import fcntl
+import json
+import pathlib
+import shutil
+import struct
+import subprocess
+import sys
+
+import numpy as np
+
+HERE = pathlib.Path(__file__).parent
+SKIPPED = 77
+COMPONENTS = {5120: "<i1", 5121: "<u1", 5122: "<i2", 5123: "<u2", 5125: "<u4", 5126: "<f4"}
+WIDTHS = {"SCALAR": 1, "VEC2": 2, "VEC3": 3, "VEC4": 4, "MAT4": 16}
+
+
+def skip(reason):
+    print(f"skipped: {reason}")
+    sys.exit(SKIPPED)
+
+
+def check(condition, text):
+    if not condition:
+        print(f"FAILED: {text}")
+        sys.exit(1)
+
+
+class Glb:
+    """A GLB: .json, .binary, and .start, the file offset of the binary chunk."""
+
+    def __init__(self, path):
+        self.path = pathlib.Path(path)
+        blob = self.path.read_bytes()
+        magic, version, total, size, kind = struct.unpack_from("<4sIII4s", blob)
+        check((magic, version, total, kind) == (b"glTF", 2, len(blob), b"JSON"), f"{path}: not a GLB")
+        self.json = json.loads(blob[20:20 + size])
+        length, kind = struct.unpack_from("<I4s", blob, 20 + size)
+        self.start = 28 + size
+        check(kind == b"BIN\0" and self.start + length == total, f"{path}: binary chunk")
+        self.binary = blob[self.start:]
+
+    def view(self, index):
+        view = self.json["bufferViews"][index]
+        return self.binary[view["byteOffset"]:view["byteOffset"] + view["byteLength"]]
+
+    def accessor(self, index):
+        """[count, width], bounds compared with the accessor's."""
+        entry = self.json["accessors"][index]
+        width = WIDTHS[entry["type"]]
+        values = np.frombuffer(self.view(entry["bufferView"]), COMPONENTS[entry["componentType"]],
+                               entry["count"] * width).reshape(-1, width)
+        if "min" in entry:
+            check((values.min(axis=0) == entry["min"]).all() and (values.max(axis=0) == entry["max"]).all(),
+                  f"{self.path}: bounds of accessor {index}")
+        return values
+
+    def primitive(self):
+        return self.json["meshes"][0]["primitives"][0]
+
+    def attribute(self, name, target=None):
+        primitive = self.primitive()
+        attributes = primitive["attributes"] if target is None else primitive["targets"][target]
+        return self.accessor(attributes[name]).astype(float)
+
+    def shape(self, weights, name="POSITION"):
+        """As glTF defines morph targets: base + sum_j w_j target_j."""
+        result = self.attribute(name)
+        for j, weight in enumerate(weights):
+            result = result + weight * self.attribute(name, j)
+        return result
+
+
+def export(tool, asset, output, *options, code=0):
+    result = subprocess.run([tool, "export", asset, "-o", output, *options], capture_output=True, text=True, timeout=120)
+    check(result.returncode == code, f"export {asset}: exit code {result.returncode}\n{result.stdout}{result.stderr}")
+    return result
+
+
+def node_modules(folder):
+    """The folder with node_modules of package-lock.json, installed there if they are not yet; skips where that cannot be."""
+    if not shutil.which("node") or not shutil.which("npm"):
+        skip("node and npm are not installed (group engines of samples/install_packages.sh)")
+    folder = pathlib.Path(folder) / "node"
+    folder.mkdir(parents=True, exist_ok=True)
+    with open(folder / ".lock", "w") as lock:
+        fcntl.flock(lock, fcntl.LOCK_EX)
+        wanted = (HERE / "package-lock.json").read_text()
+        stamp = folder / "installed"
+        if not stamp.exists() or stamp.read_text() != wanted:
+            for name in ("package.json", "package-lock.json"):
+                shutil.copy(HERE / name, folder / name)
+            command = ["npm", "ci", "--no-audit", "--no-fund", "--ignore-scripts", "--fetch-retries=0", "--fetch-timeout=30000"]
+            try:
+                result = subprocess.run(command, cwd=folder, capture_output=True, text=True, timeout=200)
+            except subprocess.TimeoutExpired:
+                skip("npm ci takes too long: no way to the npm registry?")
+            if result.returncode:
+                skip(f"npm ci cannot fetch the packages: {result.stderr.strip()[-300:]}")
+            stamp.write_text(wanted)
+    return folder
+
+
+def run_node(folder, script, *arguments, timeout=100):
+    """Runs a script of this folder with the packages of node_modules(folder), which `import` finds next to it."""
+    modules = node_modules(folder)
+    shutil.copy(HERE / script, modules / script)
+    result = subprocess.run(["node", modules / script, *map(str, arguments)], capture_output=True, text=True, timeout=timeout)
+    if result.returncode == SKIPPED:
+        skip(result.stdout.strip())
+    check(result.returncode == 0, f"{script}: exit code {result.returncode}\n{result.stdout}{result.stderr}")
+    return result.stdout

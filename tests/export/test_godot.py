@@ -1,0 +1,59 @@
+"""test_godot.py TOOL ASSET: Godot 3's headless server imports the GLB of `pliant export` and has all vertices, targets and the
+animation."""
+import json
+import pathlib
+import shutil
+import signal
+import subprocess
+import sys
+import time
+
+from support import HERE, Glb, check, export, skip
+
+PROJECT = 'config_version=4\n\n[application]\n\nconfig/name="pliant"\n'
+
+
+def import_files(program, project):
+    """Runs the editor until it has imported; it does not always end by itself."""
+    with open(project / "editor.log", "w") as log:
+        editor = subprocess.Popen([program, "--path", project, "--editor", "--quit"], stdout=log, stderr=log,
+                                  stdin=subprocess.DEVNULL)
+        deadline = time.monotonic() + 200
+        while not list(project.glob(".import/shape.glb-*.md5")) and editor.poll() is None and time.monotonic() < deadline:
+            time.sleep(0.2)
+        try:
+            editor.wait(2)
+        except subprocess.TimeoutExpired:
+            editor.send_signal(signal.SIGKILL)
+            editor.wait()
+    check(list(project.glob(".import/shape.glb-*.scn")), f"not imported: {(project / 'editor.log').read_text()[-2000:]}")
+
+
+def main():
+    tool, asset = sys.argv[1:]
+    program = shutil.which("godot3-server")
+    if not program:
+        skip("godot3-server is not installed (group engines of samples/install_packages.sh)")
+    project = pathlib.Path("godot").resolve()
+    shutil.rmtree(project, ignore_errors=True)
+    project.mkdir()
+    (project / "project.godot").write_text(PROJECT)
+    shutil.copy(HERE / "godot.gd", project / "godot.gd")
+    export(tool, asset, project / "shape.glb")
+    import_files(program, project)
+    result = subprocess.run([program, "--path", project, "-s", "godot.gd"], capture_output=True, text=True, timeout=100)
+    lines = [line for line in result.stdout.splitlines() if line.startswith("REPORT ")]
+    check(lines, f"no report: {result.stdout[-2000:]}{result.stderr[-2000:]}")
+    report = json.loads(lines[0][len("REPORT "):])
+    glb = Glb(project / "shape.glb")
+    primitive = glb.primitive()
+    check(report["vertices"] == len(glb.attribute("POSITION")), f"vertices: {report}")
+    check(report["indices"] == len(glb.accessor(primitive["indices"])), f"indices: {report}")
+    check(report["targets"] == len(primitive["targets"]), f"targets: {report}")
+    check(abs(report["weight"] - 0.25) < 1e-6, f"weight: {report}")
+    check(report["tracks"] >= len(primitive["targets"]) and abs(report["length"] - 6) < 0.1, f"animation: {report}")
+    print(json.dumps({key: report[key] for key in ("vertices", "targets", "tracks", "length", "names")}))
+    return 0
+
+
+sys.exit(main())

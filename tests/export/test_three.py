@@ -1,0 +1,38 @@
+"""test_three.py TOOL BUILD SHAPES ASSET: three.js in headless Chromium draws the GLB of `pliant export` as it draws the positions that the
+C runtime makes: positions to 1e-5 of the diagonal, pictures nearly the same (normals are fitted in one, recomputed in the other)."""
+import json
+import pathlib
+import shutil
+import subprocess
+import sys
+
+from support import HERE, Glb, check, export, run_node, skip
+
+
+def main():
+    tool, build, program, asset = sys.argv[1:]
+    browser = shutil.which("chromium") or shutil.which("chromium-browser") or shutil.which("google-chrome")
+    if not browser:
+        skip("chromium is not installed (group engines of samples/install_packages.sh)")
+    folder = pathlib.Path("three")
+    folder.mkdir(exist_ok=True)
+    glb, shapes = folder / "shape.glb", folder / "shape.bin"
+    export(tool, asset, glb)
+    check(subprocess.run([program, asset, shapes], timeout=60).returncode == 0, f"{program} fails")
+    mesh = Glb(glb).json["meshes"][0]
+    counts = [len(mesh["extras"]["pliant"]["poses"]), len(mesh["weights"]), len(Glb(glb).attribute("POSITION"))]
+    report = json.loads(run_node(build, "three.mjs", browser, HERE / "three.html", folder.resolve(), glb.resolve(),
+                                 shapes.resolve(), ",".join(map(str, counts))))
+    check("failed" not in report and not report["said"], f"three.js says {report}")
+    check([report["vertices"], report["targets"]] == [counts[2], counts[1]], f"counts: {report}")
+    check(report["names"] == mesh["extras"]["targetNames"], f"names: {report['names']}")
+    check(report["animation"] < 1e-6, f"the animation gives other weights: {report['animation']}")
+    for shape in report["shapes"]:
+        check(shape["farthest"] < 1e-5, f"a vertex lies {shape['farthest']:.1e} of the diagonal away")
+        check(shape["covered"] > 0.03, f"the picture shows next to nothing: {shape}")
+        check(shape["mean"] < 4 and shape["far"] < 0.02, f"the pictures differ: {shape}")
+    print(json.dumps(report["shapes"]))
+    return 0
+
+
+sys.exit(main())
