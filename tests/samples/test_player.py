@@ -6,6 +6,7 @@ import json
 import os
 import re
 import shutil
+import struct
 import subprocess
 import sys
 import tempfile
@@ -106,6 +107,30 @@ def case_bad_asset(folder):
         bad.write_bytes(content)
         line = refused(bad, "--frames", "1", code=3, number=5912)
         assert str(bad) in line, line
+
+
+def glb_with(blob, before):
+    """The smallest GLB file with an asset as the first thing in its binary chunk; `before`: bytes of JSON, for its place."""
+    text = b'{"asset":{"version":"2.0"}}'.ljust(before)
+    body = struct.pack("<I4s", len(text), b"JSON") + text + struct.pack("<I4s", len(blob), b"BIN\0") + blob
+    return struct.pack("<4sII", b"glTF", 2, 12 + len(body)) + body
+
+
+def case_glb(folder):
+    """An asset inside a GLB file is the same asset, wherever it lies."""
+    asset = make_asset(folder)
+    blob = asset.read_bytes()
+    blob += bytes(-len(blob) % 4)
+    glb = folder / "tube.glb"
+    direct = picture(asset, folder, "--weights", "1,2,3")
+    for before in (4096 - 28, 64 - 28 + 4, 32):
+        glb.write_bytes(glb_with(blob, before))
+        assert np.abs(picture(glb, folder, "--weights", "1,2,3") - direct).max() == 0, before
+    whole = glb.read_bytes()
+    for content in (whole[:-1], whole[:40], b"glTF", glb_with(bytes(64), 32), glb_with(b"", 32)):
+        glb.write_bytes(content)
+        line = refused(glb, "--frames", "1", code=3, number=5912)
+        assert str(glb) in line, line
 
 
 def case_screenshot(folder):
