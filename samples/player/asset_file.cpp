@@ -28,9 +28,19 @@ std::string hint_for(pliant_result result)
     switch (result) {
     case PLIANT_ERROR_VERSION: return "bake the asset again with the pliant tool of this version";
     case PLIANT_ERROR_NOT_PLIANT: return kBakeHint;
+    case PLIANT_ERROR_ABSENT: return "only files of `pliant export --embed` have an asset inside";
     default:
         return "the file is damaged: copy it again (as binary) or bake it again; `pliant validate` names the broken rule";
     }
+}
+
+// The place of the asset in a file: the whole of it, or what a GLB file holds.
+pliant_result find_asset(const std::byte* bytes, size_t size, size_t& offset, size_t& asset_size)
+{
+    offset = 0;
+    asset_size = size;
+    if (size < 4 || std::memcmp(bytes, "glTF", 4) != 0) return PLIANT_OK;
+    return pliant_glb_find(bytes, size, &offset, &asset_size);
 }
 
 } // namespace
@@ -49,7 +59,16 @@ AssetFile::AssetFile(const std::string& path)
 
     blob_.reset(static_cast<std::byte*>(::operator new[](size > 0 ? size : 1, kBlobAlignment)));
     if (std::fread(blob_.get(), 1, size, file.get()) != size) refuse_file(path, "ended early while it was read");
-    const pliant_result result = pliant_asset_open(&asset_, blob_.get(), size, PLIANT_OPEN_VERIFY_CHECKSUMS);
+    size_t offset = 0, asset_size = 0;
+    pliant_result result = find_asset(blob_.get(), size, offset, asset_size);
+    if (result == PLIANT_OK) {
+        // Our own files have it at a page; another writer may have put it anywhere.
+        if (offset % static_cast<size_t>(kBlobAlignment) != 0) {
+            std::memmove(blob_.get(), blob_.get() + offset, asset_size);
+            offset = 0;
+        }
+        result = pliant_asset_open(&asset_, blob_.get() + offset, asset_size, PLIANT_OPEN_VERIFY_CHECKSUMS);
+    }
     if (result != PLIANT_OK) {
         throw Error(ErrorNumber::asset_refused, ExitCode::bad_input, path + ": " + pliant_result_text(result),
                     hint_for(result));

@@ -1,4 +1,4 @@
-// A .pliant file in memory, opened.
+// An asset in memory, opened: a .pliant file, or the asset inside a .glb file.
 #pragma once
 
 #include <pliant.h>
@@ -13,7 +13,8 @@ namespace pliant::player {
 // Owns the bytes and the view into them. Moving it leaves the bytes where they are.
 class AssetFile {
 public:
-    // Reads and checks the file, checksums included. Throws Error (exit code 3).
+    // Reads and checks the file, checksums included. What begins like a GLB file is searched for the asset that `pliant export --embed`
+    // put there. Throws Error (exit code 3).
     explicit AssetFile(const std::string& path);
 
     const pliant_asset& view() const { return asset_; }

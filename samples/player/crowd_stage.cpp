@@ -5,7 +5,7 @@ namespace pliant::player {
 namespace {
 
 // Seen from higher up than a single character, so that those behind are not hidden.
-constexpr float kYaw = 18.0f, kPitch = 24.0f;
+constexpr float kYaw = 14.0f, kPitch = 30.0f;
 
 Extent extent_of_one(const AssetFile& file, const glm::mat3& to_world)
 {

@@ -1,5 +1,7 @@
 #include "heat.h"
 
+#include "alignment.h"
+
 #include <glm/common.hpp>
 #include <glm/geometric.hpp>
 
@@ -30,8 +32,9 @@ HeatSummary measure_heat(const std::vector<glm::vec3>& a, const std::vector<glm:
     HeatSummary summary;
     double sum = 0.0;
     std::fill(heat.begin(), heat.end(), 0.0f);
+    const RigidMotion motion = best_motion(a, b, count);
     for (size_t v = 0; v < count; ++v) {
-        const float share = glm::distance(a[v], b[v]) / diagonal;
+        const float share = static_cast<float>(glm::distance(motion(a[v]), glm::dvec3(b[v]))) / diagonal;
         heat[v] = heat_of_share(share);
         sum += share;
         summary.largest = std::max(summary.largest, share);

@@ -32,8 +32,8 @@ struct HeatSummary {
     float mean = 0.0f, largest = 0.0f;
 };
 
-// Writes the heat of the first `count` vertices of two shapes: heat[v] is that of the distance between a[v] and b[v], as they lie,
-// without any alignment. heat keeps its size; what lies behind `count` becomes 0.
+// Writes the heat of the first `count` vertices of two shapes: heat[v] is that of the distance between a[v], after the rigid motion that
+// brings a nearest to b, and b[v]: a difference of shape, not of place. heat keeps its size; what lies behind `count` becomes 0.
 HeatSummary measure_heat(const std::vector<glm::vec3>& a, const std::vector<glm::vec3>& b, size_t count, float diagonal,
                          std::vector<float>& heat);
 

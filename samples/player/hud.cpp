@@ -132,7 +132,8 @@ void draw_polygon_panel(const Overlay& overlay, const HudModel& model, int heigh
     const PolygonView view { model.polygon,
                              model.file.short_names(),
                              { corner.x + size.x * 0.5f, corner.y + size.y * 0.5f + drop * s },
-                             96.0f * s,
+                             polygon_radius(model.polygon.corner_count()) * s,
+                             0.5f * size.x - 10.0f * s,
                              model.truth };
     ImGui::SetCursorPos({ 6.0f * s, 6.0f * s });
     ImGui::InvisibleButton("inside", { size.x - 12.0f * s, size.y - 12.0f * s });

@@ -63,7 +63,8 @@ void draw_bars(const Overlay& overlay, const FrameTimes& times, ImVec2 corner, I
         list->AddLine({ corner.x, y }, { corner.x + size.x, y }, IM_COL32(60, 72, 96, share > 0.0 ? 46 : 120), 1.0f * s);
         if (share == 0.0) continue;
         char text[24];
-        std::snprintf(text, sizeof text, "%g ms", share * end);
+        const bool seconds = end >= 1e4; // many characters on a driver that draws on the processor
+        std::snprintf(text, sizeof text, seconds ? "%g s" : "%g ms", share * end * (seconds ? 1e-3 : 1.0));
         draw_text(list, overlay.small(), { corner.x, y + 2.0f * s }, {}, kFaintInk, text);
     }
     const float width = size.x / static_cast<float>(FrameTimes::kMost);

@@ -51,7 +51,11 @@ std::string microseconds(double value)
 std::string milliseconds(double value)
 {
     char text[32];
-    std::snprintf(text, sizeof text, value < 10.0 ? "%.2f ms" : value < 100.0 ? "%.1f ms" : "%.0f ms", value);
+    if (value >= 1e4) {
+        std::snprintf(text, sizeof text, "%.1f s", value * 1e-3);
+    } else {
+        std::snprintf(text, sizeof text, value < 10.0 ? "%.2f ms" : value < 100.0 ? "%.1f ms" : "%.0f ms", value);
+    }
     return text;
 }
 

@@ -151,7 +151,9 @@ ParsedLine parse_command_line(int argc, char** argv)
         return "pliant-player " + std::to_string(v / 10000) + "." + std::to_string(v / 100 % 100) + "."
             + std::to_string(v % 100);
     });
-    app.add_option("ASSET", options.asset, "the .pliant file, made by `pliant bake`")->required();
+    app.add_option("ASSET", options.asset,
+                   "the .pliant file, made by `pliant bake`, or a .glb with one inside (`pliant export --embed`)")
+        ->required();
     app.add_option("--screenshot", options.screenshot, "draw one picture into this PNG file")->type_name("OUT.png");
     app.add_option("--sheet", options.sheet, "draw a contact sheet: the poses, and blends of them, linear beside elastic")
         ->type_name("OUT.png");

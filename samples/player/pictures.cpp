@@ -131,9 +131,13 @@ private:
 
 class CrowdSubject final : public Subject {
 public:
-    CrowdSubject(const Options& options, const AssetFile& file)
+    // software: with panels a crowd is lit as in a window, or its graph would show what no window takes.
+    CrowdSubject(const Options& options, const AssetFile& file, bool software)
         : file_(file)
-        , stage_(options, file, Quality::high)
+        , stage_(options, file,
+                 !options.hud   ? Quality::high
+                     : software ? Quality::low
+                                : Quality::medium)
         , mode_(options.linear ? BlendMode::linear : BlendMode::elastic)
         , moves_(!options.sequence.empty())
     {
@@ -191,9 +195,9 @@ private:
     bool is_terminal_;
 };
 
-std::unique_ptr<Subject> subject_for(const Options& options, const AssetFile& file, const Truth* truth)
+std::unique_ptr<Subject> subject_for(const Options& options, const AssetFile& file, const Truth* truth, const Easel& easel)
 {
-    if (options.crowd > 0) return std::make_unique<CrowdSubject>(options, file);
+    if (options.crowd > 0) return std::make_unique<CrowdSubject>(options, file, easel.context->is_software());
     return std::make_unique<BlendSubject>(options, file, truth);
 }
 
@@ -204,7 +208,7 @@ void write_screenshot(const Options& options, const AssetFile& file)
     weights_for(options, file); // wrong weights and files are wrong with or without graphics
     const std::optional<Truth> truth = truth_for(options, file);
     Easel easel(options);
-    const std::unique_ptr<Subject> subject = subject_for(options, file, truth ? &*truth : nullptr);
+    const std::unique_ptr<Subject> subject = subject_for(options, file, truth ? &*truth : nullptr, easel);
     subject->draw(easel, 0.0);
     write_png(options.screenshot, easel.width, easel.height, easel.canvas.pixels());
 }
@@ -215,7 +219,7 @@ void write_sequence(const Options& options, const AssetFile& file)
     const std::optional<Truth> truth = truth_for(options, file);
     const size_t count = options.count > 0 ? static_cast<size_t>(options.count) : path->count();
     Easel easel(options);
-    const std::unique_ptr<Subject> subject = subject_for(options, file, truth ? &*truth : nullptr);
+    const std::unique_ptr<Subject> subject = subject_for(options, file, truth ? &*truth : nullptr, easel);
     Report report(count);
     for (size_t i = 0; i < count; ++i) {
         subject->draw(easel, static_cast<double>(i) / static_cast<double>(count));

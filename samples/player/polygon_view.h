@@ -17,6 +17,7 @@ struct PolygonView {
     const std::vector<std::string>& names;
     ImVec2 centre;
     float radius;                 // pixels from the centre to a corner
+    float room;                   // pixels from the centre to where labels must end, to the left and to the right
     const Truth* truth = nullptr; // its weights are marked, those that are shown with a ring
 
     ImVec2 place(glm::dvec2 point) const;
@@ -25,9 +26,12 @@ struct PolygonView {
     std::optional<uint32_t> corner_at(ImVec2 place, float reach) const;
 };
 
-// With labels and weights at the corners if they have room (up to 16 poses).
+// With labels and weights at the corners: two lines each up to 8 poses, one up to 16; of more poses the few largest weights.
 void draw_polygon(ImDrawList* list, const Overlay& overlay, const PolygonView& view, const std::vector<double>& weights,
                   glm::dvec2 point, bool with_labels);
+
+// The radius that leaves room for the labels of so many poses, in pixels of the design.
+float polygon_radius(uint32_t pose_count);
 
 // One colour per pose, spread over the hues.
 ImU32 pose_colour(uint32_t pose, uint32_t pose_count, float alpha);

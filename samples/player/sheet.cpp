@@ -126,7 +126,7 @@ void draw_captions(const Overlay& overlay, const Layout& layout, const AssetFile
     for (size_t i = 0; i < blends.size(); ++i) {
         const Area area = layout.cell(i, 0);
         const float middle = area.x + 0.5f * area.width - 6.0f * s;
-        const PolygonView view { polygon, file.short_names(), { middle, area.y + 0.42f * area.height }, 46.0f * s };
+        const PolygonView view { polygon, file.short_names(), { middle, area.y + 0.42f * area.height }, 46.0f * s, 0.0f };
         draw_polygon(list, overlay, view, blends[i].weights, polygon.point(blends[i].weights), false);
         float y = area.y + 0.42f * area.height + 66.0f * s;
         size_t start = 0;

@@ -78,8 +78,6 @@ const Shown& Stage::blend(const std::vector<double>& weights, Show show, bool he
     return shown_;
 }
 
-// As they lie: baker and `pliant average` put poses and averages of free bodies on the first pose by the same rule, and the blends keep
-// that placement, so nothing is aligned here. Standing on the floor is a matter of drawing and does not count.
 void Stage::colour_by_distance()
 {
     const size_t count = linear_.file().view().boundary_vertex_count;

@@ -92,6 +92,7 @@ void check_faces(const std::string& path, const std::string& bytes, const Header
         if (bytes.size() - at < header.count_bytes) refuse_mesh(path, "is cut off in face " + std::to_string(face));
         std::memcpy(&corners, &bytes[at], header.count_bytes);
         at += header.count_bytes;
+        if (corners < 3) refuse_mesh(path, "face " + std::to_string(face) + " has " + std::to_string(corners) + " corners");
         if ((bytes.size() - at) / 4 < corners) refuse_mesh(path, "is cut off in face " + std::to_string(face));
         at += 4 * static_cast<size_t>(corners);
     }

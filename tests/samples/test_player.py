@@ -6,6 +6,7 @@ import json
 import os
 import re
 import shutil
+import struct
 import subprocess
 import sys
 import tempfile
@@ -15,6 +16,7 @@ import numpy as np
 from PIL import Image
 
 ROOT = Path(__file__).resolve().parents[2]
+sys.path.insert(0, str(ROOT / "formats" / "reference"))
 PLAYER = sys.argv[2]
 # Graphics drivers leak a little, which sanitizer builds would report as ours. What does not draw is still watched.
 if sys.argv[1] not in ("help", "usage", "bad_asset", "benchmark"):
@@ -29,7 +31,7 @@ def skip(reason):
 def make_asset(folder, poses=3):
     path = folder / "tube.pliant"
     subprocess.run([sys.executable, ROOT / "tests/runtime/tiny_asset.py", path, "--mesh", "tube", "--poses", str(poses),
-                    "--dim", "6", "--material", "neo-hookean"], check=True, stdout=subprocess.DEVNULL)
+                    "--dim", str(max(6, poses - 1)), "--material", "neo-hookean"], check=True, stdout=subprocess.DEVNULL)
     return path
 
 
@@ -69,7 +71,8 @@ def cool(image):
 
 def case_help(folder):
     out, _ = run("--help")
-    for word in ("--screenshot", "--sheet", "--weights", "--frames", "--up", "Exit code"):
+    for word in ("--screenshot", "--sheet", "--sequence", "--path", "--truth", "--heat", "--crowd", "--weights", "--frames", "--up",
+                 "Exit code"):
         assert word in out, f"--help does not explain {word}"
     out, _ = run("--version")
     assert re.fullmatch(r"pliant-player \d+\.\d+\.\d+\n", out), out
@@ -104,6 +107,30 @@ def case_bad_asset(folder):
         bad.write_bytes(content)
         line = refused(bad, "--frames", "1", code=3, number=5912)
         assert str(bad) in line, line
+
+
+def glb_with(blob, before):
+    """The smallest GLB file with an asset as the first thing in its binary chunk; `before`: bytes of JSON, for its place."""
+    text = b'{"asset":{"version":"2.0"}}'.ljust(before)
+    body = struct.pack("<I4s", len(text), b"JSON") + text + struct.pack("<I4s", len(blob), b"BIN\0") + blob
+    return struct.pack("<4sII", b"glTF", 2, 12 + len(body)) + body
+
+
+def case_glb(folder):
+    """An asset inside a GLB file is the same asset, wherever it lies."""
+    asset = make_asset(folder)
+    blob = asset.read_bytes()
+    blob += bytes(-len(blob) % 4)
+    glb = folder / "tube.glb"
+    direct = picture(asset, folder, "--weights", "1,2,3")
+    for before in (4096 - 28, 64 - 28 + 4, 32):
+        glb.write_bytes(glb_with(blob, before))
+        assert np.abs(picture(glb, folder, "--weights", "1,2,3") - direct).max() == 0, before
+    whole = glb.read_bytes()
+    for content in (whole[:-1], whole[:40], b"glTF", glb_with(bytes(64), 32), glb_with(b"", 32)):
+        glb.write_bytes(content)
+        line = refused(glb, "--frames", "1", code=3, number=5912)
+        assert str(glb) in line, line
 
 
 def case_screenshot(folder):
@@ -157,6 +184,181 @@ def case_sheet(folder):
     image = np.asarray(Image.open(path).convert("RGB")).astype(float)
     assert image.shape[0] > 200 and image.shape[1] > 400, image.shape
     assert warm(image).mean() > 0.01 and cool(image).mean() > 0.003, "a kind of blend is missing on the sheet"
+
+
+def write_path(folder, rows, name="weights.csv"):
+    path = folder / name
+    path.write_text("# weights\n" + "".join(",".join(map(str, row)) + "\n" for row in rows))
+    return path
+
+
+def case_sequence(folder):
+    asset = make_asset(folder)
+    path = write_path(folder, [[1, 0, 0], [0, 2, 0], [0, 0, 1]])
+    out = folder / "frames"
+    out.mkdir()
+    pattern = out / "f_%02d.png"
+    _, err = run(asset, "--sequence", pattern, "--path", path, "--size", "160x120")
+    assert sorted(p.name for p in out.iterdir()) == ["f_00.png", "f_01.png", "f_02.png"], list(out.iterdir())
+    second = np.asarray(Image.open(out / "f_01.png").convert("RGB")).astype(float)
+    corner = picture(asset, folder, "--weights", "0,1,0", size="160x120")
+    other = picture(asset, folder, "--weights", "0,0,1", size="160x120")
+    assert np.abs(second - corner).mean() < 0.2 < np.abs(second - other).mean(), "frame 1 is not what line 1 says"
+    run(asset, "--sequence", pattern, "--count", "4", "--size", "64x64", "--hud")
+    assert Image.open(out / "f_03.png").size == (64, 64)
+    run(asset, "--sequence", out / "p_%d.png", "--path", path, "--count", "6", "--size", "64x64", "--both")
+    assert len(list(out.glob("p_?.png"))) == 6
+    run(asset, "--path", path, "--frames", "5")
+
+    bad = write_path(folder, [[1, 0, 0], [1, 0]], "bad.csv")
+    line = refused(asset, "--sequence", pattern, "--path", bad, code=3, number=5913)
+    assert "bad.csv:3: 2 weights for 3 poses" in line, line
+    refused(asset, "--sequence", pattern, "--path", folder / "missing.csv", code=3, number=5913)
+    refused(asset, "--sequence", out / "f.png", "--path", path, code=2, number=5941)
+    refused(asset, "--sequence", pattern, code=2, number=5942)
+    refused(asset, "--sequence", pattern, "--count", "0", code=2, number=5901)
+    refused(asset, "--sequence", pattern, "--path", path, "--frames", "3", code=2, number=5901)
+    for wrong in (["--path", path, "--screenshot", "x.png"], ["--path", path, "--weights", "1,1,1"], ["--fps", "3"],
+                  ["--count", "3"], ["--sequence", pattern, "--count", "3", "--weights", "1,1,1"]):
+        refused(asset, *wrong, code=2, number=5942)
+    refused(asset, "--sequence", folder / "missing" / "f_%d.png", "--count", "2", "--size", "64x64", code=1, number=5931)
+
+
+def make_truth(asset, folder, shift=0.0, stretch=1.0):
+    """Unreduced averages, or what stands for them: the asset's poses, and its blend of all poses by the reference."""
+    from pliant_reference import Asset
+    reference = Asset(asset.read_bytes())
+    weights = [[1, 0, 0], [0, 1, 0], [0, 0, 1], [1 / 3, 1 / 3, 1 / 3]]
+    for i, row in enumerate(weights):
+        z, _ = reference.minimise(np.array(row))
+        shape = reference.reconstruct(reference.coordinates(z))
+        shape = stretch * shape + shift * np.linalg.norm(np.ptp(shape, axis=0))
+        faces = np.zeros(len(reference.triangles), dtype=[("count", "u1"), ("corners", "<i4", 3)])
+        faces["count"], faces["corners"] = 3, reference.triangles
+        header = (f"ply\nformat binary_little_endian 1.0\nelement vertex {len(shape)}\nproperty float x\nproperty float y\n"
+                  f"property float z\nelement face {len(faces)}\nproperty list uchar int vertex_indices\nend_header\n")
+        (folder / f"truth_{i}.ply").write_bytes(header.encode() + shape.astype("<f4").tobytes() + faces.tobytes())
+    return write_path(folder, weights, "truth.csv"), folder / "truth_%d.ply"
+
+
+def thirds(image):
+    third = image.shape[1] // 3
+    return image[:, :third], image[:, third:2 * third], image[:, 2 * third:]
+
+
+def green(image):
+    """The pixels of the unreduced character."""
+    return (image[..., 1] - image[..., 0] > 8) & (image[..., 1] - image[..., 2] > 3)
+
+
+def case_truth(folder):
+    asset = make_asset(folder)
+    truth = make_truth(asset, folder)
+    image = picture(asset, folder, "--truth", *truth, size="900x300")
+    linear, elastic, unreduced = thirds(image)
+    assert cool(linear).any() and warm(elastic).any() and green(unreduced).mean() > 0.01, "linear, elastic, unreduced side by side"
+    assert not warm(linear).any() and not warm(unreduced).any()
+    # All are shown at the nearest weights of the list.
+    snapped = picture(asset, folder, "--truth", *truth, "--weights", "0.8,0.2,0", size="900x300")
+    corner = picture(asset, folder, "--truth", *truth, "--weights", "1,0,0", size="900x300")
+    assert np.abs(snapped - corner).max() == 0, "the weights are not those of the nearest unreduced average"
+    assert np.abs(snapped - image).mean() > 0.5
+    panels = picture(asset, folder, "--truth", *truth, "--hud", size="960x600")
+    assert green(panels[:, :320]).sum() > 40, "the panels do not say where the unreduced average is"
+
+    refused(asset, "--truth", truth[0], folder / "truth.ply", "--screenshot", "x.png", code=2, number=5941)
+    refused(asset, "--truth", truth[0], folder / "other_%d.ply", "--screenshot", "x.png", code=3, number=5914)
+    refused(asset, "--truth", folder / "no.csv", truth[1], "--screenshot", "x.png", code=3, number=5913)
+    refused(asset, "--truth", *truth, "--frames", "3", code=2, number=5942)
+    damaged = folder / "truth_3.ply"
+    damaged.write_bytes(damaged.read_bytes()[:-1])
+    line = refused(asset, "--truth", *truth, "--screenshot", folder / "x.png", code=3, number=5914)
+    assert "truth_3.ply" in line, line
+    few = folder / "few"
+    few.mkdir()
+    (few / "truth_0.ply").write_bytes(
+        b"ply\nformat binary_little_endian 1.0\nelement vertex 1\nproperty float x\nproperty float y\nproperty float z\n"
+        b"element face 0\nproperty list uchar int vertex_indices\nend_header\n" + bytes(12))
+    one = write_path(few, [[1, 1, 1]])
+    refused(asset, "--truth", one, few / "truth_%d.ply", "--screenshot", "x.png", code=3, number=5915)
+
+
+def hot(image):
+    """The pixels of the warm half of the scale: red well above green."""
+    return (image[..., 0] - image[..., 1] > 60) & (image.mean(axis=2) < 190)
+
+
+def case_heat(folder):
+    asset = make_asset(folder)
+    truth = make_truth(asset, folder)
+    # Between legend and captions. At the poses all three are the same shape: nothing is warm. In between the linear blend is further off.
+    corner = picture(asset, folder, "--truth", *truth, "--heat", "--weights", "1,0,0", size="900x450")[80:-70]
+    assert not hot(corner).any(), f"{hot(corner).sum()} warm pixels at a pose"
+    linear, elastic, unreduced = thirds(picture(asset, folder, "--truth", *truth, "--heat", size="900x450")[80:-70])
+    assert hot(linear).mean() > 0.005, "the linear blend is not warm"
+    assert not hot(elastic).any() and not hot(unreduced).any(), "the elastic blend is the truth here and must not be warm"
+    difference = picture(asset, folder, "--heat", size="450x450")[100:-70]
+    assert hot(difference).mean() > 0.005, "without a truth: the distance from the linear blend"
+    moved = make_truth(asset, folder, shift=0.2)
+    elastic = thirds(picture(asset, folder, "--truth", *moved, "--heat", size="900x450")[80:-70])[1]
+    assert not hot(elastic).any(), "a difference of place is shown as one of shape"
+    large = make_truth(asset, folder, stretch=1.5)
+    far = picture(asset, folder, "--truth", *large, "--heat", "--both", size="900x450")[80:-70]
+    assert (far.max(axis=2) < 110).mean() > 0.05 > (elastic.max(axis=2) < 110).mean(), "what is far off is not dark"
+    refused(asset, "--heat", "--frames", "3", code=2, number=5942)
+
+
+def case_crowd(folder):
+    asset = make_asset(folder)
+    out, _ = run(asset, "--crowd", "7", "--frames", "20", "--json")
+    report = json.loads(out)
+    assert report["characters"] == 7 and report["frames"] == 20 and report["poses"] == 3, out
+    assert report["solves_not_converged"] == 0 and report["evaluations"]["median"] >= 7, out
+    for name in ("solve_us", "reconstruct_us", "normals_us"):
+        assert 0 < report[name]["median"] <= report[name]["p95"], out
+    text, _ = run(asset, "--crowd", "2", "--frames", "3", "--linear")
+    assert "2 characters" in text, text
+    one = picture(asset, folder, "--crowd", "1", "--view=0,10", size="300x200")
+    many = picture(asset, folder, "--crowd", "9", "--view=0,10", size="300x200")
+    assert warm(one).any() and warm(many).any() and np.abs(one - many).mean() > 1
+    panels = picture(asset, folder, "--crowd", "3", "--hud", size="480x300")
+    assert (panels[170:, :160].std(axis=2) > 20).sum() > 20, "no bars in the graph"
+    path = write_path(folder, [[1, 0, 0], [0, 1, 0]])
+    run(asset, "--crowd", "3", "--sequence", folder / "c_%d.png", "--path", path, "--size", "64x64")
+    assert (folder / "c_1.png").exists()
+    refused(asset, "--crowd", "0", code=2, number=5901)
+    for wrong in (["--both"], ["--heat"], ["--weights", "1,1,1"], ["--sheet", "x.png"]):
+        refused(asset, "--crowd", "3", *wrong, code=2, number=5942)
+
+
+def case_many_poses(folder):
+    """The polygon's panel has labels for many poses, and nothing of them leaves it."""
+    for poses in (2, 12, 20):
+        asset = make_asset(folder, poses=poses)
+        weights = ",".join(["1", "2"] + (poses - 2) * ["0"])
+        image = picture(asset, folder, "--hud", "--weights", weights, size="960x600")
+        panel = image[372:588, 12:223]  # of a picture of 600 rows
+        assert (panel.max(axis=2) < 150).sum() > 60, f"{poses} poses: no labels"
+        beyond = image[380:580, 226:240]
+        assert beyond.min() > 150, f"{poses} poses: something sticks out of the panel"
+
+
+def case_drop(folder):
+    if not shutil.which("xvfb-run"):
+        skip("xvfb-run is not installed (packages xvfb xauth)")
+    asset = make_asset(folder)
+    good, bad = folder / "other one.pliant", folder / "bad.pliant"
+    good.write_bytes(asset.read_bytes())
+    bad.write_bytes(asset.read_bytes()[:-1])
+    script = '"$0" "$1" --size 480x320 & player=$!; "$2" "$3" "$4" "$5" "$4"; code=$?; kill -0 $player || code=9; kill $player; exit $code'
+    command = ["xvfb-run", "-a", "-s", "-screen 0 1280x1024x24", "bash", "-c", script, PLAYER, asset, sys.executable,
+               Path(__file__).with_name("drop_file.py"), bad, good]
+    result = subprocess.run(list(map(str, command)), capture_output=True, text=True, timeout=240)
+    if "P5921" in result.stderr:
+        skip("no window here: " + result.stderr)
+    assert result.returncode == 0, (result.returncode, result.stdout, result.stderr)
+    titles = result.stdout.splitlines()
+    assert titles == ["tube · Pliant", "other one · Pliant", "other one · Pliant"], titles
 
 
 def case_whole_or_nothing(folder):
