@@ -19,7 +19,8 @@ bool check_same_kind(const MeshFile& first, const MeshFile& other, FindingList& 
 bool check_same_vertex_count(const MeshFile& first, const MeshFile& other, FindingList& findings);
 
 // Do vertices of equal number lie on equal places of the character? Errors: P3006 they do not, P3007 mirror image, P3008 another
-// unit of length. Warning: P3011 perhaps a mirror image. The faces must be the same and have areas. Of solids the boundary is looked at.
+// unit of length. Warnings: P3011 perhaps a mirror image, P3014
+// inside out for a large part. The faces must be the same and have areas. Of solids the boundary is looked at.
 void check_correspondence(const MeshFile& first, const MeshFile& other, const Triangulation& triangulation,
                           FindingList& findings);
 

@@ -139,10 +139,20 @@ void check_mirrored(const MeshFile& first, const MeshFile& other, const Shape& a
     constexpr double open = 0.5;        // a hemisphere has 0.7, a face with its neck 0.2, a closed surface 0
     constexpr double enclosing = 0.005; // a human body has 0.1 to 0.2, a pillow ten times as wide as high 0.15
     constexpr double exact = 0.02, distinct = 0.01;
+    constexpr double alike
+        = 0.25; // a mirror image has the same volume, and poses of one body hardly differ by more than half
     const Enclosure ea = enclosure(a, triangles), eb = enclosure(b, triangles);
     const bool is_enclosing
         = std::max(ea.openness, eb.openness) < open && std::min(std::abs(ea.volume), std::abs(eb.volume)) > enclosing;
     if (is_enclosing && ea.volume * eb.volume < 0) {
+        const double smaller = std::min(std::abs(ea.volume), std::abs(eb.volume));
+        if (smaller < alike * std::max(std::abs(ea.volume), std::abs(eb.volume))) {
+            findings.add(warning_at(3014, other.path,
+                                    fmt::format("is inside out for a large part (signed volume {:.3g}, {} has {:.3g})",
+                                                eb.volume, first.path, ea.volume),
+                                    "right if it is meant to fold through itself; blends with it may do so, too"));
+            return;
+        }
         findings.add(
             error_at(3007, other.path,
                      fmt::format("is mirrored against {}: its surface is inside out (signed volume {:.3g} against {:.3g})",

@@ -275,6 +275,7 @@ mesh_case("zero_area", "flat.obj", lambda: flattened(good(), 0))
 mesh_case("zero_area_in_second_pose", "flat_bent.obj", lambda: flattened(bent(), 0))
 mesh_case("needle_in_second_pose", "needle.obj", lambda: flattened(bent(), 1e-8))
 mesh_case("collapsed_pose", "collapsed.obj", lambda: good().moved(lambda x, y, z: (1, 2, 3)))
+mesh_case("inside_out_part", "through.obj", lambda: good().moved(lambda x, y, z: (-0.05 * x, y, z)))
 mesh_case("collapsed_part", "collapsed.obj", lambda: good().moved(lambda x, y, z: (x, y, z) if z < 1 else (0, 0, 1)))
 both_case("no_face_is_one", "lines", lambda: Mesh(good().vertices, [face[:2] + face[:1] for face in good().faces]))
 
