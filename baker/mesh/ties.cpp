@@ -14,7 +14,7 @@ constexpr double infinity = std::numeric_limits<double>::infinity();
 // As stiff as a membrane of modulus 1 is to one of its vertices, times this, for a tie whose place hardly differs between the poses.
 // Where places differ by more than this (units of the diagonal), the mean of the places means less, down to the least stiffness: an eye
 // that turns would get dents from ties that pull its vertices from the arc to the chord. THEORY.md tells what other values do.
-constexpr double tie_stiffness = 0.3, least_stiffness = 0.01, sure_place = 0.0025;
+constexpr double tie_stiffness = 0.3, least_stiffness = 0.01, sure_place = 0.005;
 
 // Lengths in units of the diagonal. Tied vertices of a part keep this distance, anchors lie about as far apart, and vertices this much
 // farther from the host than the nearest are tied as well.
