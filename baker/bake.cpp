@@ -432,7 +432,8 @@ BakedAsset bake(const PoseSet& poses, const BakeOptions& given, Progress& progre
     asset.boundary_vertex_count = poses.boundary_vertex_count;
 
     const Eigen::MatrixXd reachable = reachable_coordinates(subspace, fitted.training);
-    const double position_error = options.position_error * set.diagonal;
+    // Vertices that are held stay where they are to the bit, which sums of rounded numbers would not keep.
+    const double position_error = set.is_free() ? options.position_error * set.diagonal : 0;
     StoredShape stored = store_shape(set, subspace, nullptr, reachable, position_error);
     asset.stored = &stored;
     asset.certificate = "{}"; // written last

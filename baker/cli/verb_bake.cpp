@@ -174,7 +174,7 @@ Verb add_bake(CLI::App& app)
     verb->add_option("--position-error", a->bake.position_error,
                      "How far a vertex may be moved by storing the basis in few bits, over the bounding-box diagonal; 0 "
                      "stores single "
-                     "precision")
+                     "precision, which --fix always does")
         ->check(CLI::Range(0.0, 1e-2))
         ->capture_default_str();
     verb->add_option("--seed", a->bake.seed, "Seed of everything random")->capture_default_str();
