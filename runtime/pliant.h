@@ -84,7 +84,7 @@ PLIANT_API uint32_t pliant_version(void);
 /* ---------------------------------------------------------------------------------------------------- asset ---- */
 
 /* A view of an asset. It owns nothing and holds pointers into the blob: copy it freely, drop it any time, but keep the
-   blob where it is. The fields up to `source_vertices` are for you to read, the others are internal. */
+   blob where it is. The fields up to `smoothing_groups` are for you to read, the others are internal. */
 typedef struct pliant_asset {
     uint32_t vertex_count;
     uint32_t triangle_count;

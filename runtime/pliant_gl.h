@@ -158,7 +158,8 @@ PLIANT_API void pliant_gl_instance_free(pliant_gl_instance* instance);
    caller's side. */
 PLIANT_API pliant_gl_result pliant_gl_update(pliant_gl_instance* instance, const float* q);
 
-/* The same from the first `columns` dimensions only, as if the others were zero; more than there are: all. */
+/* The same from the first `columns` dimensions only, as if the others were zero; more than there are: all. pliant_columns_needed says how
+   many a character far away needs. */
 PLIANT_API pliant_gl_result pliant_gl_update_columns(pliant_gl_instance* instance, const float* q, uint32_t columns);
 
 /* For the vertex array that is bound: points attribute `position` at the positions, attribute `normal` at the normals (-1: leave that one
