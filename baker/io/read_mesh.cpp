@@ -100,7 +100,8 @@ const Format* choose_format(const SourceFile& file)
     if (!format) {
         file.error(2003, file.path,
                    fmt::format("unknown kind of file {}", excerpt(std::filesystem::path(file.path).extension().string())),
-                   "surfaces are read from .obj, .ply, .off, .glb and .gltf, solids from .msh, .mesh, .veg and .vtk");
+                   "surfaces are read from .obj, .ply and .off, as poses also from .glb and .gltf, solids from .msh, .mesh, "
+                   ".veg and .vtk");
         return nullptr;
     }
     if (file.bytes.empty()) {
