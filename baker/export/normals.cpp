@@ -10,7 +10,8 @@ namespace pliant {
 namespace {
 
 // Added to the Gram matrix (of numbers in [0,1], so of a size near the number of samples) relative to the number of samples: keeps
-// deltas small along what the samples do not tell apart. A hundred times more or less changes the mean error by less than 2 %.
+// deltas small along what the samples do not tell apart. On the creature of the samples (42 targets) 1e-6 costs nothing that shows (mean
+// 0.04 degrees, as with 0), 1e-4 makes it 0.19 degrees.
 constexpr double ridge = 1e-6;
 
 // A base normal shorter than this, of normals that were of unit length, would blow up its deltas when it is brought to unit length.

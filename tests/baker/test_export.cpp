@@ -104,7 +104,7 @@ TEST_CASE("Draco gives vertices back in their order, to a millionth of the size"
     REQUIRE(mesh.positions.size() == positions.size());
     for (std::size_t i = 0; i < positions.size(); ++i) CHECK(std::abs(mesh.positions[i] - positions[i]) < 4e-5);
     CHECK(mesh.largest_error < 4e-5);
-    CHECK(mesh.bytes.size() < positions.size() * sizeof(float));
+    CHECK(mesh.bytes.size() < 2 * positions.size() * sizeof(float)); // positions and normals alone take as much
 }
 
 TEST_CASE("P5201: what 32 bits cannot count is refused")
