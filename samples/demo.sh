@@ -3,6 +3,7 @@
 #
 #   (no option)   installs what is missing, builds, makes the example poses, bakes them, opens the player
 #   --headless    draws build/demo/*.png instead of opening a window; so do CI=true and a machine without a display
+#   --truth       with --headless: also computes an unreduced average (some minutes) and draws it beside the blends
 #   --no-install  does not touch the system's packages
 #
 # On Debian 12, as root or with sudo; the first run takes some minutes, the next ones seconds. Everything lands in build/.
@@ -11,14 +12,15 @@ set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 source samples/install_packages.sh
 
-headless=0 install=1
+headless=0 install=1 truth=0
 [[ ${CI:-} == true || (-z ${DISPLAY:-} && -z ${WAYLAND_DISPLAY:-}) ]] && headless=1
 while (($#)); do
     case $1 in
         --headless) headless=1 ;;
+        --truth) truth=1 ;;
         --no-install) install=0 ;;
         -h | --help)
-            sed -n '2,9s/^#  \{0,1\}//p' "${BASH_SOURCE[0]}"
+            sed -n '2,10s/^#  \{0,1\}//p' "${BASH_SOURCE[0]}"
             exit 0
             ;;
         *)
@@ -79,7 +81,16 @@ draw_pictures() {
         && draw player.png --weights 0,1,1,0,1 --both --hud --size 1440x810 --screenshot \
         && draw both.png --weights 0,1,1,0,1 --both --size 1600x800 --screenshot \
         && draw elastic.png --weights 0,1,1,0,1 --screenshot \
-        && draw linear.png --weights 0,1,1,0,1 --linear --screenshot
+        && draw linear.png --weights 0,1,1,0,1 --linear --screenshot \
+        && draw crowd.png --crowd 24 --size 1200x520 --screenshot
+}
+
+draw_truth() {
+    echo 0,1,1,0,1 > $demo/truth.csv
+    if ! newer_than $demo/truth_0.ply "${poses[@]}"; then
+        "$build/baker/pliant" average "${poses[@]}" --path $demo/truth.csv -o $demo/truth_%d.ply || return 1
+    fi
+    draw truth.png --truth $demo/truth.csv $demo/truth_%d.ply --weights 0,1,1,0,1 --heat --size 1200x420 --screenshot
 }
 
 mkdir -p "$demo"
@@ -107,6 +118,7 @@ step "measuring a thousand blends"
 if ((headless)); then
     step "pictures"
     draw_pictures || fail "a picture could not be drawn"
+    if ((truth)); then draw_truth || fail "the unreduced average could not be made or drawn"; fi
     step "done: look at $demo/*.png"
 else
     step "the player: drag the point in the polygon, H lists the keys, Esc quits"

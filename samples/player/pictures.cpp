@@ -42,7 +42,7 @@ struct Easel {
         , height(options.height > 0 ? options.height : kHeight)
         , context(make_offscreen_context())
         , canvas(width, height)
-        , overlay(design_scale(height), nullptr)
+        , overlay(design_scale(options.hud ? height : std::max(height, width * 3 / 5)), nullptr) // captions suit wide strips
         , hud(options.hud)
     {
     }
