@@ -248,8 +248,8 @@ typedef struct pliant_column {
 PLIANT_API pliant_result pliant_asset_column(const pliant_asset* asset, uint32_t column, pliant_column* out);
 
 /* A box round all vertices for the coordinates `q`, whatever they are, in units of the input meshes: every position that
-   pliant_reconstruct gives for this q lies inside. It is at most a few per cent of the diagonal wider than the shape on blends
-   (runtime/README.md). Cost: 6 * (dimension + 1) multiply-adds for each of at most 256 clusters of vertices, microseconds; for an
+   pliant_reconstruct gives for this q lies inside. On blends it is wider than the shape by 0.1 to 2 %
+   of the diagonal a side in the mean, where limbs swing far by up to 10 % (tests/bench/README.md). Cost: 6 * (dimension + 1) multiply-adds for each of at most 256 clusters of vertices, microseconds; for an
    asset of before format 1.3 or baked without clusters that of reconstructing all vertices. PLIANT_ERROR_ARGUMENT for null pointers. */
 PLIANT_API pliant_result pliant_bounds(const pliant_asset* asset, const float* q, float lowest[3], float highest[3]);
 
