@@ -76,6 +76,13 @@ std::vector<Weights> path_points(const std::string& path, std::size_t pose_count
     return points;
 }
 
+std::vector<std::string> all_inputs(const Arguments& a)
+{
+    std::vector<std::string> inputs = input_files(a.poses, a.energy);
+    if (!a.path.empty()) inputs.push_back(a.path);
+    return inputs;
+}
+
 // What can be said before the poses are read.
 void check_usage(const Arguments& a)
 {
@@ -86,6 +93,8 @@ void check_usage(const Arguments& a)
         throw Failure(ExitCode::usage,
                       error_at(1224, "", "--list belongs to --grid", "the weights of --path are in its file already"));
     if (!a.weights.empty()) parse_weights(a.weights);
+    probe_output(a.weights.empty() ? frame_name(a.output, 0) : a.output, all_inputs(a));
+    if (!a.list.empty()) probe_output(a.list, all_inputs(a));
 }
 
 std::vector<Wanted> wanted_averages(const Arguments& a, std::size_t pose_count)
@@ -96,14 +105,6 @@ std::vector<Wanted> wanted_averages(const Arguments& a, std::size_t pose_count)
     for (std::size_t i = 0; i < points.size(); ++i)
         wanted.push_back({ points[i], fmt::format("frame {}: ", i), frame_name(a.output, i) });
     return wanted;
-}
-
-void check_inputs_and_outputs(const Arguments& a, const std::vector<Wanted>& wanted)
-{
-    std::vector<std::string> inputs = input_files(a.poses, a.energy);
-    if (!a.path.empty()) inputs.push_back(a.path);
-    for (const Wanted& one : wanted) probe_output(one.output, inputs);
-    if (!a.list.empty()) probe_output(a.list, inputs);
 }
 
 std::string grid_list(const std::vector<Wanted>& wanted)
@@ -159,7 +160,7 @@ ExitCode run(const Arguments& a)
     ConsoleProgress progress("average", a.is_quiet);
     const PoseSet poses = load_with_warnings("average", a.poses, a.energy);
     const std::vector<Wanted> wanted = wanted_averages(a, poses.pose_count()); // one glTF file may give many poses
-    check_inputs_and_outputs(a, wanted);
+    for (const Wanted& one : wanted) probe_output(one.output, all_inputs(a));
     const ShapeSet set = normalise(poses, a.energy.keep_placement);
     const std::unique_ptr<Energy> energy = make_energy(set, a.energy);
     SolverPool pool(*energy, set, a.energy.solver);

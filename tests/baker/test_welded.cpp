@@ -99,6 +99,7 @@ BakeOptions quick_bake()
     options.element_count = 24;
     options.check_count = 3;
     options.fresh_count = 1;
+    options.position_error = 0; // rows and poses are compared to the bit, or nearly
     return options;
 }
 

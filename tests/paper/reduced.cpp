@@ -58,7 +58,8 @@ Subspace subspace_of(const RuntimeBlender& blender, const ShapeSet& set, const s
 {
     const pliant_asset& asset = blender.asset();
     const auto refuse = [&](const char* why) {
-        throw Failure(ExitCode::bad_input, error_at(5104, path, why, "bake it from these poses, in this order"));
+        throw Failure(ExitCode::bad_input,
+                      error_at(5104, path, why, "bake it from these poses, in this order, with --position-error 0"));
     };
     if (asset.pose_count != set.pose_count() || Eigen::Index(asset.vertex_count) * 3 != set.dof_count())
         refuse("has other poses or another mesh");

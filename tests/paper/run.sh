@@ -82,7 +82,7 @@ asset_of() {
     local asset=$out/assets/$1.pliant start=$SECONDS code=0
     shift
     [[ $asset -nt $tool ]] && return
-    "$tool" bake "${poses[@]}" -o "$asset" --check-samples 0 --fresh-samples 0 --best-effort --quiet --report "${asset%.pliant}.json" "${threads[@]}" "$@" \
+    "$tool" bake "${poses[@]}" -o "$asset" --position-error 0 --check-samples 0 --fresh-samples 0 --best-effort --quiet --report "${asset%.pliant}.json" "${threads[@]}" "$@" \
         2>> "$out/bakes.log" || code=$?
     ((code == 0 || code == 4)) || { say "baking $asset failed, exit code $code: $out/bakes.log"; return 1; }
     say "baked ${asset##*/} in $((SECONDS - start)) s"
