@@ -95,9 +95,8 @@ Json morph_mesh_json(Glb& glb, const RuntimeBlender& blender, const DrawnSpace& 
         targets.push_back({ { "POSITION", position }, { "NORMAL", normal } });
     }
     primitive["targets"] = targets;
-    const Eigen::VectorXf first = morph.weights(Eigen::VectorXf::Zero(morph.deltas.cols())); // pose 0 is q = 0
     return { { "primitives", Json::array({ primitive }) },
-             { "weights", to_json(first) },
+             { "weights", to_json(morph.weights(space.first_pose)) },
              { "extras", extras_of(blender, morph) } };
 }
 
@@ -211,9 +210,9 @@ ExportedFile export_asset(RuntimeBlender& blender, const ExportOptions& options)
     } else if (options.bone_count) {
         mesh = add_skinned_mesh(glb, blender, space, options, report);
     } else {
-        const Eigen::VectorXd normals = vertex_normals(space.at_zero, space.triangles);
-        mesh["primitives"] = Json::array(
-            { add_primitive(glb, space, to_float_list(space.at_zero), to_float_list(normals), options, report) });
+        const Eigen::VectorXd rest = space.rest(), normals = vertex_normals(rest, space.triangles);
+        mesh["primitives"]
+            = Json::array({ add_primitive(glb, space, to_float_list(rest), to_float_list(normals), options, report) });
     }
     if (options.with_asset) {
         mesh["extensions"] = { { "PLIANT_elastic_blend", { { "bufferView", 0 } } } };

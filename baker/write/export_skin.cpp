@@ -120,7 +120,8 @@ Json add_skinned_mesh(Glb& glb, RuntimeBlender& blender, const DrawnSpace& space
     const Eigen::MatrixXf fitted = blend_coordinates(blender, covering_weights(poses, fitted_count, fit_seed));
     const Eigen::MatrixXf judged = blend_coordinates(blender, covering_weights(poses, judged_count, judge_seed));
     const Eigen::MatrixXf path = path_coordinates(blender, options.path);
-    const SkinFit fit = fit_skin(as_columns(space.at_zero), shapes_of(space, fitted), std::size_t(options.bone_count));
+    const Eigen::VectorXd rest = space.rest();
+    const SkinFit fit = fit_skin(as_columns(rest), shapes_of(space, fitted), std::size_t(options.bone_count));
     Distances distances;
     Box box;
     std::vector<BonePose> frames;
@@ -134,8 +135,7 @@ Json add_skinned_mesh(Glb& glb, RuntimeBlender& blender, const DrawnSpace& space
         box.include(shape);
         if (is_frame) frames.push_back(std::move(bones));
     }
-    const std::vector<float> positions = to_float_list(space.at_zero);
-    Json primitive = add_primitive(glb, space, positions, to_float_list(vertex_normals(space.at_zero, space.triangles)),
+    Json primitive = add_primitive(glb, space, to_float_list(rest), to_float_list(vertex_normals(rest, space.triangles)),
                                    options, report);
     add_influences(glb, fit.skin, primitive["attributes"]);
     add_joints(glb, fit.skin);

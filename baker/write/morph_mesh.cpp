@@ -99,6 +99,7 @@ DrawnSpace drawn_space(const RuntimeBlender& blender)
     DrawnSpace space;
     space.triangles.assign(asset.triangles, asset.triangles + 3 * std::size_t(asset.triangle_count));
     space.at_zero = boundary_positions(blender, std::vector<float>(asset.dimension, 0.0f));
+    space.first_pose = Eigen::Map<const Eigen::VectorXf>(pliant_asset_pose_coordinates(&asset, 0), asset.dimension);
     space.columns.resize(space.at_zero.size(), asset.dimension);
     for (std::uint32_t j = 0; j < asset.dimension; ++j) space.columns.col(j) = column_of(blender, j, space.at_zero);
     return space;

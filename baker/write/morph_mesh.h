@@ -13,11 +13,13 @@ namespace pliant {
 // What is drawn, in input units: y(q) = at_zero + columns q. Of a solid the boundary.
 struct DrawnSpace {
     std::vector<std::uint32_t> triangles; // three corners each
-    Eigen::VectorXd at_zero;              // 3n: pose 0
+    Eigen::VectorXd at_zero;              // 3n: q = 0
+    Eigen::VectorXf first_pose;           // q of pose 0
     Eigen::MatrixXd columns;              // 3n x d
 
     std::size_t vertex_count() const { return std::size_t(at_zero.size() / 3); }
     Eigen::VectorXd shape(const Eigen::VectorXf& q) const { return at_zero + columns * q.cast<double>(); }
+    Eigen::VectorXd rest() const { return shape(first_pose); } // 3n: pose 0
 };
 
 // Asks the runtime for the shapes of unit coordinates, whatever the asset's encoding of the basis. Cost: d + 1 reconstructions.
