@@ -9,7 +9,7 @@ static void check_weights(const opened* o)
 {
     const uint32_t d = o->asset.dimension;
     const float* low = o->asset.morph_ranges;
-    float q[256], weights[256];
+    float q[256] = { 0 }, weights[256];
     uint64_t state = 11;
     if (!low) {
         memset(weights, 0x55, sizeof weights);
