@@ -16,17 +16,15 @@
 /* Added to squares of numbers of size 1: nothing beside them, and keeps 0/0 away where a rotation has nothing to do. */
 #define TINY 1e-30f
 
-typedef float lanes_t[PLIANT_LANES];
-
 /* Energies of a cell are differences of numbers of the size of c |edge|^2, a hundred to ten thousand times larger. What
    enters them (moments, rotations, sums) is therefore formed in double precision; forces do not cancel and stay single. */
 typedef double wide_t[PLIANT_LANES];
 
 /* Turns the plane (p, q) so that k[p][q] vanishes, and the rows of `vectors` alike; r and t are the other two indices. k
    holds the whole symmetric matrix. Inlined with constants, or compilers could not tell the rows apart. */
-static PLIANT_INLINE void rotate_plane(lanes_t k[4][4], lanes_t vectors[4][4], int p, int q, int r, int t)
+static PLIANT_INLINE void rotate_plane(pliant_lanes k[4][4], pliant_lanes vectors[4][4], int p, int q, int r, int t)
 {
-    lanes_t cosine, sine;
+    pliant_lanes cosine, sine;
     for (size_t l = 0; l < PLIANT_LANES; ++l) {
         const float off = 2.0f * k[p][q][l];
         const float gap = k[q][q][l] - k[p][p][l];
@@ -56,9 +54,9 @@ static PLIANT_INLINE void rotate_plane(lanes_t k[4][4], lanes_t vectors[4][4], i
 
 /* Horn's matrix of moments = sum edge p^T (row-major), scaled so that its entries are of size 1. The rotation takes p to the
    edge. */
-static PLIANT_INLINE void make_horn_matrix(wide_t moments[9], lanes_t k[4][4])
+static PLIANT_INLINE void make_horn_matrix(wide_t moments[9], pliant_lanes k[4][4])
 {
-    lanes_t scale = { 0 }, m[9];
+    pliant_lanes scale = { 0 }, m[9];
     for (int i = 0; i < 9; ++i)
         for (size_t l = 0; l < PLIANT_LANES; ++l) m[i][l] = (float)moments[i][l];
     for (int i = 0; i < 9; ++i)
@@ -82,11 +80,11 @@ static PLIANT_INLINE void make_horn_matrix(wide_t moments[9], lanes_t k[4][4])
 }
 
 /* The eigenvector of the largest eigenvalue: w, x, y, z. */
-static PLIANT_INLINE void pick_quaternion(lanes_t k[4][4], lanes_t vectors[4][4], lanes_t quaternion[4])
+static PLIANT_INLINE void pick_quaternion(pliant_lanes k[4][4], pliant_lanes vectors[4][4], pliant_lanes quaternion[4])
 {
-    lanes_t best;
+    pliant_lanes best;
     memcpy(best, k[0][0], sizeof best);
-    memcpy(quaternion, vectors[0], 4 * sizeof(lanes_t));
+    memcpy(quaternion, vectors[0], 4 * sizeof(pliant_lanes));
     for (int i = 1; i < 4; ++i) {
         for (int j = 0; j < 4; ++j)
             for (size_t l = 0; l < PLIANT_LANES; ++l)
@@ -96,7 +94,7 @@ static PLIANT_INLINE void pick_quaternion(lanes_t k[4][4], lanes_t vectors[4][4]
 }
 
 /* Orthonormal to double precision whatever the rounding of the quaternion: tr(R^T M) then depends on that by its square. */
-static PLIANT_INLINE void make_rotation(lanes_t quaternion[4], wide_t rotation[9])
+static PLIANT_INLINE void make_rotation(pliant_lanes quaternion[4], wide_t rotation[9])
 {
     for (size_t l = 0; l < PLIANT_LANES; ++l) {
         const double w = (double)quaternion[0][l], x = (double)quaternion[1][l];
@@ -116,7 +114,7 @@ static PLIANT_INLINE void make_rotation(lanes_t quaternion[4], wide_t rotation[9
 
 static PLIANT_INLINE void find_rotation(wide_t moments[9], wide_t rotation[9])
 {
-    lanes_t k[4][4], vectors[4][4], quaternion[4];
+    pliant_lanes k[4][4], vectors[4][4], quaternion[4];
     make_horn_matrix(moments, k);
     for (int i = 0; i < 4; ++i)
         for (int j = 0; j < 4; ++j)
@@ -153,11 +151,11 @@ static PLIANT_INLINE edge_rows locate_edge(uint32_t edge, uint32_t valence)
 }
 
 /* Coordinate c of an edge at z = 0, and its change since. */
-static PLIANT_INLINE void read_edge(const pliant_element_group* group, edge_rows rows, size_t c, lanes_t start,
-                                    lanes_t grown)
+static PLIANT_INLINE void read_edge(const pliant_element_group* group, edge_rows rows, size_t c, pliant_lanes start,
+                                    pliant_lanes grown)
 {
-    memcpy(start, group->rows + (rows.head + c) * group->stride, sizeof(lanes_t));
-    memcpy(grown, group->change + (rows.head + c) * group->block_stride, sizeof(lanes_t));
+    memcpy(start, group->rows + (rows.head + c) * group->stride, sizeof(pliant_lanes));
+    memcpy(grown, group->change + (rows.head + c) * group->block_stride, sizeof(pliant_lanes));
     if (!rows.is_rim) return;
     const float* tail_start = group->rows + (rows.tail + c) * group->stride;
     const float* tail_change = group->change + (rows.tail + c) * group->block_stride;
@@ -168,7 +166,7 @@ static PLIANT_INLINE void read_edge(const pliant_element_group* group, edge_rows
 }
 
 static PLIANT_INLINE void add_edge_force(const pliant_element_group* group, edge_rows rows, size_t c,
-                                         const lanes_t edge_force, float* PLIANT_RESTRICT force)
+                                         const pliant_lanes edge_force, float* PLIANT_RESTRICT force)
 {
     float* head = force + (rows.head + c) * group->block_stride;
     for (size_t l = 0; l < PLIANT_LANES; ++l) head[l] += edge_force[l];
@@ -184,14 +182,14 @@ static PLIANT_INLINE void add_lengths(const pliant_element_group* group, const p
 {
     for (uint32_t i = 0; i < poses->edge_count; ++i) {
         const edge_rows rows = locate_edge(i, poses->valence);
-        lanes_t stiffness = { 0 };
+        pliant_lanes stiffness = { 0 };
         for (uint32_t k = 0; k < poses->pose_count; ++k) {
             const float weight = poses->weights[k];
             const float* c = group->numbers + k * poses->pose_stride + 4u * (size_t)i * group->stride;
             for (size_t l = 0; l < PLIANT_LANES; ++l) stiffness[l] += weight * c[l];
         }
         for (size_t c = 0; c < 3; ++c) {
-            lanes_t start, grown, edge_force;
+            pliant_lanes start, grown, edge_force;
             read_edge(group, rows, c, start, grown);
             for (size_t l = 0; l < PLIANT_LANES; ++l) {
                 energy[l] += (double)(stiffness[l] * ((2.0f * start[l] + grown[l]) * grown[l]));
@@ -211,7 +209,7 @@ static PLIANT_INLINE void sum_moments(const pliant_element_group* group, const p
         const edge_rows rows = locate_edge(i, poses->valence);
         const float* p = numbers + (4u * (size_t)i + 1) * group->stride;
         for (size_t c = 0; c < 3; ++c) {
-            lanes_t start, grown;
+            pliant_lanes start, grown;
             read_edge(group, rows, c, start, grown);
             for (size_t column = 0; column < 3; ++column)
                 for (size_t l = 0; l < PLIANT_LANES; ++l)
@@ -229,7 +227,7 @@ static PLIANT_INLINE void add_rotated_pose(const pliant_element_group* group, co
     const float* sigma0 = numbers + 4u * (size_t)poses->edge_count * group->stride;
     const float factor = -2.0f * poses->weights[pose];
     wide_t moments[9], rotation[9];
-    lanes_t turn[9];
+    pliant_lanes turn[9];
     sum_moments(group, poses, numbers, moments);
     find_rotation(moments, rotation);
     for (size_t l = 0; l < PLIANT_LANES; ++l) {
@@ -243,7 +241,7 @@ static PLIANT_INLINE void add_rotated_pose(const pliant_element_group* group, co
         const edge_rows rows = locate_edge(i, poses->valence);
         const float* p = numbers + (4u * (size_t)i + 1) * group->stride;
         for (size_t c = 0; c < 3; ++c) {
-            lanes_t edge_force;
+            pliant_lanes edge_force;
             for (size_t l = 0; l < PLIANT_LANES; ++l)
                 edge_force[l] = factor
                     * (turn[3 * c][l] * p[l] + turn[3 * c + 1][l] * p[group->stride + l]
@@ -257,7 +255,8 @@ static PLIANT_INLINE void evaluate_arap_cell(const pliant_element_group* group, 
                                              float* PLIANT_RESTRICT force, float* PLIANT_RESTRICT energy)
 {
     wide_t sum = { 0 };
-    for (size_t r = 0; r < 3u * (size_t)poses->valence; ++r) memset(force + r * group->block_stride, 0, sizeof(lanes_t));
+    for (size_t r = 0; r < 3u * (size_t)poses->valence; ++r)
+        memset(force + r * group->block_stride, 0, sizeof(pliant_lanes));
     add_lengths(group, poses, force, sum);
     for (uint32_t k = 0; k < poses->pose_count; ++k)
         if (poses->weights[k] > 0.0f) add_rotated_pose(group, poses, k, force, sum);

@@ -6,14 +6,6 @@
 #include "internal.h"
 #include "lane_math.h"
 
-typedef float lanes_t[PLIANT_LANES];
-
-static PLIANT_INLINE void store_rows(float* PLIANT_RESTRICT force, size_t block_stride, lanes_t* PLIANT_RESTRICT rows,
-                                     size_t row_count)
-{
-    for (size_t r = 0; r < row_count; ++r) memcpy(force + r * block_stride, rows[r], sizeof(lanes_t));
-}
-
 /* Discrete Shells: Grinspun, Hirani, Desbrun, Schroeder, "Discrete Shells", SCA 2003. */
 static PLIANT_INLINE void evaluate_hinge(const pliant_element_group* group, float* PLIANT_RESTRICT force,
                                          float* PLIANT_RESTRICT energy)
@@ -23,7 +15,7 @@ static PLIANT_INLINE void evaluate_hinge(const pliant_element_group* group, floa
     const float* numbers = group->numbers;
     const float* change = group->change;
     const size_t s = group->stride, b = group->block_stride;
-    lanes_t out[9];
+    pliant_lanes out[9];
     for (size_t l = 0; l < PLIANT_LANES; ++l) {
         const float ex = rows[0 * s + l] + change[0 * b + l];
         const float ey = rows[1 * s + l] + change[1 * b + l];
@@ -65,7 +57,7 @@ static PLIANT_INLINE void evaluate_hinge(const pliant_element_group* group, floa
         out[7][l] = -f2 * n2y;
         out[8][l] = -f2 * n2z;
     }
-    store_rows(force, b, out, 9);
+    pliant_store_rows(force, b, out, 9);
 }
 
 /* What the three kinds of faces share: the differences now and the change of the metric since z = 0, formed from the changes
@@ -97,7 +89,7 @@ static PLIANT_INLINE face_metric measure_face(const float* rows, const float* ch
 }
 
 /* Forces from the derivatives of the energy by g11, g12, g22. */
-static PLIANT_INLINE void write_face_force(lanes_t out[6], size_t l, face_metric m, float f11, float f12, float f22)
+static PLIANT_INLINE void write_face_force(pliant_lanes out[6], size_t l, face_metric m, float f11, float f12, float f22)
 {
     const float ee = 2.0f * f11, aa = 2.0f * f22;
     out[0][l] = ee * m.ex + f12 * m.ax;
@@ -117,7 +109,7 @@ static PLIANT_INLINE void evaluate_face_neo_hookean(const pliant_element_group* 
     const float* rows = group->rows;
     const float* change = group->change;
     const size_t s = group->stride, b = group->block_stride;
-    lanes_t out[6];
+    pliant_lanes out[6];
     for (size_t l = 0; l < PLIANT_LANES; ++l) {
         const face_metric m = measure_face(rows, change, s, b, l);
         const float i11 = fixed[0 * s + l], i12 = fixed[1 * s + l], i22 = fixed[2 * s + l], r = fixed[3 * s + l];
@@ -135,7 +127,7 @@ static PLIANT_INLINE void evaluate_face_neo_hookean(const pliant_element_group* 
         const float f12 = (l12 - 2.0f * area * m.g12) + 2.0f * h * (i12 - r * m.g12);
         write_face_force(out, l, m, f11, f12, f22);
     }
-    store_rows(force, b, out, 6);
+    pliant_store_rows(force, b, out, 6);
 }
 
 /* St. Venant-Kirchhoff membrane: a quadratic form in the metric. */
@@ -146,7 +138,7 @@ static PLIANT_INLINE void evaluate_face_stvk(const pliant_element_group* group, 
     const float* rows = group->rows;
     const float* change = group->change;
     const size_t s = group->stride, b = group->block_stride;
-    lanes_t out[6];
+    pliant_lanes out[6];
     for (size_t l = 0; l < PLIANT_LANES; ++l) {
         const face_metric m = measure_face(rows, change, s, b, l);
         const float l11 = numbers[0 * s + l], l12 = numbers[1 * s + l], l22 = numbers[2 * s + l];
@@ -158,7 +150,7 @@ static PLIANT_INLINE void evaluate_face_stvk(const pliant_element_group* group, 
         energy[l] += (l11 + 0.5f * p11) * m.g11 + (l12 + 0.5f * p12) * m.g12 + (l22 + 0.5f * p22) * m.g22;
         write_face_force(out, l, m, l11 + p11, l12 + p12, l22 + p22);
     }
-    store_rows(force, b, out, 6);
+    pliant_store_rows(force, b, out, 6);
 }
 
 /* One length of the edge-and-area membrane: adds its energy, returns the derivative by the square of the length. `square` is
@@ -179,7 +171,7 @@ static PLIANT_INLINE void evaluate_face_edge(const pliant_element_group* group, 
     const float* rows = group->rows;
     const float* change = group->change;
     const size_t s = group->stride, b = group->block_stride;
-    lanes_t out[6];
+    pliant_lanes out[6];
     for (size_t l = 0; l < PLIANT_LANES; ++l) {
         const face_metric m = measure_face(rows, change, s, b, l);
         const float g11 = m.ex * m.ex + m.ey * m.ey + m.ez * m.ez;
@@ -201,7 +193,7 @@ static PLIANT_INLINE void evaluate_face_edge(const pliant_element_group* group, 
         energy[l] += sum;
         write_face_force(out, l, m, h1 + h3 + 0.25f * h4 * g22, -2.0f * h3 - 0.5f * h4 * g12, h2 + h3 + 0.25f * h4 * g11);
     }
-    store_rows(force, b, out, 6);
+    pliant_store_rows(force, b, out, 6);
 }
 
 PLIANT_KERNEL(evaluate_hinge,

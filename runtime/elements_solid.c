@@ -8,8 +8,6 @@
 #include "internal.h"
 #include "lane_math.h"
 
-typedef float lanes_t[PLIANT_LANES];
-
 /* A matrix by its columns a, b, c. */
 typedef struct matrix_t {
     float ax, ay, az, bx, by, bz, cx, cy, cz;
@@ -93,7 +91,7 @@ static PLIANT_INLINE matrix_t twice_product(matrix_t d, symmetric_t y)
     return p;
 }
 
-static PLIANT_INLINE void put_force(lanes_t out[9], size_t l, matrix_t p)
+static PLIANT_INLINE void put_force(pliant_lanes out[9], size_t l, matrix_t p)
 {
     out[0][l] = p.ax;
     out[1][l] = p.ay;
@@ -106,11 +104,6 @@ static PLIANT_INLINE void put_force(lanes_t out[9], size_t l, matrix_t p)
     out[8][l] = p.cz;
 }
 
-static PLIANT_INLINE void store_rows(float* PLIANT_RESTRICT force, size_t block_stride, lanes_t* PLIANT_RESTRICT rows)
-{
-    for (size_t r = 0; r < 9; ++r) memcpy(force + r * block_stride, rows[r], sizeof(lanes_t));
-}
-
 /* St. Venant-Kirchhoff: a quadratic form in the metric. */
 static PLIANT_INLINE void evaluate_tet_stvk(const pliant_element_group* group, float* PLIANT_RESTRICT force,
                                             float* PLIANT_RESTRICT energy)
@@ -118,7 +111,7 @@ static PLIANT_INLINE void evaluate_tet_stvk(const pliant_element_group* group, f
     const float* numbers = group->numbers;
     const float* change = group->change;
     const size_t s = group->stride, b = group->block_stride;
-    lanes_t out[9];
+    pliant_lanes out[9];
     for (size_t l = 0; l < PLIANT_LANES; ++l) {
         const matrix_t d = read_change(change, b, l);
         const symmetric_t g = measure_metric(d);
@@ -145,7 +138,7 @@ static PLIANT_INLINE void evaluate_tet_stvk(const pliant_element_group* group, f
                                 linear.s22 + p22, 0.5f * (linear.s23 + p23), linear.s33 + p33 };
         put_force(out, l, twice_product(d, y));
     }
-    store_rows(force, b, out);
+    pliant_store_rows(force, b, out, 9);
 }
 
 /* Powers of s = 1 + u without what they are at u = 0, from the cube root k of s and t = k - 1: polynomials in t over powers
@@ -188,7 +181,7 @@ static PLIANT_INLINE void evaluate_tet_mooney_rivlin(const pliant_element_group*
     const float* numbers = group->numbers;
     const float* change = group->change;
     const size_t s = group->stride, b = group->block_stride;
-    lanes_t out[9];
+    pliant_lanes out[9];
     for (size_t l = 0; l < PLIANT_LANES; ++l) {
         const matrix_t d = read_change(change, b, l);
         const symmetric_t g = measure_metric(d);
@@ -242,7 +235,7 @@ static PLIANT_INLINE void evaluate_tet_mooney_rivlin(const pliant_element_group*
         f.cz += pressure * (1.0f + (trace - d.cz)) + rest_factor * (trace - (d.cz + d.cz)) + both * minors.cz;
         put_force(out, l, f);
     }
-    store_rows(force, b, out);
+    pliant_store_rows(force, b, out, 9);
 }
 
 PLIANT_KERNEL(evaluate_tet_stvk,

@@ -7,8 +7,6 @@
 
 #include <string.h>
 
-typedef float lanes_t[PLIANT_LANES];
-
 typedef struct vector_t {
     float x, y, z;
 } vector_t;
@@ -40,7 +38,7 @@ static PLIANT_INLINE vector_t combine(float s, vector_t a, float t, vector_t b, 
     return v;
 }
 
-static PLIANT_INLINE void put_vector(lanes_t* out, size_t l, vector_t v)
+static PLIANT_INLINE void put_vector(pliant_lanes* out, size_t l, vector_t v)
 {
     out[0][l] = v.x;
     out[1][l] = v.y;
@@ -54,7 +52,7 @@ static PLIANT_INLINE void evaluate_tie(const pliant_element_group* group, float*
     const float* numbers = group->numbers;
     const float* change = group->change;
     const size_t s = group->stride, b = group->block_stride;
-    lanes_t out[9];
+    pliant_lanes out[9];
     for (size_t l = 0; l < PLIANT_LANES; ++l) {
         const vector_t r0 = read_vector(rows + l, s), p0 = read_vector(rows + 3 * s + l, s),
                        q0 = read_vector(rows + 6 * s + l, s);
@@ -74,7 +72,7 @@ static PLIANT_INLINE void evaluate_tie(const pliant_element_group* group, float*
         put_vector(out + 3, l, combine(f1, r, f3, by_p, 0.0f, r));
         put_vector(out + 6, l, combine(f2, r, f3, by_q, 0.0f, r));
     }
-    for (size_t row = 0; row < 9; ++row) memcpy(force + row * b, out[row], sizeof(lanes_t));
+    pliant_store_rows(force, b, out, 9);
 }
 
 PLIANT_KERNEL(evaluate_tie, (const pliant_element_group* group, float* PLIANT_RESTRICT force, float* PLIANT_RESTRICT energy),

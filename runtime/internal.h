@@ -65,6 +65,16 @@ typedef struct pliant_block {
     size_t lanes;  /* how many of a row belong to the block; rows of differences and forces lie this far apart */
 } pliant_block;
 
+/* A row of one group. */
+typedef float pliant_lanes[PLIANT_LANES];
+
+/* Forces of a group, worked out row by row on the stack, to where they belong. */
+static PLIANT_INLINE void pliant_store_rows(float* PLIANT_RESTRICT force, size_t block_stride,
+                                            pliant_lanes* PLIANT_RESTRICT rows, size_t row_count)
+{
+    for (size_t r = 0; r < row_count; ++r) memcpy(force + r * block_stride, rows[r], sizeof(pliant_lanes));
+}
+
 /* One group of PLIANT_LANES elements. Row r of an array lies at `r * its stride`. */
 typedef struct pliant_element_group {
     const float* rows; /* differences at z = 0; tetrahedra know theirs */

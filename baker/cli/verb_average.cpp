@@ -93,8 +93,9 @@ void check_usage(const Arguments& a)
         throw Failure(ExitCode::usage,
                       error_at(1224, "", "--list belongs to --grid", "the weights of --path are in its file already"));
     if (!a.weights.empty()) parse_weights(a.weights);
-    probe_output(a.weights.empty() ? frame_name(a.output, 0) : a.output, all_inputs(a));
-    if (!a.list.empty()) probe_output(a.list, all_inputs(a));
+    const std::vector<std::string> inputs = all_inputs(a);
+    probe_output(a.weights.empty() ? frame_name(a.output, 0) : a.output, inputs);
+    if (!a.list.empty()) probe_output(a.list, inputs);
 }
 
 std::vector<Wanted> wanted_averages(const Arguments& a, std::size_t pose_count)
@@ -160,7 +161,8 @@ ExitCode run(const Arguments& a)
     ConsoleProgress progress("average", a.is_quiet);
     const PoseSet poses = load_with_warnings("average", a.poses, a.energy);
     const std::vector<Wanted> wanted = wanted_averages(a, poses.pose_count()); // one glTF file may give many poses
-    for (const Wanted& one : wanted) probe_output(one.output, all_inputs(a));
+    const std::vector<std::string> inputs = all_inputs(a);
+    for (const Wanted& one : wanted) probe_output(one.output, inputs);
     const ShapeSet set = normalise(poses, a.energy.keep_placement);
     const std::unique_ptr<Energy> energy = make_energy(set, a.energy);
     SolverPool pool(*energy, set, a.energy.solver);

@@ -75,15 +75,7 @@ void draw_sources(const Overlay& overlay, const HudModel& model)
 
 void draw_facts(const Overlay& overlay, const HudModel& model, HudActions& actions)
 {
-    const float s = overlay.scale();
-    ImGui::SetNextWindowPos({ kMargin * s, kMargin * s });
-    ImGui::SetNextWindowSize({ kColumn * s, 0.0f });
-    ImGui::Begin("facts", nullptr, kPanel | ImGuiWindowFlags_AlwaysAutoResize);
-
-    const pliant_asset& asset = model.file.view();
-    heading(overlay, model.file.title(),
-            std::to_string(asset.pose_count) + " poses · " + grouped(asset.vertex_count)
-                + " vertices · d = " + std::to_string(asset.dimension));
+    begin_facts(overlay, model.file);
     draw_choices(overlay, model, actions);
 
     row(overlay, "solve", microseconds(model.solve_us));

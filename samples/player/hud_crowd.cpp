@@ -20,14 +20,7 @@ std::string kibibytes(size_t bytes)
 
 void draw_facts(const Overlay& overlay, const CrowdModel& model)
 {
-    const float s = overlay.scale();
-    ImGui::SetNextWindowPos({ kMargin * s, kMargin * s });
-    ImGui::SetNextWindowSize({ kColumn * s, 0.0f });
-    ImGui::Begin("facts", nullptr, kPanel | ImGuiWindowFlags_AlwaysAutoResize);
-    const pliant_asset& asset = model.file.view();
-    heading(overlay, model.file.title(),
-            std::to_string(asset.pose_count) + " poses · " + grouped(asset.vertex_count)
-                + " vertices · d = " + std::to_string(asset.dimension));
+    begin_facts(overlay, model.file);
     const uint32_t count = model.crowd.count();
     const FrameTime median = model.times.median();
     row(overlay, "characters", grouped(count));

@@ -41,6 +41,18 @@ void heading(const Overlay& overlay, const std::string& title, const std::string
     ImGui::Dummy({ 0.0f, 3.0f * overlay.scale() });
 }
 
+void begin_facts(const Overlay& overlay, const AssetFile& file)
+{
+    const float s = overlay.scale();
+    ImGui::SetNextWindowPos({ kMargin * s, kMargin * s });
+    ImGui::SetNextWindowSize({ kColumn * s, 0.0f });
+    ImGui::Begin("facts", nullptr, kPanel | ImGuiWindowFlags_AlwaysAutoResize);
+    const pliant_asset& asset = file.view();
+    heading(overlay, file.title(),
+            std::to_string(asset.pose_count) + " poses · " + grouped(asset.vertex_count)
+                + " vertices · d = " + std::to_string(asset.dimension));
+}
+
 std::string microseconds(double value)
 {
     char text[32];

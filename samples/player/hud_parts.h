@@ -1,6 +1,7 @@
 // Pieces that the panels of all sessions are made of.
 #pragma once
 
+#include "asset_file.h"
 #include "camera.h"
 #include "overlay.h"
 
@@ -24,6 +25,9 @@ Area free_area(float scale, int width, int height);
 void row(const Overlay& overlay, const char* label, const std::string& value);
 // The title and a line of facts below it.
 void heading(const Overlay& overlay, const std::string& title, const std::string& facts);
+
+// Begins the panel at the top left with the asset's title and size. ImGui::End() ends it.
+void begin_facts(const Overlay& overlay, const AssetFile& file);
 
 std::string microseconds(double value);
 std::string milliseconds(double value);

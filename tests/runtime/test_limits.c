@@ -113,6 +113,7 @@ static void check_absurd_numbers(const opened* o)
         }
         free_blob(blob);
     }
+    /* In small files half of all bytes are such as open looks at. */
     CHECK(opened_count > rounds / 4, "%s: only %d of %d opened: this tests nothing", o->name, opened_count, rounds);
 }
 

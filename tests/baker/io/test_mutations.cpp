@@ -2,25 +2,22 @@
 // whose indices are in range or in numbered findings, and never in a crash, another exception, or a failed allocation.
 #include <doctest/doctest.h>
 
-#include "files.h"
 #include "io/encode_ply.h"
 #include "io/read_mesh.h"
 #include "mesh/load_poses.h"
+#include "mutation_loop.h"
 #include "solid_samples.h"
 
 #include <array>
 #include <cmath>
 #include <cstring>
 #include <random>
-#include <sys/mman.h>
-#include <sys/wait.h>
 
 using namespace pliant;
 
 namespace {
 
 constexpr unsigned mutation_count = 3000;
-constexpr unsigned batch_size = 250; // children are costly under sanitizers
 
 std::string sample_obj()
 {
@@ -128,27 +125,7 @@ int first_failure(const std::string& extension, const std::string& sample)
 {
     const pliant_test::TemporaryFolder folder;
     const std::string path = folder / ("mutant" + extension);
-    auto* current = static_cast<volatile int*>(
-        ::mmap(nullptr, sizeof(int), PROT_READ | PROT_WRITE, MAP_SHARED | MAP_ANONYMOUS, -1, 0));
-    int failed = -1;
-    for (unsigned begin = 0; begin < mutation_count && failed < 0; begin += batch_size) {
-        const pid_t child = ::fork();
-        if (child == 0) {
-            for (unsigned i = begin; i < begin + batch_size; ++i) {
-                *current = static_cast<int>(i);
-                ::alarm(5); // kills a reader that does not end
-                std::mt19937 random(i);
-                pliant_test::write_bytes(path, mutate(sample, random));
-                if (!read_is_sane(path)) ::_exit(1);
-            }
-            ::_exit(0);
-        }
-        int status = 0;
-        ::waitpid(child, &status, 0);
-        if (!WIFEXITED(status) || WEXITSTATUS(status) != 0) failed = *current;
-    }
-    ::munmap(const_cast<int*>(current), sizeof(int));
-    return failed;
+    return pliant_test::first_failure(path, sample, mutation_count, mutate, [&] { return read_is_sane(path); });
 }
 
 } // namespace
