@@ -2,6 +2,7 @@
 
 #include "average/family.h"
 #include "average/rigid_modes.h"
+#include "average/settle_ties.h"
 #include "bake_checks.h"
 #include "energy/arap.h"
 #include "energy/parallel.h"
@@ -333,8 +334,15 @@ void describe(BakeReport& report, const PoseSet& poses, const ShapeSet& set, con
     std::sort(report.fixed_vertices.begin(), report.fixed_vertices.end());
     report.vertex_count = std::size_t(set.dof_count() / 3);
     report.pose_count = set.pose_count();
-    if (const auto* shells = dynamic_cast<const DiscreteShells*>(&without_ties(energy)))
+    if (const auto* shells = dynamic_cast<const DiscreteShells*>(&without_ties(energy))) {
         report.foldover_count = shells->foldover_hinges().size();
+        for (const std::size_t hinge : shells->foldover_hinges()) {
+            if (report.foldover_vertices.size() >= Finding::element_limit) break;
+            std::size_t count = 0;
+            const std::uint32_t* vertices = shells->element_vertices(hinge, count); // the edge, then what is opposite
+            for (std::size_t i = 0; i < 2; ++i) report.foldover_vertices.push_back(poses.file_number(vertices[i]));
+        }
+    }
     if (const TieSet* ties = ties_of(energy)) report.ties = start_tie_report(*ties, set);
 }
 
@@ -365,15 +373,18 @@ Material material_for(const EnergyOptions& options, bool is_solid)
     return material;
 }
 
-std::unique_ptr<Energy> make_energy(const ShapeSet& set, const EnergyOptions& options)
+std::unique_ptr<Energy> make_energy(const ShapeSet& set, const EnergyOptions& options, Progress* progress)
 {
     switch (material_for(options, set.is_solid())) {
     case Material::arap: return std::make_unique<Arap>(set);
     case Material::stvk: return std::make_unique<Solid>(set, SolidOptions { SolidLaw::stvk, options.poisson });
     case Material::mooney_rivlin:
         return std::make_unique<Solid>(set, SolidOptions { SolidLaw::mooney_rivlin, options.poisson });
-    default: return tie_parts(std::make_unique<DiscreteShells>(set, options.shell), find_ties(set));
+    default: break;
     }
+    std::unique_ptr<Energy> energy = tie_parts(std::make_unique<DiscreteShells>(set, options.shell), find_ties(set));
+    if (auto* tied = dynamic_cast<TiedEnergy*>(energy.get())) settle_ties(*tied, set, options.solver, progress);
+    return energy;
 }
 
 BakedAsset bake(const PoseSet& poses, const BakeOptions& given, Progress& progress)
@@ -386,7 +397,7 @@ BakedAsset bake(const PoseSet& poses, const BakeOptions& given, Progress& progre
     Stopwatch watch(report.stages);
     progress.update("poses", 0);
     const ShapeSet set = normalise(poses, options.energy.keep_placement);
-    const std::unique_ptr<Energy> energy = make_energy(set, options.energy);
+    const std::unique_ptr<Energy> energy = make_energy(set, options.energy, &progress);
     describe(report, poses, set, *energy);
     if (report.foldover_count)
         progress.warn(
@@ -490,8 +501,8 @@ BakeEstimate estimate_bake(std::size_t vertex_count, std::size_t pose_count, con
     const double factorisations = is_adaptive ? 25 * m + 8 * averages : m + 15 * double(options.check_count);
     const double solves = double(options.check_count) + (is_adaptive ? 0 : double(training_count(pose_count)));
     estimate.seconds = (factorisations + 20.0 * options.fresh_count) * factorisation + solves * 20 * gradient + d * d * 1e-2;
-    // Factor and Hessian, all averages three times over while their directions are found, a few copies of the basis.
-    estimate.memory = 18e3 * n + 24 * n * (5 * d + (is_adaptive ? 3 * averages : 0));
+    // Factor and Hessian of every thread, all averages three times over while their directions are found, a few copies of the basis.
+    estimate.memory = 18e3 * n * double(worker_count()) + 24 * n * (5 * d + (is_adaptive ? 3 * averages : 0));
     estimate.asset_size = 12 * n * (d + 1) + 24 * n;
     return estimate;
 }

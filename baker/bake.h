@@ -83,6 +83,7 @@ struct BakeReport {
     std::size_t vertex_count = 0, tet_count = 0, pose_count = 0, element_count = 0, foldover_count = 0;
     std::size_t drawn_vertex_count = 0; // of a surface whose elastic mesh is not the drawn one, as repairs tells; else 0
     std::size_t drawn_triangle_count = 0;
+    std::vector<std::uint32_t> foldover_vertices; // of the edges of such hinges, numbers of the files; the first of them
     SurfaceRepairs repairs;
     StandInKind stand_in_kind = StandInKind::cubature; // what was chosen
     std::string stand_in_reason;                       // why, where there was a choice
@@ -117,8 +118,8 @@ struct BakedAsset {
 // The material that the options mean for surfaces or solids. Throws Failure (usage, P1206) for one of the other sort.
 Material material_for(const EnergyOptions& options, bool is_solid);
 
-// The energy of a shape set. The set must outlive it.
-std::unique_ptr<Energy> make_energy(const ShapeSet& set, const EnergyOptions& options);
+// The energy of a shape set. The set must outlive it. Of a character in several parts it costs some averages (average/settle_ties.h).
+std::unique_ptr<Energy> make_energy(const ShapeSet& set, const EnergyOptions& options, Progress* progress = nullptr);
 
 // Bakes. Throws Failure, or Interrupted through progress. Cost for some 15,000 vertices and 5 poses:
 // minutes with the adaptive subspace (4 to 8 measured, tests/bench/README.md), about one with krylov.

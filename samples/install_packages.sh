@@ -12,15 +12,16 @@ pliant_packages() {
         build)
             printf '%s\n' build-essential cmake ninja-build pkg-config libeigen3-dev libopenmesh-dev libsuitesparse-dev \
                 libmetis-dev libopenblas-pthread-dev libtinyobjloader-dev libcli11-dev nlohmann-json3-dev libfmt-dev zlib1g-dev \
-                libdraco-dev
+                libdraco-dev libstb-dev
             ;;
         player)
             # fonts-dejavu-core: without it the player's texts are drawn with a coarse built-in font.
-            printf '%s\n' libglfw3-dev libglm-dev libepoxy-dev libimgui-dev libstb-dev xvfb xauth libgl1-mesa-dri \
+            printf '%s\n' libglfw3-dev libglm-dev libepoxy-dev libimgui-dev xvfb xauth libgl1-mesa-dri \
                 libegl1-mesa-dev libgl1-mesa-dev fonts-dejavu-core
             ;;
         tests)
-            printf '%s\n' doctest-dev libbenchmark-dev python3-numpy python3-pil clang libclang-rt-14-dev clang-format valgrind
+            printf '%s\n' doctest-dev libbenchmark-dev python3-dev python3-venv python3-numpy python3-pil python3-jsonschema clang libclang-rt-14-dev clang-format valgrind \
+                doxygen
             ;;
         engines)
             # Programs that draw what `pliant export` writes; the tests that ask them are skipped without. Large: 1 GB with what they need.

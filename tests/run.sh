@@ -1,7 +1,8 @@
 #!/usr/bin/env bash
 # Installs what is missing, builds, runs the tests. From a fresh clone on Debian 12: bash tests/run.sh
 #
-#   (no option)      the whole suite (preset dev) and the hostile-input and runtime part under sanitizers (preset asan)
+#   (no option)      the whole suite (preset dev), with a tool by clang for the test that two compilers make the same bytes
+#                    (preset clang), and the hostile-input and runtime part under sanitizers (preset asan)
 #   --dev            only the whole suite
 #   --asan           only the suite under address and undefined-behaviour sanitizers, all of it
 #   --filter REGEX   only tests whose name matches
@@ -17,7 +18,7 @@ exec < /dev/null # nothing below may wait for an answer
 # What runs under sanitizers by default: everything that bytes from outside reach.
 readonly asan_labels='^(runtime|fuzz|bad_input|hostile)$'
 
-usage() { sed -n '4,9s/^#  \{0,1\}//p' "${BASH_SOURCE[0]}"; }
+usage() { sed -n '4,10s/^#  \{0,1\}//p' "${BASH_SOURCE[0]}"; }
 
 run_dev=1 run_asan=1 asan_everything=0 only_build=0 install=1
 filter=()
@@ -96,8 +97,17 @@ if ((install)); then
         echo "tests/run.sh: warning: chromium, Godot or Blender cannot be installed; the tests that ask them will be skipped" >&2
     fi
 fi
+second_tool=()
+if ((run_dev && run_asan)) && command -v clang++ > /dev/null; then
+    if build_suite clang -DPLIANT_BUILD_SAMPLES=OFF; then
+        second_tool=(-DPLIANT_SECOND_TOOL="$PWD/build/clang/baker/pliant")
+    else
+        echo "tests/run.sh: preset clang does not build" >&2
+        ((failed += 1))
+    fi
+fi
 if ((run_dev)); then
-    suite dev -DPLIANT_BUILD_SAMPLES=ON --
+    suite dev -DPLIANT_BUILD_SAMPLES=ON "${second_tool[@]}" --
 fi
 if ((run_asan && asan_everything)); then
     suite asan -DPLIANT_BUILD_SAMPLES=ON --

@@ -2,10 +2,12 @@
 
 #include "io/write_file.h"
 
+#include <atomic>
 #include <cmath>
 #include <csignal>
 #include <cstdio>
 #include <cstdlib>
+#include <fcntl.h>
 #include <fmt/core.h>
 #include <mutex>
 #include <thread>
@@ -21,6 +23,9 @@ std::mutex& output_mutex()
     static std::mutex instance;
     return instance;
 }
+
+// The end to write to once somebody wants to be told; -1 before.
+std::atomic<int> interrupt_pipe { -1 };
 
 // Nothing is unwound, since nothing half-done can be seen from outside.
 [[noreturn]] void end_interrupted()
@@ -80,7 +85,8 @@ void ConsoleProgress::update(const std::string& stage, double fraction, const st
 void ConsoleProgress::warn(int number, const std::string& what, const std::string& hint)
 {
     clear_line();
-    print_finding(verb_, warning_at(number, "", what, hint));
+    warnings_.push_back(warning_at(number, "", what, hint));
+    print_finding(verb_, warnings_.back());
 }
 
 void print_finding(const std::string& verb, const Finding& finding)
@@ -105,11 +111,25 @@ void install_signal_handlers()
     sigaddset(&awaited, SIGTERM);
     pthread_sigmask(SIG_BLOCK, &awaited, nullptr);
     std::thread([] {
-        int number = 0;
-        while (sigwait(&awaited, &number) != 0) {}
-        end_interrupted();
+        for (;;) {
+            int number = 0;
+            while (sigwait(&awaited, &number) != 0) {}
+            const int told = interrupt_pipe;
+            if (told < 0) end_interrupted();
+            const ssize_t ignored = ::write(told, "!", 1);
+            (void)ignored;
+        }
     }).detach();
     signal(SIGXFSZ, SIG_IGN); // a file-size limit is then an error of write(), which we report
+}
+
+int catch_interrupts()
+{
+    int ends[2];
+    if (::pipe2(ends, O_CLOEXEC | O_NONBLOCK) != 0)
+        throw Failure(ExitCode::failed, error_at(4601, "", "a pipe cannot be made", "close other programs"));
+    interrupt_pipe = ends[1];
+    return ends[0];
 }
 
 void write_output(const std::string& path, std::string_view bytes)

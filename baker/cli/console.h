@@ -20,11 +20,14 @@ public:
     void warn(int number, const std::string& what, const std::string& hint = {}) override;
     void clear_line();
 
+    const std::vector<Finding>& warnings() const { return warnings_; } // all so far
+
 private:
     using Clock = std::chrono::steady_clock;
     std::string verb_, stage_;
     bool is_quiet_, is_terminal_, has_line_ = false;
     Clock::time_point stage_start_, last_draw_;
+    std::vector<Finding> warnings_;
 };
 
 // "pliant bake: error P2103: ..." with its hint, to stderr.
@@ -37,6 +40,9 @@ void start_with_one_blas_thread(char** arguments);
 // Ctrl-C and SIGTERM end the process with exit code 130 at once. That is safe: outputs exist under their own name only when they are
 // whole, and while one is written the signal waits until its temporary file is gone or has its name.
 void install_signal_handlers();
+
+// From now on Ctrl-C and SIGTERM end nothing, but make the descriptor that is returned readable, for verbs that have to clean up.
+int catch_interrupts();
 
 // write_file_atomically, with the signals held back meanwhile.
 void write_output(const std::string& path, std::string_view bytes);

@@ -1,6 +1,8 @@
 // The `pliant` tool: one program, one verb per task.
 #include "cli/verbs.h"
 
+#include "report/certificate.h"
+
 #include <cstdio>
 #include <fmt/core.h>
 #include <new>
@@ -48,7 +50,7 @@ int main(int argc, char** argv)
     keep_freed_memory();
     install_signal_handlers();
     CLI::App app("Pliant: bake poses of a character into an asset that games blend elastically.", "pliant");
-    app.set_version_flag("--version", "pliant 0.1.0");
+    app.set_version_flag("--version", baker_version);
     app.require_subcommand(1);
     app.failure_message(CLI::FailureMessage::help);
     app.footer("Exit codes: 0 done, 1 failed while working, 2 wrong usage, 3 bad input file, 4 misses the tolerance, 130 "
@@ -57,7 +59,8 @@ int main(int argc, char** argv)
     const std::vector<std::pair<std::string, Verb>> verbs = {
         { "bake", add_bake(app) },         { "check", add_check(app) },     { "average", add_average(app) },
         { "blend", add_blend(app) },       { "measure", add_measure(app) }, { "info", add_info(app) },
-        { "validate", add_validate(app) }, { "export", add_export(app) },
+        { "validate", add_validate(app) }, { "export", add_export(app) },   { "bake-all", add_bake_all(app) },
+        { "report", add_report(app) },
     };
     try {
         app.parse(argc, argv);

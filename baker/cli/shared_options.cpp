@@ -1,14 +1,17 @@
 #include "cli/verbs.h"
 
 #include "energy/parallel.h"
+#include "gltf/document.h"
 #include "gltf/pose_source.h"
 #include "io/source_file.h"
 #include "mesh/load_poses.h"
 #include "report/certificate.h"
 
+#include <algorithm>
 #include <charconv>
 #include <cmath>
 #include <fmt/core.h>
+#include <utility>
 
 namespace pliant {
 
@@ -58,11 +61,23 @@ void add_material(CLI::App& verb, EnergyOptions& options)
         ->check(CLI::Range(0.0, 0.499));
 }
 
+// What a glTF file names is input, too. One that cannot be read is reported where it is loaded.
+void add_named_files(const std::string& path, std::vector<std::string>& files)
+{
+    if (!is_gltf_name(path)) return;
+    try {
+        for (std::string& file : GltfDocument(path).named_files()) files.push_back(std::move(file));
+    } catch (const Failure&) {
+        return;
+    }
+}
+
 } // namespace
 
-void add_pose_arguments(CLI::App& verb, std::vector<std::string>& poses)
+CLI::Option* add_pose_arguments(CLI::App& verb, std::vector<std::string>& poses)
 {
-    verb.add_option("poses", poses,
+    return verb
+        .add_option("poses", poses,
                     "Poses, the rest pose first: one mesh, other positions. Surfaces: .obj .ply .off .glb .gltf; solids of "
                     "tetrahedra: .msh (Gmsh) .mesh (MEDIT) .veg (Vega) .vtk. A glTF file gives its shape at rest and "
                     "every morph target at weight 1; FILE.glb#rest only the first, FILE.glb#target=NAME,NAME only these "
@@ -131,7 +146,23 @@ void add_quiet(CLI::App& verb, bool& is_quiet)
     verb.add_flag("-q,--quiet", is_quiet, "No progress, only warnings and errors");
 }
 
-PoseSet load_with_warnings(const std::string& verb, const std::vector<std::string>& paths, const EnergyOptions& options)
+void add_json(CLI::App& verb, bool& is_json)
+{
+    verb.add_flag("--json", is_json, "Figures as JSON to standard output; if it fails, nothing stands there");
+}
+
+namespace {
+
+void tell(const std::string& verb, const std::vector<Finding>& warnings, std::vector<Finding>* kept)
+{
+    for (const Finding& warning : warnings) print_finding(verb, warning);
+    if (kept) kept->insert(kept->end(), warnings.begin(), warnings.end());
+}
+
+} // namespace
+
+PoseSet load_with_warnings(const std::string& verb, const std::vector<std::string>& paths, const EnergyOptions& options,
+                           std::vector<Finding>* kept)
 {
     LoadOptions load;
     load.align = !options.keep_placement;
@@ -140,22 +171,28 @@ PoseSet load_with_warnings(const std::string& verb, const std::vector<std::strin
     load.weld_tolerance = options.weld_tolerance;
     std::vector<Finding> warnings;
     PoseSet poses = load_poses(paths, load, &warnings);
-    for (const Finding& warning : warnings) print_finding(verb, warning);
+    tell(verb, warnings, kept);
     return poses;
 }
 
-DrawnSurface load_surface_with_warnings(const std::string& verb, const std::string& path, const PoseSet& poses)
+DrawnSurface load_surface_with_warnings(const std::string& verb, const std::string& path, const PoseSet& poses,
+                                        std::vector<Finding>* kept)
 {
     std::vector<Finding> warnings;
     DrawnSurface surface = load_drawn_surface(path, poses, &warnings);
-    for (const Finding& warning : warnings) print_finding(verb, warning);
+    tell(verb, warnings, kept);
     return surface;
 }
 
 std::vector<std::string> input_files(const std::vector<std::string>& poses, const EnergyOptions& options)
 {
     std::vector<std::string> files;
-    for (const std::string& pose : poses) files.push_back(split_pose_argument(pose).path);
+    for (const std::string& pose : poses) {
+        const std::string path = split_pose_argument(pose).path;
+        if (std::find(files.begin(), files.end(), path) != files.end()) continue; // another pose of the same file
+        files.push_back(path);
+        add_named_files(path, files);
+    }
     if (!options.fixed_path.empty()) files.push_back(options.fixed_path);
     return files;
 }
@@ -202,22 +239,6 @@ std::vector<std::vector<double>> read_weight_rows(const std::string& path)
         }
     }
     return rows;
-}
-
-Weights normalised_weights(const std::vector<double>& values, std::size_t pose_count)
-{
-    if (values.size() != pose_count)
-        throw Failure(ExitCode::usage,
-                      error_at(1203, "", fmt::format("{} weights given for {} poses", values.size(), pose_count),
-                               "give one weight per pose, separated by commas"));
-    Weights w = Eigen::Map<const Weights>(values.data(), Eigen::Index(values.size()));
-    const double largest = w.maxCoeff();
-    if (!w.allFinite() || w.minCoeff() < 0 || !(largest > 0))
-        throw Failure(ExitCode::usage,
-                      error_at(1204, "", "the weights are not all finite and non-negative with a positive sum",
-                               "only their ratios matter; use 0 for poses that take no part"));
-    w /= largest; // first, so that the sum of very large ones does not overflow
-    return w / w.sum();
 }
 
 // Not printf: the pattern comes from outside.

@@ -1,9 +1,11 @@
 #include "cli/verbs.h"
 
 #include "average/family.h"
+#include "config/json_file.h"
 #include "energy/parallel.h"
 #include "io/encode_ply.h"
 #include "io/write_file.h"
+#include "report/verdict.h"
 
 #include <fmt/core.h>
 #include <memory>
@@ -18,7 +20,7 @@ struct Arguments {
     std::uint32_t grid = 0;
     EnergyOptions energy;
     NewtonOptions newton;
-    bool all_vertices = false, is_quiet = false;
+    bool all_vertices = false, is_quiet = false, is_json = false;
 };
 
 // An average to compute, and the file for it. frame: its name in messages, empty if there is only one.
@@ -118,28 +120,6 @@ std::string grid_list(const std::vector<Wanted>& wanted)
     return text;
 }
 
-void require_convergence(const NewtonResult& result, const Wanted& wanted, const NewtonOptions& newton)
-{
-    if (result.has_converged) return;
-    throw Failure(ExitCode::failed,
-                  error_at(4303, "",
-                           fmt::format("{}the average did not converge: relative decrement {:.1e} (wanted {:.1e}), "
-                                       "unbalanced force {:.1e} (wanted {:.1e}) after {} iterations",
-                                       wanted.frame, result.decrement, newton.decrement, result.residual, newton.residual,
-                                       result.iterations),
-                           "add an in-between pose, or try another --thickness or a smaller --foldover-damping"));
-}
-
-void warn_of_jumps(ConsoleProgress& progress, const PoseSet& poses, const FamilyPoint& point, const Wanted& wanted)
-{
-    for (const BranchFinding& jump : point.jumps)
-        progress.warn(4406,
-                      fmt::format("{}the average jumps on the way towards pose {}: {:.1f} %, most at vertex {}, weights {}",
-                                  wanted.frame, poses.names[jump.pose], 100 * jump.distance, poses.file_number(jump.vertex),
-                                  weights_text(jump.weights)),
-                      "add a pose in between, so that there is only one way to bend");
-}
-
 // Each average comes from the mean, so they may be computed at the same time, and no result depends on the other lines of a path.
 std::vector<FamilyPoint> compute(const AverageFamily& family, const std::vector<Wanted>& wanted, std::size_t first,
                                  std::size_t count, ConsoleProgress& progress)
@@ -155,6 +135,30 @@ std::vector<FamilyPoint> compute(const AverageFamily& family, const std::vector<
     return points;
 }
 
+nlohmann::ordered_json to_json(const Wanted& wanted, const FamilyPoint& point)
+{
+    const NewtonResult& result = point.average;
+    return { { "output", wanted.output },
+             { "weights", std::vector<double>(wanted.weights.data(), wanted.weights.data() + wanted.weights.size()) },
+             { "energy", result.energy },
+             { "decrement", result.decrement },
+             { "iterations", result.iterations },
+             { "jumps", point.jumps.size() } };
+}
+
+void print_figures(const Arguments& a, const nlohmann::ordered_json& averages, int factorization_count)
+{
+    if (a.is_json) {
+        const nlohmann::ordered_json json = { { "factorizations", factorization_count }, { "averages", averages } };
+        fmt::print("{}\n", json_text(json));
+    } else if (!a.is_quiet && averages.size() == 1) {
+        fmt::print("{}: energy {:.6e}, decrement {:.1e}, {} factorisations\n", averages[0]["output"].get<std::string>(),
+                   averages[0]["energy"].get<double>(), averages[0]["decrement"].get<double>(), factorization_count);
+    } else if (!a.is_quiet) {
+        fmt::print("{} averages, {} factorisations\n", averages.size(), factorization_count);
+    }
+}
+
 ExitCode run(const Arguments& a)
 {
     check_usage(a);
@@ -164,10 +168,11 @@ ExitCode run(const Arguments& a)
     const std::vector<std::string> inputs = all_inputs(a);
     for (const Wanted& one : wanted) probe_output(one.output, inputs);
     const ShapeSet set = normalise(poses, a.energy.keep_placement);
-    const std::unique_ptr<Energy> energy = make_energy(set, a.energy);
+    const std::unique_ptr<Energy> energy = make_energy(set, a.energy, &progress);
     SolverPool pool(*energy, set, a.energy.solver);
     AverageFamily family(pool, a.newton, &progress);
     family.mean();
+    nlohmann::ordered_json averages = nlohmann::ordered_json::array();
     const std::size_t portion = 4 * worker_count(); // in memory together; few, so that files appear as the work goes on
     for (std::size_t first = 0; first < wanted.size(); first += portion) {
         const std::size_t count = std::min(portion, wanted.size() - first);
@@ -175,18 +180,15 @@ ExitCode run(const Arguments& a)
         for (std::size_t i = 0; i < count; ++i) {
             const Wanted& one = wanted[first + i];
             const NewtonResult& result = points[i].average;
-            require_convergence(result, one, a.newton);
+            require_convergence(result, a.newton, one.frame);
             write_output(one.output, encode_ply(to_input_units(set, result.y), poses, a.all_vertices));
             progress.clear_line();
-            warn_of_jumps(progress, poses, points[i], one);
-            if (!a.is_quiet && wanted.size() == 1)
-                fmt::print("{}: energy {:.6e}, decrement {:.1e}, {} factorisations\n", one.output, result.energy,
-                           result.decrement, pool.factorization_count());
+            warn_of_jumps(points[i], poses, one.frame, progress);
+            averages.push_back(to_json(one, points[i]));
         }
     }
     if (!a.list.empty()) write_output(a.list, grid_list(wanted));
-    if (!a.is_quiet && wanted.size() > 1)
-        fmt::print("{} averages, {} factorisations\n", wanted.size(), pool.factorization_count());
+    print_figures(a, averages, pool.factorization_count());
     return ExitCode::done;
 }
 
@@ -214,6 +216,7 @@ Verb add_average(CLI::App& app)
     add_energy_options(*verb, a->energy);
     add_all_vertices(*verb, a->all_vertices);
     add_threads(*verb);
+    add_json(*verb, a->is_json);
     add_quiet(*verb, a->is_quiet);
     return [a] { return run(*a); };
 }

@@ -1,8 +1,14 @@
+#include "cli/bake_request.h"
+#include "cli/config_options.h"
 #include "cli/verbs.h"
-
+#include "config/depfile.h"
+#include "config/stamp.h"
+#include "io/sha256.h"
 #include "io/write_file.h"
 #include "report/certificate.h"
+#include "report/verdict.h"
 
+#include <filesystem>
 #include <fmt/core.h>
 #include <memory>
 
@@ -10,15 +16,7 @@ namespace pliant {
 
 namespace {
 
-struct Arguments {
-    std::vector<std::string> poses;
-    std::string output, report, surface;
-    std::string subspace = "adaptive", stand_in = "auto";
-    BakeOptions bake;
-    bool has_tolerance = false, is_best_effort = false, is_quiet = false;
-};
-
-void print_summary(const Arguments& a, const BakedAsset& baked)
+void print_summary(const BakeRequest& a, const BakedAsset& baked)
 {
     const BakeReport& r = baked.report;
     const std::string energy = r.stand_in_kind == StandInKind::quartic
@@ -45,56 +43,94 @@ void print_summary(const Arguments& a, const BakedAsset& baked)
     fmt::print("  {} factorisations, {} snapshots\n", r.factorization_count, r.adaptive.snapshot_count);
 }
 
-// Where to turn when the tolerance is missed: the part that misses it.
-std::string remedy(const Arguments& a, const BakeReport& r)
+// A tolerance that was asked for and is missed: nothing is written, unless it is to be all the same.
+ExitCode judge_tolerance(const BakeRequest& a, const BakedAsset& baked, Progress& progress)
 {
-    if (r.subspace_error.mean > 0.7 * a.bake.tolerance)
-        return r.dimension >= 60
-            ? "add a pose between those of the worst weights, leave a pose out, or ask for less with --tolerance"
-            : "raise --dim or leave it out, add a pose in between, or ask for less with --tolerance";
-    return "raise --elements, add a pose between those of the worst weights, or ask for less with --tolerance";
+    const std::optional<ToleranceMiss> miss = find_miss(baked.report, a.bake, a.has_tolerance);
+    if (!miss) return ExitCode::done;
+    if (miss->is_asked && !a.is_best_effort) throw to_failure(*miss);
+    warn_of(*miss, progress);
+    return miss->is_asked ? ExitCode::misses_tolerance : ExitCode::done;
 }
 
-// A tolerance that was asked for is a condition; the default one is an aim, and without checks nothing is known.
-ExitCode judge_tolerance(const Arguments& a, const BakedAsset& baked, Progress& progress)
+void probe_outputs(const BakeRequest& a)
 {
-    const BakeReport& r = baked.report;
-    if (r.checks.empty() || r.meets_tolerance) return ExitCode::done;
-    const bool is_asked = a.has_tolerance || a.bake.tolerance_max > 0;
-    if (!is_asked && (a.bake.dimension || a.bake.subspace != SubspaceKind::adaptive)) return ExitCode::done;
-    const std::string what = fmt::format(
-        "blends miss the tolerance {:.3g}{}: mean error {:.2e} (subspace alone {:.2e}) at d = {} and {} elements, largest "
-        "{:.2e} "
-        "at weights {}",
-        a.bake.tolerance, a.bake.tolerance_max > 0 ? fmt::format(" (largest {:.3g})", a.bake.tolerance_max) : "",
-        r.mean_error, r.subspace_error.mean, r.dimension, r.element_count, r.largest_error, weights_text(r.worst_weights));
-    if (!is_asked || a.is_best_effort) progress.warn(4404, what, remedy(a, r));
-    if (!is_asked) return ExitCode::done;
-    if (!a.is_best_effort)
-        throw Failure(ExitCode::misses_tolerance,
-                      error_at(4405, "", what, remedy(a, r) + "; --best-effort writes it all the same"));
-    return ExitCode::misses_tolerance;
-}
-
-ExitCode run(Arguments& a)
-{
-    a.bake.subspace = a.subspace == "krylov" ? SubspaceKind::krylov
-        : a.subspace == "barbic"             ? SubspaceKind::barbic
-                                             : SubspaceKind::adaptive;
     std::vector<std::string> inputs = input_files(a.poses, a.bake.energy);
     if (!a.surface.empty()) inputs.push_back(a.surface);
-    probe_output(a.output, inputs);
-    if (!a.report.empty()) probe_output(a.report, inputs);
-    for (StandInKind kind : { StandInKind::quartic, StandInKind::cubature, StandInKind::ghost })
-        if (a.stand_in == name_of(kind)) a.bake.stand_in = kind;
+    if (!a.config.empty()) inputs.push_back(a.config);
+    for (const std::string* output : { &a.output, &a.report, &a.depfile, &a.stamp }) {
+        if (output->empty()) continue;
+        probe_output(*output, inputs);
+        inputs.push_back(*output); // no two outputs may be the same file
+    }
+}
+
+// So that both may move together. Without a folder in common, or one that can be looked up, the absolute name.
+std::string asset_seen_from_report(const BakeRequest& a)
+{
+    std::error_code error;
+    const std::filesystem::path folder = std::filesystem::absolute(a.report, error).parent_path();
+    const std::filesystem::path asset
+        = std::filesystem::proximate(std::filesystem::absolute(a.output, error), folder, error);
+    return asset.empty() ? a.output : asset.generic_string();
+}
+
+// The dependencies come before the asset: who is stopped in between leaves an old asset with the new ones, which does no harm. The stamp
+// comes last, since it says that the asset is whole.
+void write_outputs(const BakeRequest& a, const BakedAsset& baked, const std::vector<Finding>& warnings,
+                   const std::vector<ReadFile>& files, StampContent stamp)
+{
+    if (!a.depfile.empty()) {
+        std::vector<std::string> names;
+        if (!a.config.empty()) names.push_back(a.config);
+        for (const ReadFile& file : files)
+            if (!file.digest.empty()) names.push_back(file.path); // one that is not there would never be up to date
+        write_output(a.depfile, write_depfile(a.output, names));
+    }
+    const std::string_view bytes(reinterpret_cast<const char*>(baked.bytes.data()), baked.bytes.size());
+    if (!a.report.empty()) write_output(a.report, write_report(baked.report, asset_seen_from_report(a), warnings));
+    write_output(a.output, bytes);
+    if (a.stamp.empty()) return;
+    stamp.files = files;
+    stamp.output = a.output;
+    stamp.output_digest = sha256_hex(bytes);
+    write_output(a.stamp, write_stamp(stamp));
+}
+
+double seconds_of(const BakeReport& report)
+{
+    double seconds = 0;
+    for (const StageTime& stage : report.stages) seconds += stage.seconds;
+    return seconds;
+}
+
+ExitCode run(BakeRequest& a, CLI::App& verb)
+{
+    complete_request(verb, a);
+    const Json config = effective_config(verb);
+    if (a.is_print_config) {
+        fmt::print("{}\n", json_text(config));
+        return ExitCode::done;
+    }
+    probe_outputs(a);
+    const ReadLog log;
     ConsoleProgress progress("bake", a.is_quiet);
-    const PoseSet poses = load_with_warnings("bake", a.poses, a.bake.energy);
+    std::vector<Finding> warnings;
+    const PoseSet poses = load_with_warnings("bake", a.poses, a.bake.energy, &warnings);
     if (!a.surface.empty())
-        a.bake.drawn = std::make_shared<const DrawnSurface>(load_surface_with_warnings("bake", a.surface, poses));
+        a.bake.drawn = std::make_shared<const DrawnSurface>(load_surface_with_warnings("bake", a.surface, poses, &warnings));
+    if (a.is_dry_run) {
+        fmt::print("{}\n", json_text(describe_poses(poses, a.bake)));
+        return ExitCode::done;
+    }
     const BakedAsset baked = bake(poses, a.bake, progress);
     const ExitCode verdict = judge_tolerance(a, baked, progress);
-    write_output(a.output, { reinterpret_cast<const char*>(baked.bytes.data()), baked.bytes.size() });
-    if (!a.report.empty()) write_output(a.report, write_report(baked.report));
+    add_warnings(progress.warnings(), baked.report, warnings);
+    StampContent stamp;
+    if (!a.stamp.empty()) stamp.options = stamped_options(config, a.output);
+    stamp.exit_code = int(verdict);
+    stamp.seconds = seconds_of(baked.report);
+    write_outputs(a, baked, warnings, log.files(), std::move(stamp));
     progress.clear_line();
     if (!a.is_quiet) print_summary(a, baked);
     return verdict;
@@ -104,87 +140,24 @@ ExitCode run(Arguments& a)
 
 Verb add_bake(CLI::App& app)
 {
-    auto a = std::make_shared<Arguments>();
+    auto a = std::make_shared<BakeRequest>();
     CLI::App* verb = app.add_subcommand("bake", "Turn poses into an asset for the runtime");
     verb->footer("Example:\n  pliant bake rest.ply run.ply jump.ply -o hero.pliant\n"
                  "Bakes the three poses of one mesh (same vertices, same faces) into hero.pliant, then checks it with the "
                  "real runtime\n"
                  "against the unreduced average. Try `pliant check` first: it is quick and writes nothing.");
-    add_pose_arguments(*verb, a->poses);
-    verb->add_option("-o,--output", a->output, "Asset to write")->required()->type_name("OUT.pliant");
-    add_energy_options(*verb, a->bake.energy);
-    add_surface(*verb, a->surface);
-    verb->add_option(
-            "--subspace", a->subspace,
-            "How the reduced space is built: adaptive (of true averages, with as few dimensions as keep --tolerance), "
-            "krylov "
-            "(Algorithm 1 of von Tycowicz et al. 2015: quicker to bake, far less accurate) or barbic (Barbic et al. 2009: "
-            "tangents and linear modes; for comparison)")
-        ->check(CLI::IsMember({ "adaptive", "krylov", "barbic" }))
-        ->capture_default_str()
-        ->type_name("NAME");
-    verb->add_option(
-            "--tolerance", a->bake.tolerance,
-            "Wanted relative L2 error of blends, mean over check weights, stand-in included; if you give it and it is "
-            "missed, nothing is written and the exit code is 4")
-        ->each([a](const std::string&) { a->has_tolerance = true; })
-        ->check(CLI::Range(1e-8, 1.0))
-        ->capture_default_str();
-    verb->add_option("--tolerance-max", a->bake.tolerance_max,
-                     "Wanted largest error over the check weights (default: reported, not asked)")
-        ->check(CLI::Range(1e-8, 1.0));
-    verb->add_flag("--best-effort", a->is_best_effort,
-                   "Write the asset even if it misses --tolerance (exit code 4 all the same)");
-    verb->add_option("--ritz", a->bake.ritz_count, "krylov: Ritz vectors per tangent")
-        ->check(CLI::Range(0, 32))
-        ->capture_default_str();
-    verb->add_option("--dim", a->bake.dimension,
-                     "Dimension of the reduced space (default: what the tolerance or --ritz asks for)")
-        ->check(CLI::Range(1, 256));
-    verb->add_option(
-            "--energy", a->stand_in,
-            "Stand-in for the energy: quartic (a polynomial, exact, of stvk solids), cubature (few elements, accurate), "
-            "ghost (coarse mesh, of surfaces), or auto: quartic where d is at most 32, else cubature")
-        ->check(CLI::IsMember({ "auto", "quartic", "cubature", "ghost" }))
-        ->capture_default_str()
-        ->type_name("NAME");
-    verb->add_option("--elements", a->bake.element_count,
-                     "Cubature elements (default: as few as keep the tolerance, 4 to 12 per dimension)")
-        ->check(CLI::Range(1, 1000000));
-    verb->add_option_function<std::string>(
-            "--cubature",
-            [a](const std::string& name) {
-                a->bake.cubature_solver = name == "nn-htp" ? CubatureSolver::nn_htp : CubatureSolver::nnls;
-            },
-            "How cubature elements are found: nnls (greedy) or nn-htp (hard thresholding pursuit, von Tycowicz et al. 2013)")
-        ->check(CLI::IsMember({ "nnls", "nn-htp" }))
-        ->default_str("nnls")
-        ->type_name("NAME");
-    verb->add_option("--ghost-vertices", a->bake.ghost_vertex_count, "Vertices of the ghost")
-        ->check(CLI::Range(4, 1000000))
-        ->capture_default_str();
-    verb->add_option("--check-samples", a->bake.check_count,
-                     "Weights at which dimension, elements and dead load are judged by unreduced averages")
-        ->check(CLI::Range(0, 1000))
-        ->capture_default_str();
-    verb->add_option("--fresh-samples", a->bake.fresh_count,
-                     "Further weights, by which nothing is chosen, at which the asset is compared with unreduced averages")
-        ->check(CLI::Range(0, 1000))
-        ->capture_default_str();
-    verb->add_option("--position-error", a->bake.position_error,
-                     "How far a vertex may be moved by storing the basis in few bits, over the bounding-box diagonal; 0 "
-                     "stores single "
-                     "precision, which --fix always does")
-        ->check(CLI::Range(0.0, 1e-2))
-        ->capture_default_str();
-    verb->add_option("--seed", a->bake.seed, "Seed of everything random")->capture_default_str();
-    verb->add_flag_callback(
-        "--no-scene", [a] { a->bake.keep_scene = false; },
-        "Do not store what poses from glTF are drawn with: texture coordinates, colours, materials, images");
-    verb->add_option("--report", a->report, "Also write a report with errors and times")->type_name("OUT.json");
-    add_threads(*verb);
-    add_quiet(*verb, a->is_quiet);
-    return [a] { return run(*a); };
+    add_bake_options(*verb, *a);
+    verb->add_option("--config", a->config,
+                     "Options from a JSON file, keys as here with '_' for '-', poses and output among them; its paths are "
+                     "relative to its folder, and options of the command line beat it (schema: bake_config.schema.json)")
+        ->type_name("FILE.json");
+    verb->add_flag(
+        "--print-config", a->is_print_config,
+        "Print all options as they would be, as JSON for --config (paths as seen from the current folder), and bake "
+        "nothing");
+    verb->add_flag("--dry-run", a->is_dry_run,
+                   "Check the poses, print what the bake would cost, as JSON like `pliant check --json`, and bake nothing");
+    return [a, verb] { return run(*a, *verb); };
 }
 
 } // namespace pliant

@@ -1,5 +1,6 @@
 #include "cli/verbs.h"
 
+#include "config/json_file.h"
 #include "io/encode_ply.h"
 #include "io/write_file.h"
 #include "write/runtime_blender.h"
@@ -13,7 +14,7 @@ namespace {
 
 struct Arguments {
     std::string asset, weights, path, output;
-    bool all_vertices = false, is_quiet = false;
+    bool all_vertices = false, is_quiet = false, is_json = false;
 };
 
 // How shapes of an asset are written.
@@ -34,6 +35,17 @@ void write_frame(const RuntimeBlender& blender, const std::vector<float>& q, con
     write_output(path, encode_ply(rows, how.faces, how.numbers, how.all_vertices));
 }
 
+nlohmann::ordered_json to_json(const std::string& output, const pliant_solve_info& info)
+{
+    return { { "output", output }, { "iterations", info.iterations }, { "evaluations", info.evaluations } };
+}
+
+void print_frames(const Arguments& a, const nlohmann::ordered_json& frames)
+{
+    const nlohmann::ordered_json json = { { "asset", a.asset }, { "frames", frames } };
+    fmt::print("{}\n", json_text(json));
+}
+
 ExitCode run(const Arguments& a)
 {
     if (a.weights.empty() == a.path.empty())
@@ -46,18 +58,26 @@ ExitCode run(const Arguments& a)
     if (a.path.empty()) {
         probe_output(a.output, { a.asset });
         write_frame(blender, blender.solve(to_floats(values), false, &info), how, a.output);
-        if (!a.is_quiet) fmt::print("{}: {} iterations, {} evaluations\n", a.output, info.iterations, info.evaluations);
+        if (a.is_json)
+            print_frames(a, nlohmann::ordered_json::array({ to_json(a.output, info) }));
+        else if (!a.is_quiet)
+            fmt::print("{}: {} iterations, {} evaluations\n", a.output, info.iterations, info.evaluations);
         return ExitCode::done;
     }
     const auto rows = read_weight_rows(a.path);
     for (std::size_t frame = 0; frame < rows.size(); ++frame) probe_output(frame_name(a.output, frame), { a.asset, a.path });
     ConsoleProgress progress("blend", a.is_quiet);
+    nlohmann::ordered_json frames = nlohmann::ordered_json::array();
     for (std::size_t frame = 0; frame < rows.size(); ++frame) {
         progress.update("frames", double(frame) / double(rows.size()));
         write_frame(blender, blender.solve(to_floats(rows[frame]), true, &info), how, frame_name(a.output, frame));
+        frames.push_back(to_json(frame_name(a.output, frame), info));
     }
     progress.clear_line();
-    if (!a.is_quiet) fmt::print("{} frames\n", rows.size());
+    if (a.is_json)
+        print_frames(a, frames);
+    else if (!a.is_quiet)
+        fmt::print("{} frames\n", rows.size());
     return ExitCode::done;
 }
 
@@ -77,6 +97,7 @@ Verb add_blend(CLI::App& app)
         ->required()
         ->type_name("OUT.ply");
     add_all_vertices(*verb, a->all_vertices);
+    add_json(*verb, a->is_json);
     add_quiet(*verb, a->is_quiet);
     return [a] { return run(*a); };
 }

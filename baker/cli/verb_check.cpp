@@ -1,6 +1,8 @@
 #include "cli/verbs.h"
 
+#include "config/json_file.h"
 #include "energy/discrete_shells.h"
+#include "report/certificate.h"
 
 #include <fmt/core.h>
 #include <memory>
@@ -12,7 +14,24 @@ namespace {
 struct Arguments {
     std::vector<std::string> poses;
     BakeOptions bake;
+    bool is_json = false;
 };
+
+struct Hinges {
+    std::size_t count = 0, foldover_count = 0;
+};
+
+Hinges hinges_of(const ShapeSet& set, Material material, const ShellOptions& options)
+{
+    if (material != Material::discrete_shells) return {};
+    const DiscreteShells shells(set, options);
+    return { shells.hinge_count(), shells.foldover_hinges().size() };
+}
+
+double turned_degrees(const ShapeSet& set, std::size_t pose)
+{
+    return Eigen::AngleAxisd(set.motions[pose].rotation).angle() * 57.29577951308232;
+}
 
 void print_surface(const PoseSet& poses)
 {
@@ -28,6 +47,10 @@ void print_surface(const PoseSet& poses)
 ExitCode run(const Arguments& a)
 {
     const PoseSet poses = load_with_warnings("check", a.poses, a.bake.energy);
+    if (a.is_json) {
+        fmt::print("{}\n", json_text(describe_poses(poses, a.bake)));
+        return ExitCode::done;
+    }
     const ShapeSet set = normalise(poses, a.bake.energy.keep_placement);
     const Material material = material_for(a.bake.energy, poses.is_solid());
     if (poses.is_solid())
@@ -36,14 +59,11 @@ ExitCode run(const Arguments& a)
     else
         print_surface(poses);
     for (std::size_t k = 1; k < poses.pose_count(); ++k)
-        fmt::print("  {}: turned by {:.1f} degrees to meet {}\n", poses.names[k],
-                   Eigen::AngleAxisd(set.motions[k].rotation).angle() * 57.29577951308232, poses.names[0]);
-    if (material == Material::discrete_shells) {
-        const DiscreteShells shells(set, a.bake.energy.shell);
-        if (!shells.foldover_hinges().empty())
-            fmt::print("  {} of {} hinges are folded over or fold strongly between poses: their bending will be damped\n",
-                       shells.foldover_hinges().size(), shells.hinge_count());
-    }
+        fmt::print("  {}: turned by {:.1f} degrees to meet {}\n", poses.names[k], turned_degrees(set, k), poses.names[0]);
+    const Hinges hinges = hinges_of(set, material, a.bake.energy.shell);
+    if (hinges.foldover_count > 0)
+        fmt::print("  {} of {} hinges are folded over or fold strongly between poses: their bending will be damped\n",
+                   hinges.foldover_count, hinges.count);
     const BakeEstimate e = estimate_bake(poses.vertex_count(), poses.pose_count(), a.bake);
     fmt::print("a bake would have d = {}, take roughly {:.0f} s and {:.1f} GiB, and write {:.1f} MiB\n", e.dimension,
                e.seconds, e.memory / 1073741824.0, e.asset_size / 1048576.0);
@@ -51,6 +71,28 @@ ExitCode run(const Arguments& a)
 }
 
 } // namespace
+
+nlohmann::ordered_json describe_poses(const PoseSet& poses, const BakeOptions& options)
+{
+    const ShapeSet set = normalise(poses, options.energy.keep_placement);
+    const Material material = material_for(options.energy, poses.is_solid());
+    const BakeEstimate e = estimate_bake(poses.vertex_count(), poses.pose_count(), options);
+    nlohmann::ordered_json list = nlohmann::ordered_json::array();
+    for (std::size_t k = 0; k < poses.pose_count(); ++k)
+        list.push_back({ { "name", poses.names[k] }, { "turned_degrees", turned_degrees(set, k) } });
+    const DrawnSurface* const drawn = poses.drawn.get();
+    nlohmann::ordered_json json = { { "poses", list },
+                                    { "kind", poses.is_solid() ? "solid" : "surface" },
+                                    { "material", name_of(material) },
+                                    { "vertices", drawn ? drawn->embedding.count() : poses.vertex_count() },
+                                    { "triangles", drawn ? drawn->triangles.size() : poses.triangles.size() },
+                                    { "tetrahedra", poses.tets.size() },
+                                    { "elastic_vertices", poses.vertex_count() },
+                                    { "foldover_hinges", hinges_of(set, material, options.energy.shell).foldover_count } };
+    json["estimate"]
+        = { { "dimension", e.dimension }, { "seconds", e.seconds }, { "memory", e.memory }, { "asset_size", e.asset_size } };
+    return json;
+}
 
 Verb add_check(CLI::App& app)
 {
@@ -61,6 +103,7 @@ Verb add_check(CLI::App& app)
     add_pose_arguments(*verb, a->poses);
     add_energy_options(*verb, a->bake.energy);
     verb->add_option("--dim", a->bake.dimension, "As for bake")->check(CLI::Range(1, 256));
+    add_json(*verb, a->is_json);
     return [a] { return run(*a); };
 }
 

@@ -51,6 +51,10 @@ void tell(const Arguments& a, const ExportedFile& file)
     const ExportReport& report = file.report;
     fmt::print("{}: {} vertices, {} triangles, {:.2f} MiB\n", a.output, report.vertex_count, report.triangle_count,
                double(file.bytes.size()) / 1048576.0);
+    if (report.part_count > 1 || report.image_count > 0)
+        fmt::print("  {} {} with the materials of the source, {} {}\n", report.part_count,
+                   report.part_count == 1 ? "part" : "parts", report.image_count,
+                   report.image_count == 1 ? "image" : "images");
     if (report.target_count)
         fmt::print("  {} morph targets; normals against recomputed ones: mean {:.2f}, 99.9 % below {:.2f}, worst {:.1f} "
                    "degrees\n  animation of {} frames at {:g} a second\n",
@@ -86,6 +90,7 @@ ExitCode run(const Arguments& a)
     options.bone_count = a.bone_count;
     options.with_compression = a.with_compression;
     options.name = std::filesystem::path(a.asset).stem().string();
+    options.source = a.asset;
     options.frames_per_second = a.frames_per_second;
     options.path = path_of(a, blender.asset().pose_count);
     ConsoleProgress progress("export", a.is_quiet);

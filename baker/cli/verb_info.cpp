@@ -1,6 +1,7 @@
 #include "cli/verbs.h"
 
 #include "pliant_format.h"
+#include "write/asset_facts.h"
 #include "write/runtime_blender.h"
 
 #include <algorithm>
@@ -24,17 +25,9 @@ struct Arguments {
 
 Json chunk_table(const pliant_asset& asset)
 {
-    pliant_format_header header;
-    std::memcpy(&header, asset.blob, sizeof header);
     Json table = Json::array();
-    for (std::uint32_t i = 0; i < header.chunk_count; ++i) {
-        pliant_format_chunk chunk;
-        std::memcpy(&chunk, asset.blob + sizeof header + i * sizeof chunk, sizeof chunk);
-        std::string tag(reinterpret_cast<const char*>(&chunk.tag), 4);
-        for (char& c : tag)
-            if (c < ' ' || c > '~') c = '?'; // an unknown optional chunk may be called anything
-        table.push_back({ { "tag", tag }, { "offset", chunk.offset }, { "size", chunk.size } });
-    }
+    for (const ChunkFact& chunk : asset_chunks(asset))
+        table.push_back({ { "tag", chunk.tag }, { "offset", chunk.offset }, { "size", chunk.size } });
     return table;
 }
 
@@ -60,7 +53,7 @@ Json shape_costs(const pliant_asset& asset)
         pliant_asset_chunk(&asset, tag, &size);
         return size;
     };
-    const std::size_t basis = size_of(PLIANT_CHUNK_COMPACT) + size_of(PLIANT_CHUNK_BASIS);
+    const std::uint64_t basis = basis_size(asset);
     const std::size_t position = 3 * sizeof(float) * std::size_t(asset.vertex_count);
     const std::size_t morph = position * asset.pose_count;
     return { { "basis",
@@ -68,7 +61,7 @@ Json shape_costs(const pliant_asset& asset)
                  { "bytes", basis },
                  { "bytes_per_number", double(basis) / (3.0 * double(asset.vertex_count) * double(asset.dimension)) },
                  { "columns", column_bits(asset) } } },
-             { "frame_bytes", basis + size_of(PLIANT_CHUNK_REST) },
+             { "frame_bytes", frame_size(asset) },
              { "morph_targets", { { "file_size", morph + size_of(PLIANT_CHUNK_TRIANGLES) }, { "frame_bytes", morph } } } };
 }
 
@@ -76,9 +69,7 @@ Json describe(const RuntimeBlender& blender)
 {
     const pliant_asset& asset = blender.asset();
     const pliant_solver_desc desc = pliant_solver_desc_default();
-    pliant_format_header header;
-    std::memcpy(&header, asset.blob, sizeof header);
-    Json info = { { "format", fmt::format("{}.{}", header.format_major, header.format_minor) },
+    Json info = { { "format", format_version(asset) },
                   { "vertices", asset.vertex_count },
                   { "triangles", asset.triangle_count },
                   { "dimension", asset.dimension },
@@ -193,7 +184,7 @@ CLI::App* add_asset_verb(CLI::App& app, const char* name, const char* help, cons
     CLI::App* verb = app.add_subcommand(name, help);
     verb->footer(example);
     verb->add_option("asset", a->asset, "Asset")->required()->type_name("ASSET");
-    verb->add_flag("--json", a->is_json, "JSON to standard output");
+    add_json(*verb, a->is_json);
     return verb;
 }
 

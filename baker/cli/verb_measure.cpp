@@ -238,7 +238,7 @@ ExitCode run(const Arguments& a)
     const ShapeSet set = normalise(poses, options.keep_placement);
     const std::unique_ptr<const Drawn> drawn = load_drawn(a, blender.certificate(), poses, set);
     check_same_poses(blender, drawn_set(poses, set, drawn.get()), a.asset);
-    const std::unique_ptr<Energy> energy = make_energy(set, options);
+    const std::unique_ptr<Energy> energy = make_energy(set, options, &progress);
     SolverPool pool(*energy, set, options.solver);
     NewtonOptions newton;
     newton.step_floor = truth_floor * mass_norm(set.shapes[0], set.masses);
@@ -300,7 +300,7 @@ Verb add_measure(CLI::App& app)
         "--from-blend", a->from_blend,
         "Look for each unreduced average by Newton's method from the blend only, and by continuation from the average of "
         "all poses where that is 5 % away: several times faster, but another branch nearer than that is not seen");
-    verb->add_flag("--json", a->is_json, "JSON to standard output");
+    add_json(*verb, a->is_json);
     add_threads(*verb);
     add_quiet(*verb, a->is_quiet);
     return [a] { return run(*a); };

@@ -6,6 +6,7 @@
 
 #include <CLI/CLI.hpp>
 #include <functional>
+#include <nlohmann/json.hpp>
 #include <string>
 #include <vector>
 
@@ -14,6 +15,7 @@ namespace pliant {
 using Verb = std::function<ExitCode()>;
 
 Verb add_bake(CLI::App& app);
+Verb add_bake_all(CLI::App& app);
 Verb add_check(CLI::App& app);
 Verb add_average(CLI::App& app);
 Verb add_blend(CLI::App& app);
@@ -21,20 +23,27 @@ Verb add_measure(CLI::App& app);
 Verb add_info(CLI::App& app);
 Verb add_validate(CLI::App& app);
 Verb add_export(CLI::App& app);
+Verb add_report(CLI::App& app);
 
 // Options that several verbs share.
-void add_pose_arguments(CLI::App& verb, std::vector<std::string>& poses);
+CLI::Option* add_pose_arguments(CLI::App& verb, std::vector<std::string>& poses);
 void add_energy_options(CLI::App& verb, EnergyOptions& options);
 void add_threads(CLI::App& verb);
 void add_all_vertices(CLI::App& verb, bool& all_vertices);
 void add_surface(CLI::App& verb, std::string& path);
 void add_quiet(CLI::App& verb, bool& is_quiet);
+void add_json(CLI::App& verb, bool& is_json);
 
-// Loads and checks poses; prints warnings under the verb's name.
-PoseSet load_with_warnings(const std::string& verb, const std::vector<std::string>& paths, const EnergyOptions& options);
+// Loads and checks poses; prints warnings under the verb's name, and adds them to `kept` if that is not null.
+PoseSet load_with_warnings(const std::string& verb, const std::vector<std::string>& paths, const EnergyOptions& options,
+                           std::vector<Finding>* kept = nullptr);
 
-// Loads the surface that is drawn in the place of a solid's boundary; prints warnings under the verb's name.
-DrawnSurface load_surface_with_warnings(const std::string& verb, const std::string& path, const PoseSet& poses);
+// Loads the surface that is drawn in the place of a solid's boundary; warnings as above.
+DrawnSurface load_surface_with_warnings(const std::string& verb, const std::string& path, const PoseSet& poses,
+                                        std::vector<Finding>* kept = nullptr);
+
+// What `pliant check --json` says: counts, and what a bake would cost. Throws Failure (usage, P1206).
+nlohmann::ordered_json describe_poses(const PoseSet& poses, const BakeOptions& options);
 
 // The files that load_with_warnings reads: no output may replace one of them.
 std::vector<std::string> input_files(const std::vector<std::string>& poses, const EnergyOptions& options);
@@ -44,9 +53,6 @@ std::vector<double> parse_weights(const std::string& text);
 
 // A file with weights, a line a frame. Throws Failure (bad_input, P2001, P2601) naming the line that is not one.
 std::vector<std::vector<double>> read_weight_rows(const std::string& path);
-
-// Checks count and values (P1203, P1204) and divides by the sum.
-Weights normalised_weights(const std::vector<double>& values, std::size_t pose_count);
 
 // "frame_%04d.ply" with the frame's number in place of its one integer conversion. Throws Failure (usage, P1205).
 std::string frame_name(const std::string& pattern, std::size_t frame);

@@ -1,6 +1,7 @@
 #include "energy/energy.h"
 
 #include "energy/parallel.h"
+#include "report/diagnostics.h"
 
 #include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>
@@ -101,6 +102,22 @@ void project_positive(Eigen::Ref<Eigen::MatrixXd> matrix)
     const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(matrix);
     if (eigen.eigenvalues()[0] >= 0) return;
     matrix = eigen.eigenvectors() * eigen.eigenvalues().cwiseMax(0.0).asDiagonal() * eigen.eigenvectors().transpose();
+}
+
+Weights normalised_weights(const std::vector<double>& values, std::size_t pose_count)
+{
+    if (values.size() != pose_count)
+        throw Failure(ExitCode::usage,
+                      error_at(1203, "", fmt::format("{} weights given for {} poses", values.size(), pose_count),
+                               "give one weight per pose, separated by commas"));
+    Weights w = Eigen::Map<const Weights>(values.data(), Eigen::Index(values.size()));
+    const double largest = w.maxCoeff();
+    if (!w.allFinite() || w.minCoeff() < 0 || !(largest > 0))
+        throw Failure(ExitCode::usage,
+                      error_at(1204, "", "the weights are not all finite and non-negative with a positive sum",
+                               "only their ratios matter; use 0 for poses that take no part"));
+    w /= largest; // first, so that the sum of very large ones does not overflow
+    return w / w.sum();
 }
 
 } // namespace pliant

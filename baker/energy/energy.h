@@ -74,6 +74,9 @@ Weights equal_weights(std::size_t pose_count);
 // "0.25,0.75": for messages.
 std::string weights_text(const Weights& w);
 
+// Weights as people give them, checked and divided by their sum. Throws Failure (usage, P1203, P1204).
+Weights normalised_weights(const std::vector<double>& values, std::size_t pose_count);
+
 // Symmetric positive semidefinite part: negative eigenvalues become zero.
 void project_positive(Eigen::Ref<Eigen::MatrixXd> matrix);
 

@@ -7,6 +7,7 @@
 #include "mesh/ties.h"
 
 #include <memory>
+#include <vector>
 
 namespace pliant {
 
@@ -29,6 +30,12 @@ public:
 
     const Energy& inner() const { return *inner_; }
     const TieSet& ties() const { return ties_; }
+
+    // One for each tie.
+    void set_stiffness(const std::vector<double>& stiffness)
+    {
+        for (std::size_t i = 0; i < stiffness.size(); ++i) ties_.ties[i].stiffness = stiffness[i];
+    }
 
 private:
     std::unique_ptr<Energy> inner_;

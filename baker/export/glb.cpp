@@ -33,6 +33,7 @@ const char* type_of(int width)
 {
     switch (width) {
     case 1: return "SCALAR";
+    case 2: return "VEC2";
     case 3: return "VEC3";
     case 4: return "VEC4";
     default: return "MAT4";
@@ -50,6 +51,7 @@ void check_glb_size(std::uint64_t size)
 }
 
 Glb::Glb(std::string_view leading)
+    : leading_size_(leading.size())
 {
     json_["asset"] = { { "version", "2.0" }, { "generator", "pliant 0.1.0" } };
     json_["buffers"] = Json::array({ Json::object() });
@@ -66,6 +68,14 @@ std::size_t Glb::add_view(std::string_view bytes, Target target)
     if (target != Target::none) view["target"] = int(target);
     json_["bufferViews"].push_back(view);
     binary_.append(bytes);
+    return json_["bufferViews"].size() - 1;
+}
+
+std::size_t Glb::add_shared_view(std::string_view bytes)
+{
+    const std::size_t offset = std::string_view(binary_).substr(0, leading_size_).find(bytes);
+    if (offset == std::string_view::npos) return add_view(bytes);
+    json_["bufferViews"].push_back({ { "buffer", 0 }, { "byteOffset", offset }, { "byteLength", bytes.size() } });
     return json_["bufferViews"].size() - 1;
 }
 

@@ -22,7 +22,10 @@ public:
     // Appends bytes as a view and returns its index; the view starts at a multiple of 4.
     std::size_t add_view(std::string_view bytes, Target target = Target::none);
 
-    // Appends vectors of `width` floats (1: SCALAR, 3: VEC3, 4: VEC4, 16: MAT4) as a view with an accessor; its index. `with_bounds`
+    // A view of these bytes where the leading view has them, else as add_view.
+    std::size_t add_shared_view(std::string_view bytes);
+
+    // Appends vectors of `width` floats (1: SCALAR, 2: VEC2, 3: VEC3, 4: VEC4, 16: MAT4) as a view with an accessor; its index. `with_bounds`
     // writes min and max, exact for the floats.
     std::size_t add_floats(const std::vector<float>& values, int width, Target target, bool with_bounds = false);
 
@@ -49,6 +52,7 @@ private:
 
     Json json_;
     std::string binary_;
+    std::size_t leading_size_;
 };
 
 // What does not fit a GLB's 32-bit counts. Throws Failure (failed, P5201).

@@ -19,18 +19,23 @@ constexpr double shortest_base = 0.1;
 
 } // namespace
 
-Eigen::VectorXd vertex_normals(const Eigen::VectorXd& positions, const std::vector<std::uint32_t>& triangles)
+Eigen::VectorXd vertex_normals(const Eigen::VectorXd& positions, const std::vector<std::uint32_t>& triangles,
+                               const std::vector<std::uint32_t>& groups)
 {
-    Eigen::VectorXd normals = Eigen::VectorXd::Zero(positions.size());
     const auto at = [&](std::uint32_t v) -> Eigen::Vector3d { return positions.segment<3>(3 * Eigen::Index(v)); };
+    const auto place = [&](std::size_t v) { return 3 * Eigen::Index(groups.empty() ? v : groups[v]); };
+    const Eigen::Index most = groups.empty() ? 0 : 3 * (Eigen::Index(*std::max_element(groups.begin(), groups.end())) + 1);
+    Eigen::VectorXd sums = Eigen::VectorXd::Zero(std::max(positions.size(), most));
     for (std::size_t t = 0; t + 2 < triangles.size(); t += 3) {
         const Eigen::Vector3d corner = at(triangles[t]);
         const Eigen::Vector3d area = (at(triangles[t + 1]) - corner).cross(at(triangles[t + 2]) - corner);
-        for (std::size_t c = 0; c < 3; ++c) normals.segment<3>(3 * Eigen::Index(triangles[t + c])) += area;
+        for (std::size_t c = 0; c < 3; ++c) sums.segment<3>(place(triangles[t + c])) += area;
     }
-    for (Eigen::Index v = 0; v < normals.size(); v += 3) {
-        const double length = normals.segment<3>(v).norm();
-        if (length > 0) normals.segment<3>(v) /= length;
+    Eigen::VectorXd normals(positions.size());
+    for (Eigen::Index v = 0; v < normals.size() / 3; ++v) {
+        const Eigen::Vector3d sum = sums.segment<3>(place(std::size_t(v)));
+        const double length = sum.norm();
+        normals.segment<3>(3 * v) = length > 0 ? Eigen::Vector3d(sum / length) : sum;
     }
     return normals;
 }

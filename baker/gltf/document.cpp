@@ -349,4 +349,19 @@ std::string GltfDocument::image(std::size_t index, std::string& why) const
     return {};
 }
 
+std::vector<std::string> GltfDocument::named_files() const
+{
+    std::vector<std::string> files;
+    for (const char* list : { "buffers", "images" }) {
+        const GltfValue entries = (*this)[list];
+        for (std::size_t i = 0; i < entries.size(); ++i) {
+            const std::string uri = entries.at(i)["uri"].text_or("data:");
+            if (is_data_uri(uri)) continue;
+            if (const std::optional<std::string> name = decode_file_uri(uri))
+                files.push_back((std::filesystem::absolute(path_).parent_path() / *name).string());
+        }
+    }
+    return files;
+}
+
 } // namespace pliant

@@ -76,6 +76,8 @@ public:
     std::string_view view(std::size_t index) const;
     // Bytes of an image, wherever they are; empty if it cannot be had (then `why` says so).
     std::string image(std::size_t index, std::string& why) const;
+    // The files that it names for buffers and images, as paths; whether they are there is not asked.
+    std::vector<std::string> named_files() const;
     // Of the file and all its buffers.
     std::size_t byte_count() const { return byte_count_; }
 

@@ -1,5 +1,7 @@
 #include "io/source_file.h"
 
+#include "io/read_log.h"
+
 #include <algorithm>
 #include <cerrno>
 #include <charconv>
@@ -74,14 +76,7 @@ std::string_view without_plus(std::string_view word)
     return has_plus ? word.substr(1) : word;
 }
 
-} // namespace
-
-void SourceFile::error(int number, std::string where, std::string what, std::string hint) const
-{
-    findings->add({ Finding::Severity::error, number, std::move(where), std::move(what), std::move(hint) });
-}
-
-std::optional<std::string> read_bytes(const std::string& path, FindingList& findings)
+std::optional<std::string> read_whole(const std::string& path, FindingList& findings)
 {
     // Without O_NONBLOCK opening a pipe would wait for a writer before we can see that it is one.
     FileDescriptor file { ::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK) };
@@ -111,6 +106,20 @@ std::optional<std::string> read_bytes(const std::string& path, FindingList& find
                               "use a machine with more memory or a coarser mesh"));
     }
     return std::nullopt;
+}
+
+} // namespace
+
+void SourceFile::error(int number, std::string where, std::string what, std::string hint) const
+{
+    findings->add({ Finding::Severity::error, number, std::move(where), std::move(what), std::move(hint) });
+}
+
+std::optional<std::string> read_bytes(const std::string& path, FindingList& findings)
+{
+    std::optional<std::string> bytes = read_whole(path, findings);
+    note_reading(path, bytes);
+    return bytes;
 }
 
 bool LineReader::next()

@@ -40,9 +40,15 @@ private:
     void find_components();
     void find_bow_ties();
     Index face(const HalfEdge& half_edge) const { return triangulation_.faces[half_edge.triangle]; }
-    void warn(int number, std::size_t face, std::string what, const char* hint) const
+    // About the faces at these edges; it is found at the first one's face number `at`.
+    void warn(int number, const std::vector<std::pair<const HalfEdge*, const HalfEdge*>>& edges, std::size_t at,
+              std::string what, const char* hint) const
     {
-        findings_.add({ Finding::Severity::warning, number, where_is_face(mesh_, face), std::move(what), hint });
+        std::vector<Index> faces;
+        for (std::size_t i = 0; i < edges.size() && faces.size() < Finding::element_limit; ++i)
+            for (const HalfEdge* h = edges[i].first; h != edges[i].second; ++h) faces.push_back(face(*h));
+        const std::string where = where_is_face(mesh_, face(edges[0].first[at]));
+        findings_.add(about_faces(warning_at(number, where, std::move(what), hint), faces));
     }
 
     template <class Visit> void for_each_edge(Visit visit) const
@@ -111,7 +117,7 @@ void Checker::find_crowded_edges()
     const auto [begin, end] = edges[0];
     std::vector<Index> faces;
     for (const HalfEdge* h = begin; h != end; ++h) faces.push_back(face(*h));
-    warn(2203, faces[2],
+    warn(2203, edges, 2,
          fmt::format("edge {} {} belongs to {} faces: {}{}", begin->low, begin->high, faces.size(), first_few(faces),
                      edges.size() > 1 ? fmt::format(" ({} edges have more than two)", edges.size()) : ""),
          "each bends against the next around the edge; if that is not meant, separate the sheets, alike in all poses");
@@ -125,7 +131,7 @@ void Checker::find_turned_neighbours()
     surface_.repairs.turned_edge_count = edges.size();
     if (edges.empty()) return;
     const HalfEdge* const h = edges[0].first;
-    warn(2204, face(h[1]),
+    warn(2204, edges, 1,
          fmt::format("faces {} and {} run along their edge {} {} in the same direction{}", face(h[0]), face(h[1]), h->low,
                      h->high, edges.size() > 1 ? fmt::format(" ({} pairs do)", edges.size()) : ""),
          "blends do not mind, lighting does: turn all faces the same way round, alike in all poses");
@@ -141,10 +147,11 @@ void Checker::find_unreferenced_vertices()
         if (!is_used[vertex] && !surface_.is_welded(vertex)) unused.push_back(vertex);
     surface_.repairs.lone_vertex_count = unused.size();
     if (unused.empty()) return;
-    findings_.add(
+    findings_.add(about_vertices(
         warning_at(2207, mesh_.path,
                    fmt::format("{} vertices belong to no face of the elastic mesh: {}", unused.size(), first_few(unused)),
-                   "ties hold them to what lies beside them; remove them from all poses if they are nothing"));
+                   "ties hold them to what lies beside them; remove them from all poses if they are nothing"),
+        unused));
 }
 
 void Checker::find_components()
@@ -172,10 +179,14 @@ void Checker::find_components()
         list += fmt::format("{}{} faces with face {}", i == 0 ? "" : ", ", sizes[components[i]],
                             triangulation_.faces[components[i]]);
     }
-    findings_.add(warning_at(
-        2208, mesh_.path,
-        fmt::format("has {} components: {}{}", components.size(), list, components.size() > 5 ? ", ..." : ""),
-        "ties hold each to the one beside it, and a bake tells how far it drifts; join them if they should be one"));
+    std::vector<Index> smaller; // a face of each but the largest
+    for (std::size_t i = 1; i < components.size(); ++i) smaller.push_back(triangulation_.faces[components[i]]);
+    findings_.add(about_faces(
+        warning_at(
+            2208, mesh_.path,
+            fmt::format("has {} components: {}{}", components.size(), list, components.size() > 5 ? ", ..." : ""),
+            "ties hold each to the one beside it, and a bake tells how far it drifts; join them if they should be one"),
+        smaller));
 }
 
 void Checker::find_bow_ties()
@@ -198,9 +209,11 @@ void Checker::find_bow_ties()
     }
     for (Index vertex = 0; vertex < fan_counts.size(); ++vertex) {
         if (fan_counts[vertex] < 2) continue;
-        findings_.add(warning_at(2206, mesh_.path,
-                                 fmt::format("{} parts of the surface touch in vertex {} only", fan_counts[vertex], vertex),
-                                 "discrete shells can do it, ARAP cannot: split the vertex, alike in all poses"));
+        findings_.add(about_vertices(
+            warning_at(2206, mesh_.path,
+                       fmt::format("{} parts of the surface touch in vertex {} only", fan_counts[vertex], vertex),
+                       "discrete shells can do it, ARAP cannot: split the vertex, alike in all poses"),
+            { vertex }));
     }
 }
 

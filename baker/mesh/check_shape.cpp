@@ -53,10 +53,11 @@ void check_fans(const MeshFile& mesh, const Triangulation& triangulation, const 
         if (end - begin < 2) continue;
         for (std::size_t t = begin; t < end; ++t) {
             if (area_vector(positions, triangles[t]).dot(sum) > 0) continue;
-            findings.add(
+            findings.add(about_faces(
                 warning_at(2210, where_is_face(mesh, face),
                            fmt::format("face {} is not convex: the triangles from its first corner fold over", face),
-                           "cut it into triangles before you export it, alike in all poses"));
+                           "cut it into triangles before you export it, alike in all poses"),
+                { face }));
             break;
         }
     }

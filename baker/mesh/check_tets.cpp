@@ -262,8 +262,10 @@ void BoundaryChecker::find_vertices()
     }
     for (Index vertex = 0; vertex < fan_counts.size(); ++vertex) {
         if (fan_counts[vertex] < 2 || is_told_[vertex]) continue;
-        findings_.add(warning_at(2217, mesh_.path, fmt::format("the boundary touches itself in vertex {}", vertex),
-                                 "the parts can turn there freely: join them by a face, or give each vertices of its own"));
+        findings_.add(about_vertices(
+            warning_at(2217, mesh_.path, fmt::format("the boundary touches itself in vertex {}", vertex),
+                       "the parts can turn there freely: join them by a face, or give each vertices of its own"),
+            { vertex }));
     }
 }
 

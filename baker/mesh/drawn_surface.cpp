@@ -59,15 +59,25 @@ void check_is_surface(const MeshFile& mesh, const std::vector<Triangle>& triangl
                  "the surface must lie where the first pose is, in its units; or mesh a larger solid around it"));
 }
 
-} // namespace
-
-DrawnSurface load_drawn_surface(const std::string& path, const PoseSet& poses, std::vector<Finding>* warnings)
+void require_solid(const PoseSet& poses)
 {
     if (!poses.is_solid())
         throw Failure(ExitCode::usage,
                       error_at(1209, "", "--surface is for solids, the poses are surfaces",
                                "leave it out: surfaces are drawn themselves"));
-    MeshFile mesh = read_mesh(path);
+}
+
+} // namespace
+
+DrawnSurface load_drawn_surface(const std::string& path, const PoseSet& poses, std::vector<Finding>* warnings)
+{
+    require_solid(poses); // before the file is read
+    return embed_surface(read_mesh(path), poses, warnings);
+}
+
+DrawnSurface embed_surface(MeshFile mesh, const PoseSet& poses, std::vector<Finding>* warnings)
+{
+    require_solid(poses);
     DrawnSurface surface;
     surface.triangles = triangulate(mesh.faces).triangles;
     check_is_surface(mesh, surface.triangles);
@@ -81,7 +91,7 @@ DrawnSurface load_drawn_surface(const std::string& path, const PoseSet& poses, s
     const auto warned_count = (distances.array() > outside_warned * size).count();
     if (warned_count && warnings)
         warnings->push_back(
-            warning_at(2607, path,
+            warning_at(2607, mesh.path,
                        fmt::format("{} vertices lie more than {:.1f} % of the diagonal outside {}, the farthest {:.2f} %",
                                    warned_count, 100 * outside_warned, poses.paths[0], 100 * surface.farthest_outside),
                        "they move as the nearest tetrahedron goes on; a larger solid around them is safer"));

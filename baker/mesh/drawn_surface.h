@@ -22,6 +22,9 @@ struct DrawnSurface {
 // surface with area. Warning: P2607 vertices outside the solid.
 DrawnSurface load_drawn_surface(const std::string& path, const PoseSet& poses, std::vector<Finding>* warnings = nullptr);
 
+// The same for a mesh in memory, as read_mesh leaves one.
+DrawnSurface embed_surface(MeshFile mesh, const PoseSet& poses, std::vector<Finding>* warnings = nullptr);
+
 // Vertices that each lie exactly where vertex `places[v]` of the elastic mesh does.
 std::shared_ptr<const DrawnSurface> draw_vertices(Polygons polygons, std::vector<Triangle> triangles,
                                                   const std::vector<std::uint32_t>& places);

@@ -72,8 +72,9 @@ void Builder::warn(int number, const MeshFile& mesh, std::string what, std::vect
 {
     faces.erase(std::unique(faces.begin(), faces.end()), faces.end());
     if (faces.size() > 1) what += fmt::format(" ({} faces: {})", faces.size(), first_few(faces));
-    findings_.add({ Finding::Severity::warning, number, where_is_face(mesh, faces[0]), fmt::format("{}: {}", what, left_out),
-                    drawn_hint });
+    Finding finding = { Finding::Severity::warning, number, where_is_face(mesh, faces[0]),
+                        fmt::format("{}: {}", what, left_out), drawn_hint };
+    findings_.add(about_faces(std::move(finding), faces));
 }
 
 void Builder::join_vertices(double tolerance)
@@ -86,10 +87,11 @@ void Builder::join_vertices(double tolerance)
         if (out_.is_welded(v)) joined.push_back(v);
     out_.repairs.welded_count = joined.size();
     if (joined.empty()) return;
-    findings_.add(warning_at(2220, first_.path,
-                             fmt::format("{} of {} vertices lie on others in all poses and are welded to them: {}",
-                                         joined.size(), out_.targets.size(), first_few(joined)),
-                             "right for seams; --weld 0 keeps them apart"));
+    Finding finding = warning_at(2220, first_.path,
+                                 fmt::format("{} of {} vertices lie on others in all poses and are welded to them: {}",
+                                             joined.size(), out_.targets.size(), first_few(joined)),
+                                 "right for seams; --weld 0 keeps them apart");
+    findings_.add(about_vertices(std::move(finding), joined));
 }
 
 void Builder::leave_out_repeated()

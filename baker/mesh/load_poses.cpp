@@ -114,7 +114,7 @@ PoseSet to_pose_set(std::vector<MeshFile> meshes, Checked checked)
 {
     PoseSet poses;
     for (MeshFile& mesh : meshes) {
-        poses.names.push_back(mesh.name.empty() ? std::filesystem::path(mesh.path).stem().string() : std::move(mesh.name));
+        poses.names.push_back(pose_name(mesh));
         poses.paths.push_back(std::move(mesh.path));
         poses.positions.push_back(std::move(mesh.positions));
     }
@@ -147,33 +147,50 @@ Checked check_all(std::vector<MeshFile>& meshes, const LoadOptions& options, Fin
     for (const std::uint32_t v : options.fixed_vertices)
         if (v < vertex_count) fixed.push_back(v); // others belong to another mesh, as will be found out
     const bool has_fixed = !options.fixed_path.empty() || !fixed.empty();
-    if (!options.fixed_path.empty()) {
-        const std::size_t errors_before = findings.error_count();
-        fixed = read_fixed_vertices(options.fixed_path, vertex_count, findings);
-        if (is_comparable && findings.error_count() == errors_before)
-            check_fixed_vertices(options.fixed_path, is_solid ? fixed : checked.surface.joined(fixed),
-                                 vertex_count - checked.surface.repairs.welded_count, meshes, findings);
-    }
+    const std::string& name = options.fixed_path.empty() ? options.fixed_name : options.fixed_path;
+    const std::size_t errors_before = findings.error_count();
+    if (!options.fixed_path.empty()) fixed = read_fixed_vertices(options.fixed_path, vertex_count, findings);
+    if (!name.empty() && is_comparable && findings.error_count() == errors_before)
+        check_fixed_vertices(name, is_solid ? fixed : checked.surface.joined(fixed),
+                             vertex_count - checked.surface.repairs.welded_count, meshes, findings);
     if (is_comparable && meshes.size() > 1)
         check_distinct(meshes, is_solid ? checked.triangulation : checked.surface.triangulation, options.align && !has_fixed,
                        findings);
     return checked;
 }
 
-} // namespace
-
-PoseSet load_poses(const std::vector<std::string>& paths, const LoadOptions& options, std::vector<Finding>* warnings)
+// `has_first`: the first of the meshes is the first pose; else it could not be read, and the findings say why.
+PoseSet finish(std::vector<MeshFile> meshes, bool has_first, const LoadOptions& options, FindingList& findings,
+               std::vector<Finding>* warnings)
 {
-    FindingList findings(options.lines_per_number);
-    PoseSources read = read_pose_sources(paths, pose_count_limit, findings);
     Checked checked;
-    if (read.has_first) checked = check_all(read.meshes, options, findings);
+    if (has_first) checked = check_all(meshes, options, findings);
     if (findings.has_errors()) throw Failure(ExitCode::bad_input, findings.findings());
     if (warnings) {
         const std::vector<Finding> found = findings.findings();
         warnings->insert(warnings->end(), found.begin(), found.end());
     }
-    return to_pose_set(std::move(read.meshes), std::move(checked));
+    return to_pose_set(std::move(meshes), std::move(checked));
+}
+
+} // namespace
+
+std::string pose_name(const MeshFile& mesh)
+{
+    return mesh.name.empty() ? std::filesystem::path(mesh.path).stem().string() : mesh.name;
+}
+
+PoseSet load_poses(const std::vector<std::string>& paths, const LoadOptions& options, std::vector<Finding>* warnings)
+{
+    FindingList findings(options.lines_per_number);
+    PoseSources read = read_pose_sources(paths, pose_count_limit, findings);
+    return finish(std::move(read.meshes), read.has_first, options, findings, warnings);
+}
+
+PoseSet check_poses(std::vector<MeshFile> meshes, const LoadOptions& options, std::vector<Finding>* warnings)
+{
+    FindingList findings(options.lines_per_number);
+    return finish(std::move(meshes), true, options, findings, warnings);
 }
 
 } // namespace pliant

@@ -11,7 +11,8 @@ struct LoadOptions {
     bool align = true;                 // poses will be aligned rigidly, so those that differ by a motion only are the same
     std::size_t lines_per_number = 10; // findings of one kind that are told one by one
     std::string fixed_path;            // a text file of fixed vertices; then nothing is aligned. Empty: none is fixed
-    std::vector<std::uint32_t> fixed_vertices;      // the same by the files' numbers
+    std::vector<std::uint32_t> fixed_vertices;      // the same by the files' numbers; those past the last one are left out
+    std::string fixed_name;                         // what messages call fixed_vertices; empty: they are not judged
     double weld_tolerance = default_weld_tolerance; // of surfaces, see mesh/weld.h; 0: vertices stay as the files have them
 };
 
@@ -31,5 +32,12 @@ constexpr std::size_t pose_count_limit = 12;
 // Time and memory: proportional to the size of the files, plus sorting the edges.
 PoseSet load_poses(const std::vector<std::string>& paths, const LoadOptions& options = {},
                    std::vector<Finding>* warnings = nullptr);
+
+// The same for poses that are in memory: two or more, each as read_mesh leaves it (finite coordinates, indices of vertices that there
+// are, faces of three corners or more).
+PoseSet check_poses(std::vector<MeshFile> meshes, const LoadOptions& options = {}, std::vector<Finding>* warnings = nullptr);
+
+// What people call a pose: its name, else that of its file without folder and extension.
+std::string pose_name(const MeshFile& mesh);
 
 } // namespace pliant

@@ -31,8 +31,7 @@ constexpr double near_share = 0.25;
 // are ill-defined.
 constexpr double good_triangle = 0.2, poor_triangle = 1e-3;
 
-// A border vertex lies on another border's edge if it is this near to it in units of the edge's length, root mean square over the poses;
-// and on the edge and not at its end if its foot is this far from the end.
+// A border vertex lies on another border's edge if it is this near to it in every pose, in units of the edge's length there; and on the edge and not at its end if its foot is this far from the end.
 constexpr double seam_width = 0.05;
 
 // The smallest over the poses of the area of a triangle, and of its ratio to the longest side.
@@ -243,12 +242,22 @@ private:
         const double foot = std::clamp(off.dot(along) / length2, 0.0, 1.0);
         const double distance2 = (off - foot * along).squaredNorm();
         if (distance2 > seam_width * seam_width * length2 || distance2 >= found_[v].squared_distance) return;
+        if (!is_shut(v, edge, foot)) return;
         // Around a corner of its own border every vertex is near the end of the next edge.
         const std::uint32_t end = foot < seam_width ? edge.a : edge.b;
         const bool is_inside = foot >= seam_width && foot <= 1 - seam_width;
         if (!is_inside && std::binary_search(neighbours_.begin(), neighbours_.end(), std::make_pair(v, end))) return;
         if (measure_triangle(set_, edge.a, edge.b, edge.c).quality < poor_triangle) return;
         found_[v] = { distance2, &edge };
+    }
+
+    // In every pose: lips and eyelids that open in one of many poses are near in the mean of all.
+    bool is_shut(std::uint32_t v, const BorderEdge& edge, double foot) const
+    {
+        return std::all_of(set_.shapes.begin(), set_.shapes.end(), [&](const Shape& shape) {
+            const Eigen::Vector3d a = point(shape, edge.a), along = point(shape, edge.b) - a;
+            return (point(shape, v) - a - foot * along).norm() <= seam_width * along.norm();
+        });
     }
 
     const ShapeSet& set_;
@@ -331,44 +340,81 @@ Places places_of(const Tie& tie, const Shape& y)
     return { (frame.inverse() * tie.rest).colwise() + point(y, v[1]), point(y, v[0]) };
 }
 
+// The point of a body that moves least over its poses, where it is attached: the j that minimises the variance of turns_k^T j + centres_k
+// (turns of the poses, and where the body's origin is in them). Where the body hardly turns, below some 10 degrees, all points move alike
+// and it is drawn to the origin; there it matters little. No farther than `reach` from there.
+Eigen::Vector3d steadiest_point(const std::vector<Eigen::Matrix3d>& turns, const Eigen::Matrix3Xd& centres, double reach)
+{
+    constexpr double doubt = 0.01; // about the square of the sine of half of those 10 degrees
+    Eigen::Matrix3d mean_turn = Eigen::Matrix3d::Zero(), matrix = doubt * Eigen::Matrix3d::Identity();
+    for (const Eigen::Matrix3d& turn : turns) mean_turn += turn / double(turns.size());
+    const Eigen::Vector3d mean_centre = centres.rowwise().mean();
+    Eigen::Vector3d right = Eigen::Vector3d::Zero();
+    for (std::size_t k = 0; k < turns.size(); ++k) {
+        const Eigen::Matrix3d off = (turns[k] - mean_turn).transpose();
+        matrix += off.transpose() * off / double(turns.size());
+        right -= off.transpose() * (centres.col(Eigen::Index(k)) - mean_centre) / double(turns.size());
+    }
+    const Eigen::Vector3d found = matrix.llt().solve(right);
+    return found.norm() > reach ? Eigen::Vector3d(reach / found.norm() * found) : found;
+}
+
 // The weighted mean of clouds of points (3 x count each) that does not shrink where they are turned against each other: their shapes are
-// turned onto the plain mean before they are averaged.
+// turned onto the plain mean before they are averaged, and the mean lies where the weighted mean of its steadiest point does.
 Eigen::Matrix3Xd mean_cloud(const std::vector<Eigen::Matrix3Xd>& clouds, const Eigen::VectorXd& weights)
 {
     const Eigen::Index count = clouds[0].cols();
+    const Eigen::VectorXd shares = weights / weights.sum();
     Eigen::Matrix3Xd plain = Eigen::Matrix3Xd::Zero(3, count);
-    for (std::size_t k = 0; k < clouds.size(); ++k) plain += weights[Eigen::Index(k)] / weights.sum() * clouds[k];
+    for (std::size_t k = 0; k < clouds.size(); ++k) plain += shares[Eigen::Index(k)] * clouds[k];
     if (count < 3) return plain; // nothing that could be seen to turn
     const Shape target = Eigen::Map<const Shape>(plain.data(), plain.size());
-    Shape mean = Shape::Zero(target.size());
+    std::vector<Eigen::Matrix3d> turns;
+    Eigen::Matrix3Xd mean = Eigen::Matrix3Xd::Zero(3, count), centres(3, Eigen::Index(clouds.size()));
     for (std::size_t k = 0; k < clouds.size(); ++k) {
-        Shape turned = Eigen::Map<const Shape>(clouds[k].data(), target.size());
-        apply(best_rigid_motion(turned, target, Eigen::VectorXd::Ones(count)), turned);
-        mean += weights[Eigen::Index(k)] / weights.sum() * turned;
+        const Shape cloud = Eigen::Map<const Shape>(clouds[k].data(), target.size());
+        turns.push_back(best_rigid_motion(cloud, target, Eigen::VectorXd::Ones(count)).rotation);
+        centres.col(Eigen::Index(k)) = clouds[k].rowwise().mean();
+        mean += shares[Eigen::Index(k)] * (turns[k] * (clouds[k].colwise() - centres.col(Eigen::Index(k))));
     }
-    return Eigen::Map<const Eigen::Matrix3Xd>(mean.data(), 3, count);
+    const Eigen::Vector3d steadiest = steadiest_point(turns, centres, mean.colwise().norm().maxCoeff());
+    Eigen::Vector3d place = centres * shares;
+    for (std::size_t k = 0; k < clouds.size(); ++k)
+        place += shares[Eigen::Index(k)] * (turns[k].transpose() * steadiest - steadiest);
+    return mean.colwise() + place;
 }
 
 } // namespace
 
+std::vector<PartPlaces> place_parts(const TieSet& ties, const ShapeSet& set, const Eigen::VectorXd& weights, const Shape& y)
+{
+    std::vector<PartPlaces> out;
+    for (std::size_t first = 0, last = 0; first < ties.ties.size(); first = last) {
+        const std::size_t part = ties.ties[first].part;
+        while (last < ties.ties.size() && ties.ties[last].part == part) ++last;
+        const Eigen::Index count = Eigen::Index(last - first);
+        PartPlaces places = { part, first, Eigen::Matrix3Xd(3, count), {}, Eigen::Matrix3Xd(3, count) };
+        std::vector<Eigen::Matrix3Xd> clouds(set.pose_count(), Eigen::Matrix3Xd(3, count));
+        for (Eigen::Index i = 0; i < count; ++i) {
+            const Places one = places_of(ties.ties[first + std::size_t(i)], y);
+            for (std::size_t k = 0; k < clouds.size(); ++k) clouds[k].col(i) = one.wanted.col(Eigen::Index(k));
+            places.found.col(i) = one.found;
+            places.pulled.col(i) = one.wanted * weights / weights.sum();
+        }
+        places.wanted = mean_cloud(clouds, weights);
+        out.push_back(std::move(places));
+    }
+    return out;
+}
+
 TieDrift measure_drift(const TieSet& ties, const ShapeSet& set, const Eigen::VectorXd& weights, const Shape& y)
 {
     TieDrift out;
-    for (std::size_t first = 0, last = 0; first < ties.ties.size(); first = last) {
-        const std::size_t part = ties.ties[first].part;
-        std::vector<Places> places;
-        for (; last < ties.ties.size() && ties.ties[last].part == part; ++last)
-            places.push_back(places_of(ties.ties[last], y));
-        std::vector<Eigen::Matrix3Xd> clouds(set.pose_count(), Eigen::Matrix3Xd(3, Eigen::Index(places.size())));
-        for (std::size_t k = 0; k < clouds.size(); ++k)
-            for (std::size_t i = 0; i < places.size(); ++i)
-                clouds[k].col(Eigen::Index(i)) = places[i].wanted.col(Eigen::Index(k));
-        const Eigen::Matrix3Xd wanted = mean_cloud(clouds, weights);
-        for (std::size_t i = 0; i < places.size(); ++i) {
-            const double drift = (places[i].found - wanted.col(Eigen::Index(i))).norm() / set.diagonal;
-            if (!(drift <= out.largest)) out = { drift, part, ties.ties[first + i].vertices[0] };
+    for (const PartPlaces& places : place_parts(ties, set, weights, y))
+        for (std::size_t i = 0; i < std::size_t(places.found.cols()); ++i) {
+            const double drift = places.drift(i) / set.diagonal;
+            if (!(drift <= out.largest)) out = { drift, places.part, ties.ties[places.first + i].vertices[0] };
         }
-    }
     return out;
 }
 

@@ -123,14 +123,17 @@ BlendError blend_error(const BlendModel& model, const Subspace& subspace, const 
     const Energy& energy = model.stand_in->energy();
     const TieSet* ties
         = energy.dof_count() == set.dof_count() ? ties_of(energy) : nullptr; // a ghost's are of other vertices
-    std::vector<double> errors(checks.size()), drifts(checks.size(), 0);
+    std::vector<double> errors(checks.size()), drifts(checks.size(), 0), of_truths(checks.size(), 0);
     for_each_task(checks.size(), [&](std::size_t i, std::size_t) {
         const Shape shape = subspace.shape(model.solve(checks[i].weights).q);
         errors[i] = relative_distance(set, shape, checks[i].truth);
-        if (ties) drifts[i] = measure_drift(*ties, set, checks[i].weights, shape).largest;
+        if (!ties) return;
+        drifts[i] = measure_drift(*ties, set, checks[i].weights, shape).largest;
+        of_truths[i] = measure_drift(*ties, set, checks[i].weights, checks[i].truth).largest;
     });
     BlendError out;
     for (double drift : drifts) out.drift = std::max(out.drift, drift);
+    for (double drift : of_truths) out.drift_of_truths = std::max(out.drift_of_truths, drift);
     for (double error : errors) {
         out.mean += error / double(errors.size());
         out.largest = std::max(out.largest, error);

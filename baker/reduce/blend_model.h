@@ -30,6 +30,7 @@ struct BlendError {
     double mean = 0, largest = 0;
     double drift
         = 0; // the largest of tied vertices (mesh/ties.h): a small part can be lost without that the body's error shows it
+    double drift_of_truths = 0; // what no blend near them can be asked to stay below
 };
 
 // The stand-in as it is: its own mean, its own minimisers as the predictor's data.

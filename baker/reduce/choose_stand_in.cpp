@@ -22,11 +22,17 @@ constexpr double aim = 0.75;
 // Where the tolerance is missed with the most dimensions, an error this much larger is as good.
 constexpr double reachable = 1.1;
 
+// Blends follow the truths: where those drift, nothing that is fitted to them can be asked to drift less.
+double wanted_drift(const BlendError& error, const StandInOptions& options)
+{
+    return std::max(aim * options.drift, reachable * error.drift_of_truths);
+}
+
 // Mean and largest error count alike, each in units of what is wanted of it; parts only where they drift too far.
 double score(const BlendError& error, const StandInOptions& options)
 {
     return error.mean / options.tolerance + error.largest / options.largest()
-        + std::max(0.0, error.drift / options.drift - aim);
+        + std::max(0.0, error.drift - wanted_drift(error, options)) / options.drift;
 }
 
 } // namespace
@@ -34,7 +40,7 @@ double score(const BlendError& error, const StandInOptions& options)
 bool is_enough(const BlendError& error, const StandInOptions& options)
 {
     return error.mean < aim * options.tolerance && error.largest < aim * options.largest()
-        && error.drift <= aim * options.drift;
+        && error.drift <= wanted_drift(error, options);
 }
 
 BlendModel fit_model(std::shared_ptr<const StandIn> stand_in, const Subspace& subspace, const ShapeSet& set,

@@ -1,15 +1,13 @@
 // How many elements, and whether a dead load: decided by the error of blends, not by the residual of a fit. And how many dimensions.
 #pragma once
 
+#include "average/settle_ties.h"
 #include "reduce/blend_model.h"
 #include "reduce/cubature.h"
 
 #include <functional>
 
 namespace pliant {
-
-// Wanted of all parts of a character: farther from its place none may be, in units of the diagonal.
-constexpr double drift_limit = 0.005;
 
 struct StandInOptions {
     double tolerance = 1e-3;       // wanted total error, mean over the checks

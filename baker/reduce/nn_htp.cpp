@@ -49,7 +49,8 @@ SparseFit nn_htp(const Eigen::MatrixXf& a, const Eigen::VectorXd& b, std::size_t
     Eigen::MatrixXf unit = a;
     for (Eigen::Index i = 0; i < a.cols(); ++i) unit.col(i) /= float(norms[i]);
     SparseFit best, fit = std::move(start);
-    Eigen::VectorXd residual = fit.columns.empty() ? b : refit(a, b, fit);
+    Eigen::MatrixXd gram;
+    Eigen::VectorXd residual = fit.columns.empty() ? b : refit(a, b, fit, gram);
     for (int round = 0; round < round_limit; ++round) {
         keep_going(fit.columns.size());
         const Eigen::VectorXd gradient = (unit.transpose() * residual.cast<float>()).cast<double>();
@@ -61,7 +62,8 @@ SparseFit nn_htp(const Eigen::MatrixXf& a, const Eigen::VectorXd& b, std::size_t
         fit.columns = largest(x.cwiseMax(0.0), count);
         fit.weights.resize(0); // refitted from nothing: the columns are others
         if (fit.columns.empty()) break;
-        residual = refit(a, b, fit);
+        gram.resize(0, 0);
+        residual = refit(a, b, fit, gram);
         fit.residual = residual.norm() / b.norm();
         const bool is_better = best.columns.empty() || fit.residual < (1 - worthwhile) * best.residual;
         if (best.columns.empty() || fit.residual < best.residual) best = fit;

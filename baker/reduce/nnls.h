@@ -8,7 +8,7 @@
 namespace pliant {
 
 // min |A x - b|, x >= 0, given only the normal equations: gram = A^T A, right = A^T b (Lawson, Hanson 1974; the Gram form of Bro, de
-// Jong 1997). `start` (may be empty) is a feasible first guess whose positive entries are tried as the first passive set.
+// Jong 1997). `start` (may be empty) is a feasible first guess, and all columns are then tried as the first passive set.
 Eigen::VectorXd nnls(const Eigen::MatrixXd& gram, const Eigen::VectorXd& right, const Eigen::VectorXd& start = {});
 
 struct SparseFit {
@@ -29,8 +29,8 @@ SparseFit greedy_nnls(const Eigen::MatrixXf& a, const Eigen::VectorXd& b, std::s
 SparseFit nn_htp(const Eigen::MatrixXf& a, const Eigen::VectorXd& b, std::size_t count, SparseFit start,
                  const std::function<void(std::size_t)>& keep_going);
 
-// Refits the weights of fit.columns by nnls (columns without weights yet enter at practically zero), drops those that become zero, and
-// returns b - A x.
-Eigen::VectorXd refit(const Eigen::MatrixXf& a, const Eigen::VectorXd& b, SparseFit& fit);
+// Refits the weights of fit.columns by nnls (columns without weights yet enter at zero), drops those that become zero, and returns b - A x.
+// `gram`: A^T A of as many leading columns as it is known of, empty at first; afterwards of all that are left.
+Eigen::VectorXd refit(const Eigen::MatrixXf& a, const Eigen::VectorXd& b, SparseFit& fit, Eigen::MatrixXd& gram);
 
 } // namespace pliant

@@ -219,9 +219,8 @@ std::string write_certificate(const BakeReport& report, const BakeOptions& optio
     if (report.repairs.welded_count > 0) energy["weld"] = options.energy.weld_tolerance;
     if (!report.fixed_vertices.empty()) energy["fixed_vertices"] = report.fixed_vertices;
 
-    Json certificate = {
-        { "certificate", 1 }, { "baker", "pliant 0.1.0" }, { "poses", pose_names }, { "vertices", report.vertex_count }
-    };
+    Json certificate
+        = { { "certificate", 1 }, { "baker", baker_version }, { "poses", pose_names }, { "vertices", report.vertex_count } };
     if (report.tet_count) certificate["tetrahedra"] = report.tet_count;
     if (report.drawn_vertex_count > 0) certificate["elastic"] = elastic_of(report);
     if (report.repairs.is_irregular()) certificate["irregular"] = irregular_of(report.repairs);
@@ -240,7 +239,8 @@ std::string write_certificate(const BakeReport& report, const BakeOptions& optio
     certificate["foldover_hinges"] = report.foldover_count;
     certificate["factorizations"] = report.factorization_count;
     certificate["seed"] = options.seed;
-    return certificate.dump(1);
+    // Names of poses are those of files, whose bytes need not be UTF-8.
+    return certificate.dump(1, ' ', false, Json::error_handler_t::replace);
 }
 
 EnergyOptions read_energy_options(const std::string& certificate, const std::string& path)
@@ -283,14 +283,38 @@ bool has_drawn_surface(const std::string& certificate)
     return json.is_object() && json.contains("surface");
 }
 
-std::string write_report(const BakeReport& report)
+namespace {
+
+// More of them nobody reads; each names at most Finding::element_limit vertices and faces.
+constexpr std::size_t warning_limit = 100;
+
+Json warnings_of(const std::vector<Finding>& warnings)
+{
+    Json json = Json::array();
+    for (const Finding& warning : warnings) {
+        if (json.size() == warning_limit) break;
+        json.push_back({ { "number", warning.number },
+                         { "where", warning.where },
+                         { "what", warning.what },
+                         { "hint", warning.hint },
+                         { "vertices", warning.vertices },
+                         { "faces", warning.faces } });
+    }
+    return json;
+}
+
+} // namespace
+
+std::string write_report(const BakeReport& report, const std::string& asset, const std::vector<Finding>& warnings)
 {
     Json json = Json::parse(report.certificate);
     Json stages = Json::object();
     for (const StageTime& stage : report.stages) stages[stage.stage] = stage.seconds;
     json["seconds"] = stages;
     json["cubature_residual"] = report.stand_in.residual;
-    return json.dump(1) + "\n";
+    if (!asset.empty()) json["asset"] = asset;
+    json["warnings"] = warnings_of(warnings);
+    return json.dump(1, ' ', false, Json::error_handler_t::replace) + "\n"; // file names may be anything
 }
 
 } // namespace pliant

@@ -9,6 +9,9 @@
 
 namespace pliant {
 
+// What made an asset: in its certificate, and in stamps (config/stamp.h).
+constexpr const char* baker_version = "pliant 0.1.0";
+
 // No times, no paths: the same input and options give the same text.
 std::string write_certificate(const BakeReport& report, const BakeOptions& options,
                               const std::vector<std::string>& pose_names);
@@ -23,8 +26,9 @@ std::optional<std::size_t> read_start_pose(const std::string& certificate);
 // Whether the asset draws a surface of its own and not the mesh of its poses.
 bool has_drawn_surface(const std::string& certificate);
 
-// The report for people and build systems (`--report`): the certificate plus times.
-std::string write_report(const BakeReport& report);
+// The report for people and build systems (`--report`): the certificate plus times, the name of the asset (relative to the report's
+// folder) and the warnings with the elements that they are about.
+std::string write_report(const BakeReport& report, const std::string& asset = {}, const std::vector<Finding>& warnings = {});
 
 // Names used on the command line and in JSON.
 const char* name_of(Material material);

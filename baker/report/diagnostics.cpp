@@ -20,6 +20,14 @@ std::string without_line(const std::string& where)
     return is_line ? where.substr(0, colon) : where;
 }
 
+void add_elements(const std::vector<std::uint32_t>& more, std::vector<std::uint32_t>& elements)
+{
+    for (const std::uint32_t element : more) {
+        if (elements.size() >= Finding::element_limit) return;
+        if (std::find(elements.begin(), elements.end(), element) == elements.end()) elements.push_back(element);
+    }
+}
+
 std::string join(const std::vector<std::string>& words)
 {
     std::string text;
@@ -44,6 +52,18 @@ Finding error_at(int number, std::string where, std::string what, std::string hi
 Finding warning_at(int number, std::string where, std::string what, std::string hint)
 {
     return { Finding::Severity::warning, number, std::move(where), std::move(what), std::move(hint) };
+}
+
+Finding about_vertices(Finding finding, const std::vector<std::uint32_t>& vertices)
+{
+    add_elements(vertices, finding.vertices);
+    return finding;
+}
+
+Finding about_faces(Finding finding, const std::vector<std::uint32_t>& faces)
+{
+    add_elements(faces, finding.faces);
+    return finding;
 }
 
 Failure::Failure(ExitCode code, Finding finding)
@@ -80,6 +100,8 @@ void FindingList::add(Finding finding)
         return;
     }
     ++overflow.dropped;
+    add_elements(finding.vertices, overflow.vertices);
+    add_elements(finding.faces, overflow.faces);
     std::vector<std::string>& files = overflow.dropped_files;
     if (files.size() > overflow_file_limit) return;
     std::string file = without_line(finding.where);
@@ -102,10 +124,11 @@ std::vector<Finding> FindingList::findings() const
         if (advice_follows) all.back().hint.clear();
         if (i != last_index || dropped == 0) continue;
 
-        std::vector<std::string> files = numbers_.at(finding.number).dropped_files;
+        const Overflow& overflow = numbers_.at(finding.number);
+        std::vector<std::string> files = overflow.dropped_files;
         if (files.size() > overflow_file_limit) files[overflow_file_limit] = "...";
         const std::string what = fmt::format("... and {} more in {}", dropped, join(files));
-        all.push_back({ finding.severity, finding.number, {}, what, finding.hint });
+        all.push_back({ finding.severity, finding.number, {}, what, finding.hint, overflow.vertices, overflow.faces });
     }
     return all;
 }

@@ -29,11 +29,19 @@ struct Finding {
     std::string where; // "run_04.obj:812", a file name, or empty
     std::string what;  // names the element (0-based index and as in the file) and the value
     std::string hint;  // what to do; may be empty
+    // What it is about, numbered as in the pose files, for pictures: the first of them, at most element_limit each.
+    std::vector<std::uint32_t> vertices {}, faces {};
+
+    static constexpr std::size_t element_limit = 64;
 };
 
 // An error or a warning in one line of source: error_at(2103, where, what, hint).
 Finding error_at(int number, std::string where, std::string what, std::string hint = {});
 Finding warning_at(int number, std::string where, std::string what, std::string hint = {});
+
+// The finding with the elements that it is about.
+Finding about_vertices(Finding finding, const std::vector<std::uint32_t>& vertices);
+Finding about_faces(Finding finding, const std::vector<std::uint32_t>& faces);
 
 // Stops a verb: carries everything found and the code to exit with.
 class Failure : public std::exception {
@@ -75,6 +83,7 @@ private:
         std::size_t kept = 0;
         std::size_t dropped = 0;
         std::vector<std::string> dropped_files; // distinct, a few
+        std::vector<std::uint32_t> vertices, faces;
     };
     std::size_t lines_per_number_;
     std::size_t error_count_ = 0;

@@ -43,13 +43,32 @@ void use_file_numbers(const std::vector<std::uint32_t>& numbers, TieReport& repo
     for (WorstDrift* worst : { &report.truth, &report.blends }) worst->drift.vertex = numbers[worst->drift.vertex];
 }
 
+namespace {
+
+// The root hangs on none.
+bool is_root(const TiePart& part) { return part.vertex == part.host_vertex; }
+bool is_loose(const TiePart& part) { return !is_root(part) && part.tie_count == 0; }
+bool is_distant(const TiePart& part) { return !is_root(part) && part.distance > far_away; }
+
+std::vector<std::uint32_t> vertices_of(const TieReport& report, bool (*is_wanted)(const TiePart&))
+{
+    std::vector<std::uint32_t> vertices;
+    for (const TiePart& part : report.parts)
+        if (is_wanted(part)) vertices.push_back(part.vertex);
+    return vertices;
+}
+
+} // namespace
+
+std::vector<std::uint32_t> loose_parts(const TieReport& report) { return vertices_of(report, is_loose); }
+std::vector<std::uint32_t> distant_parts(const TieReport& report) { return vertices_of(report, is_distant); }
+
 void tell_ties(const TieReport& report, double limit, Progress& progress)
 {
     std::vector<TiePart> loose, distant;
     for (const TiePart& part : report.parts) {
-        if (part.vertex == part.host_vertex) continue; // the root hangs on none
-        if (part.tie_count == 0) loose.push_back(part);
-        if (part.distance > far_away) distant.push_back(part);
+        if (is_loose(part)) loose.push_back(part);
+        if (is_distant(part)) distant.push_back(part);
     }
     const auto text = [&](const TiePart& part) {
         return fmt::format("the one of vertex {} ({} vertices)", part.vertex, part.vertex_count);

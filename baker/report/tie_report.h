@@ -27,6 +27,10 @@ TieReport start_tie_report(const TieSet& ties, const ShapeSet& set);
 void add_check(const TieSet& ties, const ShapeSet& set, const Eigen::VectorXd& weights, const Shape& truth,
                const Shape& blend, TieReport& report);
 
+// A vertex of each part that nothing could be tied to, and of each that is far from what it hangs on.
+std::vector<std::uint32_t> loose_parts(const TieReport& report);
+std::vector<std::uint32_t> distant_parts(const TieReport& report);
+
 // Warns of parts that nothing could be tied to (P4409), of parts that are far from what they hang on (P4410) and of those that drift
 // (P4408: farther than `limit`).
 void tell_ties(const TieReport& report, double limit, Progress& progress);

@@ -1,6 +1,5 @@
 #include "write/export_asset.h"
 
-#include "export/draco_mesh.h"
 #include "write/export_parts.h"
 
 #include <algorithm>
@@ -25,11 +24,6 @@ void add_scene(Glb& glb, const std::string& name, Json mesh, bool is_skinned)
     Json& json = glb.json();
     mesh["name"] = name;
     json["meshes"] = Json::array({ std::move(mesh) });
-    json["materials"] = {
-        { { "name", "pliant" },
-          { "pbrMetallicRoughness",
-            { { "baseColorFactor", { 0.8, 0.8, 0.8, 1.0 } }, { "metallicFactor", 0.0 }, { "roughnessFactor", 0.7 } } } }
-    };
     if (!is_skinned) json["nodes"] = Json::array({ Json::object() });
     json["nodes"][0] = { { "name", name }, { "mesh", 0 } };
     Json roots = Json::array({ 0 });
@@ -39,27 +33,6 @@ void add_scene(Glb& glb, const std::string& name, Json mesh, bool is_skinned)
     }
     json["scenes"] = Json::array({ { { "nodes", roots } } });
     json["scene"] = 0;
-}
-
-// KHR_draco_mesh_compression: the accessors say what comes out.
-Json add_compressed_primitive(Glb& glb, const DrawnSpace& space, const std::vector<float>& positions,
-                              const std::vector<float>& normals, ExportReport& report)
-{
-    const DracoMesh mesh = compress_mesh(positions, normals, space.triangles);
-    const std::size_t view = glb.add_view(mesh.bytes);
-    const std::size_t position = glb.describe_floats(mesh.positions, 3, true);
-    const std::size_t normal = glb.describe_floats(normals, 3, false);
-    const std::size_t indices = glb.describe_indices(space.triangles.size(), space.vertex_count());
-    report.compression_error = mesh.largest_error;
-    for (const char* list : { "extensionsUsed", "extensionsRequired" })
-        glb.json()[list].push_back("KHR_draco_mesh_compression");
-    return { { "attributes", { { "POSITION", position }, { "NORMAL", normal } } },
-             { "indices", indices },
-             { "material", 0 },
-             { "extensions",
-               { { "KHR_draco_mesh_compression",
-                   { { "bufferView", view },
-                     { "attributes", { { "POSITION", mesh.position_id }, { "NORMAL", mesh.normal_id } } } } } } } };
 }
 
 // What a program that feeds the weights must know and glTF has no place for.
@@ -83,19 +56,22 @@ Json extras_of(const RuntimeBlender& blender, const MorphMesh& morph)
                    { { "mean", morph.normal_error.mean_degrees }, { "worst", morph.normal_error.worst_degrees } } } } } };
 }
 
-Json morph_mesh_json(Glb& glb, const RuntimeBlender& blender, const DrawnSpace& space, const MorphMesh& morph,
-                     const ExportOptions& options, ExportReport& report)
+Json morph_mesh_json(Glb& glb, const RuntimeBlender& blender, const DrawnSpace& space, const RenderScene& scene,
+                     const MorphMesh& morph, const ExportOptions& options, ExportReport& report)
 {
-    Json primitive
-        = add_primitive(glb, space, to_float_list(morph.base), to_float_list(morph.normals.base), options, report);
-    Json targets = Json::array();
+    Json primitives
+        = add_primitives(glb, scene, to_float_list(morph.base), to_float_list(morph.normals.base), options, report);
     for (Eigen::Index j = 0; j < morph.deltas.cols(); ++j) {
-        const std::size_t position = glb.add_floats(to_float_list(morph.deltas.col(j)), 3, Glb::Target::vertices, true);
-        const std::size_t normal = glb.add_floats(to_float_list(morph.normals.deltas.col(j)), 3, Glb::Target::vertices);
-        targets.push_back({ { "POSITION", position }, { "NORMAL", normal } });
+        const std::vector<float> positions = to_float_list(morph.deltas.col(j)),
+                                 normals = to_float_list(morph.normals.deltas.col(j));
+        for (std::size_t i = 0; i < scene.parts.size(); ++i) {
+            const ScenePart& part = scene.parts[i];
+            const std::size_t position = glb.add_floats(rows_of(part, positions, 3), 3, Glb::Target::vertices, true);
+            const std::size_t normal = glb.add_floats(rows_of(part, normals, 3), 3, Glb::Target::vertices);
+            primitives[i]["targets"].push_back({ { "POSITION", position }, { "NORMAL", normal } });
+        }
     }
-    primitive["targets"] = targets;
-    return { { "primitives", Json::array({ primitive }) },
+    return { { "primitives", primitives },
              { "weights", to_json(morph.weights(space.first_pose)) },
              { "extras", extras_of(blender, morph) } };
 }
@@ -132,18 +108,6 @@ std::size_t add_times(Glb& glb, std::size_t count, double frames_per_second)
     std::vector<float> times(count);
     for (std::size_t i = 0; i < count; ++i) times[i] = float(double(i) / frames_per_second);
     return glb.add_floats(times, 1, Glb::Target::none, true);
-}
-
-Json add_primitive(Glb& glb, const DrawnSpace& space, const std::vector<float>& positions, const std::vector<float>& normals,
-                   const ExportOptions& options, ExportReport& report)
-{
-    if (options.with_compression) return add_compressed_primitive(glb, space, positions, normals, report);
-    const std::size_t position = glb.add_floats(positions, 3, Glb::Target::vertices, true);
-    const std::size_t normal = glb.add_floats(normals, 3, Glb::Target::vertices);
-    const std::size_t indices = glb.add_indices(space.triangles, space.vertex_count());
-    return { { "attributes", { { "POSITION", position }, { "NORMAL", normal } } },
-             { "indices", indices },
-             { "material", 0 } };
 }
 
 std::vector<Finding> warnings_about(const ExportReport& report)
@@ -189,16 +153,19 @@ ExportedFile export_asset(RuntimeBlender& blender, const ExportOptions& options)
 {
     const pliant_asset& asset = blender.asset();
     const DrawnSpace space = drawn_space(blender);
+    const RenderScene scene = exported_scene(blender, space, options.source);
     ExportedFile file;
     ExportReport& report = file.report;
     report.vertex_count = space.vertex_count();
-    report.triangle_count = asset.triangle_count;
+    report.triangle_count = scene.triangles.size();
+    report.part_count = scene.parts.size();
+    report.image_count = scene.images.size();
     Glb glb(options.with_asset ? std::string_view(reinterpret_cast<const char*>(asset.blob), asset.blob_size)
                                : std::string_view());
     Json mesh;
     if (options.with_morph_targets) {
         const MorphMesh morph = make_morph_mesh(blender, space);
-        mesh = morph_mesh_json(glb, blender, space, morph, options, report);
+        mesh = morph_mesh_json(glb, blender, space, scene, morph, options, report);
         if (!options.path.empty())
             animate_weights(glb, morph, path_coordinates(blender, options.path), options.frames_per_second);
         report.target_count = asset.dimension;
@@ -208,16 +175,17 @@ ExportedFile export_asset(RuntimeBlender& blender, const ExportOptions& options)
         report.box_covers = morph.engine_box.contains(morph.reachable);
         report.normal_error = morph.normal_error;
     } else if (options.bone_count) {
-        mesh = add_skinned_mesh(glb, blender, space, options, report);
+        mesh = add_skinned_mesh(glb, blender, space, scene, options, report);
     } else {
-        const Eigen::VectorXd rest = space.rest(), normals = vertex_normals(rest, space.triangles);
+        const Eigen::VectorXd rest = space.rest();
         mesh["primitives"]
-            = Json::array({ add_primitive(glb, space, to_float_list(rest), to_float_list(normals), options, report) });
+            = add_primitives(glb, scene, to_float_list(rest), to_float_list(drawn_normals(space, rest)), options, report);
     }
     if (options.with_asset) {
         mesh["extensions"] = { { "PLIANT_elastic_blend", { { "bufferView", 0 } } } };
         glb.json()["extensionsUsed"].push_back("PLIANT_elastic_blend");
     }
+    add_materials(glb, scene);
     add_scene(glb, options.name, std::move(mesh), options.bone_count > 0);
     file.bytes = glb.bytes();
     return file;

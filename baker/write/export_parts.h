@@ -1,8 +1,7 @@
 // What the parts of an export share.
 #pragma once
 
-#include "export/glb.h"
-#include "write/export_asset.h"
+#include "write/export_primitives.h"
 
 namespace pliant {
 
@@ -12,10 +11,6 @@ template <class Vector> std::vector<float> to_float_list(const Vector& values)
     return std::vector<float>(floats.data(), floats.data() + floats.size());
 }
 
-// POSITION (bounded), NORMAL and indices of the drawn triangles, with material 0; compressed if the options say so.
-Glb::Json add_primitive(Glb& glb, const DrawnSpace& space, const std::vector<float>& positions,
-                        const std::vector<float>& normals, const ExportOptions& options, ExportReport& report);
-
 // Times of `count` frames from 0, for the samplers of an animation.
 std::size_t add_times(Glb& glb, std::size_t count, double frames_per_second);
 
@@ -24,7 +19,7 @@ Eigen::MatrixXf path_coordinates(RuntimeBlender& blender, const std::vector<std:
 
 // Fits bones to the reachable shapes and adds skin, joint nodes from node 1 on, and the animation of the joints. Returns the mesh;
 // node 0 must become its node, with skin 0. Fills in what the report has of bones.
-Glb::Json add_skinned_mesh(Glb& glb, RuntimeBlender& blender, const DrawnSpace& space, const ExportOptions& options,
-                           ExportReport& report);
+Glb::Json add_skinned_mesh(Glb& glb, RuntimeBlender& blender, const DrawnSpace& space, const RenderScene& scene,
+                           const ExportOptions& options, ExportReport& report);
 
 } // namespace pliant

@@ -48,16 +48,16 @@ struct Distances {
     }
 };
 
-// JOINTS_0 and WEIGHTS_0. Sums of float weights are 1 to rounding, as glTF asks.
-void add_influences(Glb& glb, const Skin& skin, Json& attributes)
+// JOINTS_0 and WEIGHTS_0 of a part. Sums of float weights are 1 to rounding, as glTF asks.
+void add_influences(Glb& glb, const Skin& skin, const ScenePart& part, Json& attributes)
 {
     std::vector<std::uint16_t> joints;
     std::vector<float> weights;
-    for (const Influences& influence : skin.influences)
+    for (std::size_t v = part.first_vertex; v < part.first_vertex + std::size_t(part.vertex_count); ++v)
         for (std::size_t i = 0; i < max_influences; ++i) {
-            const float weight = float(influence.weights[i]);
+            const float weight = float(skin.influences[v].weights[i]);
             weights.push_back(weight);
-            joints.push_back(weight > 0 ? influence.bones[i] : std::uint16_t(0));
+            joints.push_back(weight > 0 ? skin.influences[v].bones[i] : std::uint16_t(0));
         }
     attributes["JOINTS_0"] = glb.add_joints(joints);
     attributes["WEIGHTS_0"] = glb.add_floats(weights, 4, Glb::Target::vertices);
@@ -113,8 +113,8 @@ void animate_joints(Glb& glb, const Skin& skin, const std::vector<BonePose>& fra
 
 } // namespace
 
-Json add_skinned_mesh(Glb& glb, RuntimeBlender& blender, const DrawnSpace& space, const ExportOptions& options,
-                      ExportReport& report)
+Json add_skinned_mesh(Glb& glb, RuntimeBlender& blender, const DrawnSpace& space, const RenderScene& scene,
+                      const ExportOptions& options, ExportReport& report)
 {
     const std::size_t poses = blender.asset().pose_count;
     const Eigen::MatrixXf fitted = blend_coordinates(blender, covering_weights(poses, fitted_count, fit_seed));
@@ -135,9 +135,10 @@ Json add_skinned_mesh(Glb& glb, RuntimeBlender& blender, const DrawnSpace& space
         box.include(shape);
         if (is_frame) frames.push_back(std::move(bones));
     }
-    Json primitive = add_primitive(glb, space, to_float_list(rest), to_float_list(vertex_normals(rest, space.triangles)),
-                                   options, report);
-    add_influences(glb, fit.skin, primitive["attributes"]);
+    Json primitives
+        = add_primitives(glb, scene, to_float_list(rest), to_float_list(drawn_normals(space, rest)), options, report);
+    for (std::size_t i = 0; i < scene.parts.size(); ++i)
+        add_influences(glb, fit.skin, scene.parts[i], primitives[i]["attributes"]);
     add_joints(glb, fit.skin);
     if (!frames.empty()) animate_joints(glb, fit.skin, frames, options.frames_per_second);
     report.bone_count = fit.skin.bone_count;
@@ -146,7 +147,7 @@ Json add_skinned_mesh(Glb& glb, RuntimeBlender& blender, const DrawnSpace& space
     report.skin_rms = std::sqrt(distances.square_sum / double(distances.count)) / report.diagonal;
     report.skin_largest = distances.largest / report.diagonal;
     return {
-        { "primitives", Json::array({ primitive }) },
+        { "primitives", primitives },
         { "extras",
           { { "pliant",
               { { "skin_error_of_diagonal", { { "rms", report.skin_rms }, { "largest", report.skin_largest } } } } } } }

@@ -64,7 +64,7 @@ void fit_normals(RuntimeBlender& blender, const DrawnSpace& space, MorphMesh& me
     const auto visit = [&](const Eigen::VectorXf& q, auto&& use) {
         const Eigen::VectorXd shape = space.shape(q);
         mesh.reachable.include(shape);
-        use(mesh.weights(q).cast<double>().eval(), vertex_normals(shape, space.triangles));
+        use(mesh.weights(q).cast<double>().eval(), drawn_normals(space, shape));
     };
     for (Eigen::Index i = 0; i < fitted.cols(); ++i)
         visit(fitted.col(i), [&](const Eigen::VectorXd& w, const Eigen::VectorXd& normals) { fit.add(w, normals); });
@@ -98,11 +98,18 @@ DrawnSpace drawn_space(const RuntimeBlender& blender)
     const pliant_asset& asset = blender.asset();
     DrawnSpace space;
     space.triangles.assign(asset.triangles, asset.triangles + 3 * std::size_t(asset.triangle_count));
+    if (asset.smoothing_groups)
+        space.groups.assign(asset.smoothing_groups, asset.smoothing_groups + asset.boundary_vertex_count);
     space.at_zero = boundary_positions(blender, std::vector<float>(asset.dimension, 0.0f));
     space.first_pose = Eigen::Map<const Eigen::VectorXf>(pliant_asset_pose_coordinates(&asset, 0), asset.dimension);
     space.columns.resize(space.at_zero.size(), asset.dimension);
     for (std::uint32_t j = 0; j < asset.dimension; ++j) space.columns.col(j) = column_of(blender, j, space.at_zero);
     return space;
+}
+
+Eigen::VectorXd drawn_normals(const DrawnSpace& space, const Eigen::VectorXd& shape)
+{
+    return vertex_normals(shape, space.triangles, space.groups);
 }
 
 Eigen::VectorXf MorphMesh::weights(const Eigen::VectorXf& q) const

@@ -13,6 +13,7 @@ namespace pliant {
 // What is drawn, in input units: y(q) = at_zero + columns q. Of a solid the boundary.
 struct DrawnSpace {
     std::vector<std::uint32_t> triangles; // three corners each
+    std::vector<std::uint32_t> groups;    // of vertices that share a normal (SMTH), any numbers; empty: each has its own
     Eigen::VectorXd at_zero;              // 3n: q = 0
     Eigen::VectorXf first_pose;           // q of pose 0
     Eigen::MatrixXd columns;              // 3n x d
@@ -24,6 +25,9 @@ struct DrawnSpace {
 
 // Asks the runtime for the shapes of unit coordinates, whatever the asset's encoding of the basis. Cost: d + 1 reconstructions.
 DrawnSpace drawn_space(const RuntimeBlender& blender);
+
+// Unit normals (3n) of a shape (3n).
+Eigen::VectorXd drawn_normals(const DrawnSpace& space, const Eigen::VectorXd& shape);
 
 struct Box {
     Eigen::Vector3d low = Eigen::Vector3d::Constant(1e300), high = Eigen::Vector3d::Constant(-1e300);

@@ -10,10 +10,7 @@
 
 namespace pliant {
 
-namespace {
-
-// Message numbers by what the runtime answers (messages.md, P51xx).
-Finding open_error(pliant_result result, const std::string& path)
+Failure open_failure(pliant_result result, const std::string& path)
 {
     const char* hint = "";
     switch (result) {
@@ -21,11 +18,34 @@ Finding open_error(pliant_result result, const std::string& path)
     case PLIANT_ERROR_NOT_PLIANT: hint = "a .pliant file comes out of `pliant bake`"; break;
     default: hint = "the file is damaged: copy it again (in binary mode) or bake it again"; break;
     }
-    return error_at(5102, path, fmt::format("not a usable asset: {} (result {})", pliant_result_text(result), int(result)),
-                    hint);
+    return Failure(ExitCode::bad_input,
+                   error_at(5102, path,
+                            fmt::format("not a usable asset: {} (result {})", pliant_result_text(result), int(result)),
+                            hint));
 }
 
-} // namespace
+std::string certificate_of(const pliant_asset& asset)
+{
+    std::size_t size = 0;
+    const void* text = pliant_asset_chunk(&asset, PLIANT_CHUNK_CERTIFICATE, &size);
+    return std::string(static_cast<const char*>(text), size);
+}
+
+Polygons faces_of(const pliant_asset& asset)
+{
+    Polygons faces;
+    std::size_t size = 0;
+    const auto* words = static_cast<const std::uint32_t*>(pliant_asset_chunk(&asset, PLIANT_CHUNK_POLYGONS, &size));
+    if (words) { // open has checked that sizes and indices add up
+        const std::uint32_t face_count = words[0], index_count = words[1];
+        for (std::uint32_t f = 0; f < face_count; ++f) faces.offsets.push_back(faces.offsets.back() + words[2 + f]);
+        faces.indices.assign(words + 2 + face_count, words + 2 + face_count + index_count);
+        return faces;
+    }
+    for (std::uint32_t f = 0; f < asset.triangle_count; ++f) faces.offsets.push_back(3 * (f + 1));
+    faces.indices.assign(asset.triangles, asset.triangles + 3 * std::size_t(asset.triangle_count));
+    return faces;
+}
 
 RuntimeBlender::RuntimeBlender(const std::vector<std::uint8_t>& bytes, const std::string& path, bool verify_checksums)
     : blob_(bytes.size() / 8 + 4)
@@ -36,7 +56,7 @@ RuntimeBlender::RuntimeBlender(const std::vector<std::uint8_t>& bytes, const std
     if (!bytes.empty()) std::memcpy(start, bytes.data(), bytes.size());
     const pliant_result result = pliant_asset_open(&asset_, start, bytes.size(),
                                                    verify_checksums ? PLIANT_OPEN_VERIFY_CHECKSUMS : PLIANT_OPEN_DEFAULT);
-    if (result != PLIANT_OK) throw Failure(ExitCode::bad_input, open_error(result, path));
+    if (result != PLIANT_OK) throw open_failure(result, path);
     configure(pliant_solver_desc_default());
 }
 
@@ -86,33 +106,10 @@ std::string RuntimeBlender::pose_name(std::uint32_t pose) const
     return name ? name : "";
 }
 
-std::string RuntimeBlender::certificate() const
-{
-    std::size_t size = 0;
-    const void* text = pliant_asset_chunk(&asset_, PLIANT_CHUNK_CERTIFICATE, &size);
-    return std::string(static_cast<const char*>(text), size);
-}
-
 std::vector<std::uint32_t> RuntimeBlender::source_vertices() const
 {
     const std::uint32_t* sources = asset_.source_vertices;
     return sources ? std::vector<std::uint32_t>(sources, sources + asset_.vertex_count) : std::vector<std::uint32_t>();
-}
-
-Polygons RuntimeBlender::faces() const
-{
-    Polygons faces;
-    std::size_t size = 0;
-    const auto* words = static_cast<const std::uint32_t*>(pliant_asset_chunk(&asset_, PLIANT_CHUNK_POLYGONS, &size));
-    if (words) { // open has checked that sizes and indices add up
-        const std::uint32_t face_count = words[0], index_count = words[1];
-        for (std::uint32_t f = 0; f < face_count; ++f) faces.offsets.push_back(faces.offsets.back() + words[2 + f]);
-        faces.indices.assign(words + 2 + face_count, words + 2 + face_count + index_count);
-        return faces;
-    }
-    for (std::uint32_t f = 0; f < asset_.triangle_count; ++f) faces.offsets.push_back(3 * (f + 1));
-    faces.indices.assign(asset_.triangles, asset_.triangles + 3 * std::size_t(asset_.triangle_count));
-    return faces;
 }
 
 } // namespace pliant

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "mesh/pose_set.h"
+#include "report/diagnostics.h"
 
 #include "pliant.h"
 
@@ -10,6 +11,12 @@
 #include <vector>
 
 namespace pliant {
+
+// Why the runtime refuses bytes, as a message (P5102). `path`: what they are called there.
+Failure open_failure(pliant_result result, const std::string& path);
+
+std::string certificate_of(const pliant_asset& asset); // JSON text
+Polygons faces_of(const pliant_asset& asset);          // as the input gave them; of a solid its boundary
 
 // An asset in aligned memory, opened by the runtime, with one solver. Movable, not copyable; one thread at a time.
 class RuntimeBlender {
@@ -30,8 +37,8 @@ public:
     std::vector<float> positions(const std::vector<float>& q) const;
 
     std::string pose_name(std::uint32_t pose) const;
-    std::string certificate() const;                    // JSON text
-    Polygons faces() const;                             // as the input gave them; of a solid its boundary
+    std::string certificate() const { return certificate_of(asset_); }
+    Polygons faces() const { return faces_of(asset_); }
     std::vector<std::uint32_t> source_vertices() const; // of a solid: per vertex its number in the pose files; else empty
 
     // Changes the solver's settings (default: those of the runtime); starts it anew.

@@ -13,12 +13,13 @@ import zlib
 
 import numpy as np
 
+from pliant_reference_scene import Scene
 from pliant_reference_shape import MAX_CLUSTERS, Clusters, Compact
 from pliant_reference_solid import Layout, Quartic, evaluate_tet_mooney_rivlin, evaluate_tet_stvk
 
 IDENTIFIER = bytes([0xAB]) + b"PLIANT" + bytes([0xBB]) + b"\r\n\x1a\n"
 REQUIRED = ("SOLV", "REST", "TRIS", "NAME", "ANSW", "CERT")
-KNOWN = REQUIRED + ("ELEM", "QUAR", "PRED", "LOAD", "POLY", "VERT", "SMTH", "MRNG", "BASI", "BASC", "BNDS")
+KNOWN = REQUIRED + ("ELEM", "QUAR", "PRED", "LOAD", "POLY", "VERT", "SMTH", "MRNG", "GLTF", "BASI", "BASC", "BNDS")
 HINGE, NEO_HOOKEAN, STVK, EDGE, ARAP, TET_STVK, TET_MOONEY_RIVLIN, TIE = range(1, 9)
 
 
@@ -289,6 +290,10 @@ class Asset:
         require((abs(weights.sum(axis=1) - 1) <= 1e-3).all(), "R13", "sum of an answer's weights")
         self.answers = [(row[:self.pose_count], row[self.pose_count:]) for row in table]
 
+    def scene(self):
+        """What is drawn with the vertices (pliant_reference_scene.Scene), or None. Opening an asset does not look into it."""
+        return Scene(self.bytes_of("GLTF"), self.boundary_vertex_count, require) if "GLTF" in self.chunks else None
+
     def read_morph_ranges(self):
         self.morph_ranges = None
         if "MRNG" in self.chunks:
@@ -534,6 +539,7 @@ def main():
     try:
         with open(options.asset, "rb") as file:
             asset = Asset(file.read())
+        scene = asset.scene()
     except (OSError, FormatError) as error:
         print(f"{options.asset}: {error}", file=sys.stderr)
         return 3
@@ -541,6 +547,9 @@ def main():
           f"({', '.join(asset.names)}), d = {asset.dimension}, "
           + (", ".join(f"{batch.rows.shape[2]} elements of kind {batch.kind}" for batch in asset.batches)
              or f"{asset.quartic.indices.shape[0]} coefficients"))
+    print("chunks", *(f"{tag}:{size}" for tag, (_, size) in asset.chunks.items()))
+    if scene:
+        print(f"scene: {len(scene.parts)} parts, {len(scene.materials)} materials, {len(scene.images)} images")
     if options.weights is None:
         return 0
     weights = np.array([float(text) for text in options.weights.split(",")])

@@ -40,6 +40,7 @@ void BlendSession::read_keys()
     if (pressed(GLFW_KEY_B)) show_ = show_ == Show::both ? Show::elastic : Show::both;
     if (pressed(GLFW_KEY_T) && truth_) show_ = show_ == Show::three ? Show::elastic : Show::three;
     if (pressed(GLFW_KEY_E)) heat_ = !heat_;
+    if (pressed(GLFW_KEY_M)) stage_.show_paint(paint_ = !paint_);
     if (pressed(GLFW_KEY_SPACE)) playback_.toggle_play();
     for (uint32_t k = 0; k < std::min(stage_.polygon().corner_count(), 9u); ++k) {
         if (pressed(GLFW_KEY_1 + static_cast<int>(k))) playback_.go_to(k);
@@ -62,6 +63,7 @@ void BlendSession::draw_panels(const Overlay& overlay, int width, int height, bo
                            playback_.path_frame(),
                            playback_.path_count(),
                            with_help,
+                           stage_.has_paint(),
                            history_.median(&BlendCost::solve_us),
                            history_.median(&BlendCost::reconstruct_us),
                            history_.median(&BlendCost::normals_us) };

@@ -35,6 +35,7 @@ private:
     CostHistory history_;
     Show show_;
     bool heat_;
+    bool paint_ = true;
 };
 
 } // namespace pliant::player

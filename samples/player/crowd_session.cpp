@@ -26,6 +26,7 @@ void CrowdSession::read_keys()
 {
     const auto pressed = [](int key) { return ImGui::IsKeyPressed(key, false); };
     if (pressed(GLFW_KEY_L)) mode_ = mode_ == BlendMode::linear ? BlendMode::elastic : BlendMode::linear;
+    if (pressed(GLFW_KEY_M)) stage_.show_paint(paint_ = !paint_);
     if (pressed(GLFW_KEY_SPACE)) plays_ = !plays_;
 }
 
@@ -37,7 +38,8 @@ void CrowdSession::draw_scene(const Canvas& canvas, const Area& area, const Area
 
 void CrowdSession::draw_panels(const Overlay& overlay, int width, int height, bool with_help)
 {
-    draw_crowd_hud(overlay, { file_, stage_.crowd(), stage_.times(), stage_.cost(), mode_, with_help }, width, height);
+    draw_crowd_hud(overlay, { file_, stage_.crowd(), stage_.times(), stage_.cost(), mode_, with_help, stage_.has_paint() },
+                   width, height);
 }
 
 std::unique_ptr<Session> open_session(const Options& options, AssetFile file, Quality quality)

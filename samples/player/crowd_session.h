@@ -22,7 +22,7 @@ private:
     CrowdStage stage_;
     BlendMode mode_;
     double phase_ = 0.0;
-    bool plays_ = true;
+    bool plays_ = true, paint_ = true;
 };
 
 } // namespace pliant::player

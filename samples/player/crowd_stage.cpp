@@ -30,7 +30,7 @@ CrowdStage::CrowdStage(const Options& options, const AssetFile& file, Quality qu
     , one_(extent_of_one(file, options.to_world()))
     , places_(crowd_places(crowd_.count(), room_of(one_)))
     , camera_(extent_of_crowd(one_, places_))
-    , scene_(file.view(), one_, quality)
+    , scene_(file, one_, quality, !options.plain)
 {
     camera_.set_home(kYaw, kPitch);
     if (options.view) camera_.set_view(options.view->x, options.view->y);

@@ -20,6 +20,9 @@ public:
     void blend(double phase, BlendMode mode);
     void draw(const Canvas& canvas, const Area& area, const Area& free);
 
+    bool has_paint() const { return scene_.has_paint(); }
+    void show_paint(bool shown) { scene_.show_paint(shown); }
+
     double loop_seconds() const { return loop_seconds_; }
     Camera& camera() { return camera_; }
     const Crowd& crowd() const { return crowd_; }

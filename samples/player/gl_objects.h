@@ -62,6 +62,7 @@ public:
     void set(const char* uniform, float value) const { glUniform1f(at(uniform), value); }
     void set(const char* uniform, glm::vec2 value) const { glUniform2f(at(uniform), value.x, value.y); }
     void set(const char* uniform, glm::vec3 value) const { glUniform3f(at(uniform), value.x, value.y, value.z); }
+    void set(const char* uniform, glm::vec4 value) const { glUniform4f(at(uniform), value.x, value.y, value.z, value.w); }
     void set(const char* uniform, const glm::mat4& value) const { set(uniform, &value, 1); }
     void set(const char* uniform, const glm::mat4* values, int count) const
     {

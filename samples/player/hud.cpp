@@ -143,6 +143,7 @@ std::vector<Key> keys_for(const HudModel& model)
                               { "B", "both" } };
     if (model.truth) keys.emplace_back("T", "three");
     keys.emplace_back("E", model.truth ? "error colours" : "difference colours");
+    if (model.has_paint) keys.emplace_back("M", "materials");
     keys.emplace_back("Space", model.path_count > 0 ? "play / pause path" : "play / pause");
     keys.insert(keys.end(),
                 { { "R", "reset view" }, { "drop a file", "open it" }, { "H", "hide help" }, { "Esc", "quit" } });

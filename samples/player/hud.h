@@ -24,6 +24,7 @@ struct HudModel {
     std::optional<double> path_frame {}; // while a path is shown
     size_t path_count = 0;
     bool help = true;
+    bool has_paint = false;
     double solve_us = 0.0; // medians
     double reconstruct_us = 0.0;
     double normals_us = 0.0;

@@ -102,16 +102,15 @@ void draw_crowd_hud(const Overlay& overlay, const CrowdModel& model, int width, 
 {
     draw_facts(overlay, model);
     draw_graph(overlay, model, height);
-    draw_keys(overlay,
-              { { "drag the scene", "turn" },
-                { "wheel", "zoom" },
-                { "L", "linear / elastic" },
-                { "Space", "play / pause" },
-                { "R", "reset view" },
-                { "drop a file", "open it" },
-                { "H", "hide help" },
-                { "Esc", "quit" } },
-              model.help, width, height);
+    std::vector<Key> keys = { { "drag the scene", "turn" }, { "wheel", "zoom" }, { "L", "linear / elastic" } };
+    if (model.has_paint) keys.emplace_back("M", "materials");
+    keys.insert(keys.end(),
+                { { "Space", "play / pause" },
+                  { "R", "reset view" },
+                  { "drop a file", "open it" },
+                  { "H", "hide help" },
+                  { "Esc", "quit" } });
+    draw_keys(overlay, keys, model.help, width, height);
 }
 
 } // namespace pliant::player

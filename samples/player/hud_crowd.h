@@ -14,6 +14,7 @@ struct CrowdModel {
     const CrowdCost& cost; // of the last frame
     BlendMode mode = BlendMode::elastic;
     bool help = true;
+    bool has_paint = false;
 };
 
 void draw_crowd_hud(const Overlay& overlay, const CrowdModel& model, int width, int height);

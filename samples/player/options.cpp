@@ -184,6 +184,8 @@ ParsedLine parse_command_line(int argc, char** argv)
     app.add_flag("--heat", options.heat, "colours: distance to the unreduced average, or between linear and elastic");
     app.add_flag("--linear", options.linear, "the linear blend instead of the elastic one");
     app.add_flag("--both", options.both, "linear and elastic side by side");
+    app.add_flag("--plain", options.plain,
+                 "every kind of blend in its own colour, without the asset's materials and textures");
     app.add_option("--size", size, "size of window or picture, with --sheet of one cell")->type_name("WxH");
     app.add_option("--view", view, "where to look from, degrees")->type_name("YAW,PITCH");
     app.add_option("--up", up, "which axis of the asset points up (default: y)")

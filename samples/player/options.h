@@ -30,6 +30,7 @@ struct Options {
     bool linear = false;
     bool both = false;
     bool hud = false;
+    bool plain = false; // without the asset's materials
     bool up_is_z = false;
     int width = 0, height = 0;     // 0: the mode's own default
     std::optional<glm::vec2> view; // yaw and pitch in degrees

@@ -102,6 +102,7 @@ public:
                                path_ ? std::optional<double>(phase * static_cast<double>(path_->count())) : std::nullopt,
                                path_ ? path_->count() : 0,
                                true,
+                               stage_.has_paint(),
                                history_.median(&BlendCost::solve_us),
                                history_.median(&BlendCost::reconstruct_us),
                                history_.median(&BlendCost::normals_us) };
@@ -156,8 +157,9 @@ public:
         easel.canvas.resolve();
         if (!easel.hud) return;
         easel.draw_over([&] {
-            draw_crowd_hud(easel.overlay, { file_, stage_.crowd(), stage_.times(), stage_.cost(), mode_, true }, easel.width,
-                           easel.height);
+            draw_crowd_hud(easel.overlay,
+                           { file_, stage_.crowd(), stage_.times(), stage_.cost(), mode_, true, stage_.has_paint() },
+                           easel.width, easel.height);
         });
     }
 

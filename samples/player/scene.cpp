@@ -46,9 +46,12 @@ glm::vec4 dome_light(int i, int count, float lowest)
 
 } // namespace
 
-Scene::Scene(const pliant_asset& asset, const Extent& extent, Quality quality)
-    : Scene(asset, extent, quality, sources_for(quality))
+Scene::Scene(const AssetFile& file, const Extent& extent, Quality quality, bool with_paint)
+    : Scene(file.view(), extent, quality, sources_for(quality))
 {
+    if (!with_paint) return;
+    const std::optional<Painting> painting = painting_of(file);
+    if (painting) take_paint(file.view(), *painting);
 }
 
 Scene::Scene(const pliant_asset& asset, const Extent& extent, Quality quality, const ShaderSources& sources)
@@ -66,6 +69,7 @@ Scene::Scene(const pliant_asset& asset, const Extent& extent, Quality quality, c
     , empty_array_(make_vertex_array())
     , shadow_texture_(make_texture())
     , shadow_target_(make_framebuffer())
+    , white_(make_white_texture())
 {
     glBindVertexArray(empty_array_.get());
     glBindBuffer(GL_ELEMENT_ARRAY_BUFFER, indices_.get());
@@ -81,6 +85,19 @@ Scene::Scene(const pliant_asset& asset, const Extent& extent, Quality quality, c
     glTexParameteri(GL_TEXTURE_2D_ARRAY, GL_TEXTURE_MIN_FILTER, GL_LINEAR);
     glTexParameteri(GL_TEXTURE_2D_ARRAY, GL_TEXTURE_MAG_FILTER, GL_LINEAR);
     glTexParameteri(GL_TEXTURE_2D_ARRAY, GL_TEXTURE_COMPARE_MODE, GL_COMPARE_REF_TO_TEXTURE);
+}
+
+// The painting's indices go behind the asset's own, in the one buffer that all vertex arrays know.
+void Scene::take_paint(const pliant_asset& asset, const Painting& painting)
+{
+    paint_.emplace(painting);
+    glBindVertexArray(empty_array_.get());
+    glBindBuffer(GL_ELEMENT_ARRAY_BUFFER, indices_.get());
+    const GLsizeiptr own = static_cast<GLsizeiptr>(index_count_) * 4,
+                     more = static_cast<GLsizeiptr>(painting.indices.size()) * 4;
+    glBufferData(GL_ELEMENT_ARRAY_BUFFER, own + more, nullptr, GL_STATIC_DRAW);
+    glBufferSubData(GL_ELEMENT_ARRAY_BUFFER, 0, own, asset.triangles);
+    glBufferSubData(GL_ELEMENT_ARRAY_BUFFER, own, more, painting.indices.data());
 }
 
 Scene::Stage Scene::stage_for(const std::vector<Actor>& actors) const
@@ -135,6 +152,7 @@ void Scene::upload(const std::vector<Actor>& actors)
                               reinterpret_cast<const void*>(offsetof(Vertex, normal)));
         glVertexAttribPointer(2, 1, GL_FLOAT, GL_FALSE, sizeof(Vertex),
                               reinterpret_cast<const void*>(offsetof(Vertex, heat)));
+        if (paint_) paint_->attach();
         meshes_.push_back(std::move(mesh));
     }
     for (size_t i = 0; i < actors.size(); ++i) {
@@ -151,6 +169,30 @@ void Scene::draw_mesh(size_t actor) const
     glDrawElements(GL_TRIANGLES, index_count_, GL_UNSIGNED_INT, nullptr);
 }
 
+void Scene::draw_part(size_t actor, const PaintedPart& part) const
+{
+    const size_t first = static_cast<size_t>(index_count_) + part.first_index;
+    glBindVertexArray(meshes_[actor].array.get());
+    glDrawElements(GL_TRIANGLES, static_cast<GLsizei>(part.index_count), GL_UNSIGNED_INT,
+                   reinterpret_cast<const void*>(first * 4));
+}
+
+// Where a part is seen through, it lets light through: all or nothing, the shadow map knows no half.
+void Scene::draw_shadow(size_t actor) const
+{
+    depth_.set("cutoff", 0.0f);
+    if (!paint_ || !shows_paint_ || (!paint_->has(Alpha::mask) && !paint_->has(Alpha::blend))) {
+        draw_mesh(actor);
+        return;
+    }
+    for (const PaintedPart& part : paint_->parts()) {
+        depth_.set("cutoff", part.alpha == Alpha::opaque ? 0.0f : part.alpha == Alpha::mask ? part.cutoff : 0.5f);
+        depth_.set("alpha_factor", part.factor.a);
+        paint_->bind(part);
+        draw_part(actor, part);
+    }
+}
+
 void Scene::draw_shadow_maps(const std::vector<Actor>& actors)
 {
     glBindFramebuffer(GL_FRAMEBUFFER, shadow_target_.get());
@@ -161,12 +203,15 @@ void Scene::draw_shadow_maps(const std::vector<Actor>& actors)
     glEnable(GL_DEPTH_TEST);
     glDepthMask(GL_TRUE);
     depth_.use();
+    glActiveTexture(GL_TEXTURE0);
+    glBindTexture(GL_TEXTURE_2D, white_.get());
+    depth_.set("picture", 0);
     for (int light = 0; light < light_count_; ++light) {
         glFramebufferTextureLayer(GL_FRAMEBUFFER, GL_DEPTH_ATTACHMENT, shadow_texture_.get(), 0, light);
         glClear(GL_DEPTH_BUFFER_BIT);
         for (size_t i = 0; i < actors.size(); ++i) {
             depth_.set("matrix", light_clips_[light] * glm::translate(glm::mat4(1.0f), actors[i].offset));
-            draw_mesh(i);
+            draw_shadow(i);
         }
     }
 }
@@ -219,11 +264,46 @@ void Scene::draw_actors(const Camera::Matrices& camera, const std::vector<Actor>
     body_.set("height", std::max(extent_.highest.y - extent_.lowest.y, 1e-6f));
     const HeatColours heat = linear_heat_colours();
     body_.set("heat_colours", heat.data(), static_cast<int>(heat.size()));
-    for (size_t i = 0; i < actors.size(); ++i) {
-        body_.set("base_colour", actors[i].colour);
-        body_.set("model", glm::translate(glm::mat4(1.0f), actors[i].offset));
-        draw_mesh(i);
+    glActiveTexture(GL_TEXTURE1); // unit 0 has the shadows
+    glBindTexture(GL_TEXTURE_2D, white_.get());
+    body_.set("picture", 1);
+    const bool is_painted = paint_ && shows_paint_;
+    body_.set("is_painted", is_painted ? 1 : 0);
+    body_.set("is_blended", 0);
+    body_.set("cutoff", 0.0f);
+    if (is_painted) {
+        draw_painted(actors);
+    } else {
+        for (size_t i = 0; i < actors.size(); ++i) {
+            body_.set("base_colour", glm::vec4(actors[i].colour, 1.0f));
+            body_.set("model", glm::translate(glm::mat4(1.0f), actors[i].offset));
+            draw_mesh(i);
+        }
     }
+    glActiveTexture(GL_TEXTURE0);
+}
+
+// Part by part, the blended ones last: then whatever lies behind them is there.
+void Scene::draw_painted(const std::vector<Actor>& actors) const
+{
+    glBlendFunc(GL_SRC_ALPHA, GL_ONE_MINUS_SRC_ALPHA);
+    for (const PaintedPart& part : paint_->parts()) {
+        const bool is_blended = part.alpha == Alpha::blend;
+        if (is_blended) {
+            glEnable(GL_BLEND);
+            glDepthMask(GL_FALSE);
+        }
+        paint_->bind(part);
+        body_.set("base_colour", part.factor);
+        body_.set("cutoff", part.alpha == Alpha::mask ? part.cutoff : 0.0f);
+        body_.set("is_blended", is_blended ? 1 : 0);
+        for (size_t i = 0; i < actors.size(); ++i) {
+            body_.set("model", glm::translate(glm::mat4(1.0f), actors[i].offset));
+            draw_part(i, part);
+        }
+    }
+    glDepthMask(GL_TRUE);
+    glDisable(GL_BLEND);
 }
 
 void Scene::draw(const Canvas& canvas, const Area& area, const Area& glow, const Camera::Matrices& camera,

@@ -4,9 +4,11 @@
 #include "camera.h"
 #include "character.h"
 #include "gl_objects.h"
+#include "paint.h"
 
 #include <glm/vec3.hpp>
 
+#include <optional>
 #include <vector>
 
 namespace pliant::player {
@@ -17,7 +19,7 @@ enum class Quality { low, medium, high };
 struct Actor {
     const std::vector<Vertex>* vertices = nullptr;
     glm::vec3 offset { 0.0f };
-    glm::vec3 colour { 0.5f }; // linear, not sRGB; of vertices that have no heat
+    glm::vec3 colour { 0.5f }; // linear, not sRGB; of vertices that have no heat, and are not painted
 };
 
 // The colours of the blends, everywhere the same.
@@ -28,8 +30,13 @@ inline const glm::vec3 kPoseColour { 0.62f, 0.56f, 0.48f };
 
 class Scene {
 public:
-    // All actors are blends of `asset`; `extent` holds every pose.
-    Scene(const pliant_asset& asset, const Extent& extent, Quality quality);
+    // All actors are blends of the file's asset; `extent` holds every pose. with_paint: reads the asset's materials, if it has any.
+    // Throws Error.
+    Scene(const AssetFile& file, const Extent& extent, Quality quality, bool with_paint);
+
+    // Whether there are materials, and whether to show them instead of the actors' colours (at first: yes).
+    bool has_paint() const { return paint_.has_value(); }
+    void show_paint(bool shown) { shows_paint_ = shown; }
 
     // Draws into the part `area` of the canvas, between its begin() and resolve(). glow: the part of the canvas that the
     // characters stand in the middle of.
@@ -51,23 +58,29 @@ private:
     void draw_actors(const Camera::Matrices& camera, const std::vector<Actor>& actors);
     void set_lights(const Program& program) const;
     void draw_mesh(size_t actor) const;
+    void draw_part(size_t actor, const PaintedPart& part) const;
+    void draw_shadow(size_t actor) const;
+    void draw_painted(const std::vector<Actor>& actors) const;
 
     struct Mesh {
         GlName vertices, array;
     };
 
     Extent extent_;
+    std::optional<Paint> paint_;
+    bool shows_paint_ = true;
     GLsizei index_count_;
     int shadow_size_, light_count_;
     float dome_lowest_, floor_radius_;
     Program backdrop_, depth_, floor_, body_;
-    GlName indices_, empty_array_, shadow_texture_, shadow_target_;
+    GlName indices_, empty_array_, shadow_texture_, shadow_target_, white_;
     std::vector<Mesh> meshes_;
     std::vector<glm::mat4> light_clips_;    // world to clip space, for drawing the maps
     std::vector<glm::mat4> light_matrices_; // world to the unit cube, for looking up
     std::vector<glm::vec4> lights_;
 
     Scene(const pliant_asset& asset, const Extent& extent, Quality quality, const struct ShaderSources& sources);
+    void take_paint(const pliant_asset& asset, const Painting& painting);
 };
 
 } // namespace pliant::player

@@ -35,10 +35,29 @@ void main()
 
 constexpr char kDepthVertex[] = R"(
 layout(location = 0) in vec3 position;
+layout(location = 3) in vec2 texture_place;
+layout(location = 4) in vec4 tint;
 uniform mat4 matrix;
-void main() { gl_Position = matrix * vec4(position, 1.0); })";
+out vec2 place;
+out float tint_alpha;
+void main()
+{
+    place = texture_place;
+    tint_alpha = tint.a;
+    gl_Position = matrix * vec4(position, 1.0);
+})";
 
-constexpr char kDepthFragment[] = "void main() {}";
+// What a mask leaves out casts no shadow.
+constexpr char kDepthFragment[] = R"(
+in vec2 place;
+in float tint_alpha;
+uniform sampler2D picture;
+uniform float alpha_factor;
+uniform float cutoff; // 0: no mask
+void main()
+{
+    if (cutoff > 0.0 && alpha_factor * tint_alpha * texture(picture, place).a < cutoff) discard;
+})";
 
 constexpr char kFloorVertex[] = R"(
 uniform mat4 view_projection;
@@ -56,14 +75,21 @@ constexpr char kBodyVertex[] = R"(
 layout(location = 0) in vec3 position;
 layout(location = 1) in vec3 face_sum;
 layout(location = 2) in float heat;
+layout(location = 3) in vec2 texture_place;
+layout(location = 4) in vec4 tint;
 uniform mat4 model;
 uniform mat4 view_projection;
+uniform bool is_painted;
 out vec3 point;
 out vec3 direction;
 out float warmth;
+out vec2 place;
+out vec4 paint;
 void main()
 {
     warmth = heat;
+    place = texture_place;
+    paint = is_painted ? tint : vec4(1.0);
     vec4 world = model * vec4(position, 1.0);
     point = world.xyz;
     direction = face_sum * inversesqrt(max(dot(face_sum, face_sum), 1e-30));
@@ -128,15 +154,20 @@ constexpr char kBodyFragment[] = R"(
 in vec3 point;
 in vec3 direction;
 in float warmth; // 0 to 1 along heat_colours; negative: none
+in vec2 place;
+in vec4 paint;
 out vec4 colour;
-uniform vec3 base_colour;
+uniform vec4 base_colour;
+uniform sampler2D picture;
+uniform float cutoff; // below this alpha nothing is drawn; 0: no mask
+uniform bool is_blended;
 uniform vec3 heat_colours[HEAT_COLOURS];
 uniform vec3 eye;
 uniform float height; // of the scene
 
-vec3 surface_colour()
+vec3 surface_colour(vec3 painted)
 {
-    if (warmth < 0.0) return base_colour;
+    if (warmth < 0.0) return painted;
     float at = clamp(warmth, 0.0, 1.0) * float(HEAT_COLOURS - 1);
     int low = min(int(at), HEAT_COLOURS - 2);
     return mix(heat_colours[low], heat_colours[low + 1], at - float(low));
@@ -144,7 +175,9 @@ vec3 surface_colour()
 
 void main()
 {
-    vec3 base = surface_colour();
+    vec4 painted = base_colour * paint * texture(picture, place);
+    if (painted.a < cutoff) discard;
+    vec3 base = surface_colour(painted.rgb);
     vec3 normal = normalize(gl_FrontFacing ? direction : -direction);
     vec3 view = normalize(eye - point);
     vec3 key_direction = lights[0].xyz;
@@ -176,7 +209,7 @@ void main()
 
     // Bright parts roll off instead of clipping (Reinhard with white at 4), then sRGB.
     vec3 mapped = shaded * (1.0 + shaded / 16.0) / (1.0 + 0.55 * shaded);
-    colour = vec4(pow(clamp(mapped, 0.0, 1.0), vec3(1.0 / 2.2)), 1.0);
+    colour = vec4(pow(clamp(mapped, 0.0, 1.0), vec3(1.0 / 2.2)), is_blended ? clamp(painted.a, 0.0, 1.0) : 1.0);
 })";
 
 } // namespace

@@ -46,7 +46,7 @@ Stage::Stage(const Options& options, const AssetFile& file, const Truth* truth, 
     , extent_(extent_of_poses(linear_))
     , diagonal_(diagonal_of_first_pose(linear_))
     , camera_(extent_)
-    , scene_(file.view(), extent_, quality)
+    , scene_(file, extent_, quality, !options.plain)
     , polygon_(file.view().pose_count)
     , heat_(file.view().vertex_count)
 {

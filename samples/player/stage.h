@@ -28,6 +28,9 @@ public:
     // The next elastic blend starts afresh: for jumps.
     void forget() { elastic_.forget(); }
 
+    bool has_paint() const { return scene_.has_paint(); }
+    void show_paint(bool shown) { scene_.show_paint(shown); }
+
     Camera& camera() { return camera_; }
     const ControlPolygon& polygon() const { return polygon_; }
     const Truth* truth() const { return truth_; }

@@ -39,12 +39,15 @@ void blend_linearly(const pliant_asset& asset, const std::vector<double>& weight
 void compute_normals(const pliant_asset& asset, const std::vector<glm::vec3>& positions, std::vector<Vertex>& vertices)
 {
     for (Vertex& vertex : vertices) vertex.normal = glm::vec3(0.0f);
-    const uint32_t* triangle = asset.triangles;
+    const uint32_t *triangle = asset.triangles, *group = asset.smoothing_groups;
     for (uint32_t t = 0; t < asset.triangle_count; ++t, triangle += 3) {
         const glm::vec3 corner = positions[triangle[0]];
         const glm::vec3 normal = glm::cross(positions[triangle[1]] - corner, positions[triangle[2]] - corner);
-        for (int i = 0; i < 3; ++i) vertices[triangle[i]].normal += normal;
+        for (int i = 0; i < 3; ++i) vertices[group ? group[triangle[i]] : triangle[i]].normal += normal;
     }
+    if (!group) return;
+    // A group's number is its lowest vertex (formats/SPEC.md, SMTH), so it has its sum before another copies it.
+    for (uint32_t v = 0; v < asset.vertex_count; ++v) vertices[v].normal = vertices[group[v]].normal;
 }
 
 void stand_on_floor(const glm::mat3& to_world, const std::vector<glm::vec3>& positions, std::vector<Vertex>& vertices)

@@ -30,7 +30,7 @@ private:
 // The coordinates of the linear blend: the weighted sum of those of the poses. weights: pose_count numbers with a positive sum.
 void blend_linearly(const pliant_asset& asset, const std::vector<double>& weights, std::vector<float>& q);
 
-// Smooth normals: sums of the adjacent faces' normals, weighted by area.
+// Smooth normals: sums of the adjacent faces' normals, weighted by area, over all vertices that share a normal.
 void compute_normals(const pliant_asset& asset, const std::vector<glm::vec3>& positions, std::vector<Vertex>& vertices);
 
 // Turns positions and normals into the world and sets the surface down on the floor, y = 0.

@@ -182,6 +182,15 @@ def add_cases(good):
         (folder / "parts/my mesh.bin").write_bytes(gltf.bytes[:size])
         (folder / "a.gltf").write_bytes(gltf.gltf("parts/my%20mesh.bin"))
     CASES["gltf_buffer_beside"] = lambda folder: beside(folder, None)
+
+    def inputs(folder):
+        gltf = blob(good())
+        gltf.json["images"] = [{"uri": "skin.png"}]
+        (folder / "parts").mkdir()
+        (folder / "parts/b.bin").write_bytes(gltf.bytes)
+        (folder / "skin.png").write_bytes(b"picture")
+        (folder / "a.gltf").write_bytes(gltf.gltf("parts/b.bin"))
+    CASES["output_is_gltf_buffer"] = CASES["output_is_gltf_image"] = inputs
     CASES["gltf_short_buffer"] = lambda folder: beside(folder, -8)
 
     def link(folder):

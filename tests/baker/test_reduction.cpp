@@ -149,6 +149,25 @@ TEST_CASE("greedy and thresholding pursuit find the few columns that make up a t
     }
 }
 
+TEST_CASE("non-negative least squares ends where it began, and greedy stops where no column helps")
+{
+    Random random(21);
+    Eigen::MatrixXf a(60, 400);
+    for (Eigen::Index i = 0; i < a.size(); ++i) a.data()[i] = float(random.normal());
+    a.row(0).setConstant(0); // out of reach
+    Eigen::VectorXd b(60);
+    for (Eigen::Index i = 0; i < b.size(); ++i) b[i] = random.normal();
+    const Eigen::MatrixXd few = a.leftCols(100).cast<double>(), gram = few.transpose() * few;
+    const Eigen::VectorXd right = few.transpose() * b, cold = nnls(gram, right);
+    CHECK((nnls(gram, right, Eigen::VectorXd::Zero(100)) - cold).norm() < 1e-6 * cold.norm());
+    CHECK((nnls(gram, right, cold) - cold).norm() < 1e-6 * cold.norm());
+    // 59 columns at most can be positive at once: asked for more, it must not go on to exchange them.
+    int rounds = 0;
+    const SparseFit fit = greedy_nnls(a, b, 200, {}, [&](std::size_t) { ++rounds; });
+    CHECK(fit.residual == doctest::Approx(std::abs(b[0]) / b.norm()).epsilon(0.05));
+    CHECK(rounds < 16);
+}
+
 TEST_CASE("with all elements at weight one the stand-in is the reduced energy")
 {
     Problem p(3);

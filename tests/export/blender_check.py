@@ -13,6 +13,9 @@ bpy.ops.import_scene.gltf(filepath=sys.argv[-1], merge_vertices=False)
 mesh = next(thing for thing in bpy.data.objects if thing.type == "MESH")
 keys = mesh.data.shape_keys
 report = {"vertices": len(mesh.data.vertices), "faces": len(mesh.data.polygons)}
+report["materials"] = [slot.material.name if slot.material else None for slot in mesh.material_slots]
+report["images"] = [[image.name, *image.size] for image in bpy.data.images if image.size[0]]
+report["places"] = len(mesh.data.uv_layers)
 if keys:
     report["targets"] = len(keys.key_blocks) - 1
     report["names"] = [key.name for key in keys.key_blocks][1:]

@@ -110,3 +110,17 @@ def run_node(folder, script, *arguments, timeout=100):
         skip(result.stdout.strip())
     check(result.returncode == 0, f"{script}: exit code {result.returncode}\n{result.stdout}{result.stderr}")
     return result.stdout
+
+
+def blender():
+    """The program, or None."""
+    return shutil.which("blender")
+
+
+def blender_report(program, glb):
+    """What Blender makes of a GLB: blender_check.py."""
+    result = subprocess.run([program, "--background", "--factory-startup", "--python-exit-code", "9", "--python",
+                             HERE / "blender_check.py", "--", glb], capture_output=True, text=True, timeout=300)
+    lines = [line for line in result.stdout.splitlines() if line.startswith("REPORT ")]
+    check(result.returncode == 0 and lines, f"exit code {result.returncode}: {result.stdout[-2000:]}{result.stderr[-2000:]}")
+    return json.loads(lines[0][len("REPORT "):])

@@ -2,28 +2,22 @@
 half the very shape."""
 import json
 import pathlib
-import shutil
-import subprocess
 import sys
 
 import numpy as np
 
-from support import HERE, Glb, check, export, skip
+from support import Glb, blender, blender_report, check, export, skip
 
 
 def main():
     tool, asset = sys.argv[1:]
-    program = shutil.which("blender")
+    program = blender()
     if not program:
         skip("blender is not installed (group engines of samples/install_packages.sh)")
     folder = pathlib.Path("blender").resolve()
     folder.mkdir(exist_ok=True)
     export(tool, asset, folder / "shape.glb")
-    result = subprocess.run([program, "--background", "--factory-startup", "--python-exit-code", "9", "--python",
-                             HERE / "blender_check.py", "--", folder / "shape.glb"], capture_output=True, text=True, timeout=300)
-    lines = [line for line in result.stdout.splitlines() if line.startswith("REPORT ")]
-    check(result.returncode == 0 and lines, f"exit code {result.returncode}: {result.stdout[-2000:]}{result.stderr[-2000:]}")
-    report = json.loads(lines[0][len("REPORT "):])
+    report = blender_report(program, folder / "shape.glb")
     glb = Glb(folder / "shape.glb")
     shape = glb.shape(np.full(report["targets"], 0.5))
     names = glb.json["meshes"][0]["extras"]["targetNames"]

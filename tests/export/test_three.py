@@ -21,8 +21,8 @@ def main():
     check(subprocess.run([program, asset, shapes], timeout=60).returncode == 0, f"{program} fails")
     mesh = Glb(glb).json["meshes"][0]
     counts = [len(mesh["extras"]["pliant"]["poses"]), len(mesh["weights"]), len(Glb(glb).attribute("POSITION"))]
-    report = json.loads(run_node(build, "three.mjs", browser, HERE / "three.html", folder.resolve(), glb.resolve(),
-                                 shapes.resolve(), ",".join(map(str, counts))))
+    report = json.loads(run_node(build, "three.mjs", browser, HERE / "three.html", folder.resolve(),
+                                 ",".join(map(str, counts)), glb.resolve(), shapes.resolve()))
     check("failed" not in report and not report["said"], f"three.js says {report}")
     check([report["vertices"], report["targets"]] == [counts[2], counts[1]], f"counts: {report}")
     check(report["names"] == mesh["extras"]["targetNames"], f"names: {report['names']}")

@@ -1,18 +1,18 @@
-// three.mjs CHROMIUM PAGE FOLDER GLB BIN COUNTS: loads GLB in three.js in headless Chromium, sets morph weights, and compares position and
-// picture with the shapes of BIN (COUNTS: poses,dimension,vertices of its records). Prints JSON; writes FOLDER/three_N.png of both side by side.
+// three.mjs CHROMIUM PAGE FOLDER COUNTS FILE...: opens PAGE with three.js in headless Chromium, where FILE... are /file0, /file1, ... and
+// COUNTS is the page's own argument. Prints the page's report, JSON, and writes its pictures, FOLDER/PAGE_N.png.
 import { createServer } from "node:http";
 import { readFileSync, writeFileSync } from "node:fs";
-import { dirname, extname, join } from "node:path";
+import { basename, dirname, extname, join } from "node:path";
 import { fileURLToPath } from "node:url";
 import { chromium } from "playwright-core";
 
-const [executablePath, page, folder, glb, bin, counts] = process.argv.slice(2);
+const [executablePath, page, folder, counts, ...files] = process.argv.slice(2);
 const modules = join(dirname(fileURLToPath(import.meta.url)), "node_modules");
 const types = { ".html": "text/html", ".js": "text/javascript", ".mjs": "text/javascript" };
 
 const server = createServer((request, response) => {
     const path = new URL(request.url, "http://localhost").pathname;
-    const file = { "/": page, "/shape.glb": glb, "/shape.bin": bin }[path] ?? join(modules, path);
+    const file = path === "/" ? page : files[path.match(/^\/file(\d+)$/)?.[1]] ?? join(modules, path);
     if (file.startsWith(modules) && (!path.startsWith("/three/") || path.includes(".."))) return response.writeHead(404).end();
     try {
         response.writeHead(200, { "Content-Type": types[extname(file)] ?? "application/octet-stream" }).end(readFileSync(file));
@@ -41,7 +41,7 @@ try {
     await tab.waitForFunction(() => window.report !== undefined, null, { timeout: 80000 });
     const report = await tab.evaluate(() => window.report);
     for (const [i, picture] of report.pictures.entries())
-        writeFileSync(join(folder, `three_${i}.png`), Buffer.from(picture.split(",")[1], "base64"));
+        writeFileSync(join(folder, `${basename(page, ".html")}_${i}.png`), Buffer.from(picture.split(",")[1], "base64"));
     delete report.pictures;
     console.log(JSON.stringify({ ...report, said: said.filter((line) => !/GPU stall|GL Driver Message|favicon|404/.test(line)) }));
 } finally {

@@ -28,7 +28,8 @@ static uint16_t oldest_minor(const pliant_asset* asset)
 {
     const pliant_format_batch* batches = asset->batches;
     int is_solid = asset->quartic || asset->source_vertices;
-    int has_parts = asset->columns || asset->bounds || asset->smoothing_groups || asset->morph_ranges;
+    int has_parts = asset->columns || asset->bounds || asset->smoothing_groups || asset->morph_ranges
+        || pliant_asset_chunk(asset, PLIANT_CHUNK_SCENE, NULL);
     for (uint32_t i = 0; i < asset->batch_count; ++i) {
         is_solid |= batches[i].kind == PLIANT_ELEMENT_TET_STVK || batches[i].kind == PLIANT_ELEMENT_TET_MOONEY_RIVLIN;
         has_parts |= batches[i].kind == PLIANT_ELEMENT_TIE;

@@ -37,7 +37,7 @@ CASES = [
     ("a failure", ["--asan"], PASSED + FAILED, 0, 1, "1 passed, 1 failed, 0 skipped"),
     ("a missing program is no skip", ["--dev"], PASSED + MISSING, 0, 1, "1 passed, 1 failed, 0 skipped"),
     ("a disabled test is no pass", ["--dev"], PASSED + DISABLED, 0, 1, "1 passed, 1 failed, 0 skipped"),
-    ("a broken build", [], PASSED, 1, 1, "0 passed, 2 failed, 0 skipped"),
+    ("a broken build", [], PASSED, 1, 1, "0 passed, 3 failed, 0 skipped"),
     ("ctest dies", ["--dev"], "", 0, 1, "0 passed, 1 failed, 0 skipped"),
     ("nothing ran", ["--dev", "--filter", "nothing"], " ", 0, 1, "0 passed, 1 failed, 0 skipped"),
     ("everything skipped", ["--dev"], SKIPPED, 0, 1, "0 passed, 1 failed, 1 skipped"),
@@ -55,7 +55,7 @@ def run(folder, tests, options, results, build_result):
         shutil.copy(tests / name, project / "tests" / name)
     tools = project / "tools"
     tools.mkdir()
-    for name, text in (("cmake", FAKE_CMAKE), ("ctest", FAKE_CTEST)):
+    for name, text in (("cmake", FAKE_CMAKE), ("ctest", FAKE_CTEST), ("clang++", "#!/bin/bash\n")):
         (tools / name).write_text(text)
         (tools / name).chmod(0o755)
     environment = {**os.environ, "PATH": f"{tools}:{os.environ['PATH']}", "FAKE_RESULTS": results,

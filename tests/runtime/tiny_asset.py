@@ -13,6 +13,7 @@ import numpy as np
 
 import tiny_elements
 import tiny_mesh
+import tiny_scene
 import tiny_shape
 import tiny_solids
 from pliant_reference import IDENTIFIER, TET_STVK, TIE, Asset, Batch, pad16
@@ -219,7 +220,7 @@ def shape_chunks(model, origin, compact):
     return [("BNDS", 0, tiny_shape.bounds_chunk(rest, packed, min(5, len(rest)))), ("BASC", 1, chunk)]
 
 
-def chunks_of(model, polygons, compact=0.0, smoothing=False, ranges=False):
+def chunks_of(model, polygons, compact=0.0, smoothing=False, ranges=False, scene=False):
     m, d = len(model.x), len(model.mean)
     origin = model.x[0].mean(axis=0)
     answers = np.array([np.concatenate([w, model.mean + model.whitening @ z])
@@ -247,14 +248,17 @@ def chunks_of(model, polygons, compact=0.0, smoothing=False, ranges=False):
     names = "".join(f"pose {k}\0" for k in range(m)).encode()
     certificate = json.dumps({"writer": "tests/runtime/tiny_asset.py", "dimension": d}, sort_keys=True).encode()
     chunks += [("NAME", 1, names), ("ANSW", 1, struct.pack("<I60x", len(answers)) + floats(answers)),
-               ("CERT", 1, certificate)] + shape_chunks(model, origin, compact)
+               ("CERT", 1, certificate)]
+    if scene:
+        chunks.append(("GLTF", 0, tiny_scene.scene_chunk(np.asarray(model.faces), len(model.x[0]))))
+    chunks += shape_chunks(model, origin, compact)
     counts = (len(model.x[0]), len(model.faces), d, m)
     return counts, origin, chunks
 
 
 def oldest_minor(chunks):
     """The format version that has all that a file holds."""
-    if "BASC" in chunks or "BNDS" in chunks or "MRNG" in chunks:
+    if any(tag in chunks for tag in ("BASC", "BNDS", "MRNG", "GLTF")):
         return 3
     elements = chunks.get("ELEM", bytes(64))
     kinds = [struct.unpack_from("<I", elements, 64 + 64 * i)[0] for i in range(struct.unpack_from("<I", elements)[0])]
@@ -284,9 +288,10 @@ def assemble(counts, origin, chunks):
 
 
 def make_asset(mesh="strip", size=(7, 3), poses=2, dimension=4, material="neo-hookean", predictor=False, load=False,
-               polygons=False, seed=1, quartic=False, compact=0.0, smoothing=False, ranges=False):
+               polygons=False, seed=1, quartic=False, compact=0.0, smoothing=False, ranges=False,
+               scene=False):
     model = make_model(mesh, size, poses, dimension, material, predictor, load, seed, quartic)
-    return assemble(*chunks_of(model, polygons, compact, smoothing, ranges))
+    return assemble(*chunks_of(model, polygons, compact, smoothing, ranges, scene))
 
 
 def main():
@@ -305,6 +310,7 @@ def main():
     parser.add_argument("--smoothing", action="store_true", help="SMTH: pairs of vertices share a normal")
     parser.add_argument("--compact", type=float, default=0.0, help="BASC of about this accuracy, and BNDS, instead of BASI")
     parser.add_argument("--ranges", action="store_true", help="with MRNG")
+    parser.add_argument("--scene", action="store_true", help="with GLTF: two parts, a texture, vertex colours")
     parser.add_argument("--seed", type=int, default=1)
     options = parser.parse_args()
     if options.load and not options.predictor:
@@ -315,7 +321,7 @@ def main():
         parser.error("--quartic needs --material tet-stvk: no other is a polynomial")
     blob = make_asset(options.mesh, options.size, options.poses, options.dim, options.material, options.predictor,
                       options.load, options.polygons, options.seed, options.quartic, options.compact,
-                      options.smoothing, options.ranges)
+                      options.smoothing, options.ranges, options.scene)
     with open(options.output, "wb") as file:
         file.write(blob)
     return 0

@@ -10,10 +10,11 @@ import struct
 import subprocess
 import sys
 import tempfile
+import zlib
 from pathlib import Path
 
 import numpy as np
-from PIL import Image
+from PIL import Image, features
 
 ROOT = Path(__file__).resolve().parents[2]
 sys.path.insert(0, str(ROOT / "formats" / "reference"))
@@ -28,10 +29,10 @@ def skip(reason):
     sys.exit(77)
 
 
-def make_asset(folder, poses=3):
+def make_asset(folder, *more, poses=3):
     path = folder / "tube.pliant"
     subprocess.run([sys.executable, ROOT / "tests/runtime/tiny_asset.py", path, "--mesh", "tube", "--poses", str(poses),
-                    "--dim", str(max(6, poses - 1)), "--material", "neo-hookean"], check=True, stdout=subprocess.DEVNULL)
+                    "--dim", str(max(6, poses - 1)), "--material", "neo-hookean", *more], check=True, stdout=subprocess.DEVNULL)
     return path
 
 
@@ -331,6 +332,80 @@ def case_crowd(folder):
         refused(asset, "--crowd", "3", *wrong, code=2, number=5942)
 
 
+def saturated(image, channel):
+    """The pixels of a pure colour: one channel well above both others, bright or in the shade."""
+    others = [image[..., c] for c in range(3) if c != channel]
+    return (image[..., channel] > 1.6 * others[0] + 12) & (image[..., channel] > 1.6 * others[1] + 12)
+
+
+def case_materials(folder):
+    """The asset's texture and vertex colours are drawn, masked parts are not, --plain leaves them out, heat goes before them."""
+    asset = make_asset(folder, "--scene")
+    painted = picture(asset, folder, "--weights", "1,0,0")
+    plain = picture(asset, folder, "--weights", "1,0,0", "--plain")
+    bare = picture(make_asset(folder), folder, "--weights", "1,0,0")
+    assert np.abs(plain - bare).max() == 0, "--plain is not what an asset without materials looks like"
+    for channel, name in enumerate(("red", "green", "blue")):
+        assert saturated(painted, channel).sum() > 150, f"{saturated(painted, channel).sum()} {name} pixels of the texture"
+        assert channel == 0 or not saturated(plain, channel).any(), f"{name} without materials"
+    magenta = (painted[..., 0] > painted[..., 1] + 30) & (painted[..., 2] > painted[..., 1] + 30)
+    cyan = (painted[..., 1] > painted[..., 0] + 20) & (painted[..., 2] > painted[..., 0] + 20)
+    assert magenta.sum() > 100 and cyan.sum() > 100, f"vertex colours: {magenta.sum()} magenta pixels, {cyan.sum()} cyan ones"
+    yellow = (painted[..., 0] > 150) & (painted[..., 1] > 150) & (painted[..., 2] < 90)
+    assert not yellow.any(), f"{yellow.sum()} pixels of what the mask leaves out"
+    asset = make_asset(folder, "--scene")
+    assert saturated(picture(asset, folder, "--crowd", "3"), 2).any(), "a crowd has no materials"
+    heat = picture(asset, folder, "--heat", "--weights", "1,0,0", size="450x450")[100:-70]
+    assert not saturated(heat, 0).any() and not saturated(heat, 1).any(), "colours by distance do not go before materials"
+
+    blob = asset.read_bytes()
+    for old, new in ((b'"material": 0', b'"material": 7'), (b'"byteOffset": 0,', b'"byteOffset":-4,'),
+                     (b'"componentType": 5123', b'"componentType": 5121'),
+                     (b'"first_vertex": 0', b'"first_vertex": 1'), (b'"mesh": 0}', b'"mesh": 0)'), (b'"VEC4"', b'"VEC2"'),
+                     (b'"source": 0', b'"source": 1'), (b'"index": 0', b'"index": 1'), (b'[{"primitives"', b'[["primitives"')):
+        assert blob.count(old), old
+        asset.write_bytes(with_checksums(blob.replace(old, new)))
+        line = refused(asset, "--screenshot", folder / "x.png", "--size", "64x64", code=3, number=5912)
+        assert "chunk GLTF" in line, line
+    run(asset, "--screenshot", folder / "x.png", "--size", "64x64", "--plain")
+
+
+def case_texture_transform(folder):
+    """KHR_texture_transform is as if the texture coordinates were others, and repeats beyond the texture's edge."""
+    sys.path.insert(0, str(ROOT / "tests" / "runtime"))
+    import tiny_asset
+    import tiny_scene
+    original = tiny_scene.scene_chunk
+
+    def drawn(**scene):
+        tiny_scene.scene_chunk = lambda faces, count: original(faces, count, **scene)
+        asset = folder / "tube.pliant"
+        asset.write_bytes(tiny_asset.make_asset("tube", poses=2, scene=True))
+        return picture(asset, folder, "--weights", "1,0")
+
+    def moved(places):
+        # Counter-clockwise where v points down: the u axis turns towards -v.
+        u, v, c, s = 2.5 * places[:, 0], 0.8 * places[:, 1], np.cos(0.4), np.sin(0.4)
+        return np.stack([c * u + s * v + 0.3, c * v - s * u + 0.1], axis=1)
+
+    explicit, plain = drawn(moved=moved), drawn()
+    extension = drawn(transform={"offset": [0.3, 0.1], "rotation": 0.4, "scale": [2.5, 0.8]})
+    assert (np.abs(extension - explicit).max(axis=2) > 8).mean() < 1e-3, "the transform places the texture elsewhere"
+    assert (np.abs(extension - plain).max(axis=2) > 8).mean() > 0.02, "the transform changes nothing"
+
+
+def with_checksums(blob):
+    """The asset with the checksums that its bytes have."""
+    blob = bytearray(blob)
+    count, = struct.unpack_from("<I", blob, 24)
+    for i in range(count):
+        _, _, offset, size = struct.unpack_from("<4sIQQ", blob, 64 + 32 * i)
+        struct.pack_into("<I", blob, 64 + 32 * i + 24, zlib.crc32(blob[offset:offset + size]))
+    struct.pack_into("<I", blob, 28, 0)
+    struct.pack_into("<I", blob, 28, zlib.crc32(blob[:64 + 32 * count]))
+    return bytes(blob)
+
+
 def case_many_poses(folder):
     """The polygon's panel has labels for many poses, and nothing of them leaves it."""
     for poses in (2, 12, 20):
@@ -359,6 +434,23 @@ def case_drop(folder):
     assert result.returncode == 0, (result.returncode, result.stdout, result.stderr)
     titles = result.stdout.splitlines()
     assert titles == ["tube · Pliant", "other one · Pliant", "other one · Pliant"], titles
+
+
+def case_key(folder):
+    """M takes the materials away in the window."""
+    if not shutil.which("xvfb-run") or not features.check("xcb"):
+        skip("xvfb-run is not installed (packages xvfb xauth), or Pillow cannot look at the screen")
+    asset = make_asset(folder, "--scene")
+    script = '"$0" "$1" --size 640x480 & player=$!; "$2" -B "$3" M "$4" "$5"; code=$?; kill -0 $player || code=9; kill $player; exit $code'
+    command = ["xvfb-run", "-a", "-s", "-screen 0 640x480x24", "bash", "-c", script, PLAYER, asset, sys.executable,
+               Path(__file__).with_name("press_key.py"), folder / "before.png", folder / "after.png"]
+    result = subprocess.run(list(map(str, command)), capture_output=True, text=True, timeout=240)
+    if "P5921" in result.stderr:
+        skip("no window here: " + result.stderr)
+    assert result.returncode == 0, (result.returncode, result.stdout, result.stderr)
+    before, after = (np.asarray(Image.open(folder / f"{name}.png").convert("RGB")).astype(float)[:, 340:] for name in ("before", "after"))
+    assert saturated(before, 2).sum() > 100, f"{saturated(before, 2).sum()} blue pixels of the texture"
+    assert not saturated(after, 2).any(), f"{saturated(after, 2).sum()} blue pixels after the key"
 
 
 def case_whole_or_nothing(folder):

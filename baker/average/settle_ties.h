@@ -1,0 +1,18 @@
+// How stiff the ties of each part must be, found by looking at averages.
+#pragma once
+
+#include "average/sparse_cholesky.h"
+#include "energy/tied.h"
+#include "report/progress.h"
+
+namespace pliant {
+
+// Wanted of all parts of a character: farther from its place none may be, in units of the diagonal.
+constexpr double drift_limit = 0.005;
+
+// Makes ties of parts that drift (mesh/ties.h) in the averages of all poses and of any two of them stiffer, as far as that helps, or softer
+// where that does; if some part still drifts farther than twice drift_limit then, all are as they were. Depends on nothing but energy and set, so that everyone who makes an energy of them means the same one. Costs one
+// average for each of those weights and a few steps of Newton's method more for each round; nothing without ties.
+void settle_ties(TiedEnergy& energy, const ShapeSet& set, SolverKind solver, Progress* progress);
+
+} // namespace pliant

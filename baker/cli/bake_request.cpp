@@ -1,0 +1,120 @@
+#include "cli/bake_request.h"
+
+#include "cli/config_options.h"
+#include "cli/verbs.h"
+#include "report/certificate.h"
+
+#include <filesystem>
+
+namespace pliant {
+
+void add_bake_options(CLI::App& verb, BakeRequest& r)
+{
+    add_pose_arguments(verb, r.poses)->required(false);
+    verb.add_option("-o,--output", r.output, "Asset to write")->type_name("OUT.pliant");
+    add_energy_options(verb, r.bake.energy);
+    add_surface(verb, r.surface);
+    verb.add_option(
+            "--subspace", r.subspace,
+            "How the reduced space is built: adaptive (of true averages, with as few dimensions as keep --tolerance), "
+            "krylov "
+            "(Algorithm 1 of von Tycowicz et al. 2015: quicker to bake, far less accurate) or barbic (Barbic et al. 2009: "
+            "tangents and linear modes; for comparison)")
+        ->check(CLI::IsMember({ "adaptive", "krylov", "barbic" }))
+        ->capture_default_str()
+        ->type_name("NAME");
+    verb.add_option(
+            "--tolerance", r.bake.tolerance,
+            "Wanted relative L2 error of blends, mean over check weights, stand-in included; if you give it and it is "
+            "missed, nothing is written and the exit code is 4")
+        ->each([&r](const std::string&) { r.has_tolerance = true; })
+        ->check(CLI::Range(1e-8, 1.0))
+        ->capture_default_str();
+    verb.add_option("--tolerance-max", r.bake.tolerance_max,
+                    "Wanted largest error over the check weights (default: reported, not asked)")
+        ->check(CLI::Range(1e-8, 1.0));
+    verb.add_flag("--best-effort", r.is_best_effort,
+                  "Write the asset even if it misses --tolerance (exit code 4 all the same)");
+    verb.add_option("--ritz", r.bake.ritz_count, "krylov: Ritz vectors per tangent")
+        ->check(CLI::Range(0, 32))
+        ->capture_default_str();
+    verb.add_option("--dim", r.bake.dimension,
+                    "Dimension of the reduced space (default: what the tolerance or --ritz asks for)")
+        ->check(CLI::Range(1, 256));
+    verb.add_option(
+            "--energy", r.stand_in,
+            "Stand-in for the energy: quartic (a polynomial, exact, of stvk solids), cubature (few elements, accurate), "
+            "ghost (coarse mesh, of surfaces), or auto: quartic where d is at most 32, else cubature")
+        ->check(CLI::IsMember({ "auto", "quartic", "cubature", "ghost" }))
+        ->capture_default_str()
+        ->type_name("NAME");
+    verb.add_option("--elements", r.bake.element_count,
+                    "Cubature elements (default: as few as keep the tolerance, 4 to 12 per dimension)")
+        ->check(CLI::Range(1, 1000000));
+    verb.add_option_function<std::string>(
+            "--cubature",
+            [&r](const std::string& name) {
+                r.bake.cubature_solver = name == "nn-htp" ? CubatureSolver::nn_htp : CubatureSolver::nnls;
+            },
+            "How cubature elements are found: nnls (greedy) or nn-htp (hard thresholding pursuit, von Tycowicz et al. 2013)")
+        ->check(CLI::IsMember({ "nnls", "nn-htp" }))
+        ->default_str("nnls")
+        ->type_name("NAME");
+    verb.add_option("--ghost-vertices", r.bake.ghost_vertex_count, "Vertices of the ghost")
+        ->check(CLI::Range(4, 1000000))
+        ->capture_default_str();
+    verb.add_option("--check-samples", r.bake.check_count,
+                    "Weights at which dimension, elements and dead load are judged by unreduced averages")
+        ->check(CLI::Range(0, 1000))
+        ->capture_default_str();
+    verb.add_option("--fresh-samples", r.bake.fresh_count,
+                    "Further weights, by which nothing is chosen, at which the asset is compared with unreduced averages")
+        ->check(CLI::Range(0, 1000))
+        ->capture_default_str();
+    verb.add_option("--position-error", r.bake.position_error,
+                    "How far a vertex may be moved by storing the basis in few bits, over the bounding-box diagonal; 0 "
+                    "stores single "
+                    "precision, which --fix always does")
+        ->check(CLI::Range(0.0, 1e-2))
+        ->capture_default_str();
+    verb.add_option("--seed", r.bake.seed, "Seed of everything random")->capture_default_str();
+    verb.add_flag_callback(
+        "--no-scene", [&r] { r.bake.keep_scene = false; },
+        "Do not store what poses from glTF are drawn with: texture coordinates, colours, materials, images");
+    verb.add_option("--report", r.report, "Also write a report with errors and times")->type_name("OUT.json");
+    verb.add_option(
+            "--depfile", r.depfile,
+            "Also write the names of all files that were read (poses and what they name, --fix, --surface, --config), "
+            "as Make and Ninja want them")
+        ->type_name("OUT.d");
+    verb.add_option(
+            "--stamp", r.stamp,
+            "Also write, last of all, what the asset was baked from: hashes of all inputs and of the asset, options, "
+            "version. `pliant bake-all` keeps one beside each asset")
+        ->type_name("OUT.stamp");
+    add_threads(verb);
+    add_quiet(verb, r.is_quiet);
+}
+
+void complete_request(CLI::App& verb, BakeRequest& r)
+{
+    if (!r.config.empty()) {
+        const std::string folder = std::filesystem::path(r.config).parent_path().string();
+        apply_config(verb, checked_config(verb, read_json_file(r.config), r.config, folder), r.config);
+    }
+    if (r.poses.empty())
+        throw Failure(
+            ExitCode::usage,
+            error_at(1301, "", "there are no poses", "name them, or give --config FILE.json with \"poses\": [...]"));
+    if (r.output.empty())
+        throw Failure(
+            ExitCode::usage,
+            error_at(1302, "", "there is no output", "give -o OUT.pliant, or --config FILE.json with \"output\": \"...\""));
+    r.bake.subspace = r.subspace == "krylov" ? SubspaceKind::krylov
+        : r.subspace == "barbic"             ? SubspaceKind::barbic
+                                             : SubspaceKind::adaptive;
+    for (StandInKind kind : { StandInKind::quartic, StandInKind::cubature, StandInKind::ghost })
+        if (r.stand_in == name_of(kind)) r.bake.stand_in = kind;
+}
+
+} // namespace pliant

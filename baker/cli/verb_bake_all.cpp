@@ -1,0 +1,149 @@
+#include "cli/manifest.h"
+#include "cli/verbs.h"
+#include "io/source_file.h"
+#include "io/write_file.h"
+
+#include <algorithm>
+#include <chrono>
+#include <fmt/core.h>
+#include <fstream>
+#include <memory>
+#include <thread>
+#include <unistd.h>
+
+namespace pliant {
+
+namespace {
+
+struct Arguments {
+    std::string manifest, report;
+    std::vector<std::string> only;
+    std::size_t job_count = 1;
+    std::uint64_t memory = 0;
+    bool is_json = false, is_quiet = false, is_dry_run = false, is_forced = false, is_fail_fast = false,
+         is_keep_going = false;
+};
+
+// A fifth is for the system and for what estimates miss.
+constexpr double memory_share = 0.8;
+
+// Of the machine, or of the container (control groups, version 2 and 1) if that has less.
+double available_memory()
+{
+    double bytes = double(::sysconf(_SC_PHYS_PAGES)) * double(::sysconf(_SC_PAGESIZE));
+    for (const char* path : { "/sys/fs/cgroup/memory.max", "/sys/fs/cgroup/memory/memory.limit_in_bytes" }) {
+        double limit = 0; // "max" is no number, and no limit
+        if (std::ifstream(path) >> limit && limit > 0) bytes = std::min(bytes, limit);
+    }
+    return bytes;
+}
+
+unsigned threads_for_each(std::size_t job_count)
+{
+    return unsigned(std::clamp<std::size_t>(std::thread::hardware_concurrency() / job_count, 1, 256));
+}
+
+void keep_only(std::vector<BatchJob>& jobs, const std::vector<std::string>& only)
+{
+    if (only.empty()) return;
+    std::vector<std::string> names;
+    for (const BatchJob& job : jobs) names.push_back(job.name);
+    for (const std::string& name : only) {
+        if (std::find(names.begin(), names.end(), name) != names.end()) continue;
+        const std::string nearest = nearest_word(name, names);
+        throw Failure(ExitCode::usage,
+                      error_at(1304, "", fmt::format("--only {}: the manifest has no such bake", excerpt(name)),
+                               nearest.empty() ? "names are the \"name\" of a bake, or its output without .pliant"
+                                               : fmt::format("did you mean {}?", nearest)));
+    }
+    const auto is_left_out
+        = [&](const BatchJob& job) { return std::find(only.begin(), only.end(), job.name) == only.end(); };
+    jobs.erase(std::remove_if(jobs.begin(), jobs.end(), is_left_out), jobs.end());
+}
+
+void print_plan(const Arguments& a, const std::vector<BatchJob>& jobs)
+{
+    if (a.is_quiet) return;
+    fmt::print(a.is_json ? stderr : stdout, "{}", plan_table(jobs));
+    std::fflush(stdout); // before the first progress on the other stream
+}
+
+ExitCode run(const Arguments& a)
+{
+    const auto start = std::chrono::steady_clock::now();
+    std::vector<BatchJob> jobs = read_manifest(a.manifest, threads_for_each(a.job_count));
+    keep_only(jobs, a.only);
+    if (!a.report.empty()) probe_output(a.report, { a.manifest });
+    BatchOptions options;
+    options.job_count = a.job_count;
+    options.memory = a.memory > 0 ? double(a.memory) : memory_share * available_memory();
+    options.is_forced = a.is_forced;
+    options.is_fail_fast = a.is_fail_fast;
+    options.is_quiet = a.is_quiet;
+    options.wake = catch_interrupts();
+
+    bool goes_on = plan_batch(jobs, options);
+    print_plan(a, jobs);
+    if (goes_on && !a.is_dry_run) goes_on = run_batch(jobs, options);
+    for (BatchJob& job : jobs) read_figures(job);
+    const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+    const Json summary = summary_json(jobs, seconds);
+    if (!a.report.empty()) write_output(a.report, json_text(summary) + "\n");
+    if (a.is_json)
+        fmt::print("{}\n", json_text(summary));
+    else if (!a.is_dry_run)
+        fmt::print("{}", summary_table(jobs));
+    return goes_on ? ExitCode(exit_code_of(jobs)) : ExitCode::interrupted;
+}
+
+void add_what_to_do(CLI::App& verb, Arguments& a)
+{
+    verb.add_flag("--dry-run", a.is_dry_run, "Print the plan and bake nothing");
+    verb.add_flag("--force", a.is_forced, "Bake what is up to date, too");
+    verb.add_option("--only", a.only, "Only the bake with this name; may be given several times")
+        ->type_name("NAME")
+        ->allow_extra_args(false);
+    CLI::Option* keep_going = verb.add_flag("--keep-going", a.is_keep_going, "Bake the others if one fails (the default)");
+    verb.add_flag("--fail-fast", a.is_fail_fast, "Start no further bake once one has failed")->excludes(keep_going);
+}
+
+} // namespace
+
+Verb add_bake_all(CLI::App& app)
+{
+    auto a = std::make_shared<Arguments>();
+    CLI::App* verb = app.add_subcommand("bake-all", "Bake many characters, those only that are not up to date");
+    verb->footer(
+        "Example:\n  pliant bake-all characters.json --jobs 4 --memory 16GiB\n"
+        "with characters.json\n"
+        "  { \"defaults\": { \"tolerance_max\": 0.01 },\n"
+        "    \"bakes\": [ { \"name\": \"hero\", \"poses\": [\"rest.ply\", \"run.ply\"] },\n"
+        "               { \"name\": \"troll\", \"config\": \"troll.json\" } ] }\n"
+        "Keys are the options of `pliant bake` with '_' for '-'; paths are relative to the folder of the manifest. An asset "
+        "is up to date if\n"
+        "its stamp (NAME.pliant.stamp) says that it was baked from these contents, with these options, by this version; "
+        "times "
+        "of files do\n"
+        "not count. Each bake is a process of its own: stop at any time and run again, what is done stays done. Exit codes: "
+        "0 all is done,\n"
+        "1 a bake failed, 4 only tolerances are missed, 130 interrupted.");
+    verb->add_option("manifest", a->manifest, "JSON file with all bakes (schema: bake_manifest.schema.json)")
+        ->required()
+        ->type_name("MANIFEST.json");
+    verb->add_option("-j,--jobs", a->job_count, "Bakes at the same time; each gets its share of the cores")
+        ->check(CLI::Range(1, 256))
+        ->capture_default_str();
+    verb->add_option(
+            "--memory", a->memory,
+            "Memory for all bakes that run at the same time, by their estimates (see `pliant check`): what does not "
+            "fit waits; 500MiB, 16GiB, ... (default: 80 % of the machine's, or of the container's)")
+        ->transform(CLI::AsSizeValue(false))
+        ->type_name("SIZE");
+    add_what_to_do(*verb, *a);
+    verb->add_option("--report", a->report, "Also write the summary as JSON")->type_name("OUT.json");
+    verb->add_flag("--json", a->is_json, "The summary as JSON to standard output; the plan goes to standard error");
+    add_quiet(*verb, a->is_quiet);
+    return [a] { return run(*a); };
+}
+
+} // namespace pliant

@@ -1,0 +1,93 @@
+#include "cli/verbs.h"
+
+#include "io/source_file.h"
+#include "io/write_file.h"
+#include "write/page_data.h"
+
+#include <filesystem>
+#include <fmt/core.h>
+#include <memory>
+#include <optional>
+
+namespace pliant {
+
+namespace {
+
+struct Arguments {
+    std::string input, output, up = "y", view = "three-quarter";
+    bool is_quiet = false;
+};
+
+ViewOptions view_of(const Arguments& a)
+{
+    ViewOptions view;
+    view.up = a.up == "x" ? UpAxis::x : a.up == "z" ? UpAxis::z : UpAxis::y;
+    view.view = a.view == "front" ? View::front : a.view == "side" ? View::side : View::three_quarter;
+    return view;
+}
+
+std::string read_input(const std::string& path)
+{
+    FindingList findings;
+    const std::optional<std::string> bytes = read_bytes(path, findings);
+    if (!bytes) throw Failure(ExitCode::bad_input, findings.findings());
+    return *bytes;
+}
+
+ExitCode run(const Arguments& a)
+{
+    const std::string bytes = read_input(a.input);
+    const bool is_report = looks_like_json(bytes) || std::filesystem::path(a.input).extension() == ".json";
+    std::optional<ReportFile> report;
+    std::string asset = a.input;
+    if (is_report) {
+        report = parse_report(bytes, a.input);
+        asset = (std::filesystem::path(a.input).parent_path() / report->asset).string();
+    }
+    probe_output(a.output, { a.input, asset });
+    RuntimeBlender blender = RuntimeBlender::from_file(asset);
+    if (report) check_same_bake(bytes, blender.certificate(), a.input, asset);
+    ConsoleProgress progress("report", a.is_quiet);
+    progress.update("draw", 0);
+    const std::string name = std::filesystem::path(asset).filename().string();
+    const std::string page = write_page(page_data(blender, name, report ? &*report : nullptr, view_of(a)));
+    write_output(a.output, page);
+    progress.clear_line();
+    if (!a.is_quiet) fmt::print("{}: {:.2f} MiB\n", a.output, double(page.size()) / 1048576.0);
+    return ExitCode::done;
+}
+
+} // namespace
+
+Verb add_report(CLI::App& app)
+{
+    auto a = std::make_shared<Arguments>();
+    CLI::App* verb = app.add_subcommand("report", "Write a page about an asset: pictures, errors, sizes, times, warnings");
+    verb->footer(
+        "Examples:\n  pliant report hero.pliant -o hero.html\n"
+        "  pliant bake rest.ply run.ply jump.ply -o hero.pliant --report hero.json && pliant report hero.json -o hero.html\n"
+        "The page is one file that needs nothing else: open it in any browser, send it, print it. An asset knows its "
+        "shapes, errors "
+        "and sizes;\nthe report of the bake adds seconds and warnings, and names the asset, which must be where it was, "
+        "seen from the "
+        "report.\nPictures are drawn without display or graphics driver.");
+    verb->add_option("input", a->input, "Asset, or what `pliant bake --report` wrote about one")
+        ->required()
+        ->type_name("ASSET|REPORT.json");
+    verb->add_option("-o,--output", a->output, "Page to write")->required()->type_name("OUT.html");
+    verb->add_option("--up", a->up, "Axis that points upwards in pictures")
+        ->check(CLI::IsMember({ "x", "y", "z" }))
+        ->capture_default_str()
+        ->type_name("AXIS");
+    verb->add_option(
+            "--view", a->view,
+            "From where shapes are seen: front (the longer horizontal principal axis of the first pose lies across the "
+            "picture), side (a quarter turn from it) or three-quarter (30 degrees from the front, from a little above)")
+        ->check(CLI::IsMember({ "front", "side", "three-quarter" }))
+        ->capture_default_str()
+        ->type_name("NAME");
+    add_quiet(*verb, a->is_quiet);
+    return [a] { return run(*a); };
+}
+
+} // namespace pliant

@@ -1,0 +1,21 @@
+"""Loads the compiled module with one thread for OpenBLAS.
+
+OpenBLAS starts its threads when it is loaded, and the baker uses one: more would change the last bits of a bake. numpy comes first, so
+that an OpenBLAS of its own starts as it would anyway.
+"""
+from __future__ import annotations
+
+import os
+
+import numpy  # noqa: F401
+
+_chosen = os.environ.get("OPENBLAS_NUM_THREADS")
+if _chosen is None:
+    os.environ["OPENBLAS_NUM_THREADS"] = "1"
+try:
+    from . import _core as core
+finally:
+    if _chosen is None:
+        del os.environ["OPENBLAS_NUM_THREADS"]
+
+__all__ = ["core"]

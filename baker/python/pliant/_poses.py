@@ -1,0 +1,118 @@
+"""Poses from files and from arrays."""
+from __future__ import annotations
+
+import os
+import warnings
+from typing import Any, Callable, Sequence, Union
+
+import numpy as np
+import numpy.typing as npt
+
+from . import _arrays
+from ._errors import PliantWarning, finding
+from ._module import core
+
+PathLike = Union[str, "os.PathLike[str]"]
+
+
+def warner(depth: int) -> Callable[[int, str, str], None]:
+    """What turns the baker's warnings into Python's, pointing `depth` callers up from the one who hears them."""
+
+    def warn(number: int, what: str, hint: str) -> None:
+        warnings.warn(PliantWarning(finding(False, number, "", what, hint)), stacklevel=depth)
+
+    return warn
+
+
+class Poses:
+    """Poses as files have them, made by load_poses: same mesh, other positions, the rest pose first.
+
+    Everything that a bake uses is kept, what arrays do not show included: faces of different sizes, moduli of a Vega file, materials
+    and images of a glTF file. Give it to bake() and average() as it is. It does not change; its arrays are copies.
+    """
+
+    def __init__(self, source: core.Poses) -> None:
+        self._source = source
+
+    @property
+    def positions(self) -> npt.NDArray[np.float64]:
+        """(m, n, 3) float64, in the units and order of the files. ValueError if the poses differ in their number of vertices."""
+        if not self._source.have_one_count():
+            raise ValueError("positions: the poses have different numbers of vertices")
+        return self._source.positions()
+
+    @property
+    def faces(self) -> npt.NDArray[np.uint32]:
+        """(f, k) uint32, of the first pose, if all faces have k corners; else their triangles (t, 3). (0, 3) for solids."""
+        return self._source.faces()
+
+    @property
+    def tets(self) -> npt.NDArray[np.uint32]:
+        """(t, 4) uint32, of the first pose; (0, 4) for surfaces."""
+        return self._source.tets()
+
+    @property
+    def names(self) -> list[str]:
+        """m names: those of the files, or what a glTF file calls them."""
+        return self._source.names()
+
+    def __len__(self) -> int:
+        return len(self.names)
+
+    def __repr__(self) -> str:
+        cells = f"{len(self.tets)} tets" if len(self.tets) else f"{len(self.faces)} faces"
+        return f"<pliant.Poses {', '.join(self.names)}: {cells}>"
+
+
+def load_poses(paths: PathLike | Sequence[PathLike]) -> Poses:
+    """Reads 2 to 12 poses as the command line does, the rest pose first.
+
+    paths  mesh files, one pose each, or glTF files that give several: surfaces from .obj, .ply, .off, .glb, .gltf; solids of
+           tetrahedra from .msh, .mesh, .veg, .vtk. Behind a glTF file '#rest', '#target=NAME,NAME' or '#animation=NAME@0,0.3' choose
+           among its poses, as in 'hero.glb#animation=Run@0,0.3,0.6'.
+
+    Raises Error: P2xxx for a file that cannot be read, with file and line; P3001 and P3002 for too few and too many poses; P1211 to
+    P1213 for a choice that the file does not have. That the poses are of one mesh is looked at by bake() and average().
+    """
+    if isinstance(paths, (str, os.PathLike)):
+        paths = [paths]
+    return Poses(core.load_poses([os.fspath(path) for path in paths], warner(3)))
+
+
+def from_arrays(poses: object, faces: object, tets: object, names: Sequence[str] | None) -> core.Poses:
+    """Arrays of a bake or an average, checked."""
+    if (faces is None) == (tets is None):
+        raise TypeError("give either faces (f, 3) of a surface or tets (t, 4) of a solid")
+    positions = _arrays.numbers("poses", poses, (None, None, 3), "(m, n, 3) float64")
+    count = positions.shape[0]
+    if not 2 <= count <= 12:
+        raise ValueError(f"poses: expected (m, n, 3) float64 with 2 to 12 poses, got {positions.shape}")
+    if positions.shape[1] == 0:
+        raise ValueError(f"poses: expected (m, n, 3) float64 with vertices, got {positions.shape}")
+    cells = _faces("faces", faces) if tets is None else _arrays.indices("tets", tets, (None, 4), "(t, 4) integers")
+    if cells.shape[0] == 0:
+        raise ValueError(f"{'faces' if tets is None else 'tets'}: there are none, got {cells.shape}")
+    known = _arrays.name_list(names, count)
+    return core.poses_of_arrays(positions, cells if tets is None else None, None if tets is None else cells, known, "poses")
+
+
+def _faces(name: str, faces: object) -> npt.NDArray[np.int64]:
+    array = _arrays.indices(name, faces, (None, None), "(f, 3) integers")
+    if array.shape[1] < 3:
+        raise ValueError(f"{name}: expected (f, 3) integers, got {array.shape} {array.dtype}")
+    return array
+
+
+def surface_of(surface: Any) -> tuple[core.Poses | None, str]:
+    """The surface= of a bake: a file, or a pair of arrays."""
+    if surface is None:
+        return None, ""
+    if isinstance(surface, (str, os.PathLike)):
+        return None, os.fspath(surface)
+    if not isinstance(surface, (tuple, list)) or len(surface) != 2:
+        raise TypeError(f"surface: expected a path or a pair (positions, faces), got {type(surface).__name__}")
+    positions = _arrays.numbers("surface positions", surface[0], (None, 3), "(s, 3) float64")
+    faces = _faces("surface faces", surface[1])
+    if positions.shape[0] == 0 or faces.shape[0] == 0:
+        raise ValueError(f"surface: has no vertices or no faces, got {positions.shape} and {faces.shape}")
+    return core.poses_of_arrays(positions[np.newaxis], faces, None, ["surface"], "surface"), ""

@@ -1,0 +1,29 @@
+// Facts of an asset that several verbs tell, so that they tell the same.
+#pragma once
+
+#include "pliant.h"
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+namespace pliant {
+
+struct ChunkFact {
+    std::string tag; // four characters, '?' for what cannot be printed
+    std::uint64_t offset = 0, size = 0;
+};
+
+// The chunks in the order of the table.
+std::vector<ChunkFact> asset_chunks(const pliant_asset& asset);
+
+// Bytes of the basis, compact or not.
+std::uint64_t basis_size(const pliant_asset& asset);
+
+// What a frame reads to rebuild all vertices: basis and rest positions.
+std::uint64_t frame_size(const pliant_asset& asset);
+
+// "1.3"
+std::string format_version(const pliant_asset& asset);
+
+} // namespace pliant

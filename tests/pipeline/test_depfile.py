@@ -1,0 +1,135 @@
+"""test_depfile.py PLIANT CHECKOUT: `pliant bake --depfile` names every file that was read, whatever it is called, as Make and Ninja read it."""
+import base64
+import json
+import os
+import pathlib
+import shutil
+import struct
+import subprocess
+import sys
+import tempfile
+
+import support
+from support import QUICK, QUICK_OPTIONS, check, write_json
+
+TOOL = support.Tool(sys.argv[1])
+
+
+def read_depfile(path):
+    """Target and files of one rule, by the rules of Make."""
+    text = path.read_text(encoding="utf-8").replace("\\\n", " ")
+    words, word, i = [], "", 0
+    while i < len(text):
+        if text[i] == "\\" and text[i + 1] in " #":
+            word, i = word + text[i + 1], i + 2
+        elif text[i] == "$":
+            word, i = word + "$", i + 2
+        elif text[i] in " \n":
+            words, word, i = words + ([word] if word else []), "", i + 1
+        else:
+            word, i = word + text[i], i + 1
+    return words[0].removesuffix(":"), words[1:]
+
+
+def write_gltf(path, folder):
+    """A .gltf with a buffer and a picture beside it: a strip of triangles and one morph target."""
+    n = 6
+    rest = [(x / n, y / 2, 0.0) for x in range(n + 1) for y in range(3)]
+    delta = [(0.0, 0.0, x * x) for x, y, z in rest]
+    faces = [corner for i in range(n) for k in range(2) for a in [3 * i + k] for corner in (a, a + 3, a + 4, a, a + 4, a + 1)]
+    data = b"".join(struct.pack("<3f", *v) for v in rest + delta) + struct.pack(f"<{len(faces)}H", *faces)
+    (folder / "mesh data.bin").write_bytes(data)
+    (folder / "skin.png").write_bytes(base64.b64decode(
+        "iVBORw0KGgoAAAANSUhEUgAAAAEAAAABCAYAAAAfFcSJAAAADUlEQVR42mNk+M9QDwADhgGAWjR9awAAAABJRU5ErkJggg=="))
+    size = 12 * len(rest)
+    write_json(path, {
+        "asset": {"version": "2.0"}, "scene": 0, "scenes": [{"nodes": [0]}], "nodes": [{"mesh": 0}],
+        "buffers": [{"uri": "mesh%20data.bin", "byteLength": len(data)}],
+        "bufferViews": [{"buffer": 0, "byteOffset": 0, "byteLength": size}, {"buffer": 0, "byteOffset": size, "byteLength": size},
+                        {"buffer": 0, "byteOffset": 2 * size, "byteLength": 2 * len(faces)}],
+        "accessors": [{"bufferView": 0, "componentType": 5126, "count": len(rest), "type": "VEC3", "min": [0, 0, 0], "max": [1, 1, 0]},
+                      {"bufferView": 1, "componentType": 5126, "count": len(rest), "type": "VEC3", "min": [0, 0, 0], "max": [0, 0, 1]},
+                      {"bufferView": 2, "componentType": 5123, "count": len(faces), "type": "SCALAR"}],
+        "images": [{"uri": "skin.png"}, {"uri": "lost.png"}], "textures": [{"source": 0}, {"source": 1}],
+        "materials": [{"pbrMetallicRoughness": {"baseColorTexture": {"index": 0}}, "emissiveTexture": {"index": 1}}],
+        "meshes": [{"primitives": [{"attributes": {"POSITION": 0}, "indices": 2, "material": 0, "targets": [{"POSITION": 1}]}]}]})
+
+
+def test_plain(folder):
+    support.sheet(folder / "a pose#1.obj", 0)
+    support.sheet(folder / "b$\\pose.obj", 1)
+    # The row in the middle, where the strip is not bent.
+    (folder / "fixed.txt").write_text("5\n16\n27\n38\n49\n60\n", encoding="utf-8")
+    config = write_json(folder / "my config.json", {"poses": ["a pose#1.obj", "b$\\pose.obj"], "fix": "fixed.txt", **QUICK})
+    result = TOOL.run("bake", "--config", config.name, "-o", "out put.pliant", "--depfile", "x.d", cwd=folder)
+    check(result.returncode == 0, f"baked {result.stderr}")
+    target, files = read_depfile(folder / "x.d")
+    check(target == "out put.pliant", f"target {target}")
+    check(sorted(files) == sorted(["my config.json", "a pose#1.obj", "b$\\pose.obj", "fixed.txt"]), f"files {files}")
+    check(not list(folder.glob("*.tmp*")) and not list(folder.glob(".*")), "no temporary is left")
+
+
+def test_gltf(folder):
+    write_gltf(folder / "a.gltf", folder)
+    result = TOOL.run("bake", "a.gltf#rest", "a.gltf#target=target_1", "-o", "x.pliant", "--depfile", "x.d", *QUICK_OPTIONS, cwd=folder)
+    check(result.returncode == 0 and "P2328" in result.stderr, f"a .gltf with parts beside it {result.stderr}")
+    _, files = read_depfile(folder / "x.d")
+    names = sorted(pathlib.Path(file).name for file in files)
+    check(names == ["a.gltf", "mesh data.bin", "skin.png"], f"its buffer and its image, but no image that is not there: {names}")
+
+
+def test_programs(folder):
+    """Make and Ninja themselves see a change of a pose with a space in its name."""
+    support.sheet(folder / "my rest.obj", 0)
+    support.sheet(folder / "bent.obj", 1)
+    options = " ".join(QUICK_OPTIONS)
+    command = f'"{TOOL.path}" bake "my rest.obj" bent.obj -o x.pliant --depfile x.d -q {options}'
+    (folder / "Makefile").write_text(f"x.pliant: ; {command}\n-include x.d\n", encoding="utf-8")
+    (folder / "build.ninja").write_text(f"rule bake\n command = {command}\n depfile = x.d\n deps = gcc\nbuild x.pliant: bake\n", encoding="utf-8")
+    for program in ("make", "ninja"):
+        if not shutil.which(program):
+            print(f"skipped: {program} is not installed")
+            continue
+        (folder / "x.pliant").unlink(missing_ok=True)
+
+        def rebuilt():
+            before = (folder / "x.pliant").stat().st_ino if (folder / "x.pliant").exists() else 0
+            result = subprocess.run([program], cwd=folder, stdin=subprocess.DEVNULL, capture_output=True, text=True, timeout=280)
+            check(result.returncode == 0, f"{program} {result.stdout} {result.stderr}" if result.returncode else program)
+            return (folder / "x.pliant").stat().st_ino != before
+
+        check(rebuilt(), f"{program} bakes")
+        check(not rebuilt(), f"{program} does nothing the second time")
+        support.sheet(folder / "my rest.obj", 0)
+        check(rebuilt(), f"{program} bakes again after a change")
+
+
+def test_any_bytes(folder):
+    """A name that is not UTF-8 stands in the dependencies as it is; JSON has a replacement for it."""
+    support.poses(folder)
+    name = os.fsdecode(b"r\xffst.obj")
+    (folder / "rest.obj").rename(folder / name)
+    result = TOOL.run("bake", name, "bent.obj", "-o", "x.pliant", "--depfile", "x.d", "--stamp", "x.stamp", "-q", *QUICK_OPTIONS, cwd=folder)
+    check(result.returncode == 0 and b"r\xffst.obj" in (folder / "x.d").read_bytes(), f"a name that is not UTF-8 {result.stderr}")
+    check(json.loads((folder / "x.stamp").read_text(encoding="utf-8"))["inputs"][1]["path"] == "bent.obj", "and a stamp that is JSON")
+
+
+def test_never_half(folder):
+    support.poses(folder)
+    (folder / "x.d").write_text("old", encoding="utf-8")
+    missed = TOOL.run("bake", "rest.obj", "bent.obj", "-o", "x.pliant", "--depfile", "x.d", "--tolerance", "1e-8", *QUICK_OPTIONS, cwd=folder)
+    check(missed.returncode == 4 and (folder / "x.d").read_text(encoding="utf-8") == "old", "a bake that fails leaves the old one")
+    same = TOOL.run("bake", "rest.obj", "bent.obj", "-o", "x.pliant", "--depfile", "rest.obj", cwd=folder)
+    check(same.returncode == 1 and "error P4004" in same.stderr, f"it may not replace an input {same.stderr}")
+    folder = folder / "line\nbreak"
+    support.poses(folder)
+    broken = TOOL.run("bake", folder / "rest.obj", folder / "bent.obj", "-o", "x.pliant", "--depfile", "x.d", *QUICK_OPTIONS, cwd=folder)
+    check(broken.returncode == 1 and "error P4604" in broken.stderr and not (folder / "x.pliant").exists(), "a line break in a name is refused")
+
+
+with tempfile.TemporaryDirectory(prefix="pliant-depfile-") as name:
+    for number, test in enumerate((test_plain, test_gltf, test_programs, test_any_bytes, test_never_half)):
+        place = pathlib.Path(name) / str(number)
+        place.mkdir()
+        test(place)
+support.finish()

@@ -1,0 +1,160 @@
+"""Long work leaves the interpreter to others, and ends when it is told to."""
+import os
+import signal
+import subprocess
+import sys
+import threading
+import time
+import unittest
+from pathlib import Path
+
+import numpy as np
+import pliant
+import shapes
+
+QUICK = {"dim": 3, "elements": 18, "check_samples": 2, "fresh_samples": 1}
+POSES, FACES = shapes.tubes()
+# Some 2500 vertices in four poses: minutes of work.
+LONG = shapes.tubes((0.0, 1.0, -1.0, 1.8), rings=100, sides=25)
+
+# Bakes until it is stopped. Says when a bake has begun, and how long it took from the signal to the exception.
+CHILD = """
+import os, signal, sys, threading, time
+sys.path.insert(0, sys.argv[1])
+import pliant, shapes
+poses, faces = shapes.tubes((0.0, 1.0, -1.0, 1.8), rings=100, sides=25)
+told, before = set(), len(os.listdir('/proc/self/task'))
+def progress(stage, done, total):
+    if stage not in told: print(stage, flush=True)
+    told.add(stage)
+try:
+    pliant.bake(poses, faces, progress=progress)
+except KeyboardInterrupt:
+    print('interrupted at', time.time(), flush=True)
+print('threads', len(os.listdir('/proc/self/task')) - before, flush=True)
+small = shapes.tubes()
+print('after', len(pliant.bake(*small, dim=3, elements=18, check_samples=2, fresh_samples=1)), flush=True)
+"""
+
+
+class Child:
+    """A process that bakes, up to a stage."""
+
+    def __init__(self, stage):
+        self.process = subprocess.Popen([sys.executable, "-c", CHILD, str(Path(__file__).parent)], stdout=subprocess.PIPE,
+                                        stderr=subprocess.PIPE, text=True)
+        for line in self.process.stdout:
+            if line.strip() == stage:
+                return
+        raise AssertionError(self.process.communicate()[1])
+
+
+class Interrupting(unittest.TestCase):
+    # A second is what is promised on an idle machine, and looked at there; here others may work, so a hang is what fails.
+    def interrupt(self, stage):
+        child = Child(stage)
+        time.sleep(0.3)
+        sent = time.time()
+        child.process.send_signal(signal.SIGINT)
+        out, err = child.process.communicate(timeout=120)
+        words = out.split()
+        self.assertIn("interrupted", words, err)
+        delay = float(words[words.index("at") + 1]) - sent
+        print(f"{stage}: KeyboardInterrupt {delay:.2f} s after SIGINT")
+        self.assertLess(delay, 20)
+        self.assertEqual(words[words.index("threads") + 1], "0", "the work goes on")
+        self.assertIn("after", words)  # the next bake is as good as any
+        self.assertEqual(child.process.returncode, 0)
+
+    def test_ctrl_c_in_the_average_of_all(self):
+        self.interrupt("average")
+
+    def test_ctrl_c_in_averages_on_threads(self):
+        self.interrupt("averages")
+
+    def test_termination(self):
+        child = Child("average")
+        child.process.send_signal(signal.SIGTERM)
+        child.process.communicate(timeout=120)
+        self.assertEqual(child.process.returncode, -signal.SIGTERM)
+
+    def test_handler_of_ones_own(self):
+        class Stop(Exception):
+            pass
+
+        def handle(number, frame):
+            raise Stop
+
+        old = signal.signal(signal.SIGUSR1, handle)
+        timer = threading.Timer(0.5, os.kill, (os.getpid(), signal.SIGUSR1))
+        timer.start()
+        try:
+            with self.assertRaises(Stop):
+                pliant.bake(*LONG)
+        finally:
+            timer.join()
+            signal.signal(signal.SIGUSR1, old)
+
+    def test_exception_of_progress(self):
+        def progress(stage, done, total):
+            raise LookupError(stage)
+
+        with self.assertRaises(LookupError):
+            pliant.bake(*LONG, progress=progress)
+        with self.assertRaises(LookupError):
+            pliant.average(*LONG, [1, 1, 1, 1], progress=progress)
+
+
+class Sharing(unittest.TestCase):
+    def test_others_work_during_a_bake(self):
+        counts, is_over = [0], threading.Event()
+
+        def count():
+            while not is_over.is_set():
+                counts[0] += 1
+                time.sleep(0)
+
+        seen = []
+        counter = threading.Thread(target=count)
+        counter.start()
+        try:
+            pliant.bake(POSES, FACES, progress=lambda *_: seen.append(counts[0]), **QUICK)
+        finally:
+            is_over.set()
+            counter.join()
+        self.assertGreater(seen[-1], seen[0] + 100, "the other thread stood still")
+
+    def test_bakes_take_turns_and_blends_do_not_wait(self):
+        asset = pliant.bake(POSES, FACES, **QUICK)
+        expected, made, errors = bytes(asset), [], []
+
+        def bake():
+            try:
+                made.append(bytes(pliant.bake(POSES, FACES, threads=1 + len(made), **QUICK)))
+            except BaseException as error:
+                errors.append(error)
+
+        bakers = [threading.Thread(target=bake) for _ in range(3)]
+        for baker in bakers:
+            baker.start()
+        blends = 0
+        while any(baker.is_alive() for baker in bakers):
+            asset.blend([1, 1])
+            blends += 1
+        for baker in bakers:
+            baker.join()
+        self.assertEqual(errors, [])
+        self.assertEqual(made, [expected] * 3)
+        self.assertGreater(blends, 10)
+
+    def test_progress_is_told_in_order_on_the_calling_thread(self):
+        steps = []
+        pliant.bake(POSES, FACES, progress=lambda *step: steps.append((*step, threading.current_thread())), **QUICK)
+        self.assertTrue(all(0 <= done <= 1 and total == 1 for _, done, total, _ in steps))
+        self.assertEqual({thread for *_, thread in steps}, {threading.current_thread()})
+        stages = list(dict.fromkeys(stage for stage, *_ in steps))
+        self.assertEqual((stages[0], stages[-1]), ("poses", "check"))
+
+
+if __name__ == "__main__":
+    unittest.main(verbosity=2)
