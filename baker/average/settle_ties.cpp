@@ -143,7 +143,8 @@ public:
             std::vector<const PartPlaces*> places;
             for (const auto& at : all) places.push_back(&at[g]);
             Search& search = searches_[g];
-            if (search.tried.size() == 0) search.tried = stiffness_of(*places[0]);
+            if (search.tried.size() == 0) search.tried = search.first = search.best = stiffness_of(*places[0]);
+            if (search.tried.sum() == 0) search.next = Search::Try::none; // a joint holds it
             search.hear(largest_drift(places));
             search.choose(places, set_.diagonal);
             is_done = is_done && search.is_done();

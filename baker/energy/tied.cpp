@@ -20,17 +20,6 @@ Matrix3d cross_matrix(const Vector3d& v)
     return m;
 }
 
-// From the vertices (x, a, b, c) to (r, e1, e2): the factor of each, coordinates apart.
-Eigen::Matrix<double, 3, 4> vector_factors(const Tie& tie)
-{
-    const Eigen::Matrix2d& f = tie.frame;
-    Eigen::Matrix<double, 3, 4> out;
-    out << 1, -1, 0, 0,          //
-        0, -f(0, 0), f(0, 0), 0, //
-        0, -f(0, 1) - f(1, 1), f(0, 1), f(1, 1);
-    return out;
-}
-
 // Derivatives of the three numbers of the place by (r, e1, e2).
 Matrix9x3 place_slopes(const Matrix3d& v)
 {
@@ -56,15 +45,14 @@ Matrix9 place_curvature(const Matrix3d& v, const Vector3d& off)
     return out;
 }
 
-Matrix3d vectors_of(const Tie& tie, const double* x)
+Matrix3d vectors_of(const Pull& pull, const double* x)
 {
-    using Point = Eigen::Map<const Vector3d>;
-    return tie_vectors(tie, Point(x), Point(x + 3), Point(x + 6), Point(x + 9));
+    return Eigen::Map<const Eigen::Matrix3Xd>(x, 3, pull.factors.cols()) * pull.factors.transpose();
 }
 
 // sum_k w_k kappa |p - p_k|^2 = kappa (W |p - p'|^2 + constant), W the sum of the weights, p' the weighted mean of the places p_k.
-void evaluate_tie(const Tie& tie, std::size_t pose_count, const double* weights, const double* x, Order order,
-                  HessianKind kind, ElementResult& result)
+void evaluate_pull(const Pull& tie, std::size_t pose_count, const double* weights, const double* x, Order order,
+                   HessianKind kind, ElementResult& result)
 {
     const Matrix3d vectors = vectors_of(tie, x);
     const Vector3d place = tie_place(vectors);
@@ -79,27 +67,46 @@ void evaluate_tie(const Tie& tie, std::size_t pose_count, const double* weights,
         stiffness += 2 * factor;
     }
     if (order < Order::gradient) return;
-    const Eigen::Matrix<double, 3, 4> factors = vector_factors(tie);
+    const Eigen::Matrix3Xd& factors = tie.factors;
+    const Eigen::Index count = factors.cols();
     const Matrix9x3 slopes = place_slopes(vectors);
     const Eigen::Matrix<double, 9, 1> force = slopes * pull;
-    result.gradient.resize(12);
-    Eigen::Map<Eigen::Matrix<double, 3, 4>>(result.gradient.data()) = Eigen::Map<const Matrix3d>(force.data()) * factors;
+    result.gradient.resize(3 * count);
+    Eigen::Map<Eigen::Matrix3Xd>(result.gradient.data(), 3, count) = Eigen::Map<const Matrix3d>(force.data()) * factors;
     if (order < Order::hessian) return;
     Matrix9 curvature = stiffness * slopes * slopes.transpose(); // Gauss-Newton: positive semidefinite as it is
     if (kind == HessianKind::exact) curvature += place_curvature(vectors, pull);
-    Eigen::Matrix<double, 9, 12> to_vertices;
+    Eigen::Matrix<double, 9, Eigen::Dynamic> to_vertices(9, 3 * count);
     for (Eigen::Index i = 0; i < 3; ++i)
-        for (Eigen::Index j = 0; j < 4; ++j) to_vertices.block<3, 3>(3 * i, 3 * j) = factors(i, j) * Matrix3d::Identity();
+        for (Eigen::Index j = 0; j < count; ++j)
+            to_vertices.block<3, 3>(3 * i, 3 * j) = factors(i, j) * Matrix3d::Identity();
     result.hessian = to_vertices.transpose() * curvature * to_vertices;
 }
 
 } // namespace
 
+TiedEnergy::TiedEnergy(std::unique_ptr<Energy> inner, TieSet ties)
+    : inner_(std::move(inner))
+    , ties_(std::move(ties))
+    , pulls_(ties_.joints)
+{
+    for (const Tie& tie : ties_.ties)
+        if (tie.stiffness > 0) pulls_.push_back(pull_of(tie));
+}
+
+void TiedEnergy::set_stiffness(const std::vector<double>& stiffness)
+{
+    std::size_t next = ties_.joints.size();
+    for (std::size_t i = 0; i < stiffness.size(); ++i)
+        if (ties_.ties[i].stiffness > 0) ties_.ties[i].stiffness = pulls_[next++].stiffness = stiffness[i];
+}
+
 const std::uint32_t* TiedEnergy::element_vertices(std::size_t element, std::size_t& count) const
 {
     if (element < inner_->element_count()) return inner_->element_vertices(element, count);
-    count = 4;
-    return ties_.ties[element - inner_->element_count()].vertices.data();
+    const Pull& pull = pulls_[element - inner_->element_count()];
+    count = pull.vertices.size();
+    return pull.vertices.data();
 }
 
 void TiedEnergy::evaluate(std::size_t element, const double* weights, const double* x, Order order, HessianKind kind,
@@ -108,26 +115,29 @@ void TiedEnergy::evaluate(std::size_t element, const double* weights, const doub
     if (element < inner_->element_count())
         inner_->evaluate(element, weights, x, order, kind, result);
     else
-        evaluate_tie(ties_.ties[element - inner_->element_count()], pose_count(), weights, x, order, kind, result);
+        evaluate_pull(pulls_[element - inner_->element_count()], pose_count(), weights, x, order, kind, result);
 }
 
 // formats/SPEC.md, kind 8.
 RuntimeElement TiedEnergy::runtime_element(std::size_t element, const Shape& reference) const
 {
     if (element < inner_->element_count()) return inner_->runtime_element(element, reference);
-    const Tie& tie = ties_.ties[element - inner_->element_count()];
-    const auto& v = tie.vertices;
+    const Pull& pull = pulls_[element - inner_->element_count()];
+    const std::size_t count = pull.vertices.size();
     RuntimeElement out;
     out.kind = PLIANT_ELEMENT_TIE;
-    out.differences = { { v[1], v[0] }, { v[1], v[2] }, { v[1], v[3] } };
-    out.combination = Eigen::Matrix3d::Zero();
-    out.combination(0, 0) = 1;
-    out.combination.bottomRightCorner<2, 2>() = tie.frame;
-    const Vector3d start = tie_place(
-        tie_vectors(tie, point(reference, v[0]), point(reference, v[1]), point(reference, v[2]), point(reference, v[3])));
-    out.pose_numbers.resize(tie.rest.cols(), 4);
-    out.pose_numbers.col(0).setConstant(tie.stiffness);
-    out.pose_numbers.rightCols<3>() = 2 * tie.stiffness * (start.replicate(1, tie.rest.cols()) - tie.rest).transpose();
+    out.combination.resize(Eigen::Index(count) - 1, 3);
+    Eigen::Matrix3Xd at(3, count); // differences from the vertex that is a tie's first anchor
+    for (std::size_t i = 0; i < count; ++i) {
+        at.col(Eigen::Index(i)) = point(reference, pull.vertices[i]) - point(reference, pull.vertices[1]);
+        if (i == 1) continue;
+        out.combination.row(Eigen::Index(out.differences.size())) = pull.factors.col(Eigen::Index(i)).transpose();
+        out.differences.push_back({ pull.vertices[1], pull.vertices[i] });
+    }
+    const Vector3d start = tie_place(at * pull.factors.transpose());
+    out.pose_numbers.resize(pull.rest.cols(), 4);
+    out.pose_numbers.col(0).setConstant(pull.stiffness);
+    out.pose_numbers.rightCols<3>() = 2 * pull.stiffness * (start.replicate(1, pull.rest.cols()) - pull.rest).transpose();
     return out;
 }
 

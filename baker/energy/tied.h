@@ -11,18 +11,14 @@
 
 namespace pliant {
 
-// Elements of the inner energy first, with its numbers, then the ties.
+// Elements of the inner energy first, with its numbers, then the joints, then the ties.
 class TiedEnergy final : public Energy {
 public:
-    TiedEnergy(std::unique_ptr<Energy> inner, TieSet ties)
-        : inner_(std::move(inner))
-        , ties_(std::move(ties))
-    {
-    }
+    TiedEnergy(std::unique_ptr<Energy> inner, TieSet ties);
 
     std::size_t pose_count() const override { return inner_->pose_count(); }
     Eigen::Index dof_count() const override { return inner_->dof_count(); }
-    std::size_t element_count() const override { return inner_->element_count() + ties_.ties.size(); }
+    std::size_t element_count() const override { return inner_->element_count() + pulls_.size(); }
     const std::uint32_t* element_vertices(std::size_t element, std::size_t& count) const override;
     void evaluate(std::size_t element, const double* weights, const double* x, Order order, HessianKind kind,
                   ElementResult& result) const override;
@@ -31,15 +27,13 @@ public:
     const Energy& inner() const { return *inner_; }
     const TieSet& ties() const { return ties_; }
 
-    // One for each tie.
-    void set_stiffness(const std::vector<double>& stiffness)
-    {
-        for (std::size_t i = 0; i < stiffness.size(); ++i) ties_.ties[i].stiffness = stiffness[i];
-    }
+    // One for each tie; of those that have none it does not count.
+    void set_stiffness(const std::vector<double>& stiffness);
 
 private:
     std::unique_ptr<Energy> inner_;
     TieSet ties_;
+    std::vector<Pull> pulls_; // the joints', then those of all ties that pull
 };
 
 // The same energy if it needs no ties.

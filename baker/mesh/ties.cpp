@@ -1,5 +1,7 @@
 #include "mesh/ties.h"
 
+#include "mesh/joints.h"
+
 #include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
@@ -79,10 +81,7 @@ Tie make_tie(const ShapeSet& set, std::size_t part, const std::array<std::uint32
         tie.rest.col(Eigen::Index(k)) = tie_place(tie_vectors(tie, point(shape, vertices[0]), point(shape, vertices[1]),
                                                               point(shape, vertices[2]), point(shape, vertices[3])));
     }
-    const Eigen::Vector3d mean = tie.rest.rowwise().mean();
-    const double spread2 = (tie.rest.colwise() - mean).squaredNorm() / double(set.pose_count());
-    const double softening = 1 + spread2 / std::pow(sure_place * set.diagonal, 2);
-    tie.stiffness = std::max(tie_stiffness / softening, least_stiffness);
+    tie.stiffness = stiffness_of(tie.rest, set.diagonal);
     return tie;
 }
 
@@ -267,7 +266,37 @@ private:
     std::vector<Nearest> found_;                                      // per vertex
 };
 
+// Parts that turn far get joints in the place of their ties.
+void find_joints(const ShapeSet& set, TieSet& out)
+{
+    for (std::size_t first = 0, last = 0; first < out.ties.size(); first = last) {
+        while (last < out.ties.size() && out.ties[last].part == out.ties[first].part) ++last;
+        const std::vector<Pull> joint = find_joint(set, out.ties.data() + first, out.ties.data() + last);
+        if (joint.empty()) continue;
+        out.joints.insert(out.joints.end(), joint.begin(), joint.end());
+        for (std::size_t i = first; i < last; ++i) out.ties[i].stiffness = 0;
+    }
+}
+
 } // namespace
+
+double stiffness_of(const Eigen::Matrix3Xd& rest, double diagonal)
+{
+    const Eigen::Vector3d mean = rest.rowwise().mean();
+    const double spread2 = (rest.colwise() - mean).squaredNorm() / double(rest.cols());
+    const double softening = 1 + spread2 / std::pow(sure_place * diagonal, 2);
+    return std::max(tie_stiffness / softening, least_stiffness);
+}
+
+Pull pull_of(const Tie& tie)
+{
+    const Eigen::Matrix2d& f = tie.frame;
+    Pull pull = { { tie.vertices.begin(), tie.vertices.end() }, Eigen::Matrix3Xd(3, 4), tie.stiffness, tie.rest, tie.part };
+    pull.factors << 1, -1, 0, 0, //
+        0, -f(0, 0), f(0, 0), 0, //
+        0, -f(0, 1) - f(1, 1), f(0, 1), f(1, 1);
+    return pull;
+}
 
 Eigen::Matrix3d tie_vectors(const Tie& tie, const Eigen::Vector3d& vertex, const Eigen::Vector3d& a,
                             const Eigen::Vector3d& b, const Eigen::Vector3d& c)
@@ -300,6 +329,7 @@ TieSet find_ties(const ShapeSet& set)
         Binder binder(set, columns, out);
         for (const std::size_t part : out.tree.order) binder.bind(part);
     }
+    find_joints(set, out);
     const std::size_t part_tie_count = out.ties.size();
     std::vector<std::size_t> part_of(std::size_t(columns.cols()), 0);
     for (std::size_t p = 0; p < out.parts.count(); ++p)
@@ -340,48 +370,30 @@ Places places_of(const Tie& tie, const Shape& y)
     return { (frame.inverse() * tie.rest).colwise() + point(y, v[1]), point(y, v[0]) };
 }
 
-// The point of a body that moves least over its poses, where it is attached: the j that minimises the variance of turns_k^T j + centres_k
-// (turns of the poses, and where the body's origin is in them). Where the body hardly turns, below some 10 degrees, all points move alike
-// and it is drawn to the origin; there it matters little. No farther than `reach` from there.
-Eigen::Vector3d steadiest_point(const std::vector<Eigen::Matrix3d>& turns, const Eigen::Matrix3Xd& centres, double reach)
-{
-    constexpr double doubt = 0.01; // about the square of the sine of half of those 10 degrees
-    Eigen::Matrix3d mean_turn = Eigen::Matrix3d::Zero(), matrix = doubt * Eigen::Matrix3d::Identity();
-    for (const Eigen::Matrix3d& turn : turns) mean_turn += turn / double(turns.size());
-    const Eigen::Vector3d mean_centre = centres.rowwise().mean();
-    Eigen::Vector3d right = Eigen::Vector3d::Zero();
-    for (std::size_t k = 0; k < turns.size(); ++k) {
-        const Eigen::Matrix3d off = (turns[k] - mean_turn).transpose();
-        matrix += off.transpose() * off / double(turns.size());
-        right -= off.transpose() * (centres.col(Eigen::Index(k)) - mean_centre) / double(turns.size());
-    }
-    const Eigen::Vector3d found = matrix.llt().solve(right);
-    return found.norm() > reach ? Eigen::Vector3d(reach / found.norm() * found) : found;
-}
-
-// The weighted mean of clouds of points (3 x count each) that does not shrink where they are turned against each other: their shapes are
-// turned onto the plain mean before they are averaged, and the mean lies where the weighted mean of its steadiest point does.
-Eigen::Matrix3Xd mean_cloud(const std::vector<Eigen::Matrix3Xd>& clouds, const Eigen::VectorXd& weights)
+// The weighted mean of clouds of points (3 x count each) that does not shrink where they are turned against each other: of their shapes, as
+// the plain mean is turned, or, of rigid ones, in the mean of their turns; it lies where the weighted mean of its steadiest point does.
+Eigen::Matrix3Xd mean_cloud(const std::vector<Eigen::Matrix3Xd>& clouds, const Eigen::VectorXd& weights, bool is_rigid)
 {
     const Eigen::Index count = clouds[0].cols();
     const Eigen::VectorXd shares = weights / weights.sum();
     Eigen::Matrix3Xd plain = Eigen::Matrix3Xd::Zero(3, count);
     for (std::size_t k = 0; k < clouds.size(); ++k) plain += shares[Eigen::Index(k)] * clouds[k];
-    if (count < 3) return plain; // nothing that could be seen to turn
-    const Shape target = Eigen::Map<const Shape>(plain.data(), plain.size());
-    std::vector<Eigen::Matrix3d> turns;
+    if (count < 3) return plain;        // nothing that could be seen to turn
+    std::vector<Eigen::Matrix3d> turns; // from the mean shape
+    Eigen::Matrix3d mean_turn = Eigen::Matrix3d::Zero();
     Eigen::Matrix3Xd mean = Eigen::Matrix3Xd::Zero(3, count), centres(3, Eigen::Index(clouds.size()));
     for (std::size_t k = 0; k < clouds.size(); ++k) {
-        const Shape cloud = Eigen::Map<const Shape>(clouds[k].data(), target.size());
-        turns.push_back(best_rigid_motion(cloud, target, Eigen::VectorXd::Ones(count)).rotation);
+        const double share = shares[Eigen::Index(k)];
+        turns.push_back(turn_between(plain, clouds[k]));
         centres.col(Eigen::Index(k)) = clouds[k].rowwise().mean();
-        mean += shares[Eigen::Index(k)] * (turns[k] * (clouds[k].colwise() - centres.col(Eigen::Index(k))));
+        mean += share * (turns[k].transpose() * (clouds[k].colwise() - centres.col(Eigen::Index(k))));
+        mean_turn += share * turns[k];
     }
     const Eigen::Vector3d steadiest = steadiest_point(turns, centres, mean.colwise().norm().maxCoeff());
     Eigen::Vector3d place = centres * shares;
-    for (std::size_t k = 0; k < clouds.size(); ++k)
-        place += shares[Eigen::Index(k)] * (turns[k].transpose() * steadiest - steadiest);
-    return mean.colwise() + place;
+    for (std::size_t k = 0; k < clouds.size(); ++k) place += shares[Eigen::Index(k)] * (turns[k] * steadiest);
+    const Eigen::Matrix3d turn = is_rigid ? nearest_rotation(mean_turn) : Eigen::Matrix3d::Identity();
+    return (turn * (mean.colwise() - steadiest)).colwise() + place;
 }
 
 } // namespace
@@ -401,7 +413,7 @@ std::vector<PartPlaces> place_parts(const TieSet& ties, const ShapeSet& set, con
             places.found.col(i) = one.found;
             places.pulled.col(i) = one.wanted * weights / weights.sum();
         }
-        places.wanted = mean_cloud(clouds, weights);
+        places.wanted = mean_cloud(clouds, weights, ties.ties[first].stiffness == 0);
         out.push_back(std::move(places));
     }
     return out;

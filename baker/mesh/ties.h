@@ -12,10 +12,24 @@ namespace pliant {
 struct Tie {
     std::array<std::uint32_t, 4> vertices;
     Eigen::Matrix2d frame; // f, upper triangular
-    double stiffness;      // energy per squared length
+    double stiffness;      // energy per squared length; 0: a joint holds the part in its place (mesh/joints.h)
     Eigen::Matrix3Xd rest; // the three numbers in every pose
     std::size_t part;      // the tied vertex's
 };
+
+// A term of the energy: stiffness |place - rest|^2. Row by row, factors times the vertices make r, e1 and e2.
+struct Pull {
+    std::vector<std::uint32_t> vertices;
+    Eigen::Matrix3Xd factors; // the sum of each row is 0
+    double stiffness;
+    Eigen::Matrix3Xd rest; // as in Tie
+    std::size_t part;
+};
+
+Pull pull_of(const Tie& tie);
+
+// As stiff as a place may be held that is known in every pose, energy per squared length: the less it is the same in all, the softer.
+double stiffness_of(const Eigen::Matrix3Xd& rest, double diagonal);
 
 // Columns r, e1, e2.
 Eigen::Matrix3d tie_vectors(const Tie& tie, const Eigen::Vector3d& vertex, const Eigen::Vector3d& a,
@@ -34,6 +48,7 @@ struct TieSet {
     PartTree tree;
     std::vector<Tie> ties;
     std::vector<double> distances; // per part: to its host, normalised units; 0 for the root
+    std::vector<Pull> joints;      // of parts that turn far
     std::size_t seam_count = 0;    // the last ties: borders that lie on other borders (T-junctions, cracks)
 };
 
