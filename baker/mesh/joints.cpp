@@ -21,10 +21,6 @@ constexpr double least_turn = 0.3;
 // Of a cloud that is flatter than this (smallest to largest deviation) the normal is no direction that its points could carry.
 constexpr double flat = 0.1;
 
-// How stiff a joint is against turns, relative to ties of single vertices: their forces meet nothing but what the shape of the part costs,
-// so they need only be there, and the mean of turns far apart is small: stiff ones dent a part as thin as a sheet.
-constexpr double turn_stiffness = 0.03;
-
 // What a joint looks at of a part, and of its host: so many tied vertices (those tied first lie farthest apart), and their anchors.
 constexpr std::size_t most_vertices = 16;
 
@@ -199,7 +195,7 @@ std::vector<Pull> find_joint(const ShapeSet& set, const Tie* first, const Tie* l
     for (int i = 0; i < part_axes.count; ++i) {
         of_part.row(0) = radius * direction_factors(part, part_axes, i);
         out.push_back(make_pull(set, part, host, of_part, of_host));
-        stiffness = std::min(stiffness, turn_stiffness * double(count) / 3 * stiffness_of(out.back().rest, set.diagonal));
+        stiffness = std::min(stiffness, double(count) / 3 * stiffness_of(out.back().rest, set.diagonal));
     }
     for (std::size_t i = 1; i < out.size(); ++i) out[i].stiffness = stiffness;
     for (Pull& pull : out) pull.part = first->part;
