@@ -18,11 +18,11 @@
 #define PLIANT_RESTRICT
 #endif
 
-/* Vector code that counts is compiled twice where that can be: for the compiler's default and for AVX2; what rebuilds vertices a
-   third time, for AVX-512 (wide vectors gain most there; the solver was not tried). The processor is asked when a solver is made
-   and in every reconstruction. All do the same operations in the same order, hence the same bits; FMA,
-   which rounds once where they round twice, stays off. No second copy where all is compiled for AVX2 anyway, for MSVC, whose
-   library cannot be asked, and where PLIANT_NO_DISPATCH is defined. */
+/* Vector code that counts is compiled twice where that can be: for the compiler's default and for AVX2; what unpacks a compact
+   basis a third time, for AVX-512, where it gains a quarter (single precision waits for memory, the solver was not tried). The
+   processor is asked when a solver is made and in every reconstruction. All do the same operations in the same order, hence the
+   same bits; FMA, which rounds once where they round twice, stays off. No copies where all is compiled for AVX2 anyway, for MSVC,
+   whose library cannot be asked, and where PLIANT_NO_DISPATCH is defined. */
 #if defined(__x86_64__) && defined(__GNUC__) && !defined(_MSC_VER) && !defined(__AVX2__) && !defined(PLIANT_NO_DISPATCH)
 #define PLIANT_HAS_AVX2_COPY 1
 #define PLIANT_AVX2 __attribute__((target("avx2")))
@@ -201,7 +201,6 @@ PLIANT_AVX2 pliant_quartic_kernel pliant_evaluate_quartic_avx2;
 PLIANT_AVX2 pliant_tile_kernel pliant_rebuild_tile_avx2;
 PLIANT_AVX2 pliant_compact_kernel pliant_rebuild_compact_avx2;
 PLIANT_AVX2 pliant_normals_kernel pliant_normals_of_block_avx2;
-PLIANT_AVX512 pliant_tile_kernel pliant_rebuild_tile_avx512;
 PLIANT_AVX512 pliant_compact_kernel pliant_rebuild_compact_avx512;
 #endif
 

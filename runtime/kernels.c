@@ -75,7 +75,7 @@ const pliant_kernels pliant_kernels_avx2 = {
 
 const pliant_kernels pliant_kernels_avx512 = {
     SOLVER_AVX2,
-    pliant_rebuild_tile_avx512,
+    pliant_rebuild_tile_avx2,
     pliant_rebuild_compact_avx512,
     pliant_normals_of_block_avx2,
 };

@@ -295,9 +295,8 @@ static PLIANT_INLINE void rebuild_compact(const pliant_asset* asset, const plian
                           out + p * TILE_FLOATS);
 }
 
-PLIANT_WIDE_KERNEL(rebuild_tile,
-                   (const pliant_asset* asset, const pliant_frame* frame, size_t tile, float* PLIANT_RESTRICT out),
-                   (asset, frame, tile, out))
+PLIANT_KERNEL(rebuild_tile, (const pliant_asset* asset, const pliant_frame* frame, size_t tile, float* PLIANT_RESTRICT out),
+              (asset, frame, tile, out))
 PLIANT_WIDE_KERNEL(rebuild_compact,
                    (const pliant_asset* asset, const pliant_frame* frame, size_t tile, size_t first, size_t end,
                     float* PLIANT_RESTRICT out),
