@@ -33,7 +33,7 @@ Measuring
   pliant-player creature.pliant --frames 2000 --json
       Blends along the path that the window plays, draws nothing, prints medians.
   pliant-player creature.pliant --crowd 100 --frames 500 --json
-      The same for a hundred characters at a time, on one core.
+      The same for a hundred characters at a time, on one core; with --rebuild gpu pliant::gl rebuilds them.
 
 Exit code: 0 done, 1 failed while working, 2 wrong usage, 3 bad asset.)";
 
@@ -105,7 +105,11 @@ void check_truth_heat_and_crowd(const Options& options)
     if (options.heat && !draws_blends) {
         refuse_together("--heat is not for --sheet and --frames", "use --screenshot or the window");
     }
-    if (options.crowd == 0) return;
+    if (options.crowd == 0) {
+        if (options.rebuild != Rebuild::automatic)
+            refuse_together("--rebuild belongs to --crowd", "add --crowd 100, or leave it out");
+        return;
+    }
     if (!options.sheet.empty() || !options.weights.empty() || !options.truth_weights.empty() || options.both
         || options.heat) {
         refuse_together("--crowd shows one kind of blend, each character at weights of its own",
@@ -177,6 +181,15 @@ ParsedLine parse_command_line(int argc, char** argv)
     app.add_option("--crowd", options.crowd, "many characters, each with its own solver, and a graph of the frames' times")
         ->type_name("N")
         ->check(CLI::Range(1, 10000));
+    app.add_option(
+           "--rebuild", options.rebuild,
+           "with --crowd: who makes positions and normals, pliant::gl through OpenGL or the processor (default: auto, which "
+           "is gpu unless the driver draws on the processor, and cpu with --frames); gpu fails if the driver cannot")
+        ->type_name("auto|gpu|cpu")
+        ->transform(CLI::CheckedTransformer(std::map<std::string, Rebuild> { { "auto", Rebuild::automatic },
+                                                                             { "gpu", Rebuild::gpu },
+                                                                             { "cpu", Rebuild::cpu } },
+                                            CLI::ignore_case));
     std::vector<std::string> truth;
     app.add_option("--truth", truth, "unreduced averages (`pliant average --grid`): their weights and their meshes")
         ->type_name("WEIGHTS.csv MESH_%04d.ply")
