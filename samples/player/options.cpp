@@ -145,7 +145,7 @@ glm::mat3 Options::to_world() const
 ParsedLine parse_command_line(int argc, char** argv)
 {
     Options options;
-    std::string weights, size, view, up = "y";
+    std::string weights, size, view, up = "y", rebuild = "auto";
     bool no_hud = false;
     CLI::App app("Plays a .pliant asset: blends whole shapes elastically, by dragging a point in a polygon of poses.",
                  "pliant-player");
@@ -181,15 +181,11 @@ ParsedLine parse_command_line(int argc, char** argv)
     app.add_option("--crowd", options.crowd, "many characters, each with its own solver, and a graph of the frames' times")
         ->type_name("N")
         ->check(CLI::Range(1, 10000));
-    app.add_option(
-           "--rebuild", options.rebuild,
-           "with --crowd: who makes positions and normals, pliant::gl through OpenGL or the processor (default: auto, which "
-           "is gpu unless the driver draws on the processor, and cpu with --frames); gpu fails if the driver cannot")
+    app.add_option("--rebuild", rebuild,
+                   "with --crowd: who makes positions and normals, pliant::gl or the processor (default: auto, which is gpu "
+                   "unless the driver draws on the processor; with --frames cpu)")
         ->type_name("auto|gpu|cpu")
-        ->transform(CLI::CheckedTransformer(std::map<std::string, Rebuild> { { "auto", Rebuild::automatic },
-                                                                             { "gpu", Rebuild::gpu },
-                                                                             { "cpu", Rebuild::cpu } },
-                                            CLI::ignore_case));
+        ->check(CLI::IsMember({ "auto", "gpu", "cpu" }));
     std::vector<std::string> truth;
     app.add_option("--truth", truth, "unreduced averages (`pliant average --grid`): their weights and their meshes")
         ->type_name("WEIGHTS.csv MESH_%04d.ply")
@@ -217,6 +213,7 @@ ParsedLine parse_command_line(int argc, char** argv)
         refuse(error.what(), "pliant-player --help explains all options");
     }
     options.up_is_z = up == "z";
+    options.rebuild = rebuild == "gpu" ? Rebuild::gpu : rebuild == "cpu" ? Rebuild::cpu : Rebuild::automatic;
     if (!weights.empty()) parse_weights(weights, options);
     if (!size.empty()) parse_size(size, options);
     if (!view.empty()) parse_view(view, options);
