@@ -18,21 +18,28 @@
 #define PLIANT_RESTRICT
 #endif
 
-/* Vector code that counts is compiled twice where that can be: for the compiler's default and for AVX2. The processor is asked
-   when a solver is made and in every reconstruction. Both do the same operations in the same order, hence the same bits; FMA,
-   which rounds once where they round twice, stays off. No second copy where all is compiled for AVX2 anyway, for MSVC, whose
-   library cannot be asked, and where PLIANT_NO_DISPATCH is defined. */
+/* Vector code that counts is compiled twice where that can be: for the compiler's default and for AVX2; what unpacks a compact
+   basis a third time, for AVX-512, where it gains a quarter (single precision waits for memory, the solver was not tried). The
+   processor is asked when a solver is made and in every reconstruction. All do the same operations in the same order, hence the
+   same bits; FMA, which rounds once where they round twice, stays off. No copies where all is compiled for AVX2 anyway, for MSVC,
+   whose library cannot be asked, and where PLIANT_NO_DISPATCH is defined. */
 #if defined(__x86_64__) && defined(__GNUC__) && !defined(_MSC_VER) && !defined(__AVX2__) && !defined(PLIANT_NO_DISPATCH)
 #define PLIANT_HAS_AVX2_COPY 1
 #define PLIANT_AVX2 __attribute__((target("avx2")))
+#define PLIANT_AVX512 __attribute__((target("avx512f,avx512bw,avx512dq,avx512vl")))
 /* Makes the kernel pliant_NAME out of the function NAME, and pliant_NAME_avx2 out of the same. */
 #define PLIANT_KERNEL(name, parameters, arguments)    \
     void pliant_##name parameters { name arguments; } \
     PLIANT_AVX2 void pliant_##name##_avx2 parameters { name arguments; }
+/* The same, and pliant_NAME_avx512. */
+#define PLIANT_WIDE_KERNEL(name, parameters, arguments) \
+    PLIANT_KERNEL(name, parameters, arguments)          \
+    PLIANT_AVX512 void pliant_##name##_avx512 parameters { name arguments; }
 #else
 #define PLIANT_HAS_AVX2_COPY 0
 #define PLIANT_KERNEL(name, parameters, arguments) \
     void pliant_##name parameters { name arguments; }
+#define PLIANT_WIDE_KERNEL(name, parameters, arguments) PLIANT_KERNEL(name, parameters, arguments)
 #endif
 
 /* What a kernel calls becomes part of it, or it would remain code for the compiler's default. */
@@ -123,8 +130,9 @@ typedef struct pliant_frame {
     const float* q;
     uint32_t columns;                          /* how many count */
     float origin[PLIANT_FORMAT_TILE_FLOATS];   /* of the asset, for every vertex of a tile */
-    float scaled[PLIANT_FORMAT_MAX_DIMENSION]; /* of BASC: q by the columns' scales, and by those of their bases */
-    float bases[PLIANT_FORMAT_MAX_DIMENSION];
+    float scaled[PLIANT_FORMAT_MAX_DIMENSION]; /* of BASC: q by the columns' scales */
+    /* and by those of their bases: three times each, then 0 for a field's width */
+    float bases[4 * PLIANT_FORMAT_MAX_DIMENSION];
 } pliant_frame;
 
 void pliant_frame_begin(const pliant_asset* asset, const float* q, uint32_t columns, pliant_frame* frame);
@@ -163,6 +171,9 @@ typedef struct pliant_kernels {
 
 /* Those for the compiler's default, and the best for this processor. */
 extern const pliant_kernels pliant_kernels_plain;
+#if PLIANT_HAS_AVX2_COPY
+extern const pliant_kernels pliant_kernels_avx2, pliant_kernels_avx512;
+#endif
 const pliant_kernels* pliant_kernels_choose(void);
 
 /* What the tables name. */
@@ -190,6 +201,7 @@ PLIANT_AVX2 pliant_quartic_kernel pliant_evaluate_quartic_avx2;
 PLIANT_AVX2 pliant_tile_kernel pliant_rebuild_tile_avx2;
 PLIANT_AVX2 pliant_compact_kernel pliant_rebuild_compact_avx2;
 PLIANT_AVX2 pliant_normals_kernel pliant_normals_of_block_avx2;
+PLIANT_AVX512 pliant_compact_kernel pliant_rebuild_compact_avx512;
 #endif
 
 /* --------------------------------------------------------------------------------------------- stand-in energy ---- */

@@ -59,29 +59,34 @@ const pliant_kernels pliant_kernels_plain = {
 
 #if PLIANT_HAS_AVX2_COPY
 
-static const pliant_kernels kernels_avx2 = {
-    pliant_combine_columns_avx2,
-    pliant_add_symmetric_avx2,
-    pliant_pass_forward_avx2,
-    pliant_pass_backward_avx2,
-    pliant_evaluate_hinge_avx2,
-    pliant_evaluate_face_neo_hookean_avx2,
-    pliant_evaluate_face_stvk_avx2,
-    pliant_evaluate_face_edge_avx2,
-    pliant_evaluate_arap_cell_avx2,
-    pliant_evaluate_tet_stvk_avx2,
-    pliant_evaluate_tet_mooney_rivlin_avx2,
-    pliant_evaluate_tie_avx2,
-    pliant_evaluate_quartic_avx2,
+/* All but what rebuilds vertices. */
+#define SOLVER_AVX2                                                                                              \
+    pliant_combine_columns_avx2, pliant_add_symmetric_avx2, pliant_pass_forward_avx2, pliant_pass_backward_avx2, \
+        pliant_evaluate_hinge_avx2, pliant_evaluate_face_neo_hookean_avx2, pliant_evaluate_face_stvk_avx2,       \
+        pliant_evaluate_face_edge_avx2, pliant_evaluate_arap_cell_avx2, pliant_evaluate_tet_stvk_avx2,           \
+        pliant_evaluate_tet_mooney_rivlin_avx2, pliant_evaluate_tie_avx2, pliant_evaluate_quartic_avx2
+
+const pliant_kernels pliant_kernels_avx2 = {
+    SOLVER_AVX2,
     pliant_rebuild_tile_avx2,
     pliant_rebuild_compact_avx2,
+    pliant_normals_of_block_avx2,
+};
+
+const pliant_kernels pliant_kernels_avx512 = {
+    SOLVER_AVX2,
+    pliant_rebuild_tile_avx2,
+    pliant_rebuild_compact_avx512,
     pliant_normals_of_block_avx2,
 };
 
 const pliant_kernels* pliant_kernels_choose(void)
 {
     __builtin_cpu_init(); /* for callers that run before the C library's constructors do */
-    return __builtin_cpu_supports("avx2") ? &kernels_avx2 : &pliant_kernels_plain;
+    if (!__builtin_cpu_supports("avx2")) return &pliant_kernels_plain;
+    const int is_wide = __builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512bw")
+        && __builtin_cpu_supports("avx512dq") && __builtin_cpu_supports("avx512vl");
+    return is_wide ? &pliant_kernels_avx512 : &pliant_kernels_avx2;
 }
 
 #else

@@ -25,7 +25,9 @@ pliant_packages() {
             ;;
         engines)
             # Programs that draw what `pliant export` writes; the tests that ask them are skipped without. Large: 1 GB with what they need.
-            printf '%s\n' chromium godot3-server blender nodejs npm
+            printf '%s\n' chromium godot3-server blender
+            # Node of other packagers brings npm along, and Debian's npm cannot be installed beside it.
+            command -v npm > /dev/null || printf '%s\n' nodejs npm
             ;;
         *)
             echo "install_packages.sh: error: no package group '$1'" >&2

@@ -2,6 +2,7 @@
 
 #include "report/html.h"
 
+#include <algorithm>
 #include <cmath>
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>

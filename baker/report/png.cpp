@@ -1,5 +1,6 @@
 #include "report/png.h"
 
+#include <algorithm>
 #include <cstdlib>
 #include <new>
 #include <zlib.h>

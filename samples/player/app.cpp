@@ -63,7 +63,7 @@ App::App(const Options& options, AssetFile file)
     : options_(options)
     , context_("Pliant", options.width > 0 ? options.width : kWidth, options.height > 0 ? options.height : kHeight, true)
     , quality_(context_.is_software() ? Quality::low : Quality::medium)
-    , session_(open_session(options, std::move(file), quality_))
+    , session_(open_session(options, std::move(file), quality_, context_))
     , overlay_(content_scale(context_.window()), context_.window())
 {
     glfwSetWindowTitle(context_.window(), (session_->title() + " · Pliant").c_str());
@@ -90,7 +90,7 @@ void App::open_dropped_file()
     options.path.clear();
     options.truth_weights.clear();
     try {
-        session_ = open_session(options, AssetFile(options.asset), quality_);
+        session_ = open_session(options, AssetFile(options.asset), quality_, context_);
         glfwSetWindowTitle(context_.window(), (session_->title() + " · Pliant").c_str());
         say("opened " + options.asset, false, kNoticeSeconds);
     } catch (const Error& error) {

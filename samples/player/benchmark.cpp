@@ -2,9 +2,16 @@
 
 #include "control_polygon.h"
 #include "crowd.h"
+#include "gl_context.h"
+#include "gl_objects.h"
+#include "gpu_crowd.h"
 
 #include <algorithm>
 #include <cstdio>
+#include <memory>
+#include <optional>
+#include <string>
+#include <utility>
 #include <vector>
 
 namespace pliant::player {
@@ -30,6 +37,37 @@ void print_json_row(const char* name, const Spread& s)
 
 void print_text_row(const char* name, const Spread& s) { std::printf("%-11s %8.1f   %8.1f  us\n", name, s.median, s.high); }
 
+// Rebuilds crowds on the graphics card where that is asked for.
+class GpuBench {
+public:
+    GpuBench(const AssetFile& file, const Options& options)
+        : context_(make_offscreen_context())
+        , canvas_(16, 16)
+        , crowd_(file, options.to_world(), static_cast<uint32_t>(options.crowd), {}, context_->loader())
+    {
+    }
+    void rebuild(const Crowd& crowd, CrowdCost& cost) { crowd_.rebuild(crowd, cost); }
+    std::string driver() const { return context_->renderer_name(); }
+    std::string path() const { return crowd_.path_name(); }
+
+private:
+    std::unique_ptr<GlContext> context_;
+    Canvas canvas_; // transform feedback asks for something to draw into
+    GpuCrowd crowd_;
+};
+
+using Row = std::pair<const char*, Spread>;
+
+// What was measured besides the solves: who rebuilds takes other steps.
+std::vector<Row> rebuild_rows(const std::vector<CrowdCost>& costs, bool on_gpu)
+{
+    const auto row = [&](const char* name, double CrowdCost::*field) {
+        return Row { name, spread(costs, [&](const CrowdCost& c) { return c.*field; }) };
+    };
+    if (on_gpu) return { row("placing", &CrowdCost::placing_us), row("update", &CrowdCost::update_us) };
+    return { row("reconstruct", &CrowdCost::reconstruct_us), row("normals", &CrowdCost::normals_us) };
+}
+
 // A whole crowd a frame, each character a little further on its loop, as far as a window of 60 frames a second would take it.
 void run_crowd(const Options& options, const AssetFile& file)
 {
@@ -38,19 +76,23 @@ void run_crowd(const Options& options, const AssetFile& file)
     const std::optional<WeightPath> path = path_for(options, file);
     const BlendMode mode = options.linear ? BlendMode::linear : BlendMode::elastic;
     Crowd crowd(file, options.to_world(), static_cast<uint32_t>(options.crowd));
+    std::optional<GpuBench> gpu;
+    if (options.rebuild == Rebuild::gpu) gpu.emplace(file, options);
     const double step = 1.0 / (60.0 * loop_seconds(polygon, path, options.fps));
     std::vector<CrowdCost> costs;
     uint64_t not_converged = 0;
     for (int frame = 0; frame < options.benchmark_frames; ++frame) {
         CrowdCost cost;
         crowd.solve(crowd_weights(crowd.count(), frame * step, polygon, path), mode, cost);
-        crowd.reconstruct(cost);
+        if (gpu)
+            gpu->rebuild(crowd, cost);
+        else
+            crowd.reconstruct(cost);
         costs.push_back(cost);
         not_converged += cost.not_converged;
     }
     const Spread solve = spread(costs, [](const CrowdCost& c) { return c.solve_us; });
-    const Spread reconstruct = spread(costs, [](const CrowdCost& c) { return c.reconstruct_us; });
-    const Spread normals = spread(costs, [](const CrowdCost& c) { return c.normals_us; });
+    const std::vector<Row> rebuild = rebuild_rows(costs, gpu.has_value());
     const Spread evaluations = spread(costs, [](const CrowdCost& c) { return c.evaluations; });
     const char* blend = options.linear ? "linear" : "elastic";
     if (options.json) {
@@ -59,9 +101,10 @@ void run_crowd(const Options& options, const AssetFile& file)
             options.benchmark_frames, crowd.count(), asset.vertex_count, asset.pose_count);
         std::printf(",\n  \"dimension\": %u,\n  \"solver_bytes\": %zu,\n  \"solves_not_converged\": %llu", asset.dimension,
                     crowd.solver_bytes() * crowd.count(), static_cast<unsigned long long>(not_converged));
+        if (gpu)
+            std::printf(",\n  \"rebuilt_by\": \"%s\",\n  \"driver\": \"%s\"", gpu->path().c_str(), gpu->driver().c_str());
         print_json_row("solve_us", solve);
-        print_json_row("reconstruct_us", reconstruct);
-        print_json_row("normals_us", normals);
+        for (const auto& [name, values] : rebuild) print_json_row((std::string(name) + "_us").c_str(), values);
         print_json_row("evaluations", evaluations);
         std::printf("\n}\n");
         return;
@@ -69,10 +112,10 @@ void run_crowd(const Options& options, const AssetFile& file)
     std::printf("%s: %s blend, %u characters, %d frames, %u vertices, %u poses, d = %u; each number is of the whole crowd\n",
                 file.path().c_str(), blend, crowd.count(), options.benchmark_frames, asset.vertex_count, asset.pose_count,
                 asset.dimension);
+    if (gpu) std::printf("shapes rebuilt by pliant::gl: %s, %s\n", gpu->path().c_str(), gpu->driver().c_str());
     std::printf("              median        p95\n");
     print_text_row("solve", solve);
-    print_text_row("reconstruct", reconstruct);
-    print_text_row("normals", normals);
+    for (const auto& [name, values] : rebuild) print_text_row(name, values);
     std::printf("evaluations %8.0f   %8.0f\n", evaluations.median, evaluations.high);
     std::printf("solves that did not converge: %llu\n", static_cast<unsigned long long>(not_converged));
 }

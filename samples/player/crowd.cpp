@@ -27,7 +27,6 @@ Crowd::Crowd(const AssetFile& file, const glm::mat3& to_world, uint32_t count)
     , q_(count, std::vector<float>(file.view().dimension))
     , weights_(file.view().pose_count)
     , positions_(file.view().vertex_count)
-    , vertices_(count, std::vector<Vertex>(file.view().vertex_count))
 {
     const pliant_solver_desc desc = pliant_solver_desc_default();
     solver_bytes_ = pliant_solver_memory(&file.view(), &desc);
@@ -73,6 +72,7 @@ void Crowd::solve(const std::vector<std::vector<double>>& weights, BlendMode mod
 void Crowd::reconstruct(CrowdCost& cost)
 {
     cost.reconstruct_us = cost.normals_us = 0.0;
+    vertices_.resize(count(), std::vector<Vertex>(file_.view().vertex_count));
     for (uint32_t i = 0; i < count(); ++i) {
         const Stopwatch reconstruct;
         pliant_reconstruct(&file_.view(), q_[i].data(), 0, file_.view().vertex_count, &positions_[0].x,

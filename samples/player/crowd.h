@@ -18,8 +18,12 @@ struct CrowdCost {
     double solve_us = 0.0;
     double reconstruct_us = 0.0;
     double normals_us = 0.0;
+    double placing_us = 0.0; // by GpuCrowd instead: where on the processor floor and parts are,
+    double update_us = 0.0;  // and positions and normals, until the driver says that they are done
     uint32_t evaluations = 0;
     uint32_t not_converged = 0;
+
+    double rebuild_us() const { return reconstruct_us + normals_us + placing_us + update_us; }
 };
 
 class Crowd {
@@ -30,8 +34,7 @@ public:
     // Solves all characters, one after the other on this thread: one row of pose_count weights each. Fills in the first, fourth and
     // fifth number of the cost.
     void solve(const std::vector<std::vector<double>>& weights, BlendMode mode, CrowdCost& cost);
-    // Makes the vertices of all characters from what solve() found. (Where the graphics card rebuilds positions, this call and
-    // vertices() are what it replaces; it takes coordinates() instead.)
+    // Makes the vertices of all characters from what solve() found. GpuCrowd replaces this call and vertices(); it takes coordinates().
     void reconstruct(CrowdCost& cost);
 
     uint32_t count() const { return static_cast<uint32_t>(solvers_.size()); }
@@ -47,8 +50,8 @@ private:
     std::vector<pliant_solver*> solvers_;
     std::vector<std::vector<float>> q_;
     std::vector<float> weights_;
-    std::vector<glm::vec3> positions_; // of the character at work
-    std::vector<std::vector<Vertex>> vertices_;
+    std::vector<glm::vec3> positions_;          // of the character at work
+    std::vector<std::vector<Vertex>> vertices_; // none before the first reconstruct()
 };
 
 // Weights of all characters at a phase (any number, period 1): each goes along the same loop, `path` or the idle path of the polygon,

@@ -8,7 +8,7 @@ namespace pliant::player {
 
 class CrowdSession final : public Session {
 public:
-    CrowdSession(const Options& options, AssetFile file, Quality quality);
+    CrowdSession(const Options& options, AssetFile file, Quality quality, const GlContext& context);
 
     void advance(double seconds) override;
     void read_keys() override;

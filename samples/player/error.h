@@ -21,6 +21,7 @@ enum class ErrorNumber : int {
     truth_of_another = 5915,
     no_context = 5921,
     gl_refused = 5922,
+    rebuild_refused = 5923,
     picture_not_written = 5931,
     no_frame_number = 5941,
     modes_exclude = 5942

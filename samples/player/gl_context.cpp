@@ -42,6 +42,7 @@ public:
     }
     EglContext(const EglContext&) = delete;
     EglContext& operator=(const EglContext&) = delete;
+    pliant_gl_loader loader() const override { return eglGetProcAddress; }
 
 private:
     EGLDisplay display_;
@@ -118,6 +119,8 @@ WindowContext::~WindowContext()
     glfwDestroyWindow(window_);
     glfwTerminate();
 }
+
+pliant_gl_loader WindowContext::loader() const { return glfwGetProcAddress; }
 
 std::unique_ptr<GlContext> make_offscreen_context()
 {

@@ -1,6 +1,8 @@
 // An OpenGL 3.3 core context: with a window, or without any display.
 #pragma once
 
+#include <pliant_gl.h>
+
 #include <memory>
 #include <string>
 
@@ -12,6 +14,8 @@ namespace pliant::player {
 class GlContext {
 public:
     virtual ~GlContext() = default;
+    // What finds GL's functions.
+    virtual pliant_gl_loader loader() const = 0;
     // What the driver calls itself.
     std::string renderer_name() const;
     // Whether the driver draws on the processor: then the scene is lit more simply, to stay interactive.
@@ -24,6 +28,7 @@ public:
     ~WindowContext() override;
     WindowContext(const WindowContext&) = delete;
     WindowContext& operator=(const WindowContext&) = delete;
+    pliant_gl_loader loader() const override;
 
     GLFWwindow* window() const { return window_; }
 

@@ -25,6 +25,7 @@ void draw_facts(const Overlay& overlay, const CrowdModel& model)
     const FrameTime median = model.times.median();
     row(overlay, "characters", grouped(count));
     row(overlay, "blend", model.mode == BlendMode::elastic ? "elastic" : "linear");
+    row(overlay, "shapes rebuilt by", model.rebuilder);
     row(overlay, "solve, each", microseconds(median.solve * 1e3 / count));
     if (model.mode == BlendMode::elastic) {
         char evaluations[24];
@@ -91,7 +92,7 @@ void draw_graph(const Overlay& overlay, const CrowdModel& model, int height)
     draw_bars(overlay, model.times, { corner.x, corner.y + 2.0f * s }, size);
     ImGui::Dummy({ size.x, size.y + 8.0f * s });
     legend_row(overlay, kDraw, "draw", median.draw);
-    legend_row(overlay, kReconstruct, "reconstruct, normals", median.reconstruct);
+    legend_row(overlay, kReconstruct, model.on_gpu ? "rebuild" : "reconstruct, normals", median.reconstruct);
     legend_row(overlay, kSolve, "solve", median.solve);
     ImGui::End();
 }
@@ -105,7 +106,8 @@ void draw_crowd_hud(const Overlay& overlay, const CrowdModel& model, int width, 
     std::vector<Key> keys = { { "drag the scene", "turn" }, { "wheel", "zoom" }, { "L", "linear / elastic" } };
     if (model.has_paint) keys.emplace_back("M", "materials");
     keys.insert(keys.end(),
-                { { "Space", "play / pause" },
+                { { "G", "GPU / CPU" },
+                  { "Space", "play / pause" },
                   { "R", "reset view" },
                   { "drop a file", "open it" },
                   { "H", "hide help" },

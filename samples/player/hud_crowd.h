@@ -11,7 +11,9 @@ struct CrowdModel {
     const AssetFile& file;
     const Crowd& crowd;
     const FrameTimes& times;
-    const CrowdCost& cost; // of the last frame
+    const CrowdCost& cost;      // of the last frame
+    const char* rebuilder = ""; // in words
+    bool on_gpu = false;
     BlendMode mode = BlendMode::elastic;
     bool help = true;
     bool has_paint = false;

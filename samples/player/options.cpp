@@ -33,7 +33,7 @@ Measuring
   pliant-player creature.pliant --frames 2000 --json
       Blends along the path that the window plays, draws nothing, prints medians.
   pliant-player creature.pliant --crowd 100 --frames 500 --json
-      The same for a hundred characters at a time, on one core.
+      The same for a hundred characters at a time, on one core; with --rebuild gpu pliant::gl rebuilds them.
 
 Exit code: 0 done, 1 failed while working, 2 wrong usage, 3 bad asset.)";
 
@@ -105,7 +105,11 @@ void check_truth_heat_and_crowd(const Options& options)
     if (options.heat && !draws_blends) {
         refuse_together("--heat is not for --sheet and --frames", "use --screenshot or the window");
     }
-    if (options.crowd == 0) return;
+    if (options.crowd == 0) {
+        if (options.rebuild != Rebuild::automatic)
+            refuse_together("--rebuild belongs to --crowd", "add --crowd 100, or leave it out");
+        return;
+    }
     if (!options.sheet.empty() || !options.weights.empty() || !options.truth_weights.empty() || options.both
         || options.heat) {
         refuse_together("--crowd shows one kind of blend, each character at weights of its own",
@@ -141,7 +145,7 @@ glm::mat3 Options::to_world() const
 ParsedLine parse_command_line(int argc, char** argv)
 {
     Options options;
-    std::string weights, size, view, up = "y";
+    std::string weights, size, view, up = "y", rebuild = "auto";
     bool no_hud = false;
     CLI::App app("Plays a .pliant asset: blends whole shapes elastically, by dragging a point in a polygon of poses.",
                  "pliant-player");
@@ -177,6 +181,11 @@ ParsedLine parse_command_line(int argc, char** argv)
     app.add_option("--crowd", options.crowd, "many characters, each with its own solver, and a graph of the frames' times")
         ->type_name("N")
         ->check(CLI::Range(1, 10000));
+    app.add_option("--rebuild", rebuild,
+                   "with --crowd: who makes positions and normals, pliant::gl or the processor (default: auto, which is gpu "
+                   "unless the driver draws on the processor; with --frames cpu)")
+        ->type_name("auto|gpu|cpu")
+        ->check(CLI::IsMember({ "auto", "gpu", "cpu" }));
     std::vector<std::string> truth;
     app.add_option("--truth", truth, "unreduced averages (`pliant average --grid`): their weights and their meshes")
         ->type_name("WEIGHTS.csv MESH_%04d.ply")
@@ -204,6 +213,7 @@ ParsedLine parse_command_line(int argc, char** argv)
         refuse(error.what(), "pliant-player --help explains all options");
     }
     options.up_is_z = up == "z";
+    options.rebuild = rebuild == "gpu" ? Rebuild::gpu : rebuild == "cpu" ? Rebuild::cpu : Rebuild::automatic;
     if (!weights.empty()) parse_weights(weights, options);
     if (!size.empty()) parse_size(size, options);
     if (!view.empty()) parse_view(view, options);

@@ -13,6 +13,9 @@
 
 namespace pliant::player {
 
+// Who rebuilds the shapes of a crowd. automatic: pliant::gl, unless the driver draws on the processor.
+enum class Rebuild { automatic, gpu, cpu };
+
 struct Options {
     std::string asset;
     std::string screenshot; // path; empty: none
@@ -27,6 +30,7 @@ struct Options {
     std::string truth_weights, truth_pattern;
     bool heat = false;
     int crowd = 0; // characters; 0: not a crowd
+    Rebuild rebuild = Rebuild::automatic;
     bool linear = false;
     bool both = false;
     bool hud = false;

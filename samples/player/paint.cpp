@@ -36,6 +36,15 @@ GlName upload(const Texture& texture, const Image& image)
     return name;
 }
 
+std::vector<uint32_t> vertices_of(const PaintedPart& part, const std::vector<uint32_t>& indices)
+{
+    const auto first = indices.begin() + part.first_index;
+    std::vector<uint32_t> vertices(first, first + part.index_count);
+    std::sort(vertices.begin(), vertices.end());
+    vertices.erase(std::unique(vertices.begin(), vertices.end()), vertices.end());
+    return vertices;
+}
+
 } // namespace
 
 GlName make_white_texture() { return upload({}, { 1, 1, { 255, 255, 255, 255 } }); }
@@ -45,8 +54,9 @@ Paint::Paint(const Painting& painting)
     , vertices_(make_buffer())
     , white_(make_white_texture())
 {
-    // Blended parts last, over those behind them.
-    std::stable_partition(parts_.begin(), parts_.end(), [](const PaintedPart& part) { return part.alpha != Alpha::blend; });
+    const auto blended = std::stable_partition(parts_.begin(), parts_.end(),
+                                               [](const PaintedPart& part) { return part.alpha != Alpha::blend; });
+    for (auto part = blended; part != parts_.end(); ++part) blended_.push_back(vertices_of(*part, painting.indices));
     glBindBuffer(GL_ARRAY_BUFFER, vertices_.get());
     glBufferData(GL_ARRAY_BUFFER, static_cast<GLsizeiptr>(painting.vertices.size() * sizeof(PaintedVertex)),
                  painting.vertices.data(), GL_STATIC_DRAW);

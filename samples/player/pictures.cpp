@@ -132,13 +132,14 @@ private:
 
 class CrowdSubject final : public Subject {
 public:
-    // software: with panels a crowd is lit as in a window, or its graph would show what no window takes.
-    CrowdSubject(const Options& options, const AssetFile& file, bool software)
+    // With panels a crowd is lit as in a window, or its graph would show what no window takes.
+    CrowdSubject(const Options& options, const AssetFile& file, const GlContext& context)
         : file_(file)
         , stage_(options, file,
-                 !options.hud   ? Quality::high
-                     : software ? Quality::low
-                                : Quality::medium)
+                 !options.hud                ? Quality::high
+                     : context.is_software() ? Quality::low
+                                             : Quality::medium,
+                 context)
         , mode_(options.linear ? BlendMode::linear : BlendMode::elastic)
         , moves_(!options.sequence.empty())
     {
@@ -158,7 +159,8 @@ public:
         if (!easel.hud) return;
         easel.draw_over([&] {
             draw_crowd_hud(easel.overlay,
-                           { file_, stage_.crowd(), stage_.times(), stage_.cost(), mode_, true, stage_.has_paint() },
+                           { file_, stage_.crowd(), stage_.times(), stage_.cost(), stage_.rebuilder(),
+                             stage_.rebuilds_on_gpu(), mode_, true, stage_.has_paint() },
                            easel.width, easel.height);
         });
     }
@@ -199,7 +201,7 @@ private:
 
 std::unique_ptr<Subject> subject_for(const Options& options, const AssetFile& file, const Truth* truth, const Easel& easel)
 {
-    if (options.crowd > 0) return std::make_unique<CrowdSubject>(options, file, easel.context->is_software());
+    if (options.crowd > 0) return std::make_unique<CrowdSubject>(options, file, *easel.context);
     return std::make_unique<BlendSubject>(options, file, truth);
 }
 

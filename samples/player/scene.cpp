@@ -1,6 +1,7 @@
 #include "scene.h"
 
 #include "heat.h"
+#include "layers.h"
 #include "shaders.h"
 
 #include <glm/common.hpp>
@@ -8,7 +9,6 @@
 #include <glm/gtc/matrix_transform.hpp>
 
 #include <cmath>
-#include <cstddef>
 
 namespace pliant::player {
 
@@ -51,12 +51,13 @@ Scene::Scene(const AssetFile& file, const Extent& extent, Quality quality, bool 
 {
     if (!with_paint) return;
     const std::optional<Painting> painting = painting_of(file);
-    if (painting) take_paint(file.view(), *painting);
+    if (!painting) return;
+    paint_.emplace(*painting);
+    bodies_.take_paint(file.view(), *painting, *paint_);
 }
 
 Scene::Scene(const pliant_asset& asset, const Extent& extent, Quality quality, const ShaderSources& sources)
     : extent_(extent)
-    , index_count_(static_cast<GLsizei>(asset.triangle_count * 3))
     , shadow_size_(lighting(quality).shadow_size)
     , light_count_(lighting(quality).light_count)
     , dome_lowest_(lighting(quality).lowest)
@@ -65,16 +66,12 @@ Scene::Scene(const pliant_asset& asset, const Extent& extent, Quality quality, c
     , depth_("depth", sources.depth_vertex, sources.depth_fragment)
     , floor_("floor", sources.floor_vertex, sources.floor_fragment)
     , body_("body", sources.body_vertex, sources.body_fragment)
-    , indices_(make_buffer())
     , empty_array_(make_vertex_array())
     , shadow_texture_(make_texture())
     , shadow_target_(make_framebuffer())
     , white_(make_white_texture())
+    , bodies_(asset)
 {
-    glBindVertexArray(empty_array_.get());
-    glBindBuffer(GL_ELEMENT_ARRAY_BUFFER, indices_.get());
-    glBufferData(GL_ELEMENT_ARRAY_BUFFER, static_cast<GLsizeiptr>(index_count_) * 4, asset.triangles, GL_STATIC_DRAW);
-
     glBindTexture(GL_TEXTURE_2D_ARRAY, shadow_texture_.get());
     glTexImage3D(GL_TEXTURE_2D_ARRAY, 0, GL_DEPTH_COMPONENT24, shadow_size_, shadow_size_, light_count_, 0,
                  GL_DEPTH_COMPONENT, GL_FLOAT, nullptr);
@@ -87,17 +84,9 @@ Scene::Scene(const pliant_asset& asset, const Extent& extent, Quality quality, c
     glTexParameteri(GL_TEXTURE_2D_ARRAY, GL_TEXTURE_COMPARE_MODE, GL_COMPARE_REF_TO_TEXTURE);
 }
 
-// The painting's indices go behind the asset's own, in the one buffer that all vertex arrays know.
-void Scene::take_paint(const pliant_asset& asset, const Painting& painting)
+std::vector<std::vector<uint32_t>> Scene::blended_parts() const
 {
-    paint_.emplace(painting);
-    glBindVertexArray(empty_array_.get());
-    glBindBuffer(GL_ELEMENT_ARRAY_BUFFER, indices_.get());
-    const GLsizeiptr own = static_cast<GLsizeiptr>(index_count_) * 4,
-                     more = static_cast<GLsizeiptr>(painting.indices.size()) * 4;
-    glBufferData(GL_ELEMENT_ARRAY_BUFFER, own + more, nullptr, GL_STATIC_DRAW);
-    glBufferSubData(GL_ELEMENT_ARRAY_BUFFER, 0, own, asset.triangles);
-    glBufferSubData(GL_ELEMENT_ARRAY_BUFFER, own, more, painting.indices.data());
+    return paint_ ? paint_->blended() : std::vector<std::vector<uint32_t>> {};
 }
 
 Scene::Stage Scene::stage_for(const std::vector<Actor>& actors) const
@@ -137,59 +126,19 @@ void Scene::place_lights(const Stage& stage, const glm::vec3& eye)
     }
 }
 
-void Scene::upload(const std::vector<Actor>& actors)
-{
-    while (meshes_.size() < actors.size()) {
-        Mesh mesh { make_buffer(), make_vertex_array() };
-        glBindVertexArray(mesh.array.get());
-        glBindBuffer(GL_ARRAY_BUFFER, mesh.vertices.get());
-        glBindBuffer(GL_ELEMENT_ARRAY_BUFFER, indices_.get());
-        glEnableVertexAttribArray(0);
-        glEnableVertexAttribArray(1);
-        glEnableVertexAttribArray(2);
-        glVertexAttribPointer(0, 3, GL_FLOAT, GL_FALSE, sizeof(Vertex), nullptr);
-        glVertexAttribPointer(1, 3, GL_FLOAT, GL_FALSE, sizeof(Vertex),
-                              reinterpret_cast<const void*>(offsetof(Vertex, normal)));
-        glVertexAttribPointer(2, 1, GL_FLOAT, GL_FALSE, sizeof(Vertex),
-                              reinterpret_cast<const void*>(offsetof(Vertex, heat)));
-        if (paint_) paint_->attach();
-        meshes_.push_back(std::move(mesh));
-    }
-    for (size_t i = 0; i < actors.size(); ++i) {
-        const std::vector<Vertex>& vertices = *actors[i].vertices;
-        glBindBuffer(GL_ARRAY_BUFFER, meshes_[i].vertices.get());
-        glBufferData(GL_ARRAY_BUFFER, static_cast<GLsizeiptr>(vertices.size() * sizeof(Vertex)), vertices.data(),
-                     GL_STREAM_DRAW);
-    }
-}
-
-void Scene::draw_mesh(size_t actor) const
-{
-    glBindVertexArray(meshes_[actor].array.get());
-    glDrawElements(GL_TRIANGLES, index_count_, GL_UNSIGNED_INT, nullptr);
-}
-
-void Scene::draw_part(size_t actor, const PaintedPart& part) const
-{
-    const size_t first = static_cast<size_t>(index_count_) + part.first_index;
-    glBindVertexArray(meshes_[actor].array.get());
-    glDrawElements(GL_TRIANGLES, static_cast<GLsizei>(part.index_count), GL_UNSIGNED_INT,
-                   reinterpret_cast<const void*>(first * 4));
-}
-
 // Where a part is seen through, it lets light through: all or nothing, the shadow map knows no half.
 void Scene::draw_shadow(size_t actor) const
 {
     depth_.set("cutoff", 0.0f);
     if (!paint_ || !shows_paint_ || (!paint_->has(Alpha::mask) && !paint_->has(Alpha::blend))) {
-        draw_mesh(actor);
+        bodies_.draw(actor);
         return;
     }
     for (const PaintedPart& part : paint_->parts()) {
         depth_.set("cutoff", part.alpha == Alpha::opaque ? 0.0f : part.alpha == Alpha::mask ? part.cutoff : 0.5f);
         depth_.set("alpha_factor", part.factor.a);
         paint_->bind(part);
-        draw_part(actor, part);
+        bodies_.draw(actor, part);
     }
 }
 
@@ -210,7 +159,7 @@ void Scene::draw_shadow_maps(const std::vector<Actor>& actors)
         glFramebufferTextureLayer(GL_FRAMEBUFFER, GL_DEPTH_ATTACHMENT, shadow_texture_.get(), 0, light);
         glClear(GL_DEPTH_BUFFER_BIT);
         for (size_t i = 0; i < actors.size(); ++i) {
-            depth_.set("matrix", light_clips_[light] * glm::translate(glm::mat4(1.0f), actors[i].offset));
+            depth_.set("matrix", light_clips_[light] * model_of(actors[i]));
             draw_shadow(i);
         }
     }
@@ -272,38 +221,55 @@ void Scene::draw_actors(const Camera::Matrices& camera, const std::vector<Actor>
     body_.set("is_blended", 0);
     body_.set("cutoff", 0.0f);
     if (is_painted) {
-        draw_painted(actors);
+        draw_painted(camera.view, actors);
     } else {
         for (size_t i = 0; i < actors.size(); ++i) {
             body_.set("base_colour", glm::vec4(actors[i].colour, 1.0f));
-            body_.set("model", glm::translate(glm::mat4(1.0f), actors[i].offset));
-            draw_mesh(i);
+            body_.set("model", model_of(actors[i]));
+            bodies_.draw(i);
         }
     }
     glActiveTexture(GL_TEXTURE0);
 }
 
-// Part by part, the blended ones last: then whatever lies behind them is there.
-void Scene::draw_painted(const std::vector<Actor>& actors) const
+void Scene::use_part(const PaintedPart& part) const
 {
-    glBlendFunc(GL_SRC_ALPHA, GL_ONE_MINUS_SRC_ALPHA);
-    for (const PaintedPart& part : paint_->parts()) {
-        const bool is_blended = part.alpha == Alpha::blend;
-        if (is_blended) {
-            glEnable(GL_BLEND);
-            glDepthMask(GL_FALSE);
-        }
-        paint_->bind(part);
-        body_.set("base_colour", part.factor);
-        body_.set("cutoff", part.alpha == Alpha::mask ? part.cutoff : 0.0f);
-        body_.set("is_blended", is_blended ? 1 : 0);
+    paint_->bind(part);
+    body_.set("base_colour", part.factor);
+    body_.set("cutoff", part.alpha == Alpha::mask ? part.cutoff : 0.0f);
+    body_.set("is_blended", part.alpha == Alpha::blend ? 1 : 0);
+}
+
+// Part by part, the blended ones last: then whatever lies behind them is there.
+void Scene::draw_painted(const glm::mat4& view, const std::vector<Actor>& actors) const
+{
+    const std::vector<PaintedPart>& parts = paint_->parts();
+    const size_t first_blended = parts.size() - paint_->blended().size();
+    for (size_t p = 0; p < first_blended; ++p) {
+        use_part(parts[p]);
         for (size_t i = 0; i < actors.size(); ++i) {
-            body_.set("model", glm::translate(glm::mat4(1.0f), actors[i].offset));
-            draw_part(i, part);
+            body_.set("model", model_of(actors[i]));
+            bodies_.draw(i, parts[p]);
         }
     }
+    glEnable(GL_BLEND);
+    glBlendFunc(GL_SRC_ALPHA, GL_ONE_MINUS_SRC_ALPHA);
+    glDepthMask(GL_FALSE);
+    draw_layers(view, actors);
     glDepthMask(GL_TRUE);
     glDisable(GL_BLEND);
+}
+
+// The farthest first, of all actors.
+void Scene::draw_layers(const glm::mat4& view, const std::vector<Actor>& actors) const
+{
+    const size_t first_blended = paint_->parts().size() - paint_->blended().size();
+    for (const Layer& layer : layers_of(view, actors, paint_->blended())) {
+        const PaintedPart& part = paint_->parts()[first_blended + layer.blended];
+        use_part(part);
+        body_.set("model", model_of(actors[layer.actor]));
+        bodies_.draw(layer.actor, part);
+    }
 }
 
 void Scene::draw(const Canvas& canvas, const Area& area, const Area& glow, const Camera::Matrices& camera,
@@ -311,7 +277,7 @@ void Scene::draw(const Canvas& canvas, const Area& area, const Area& glow, const
 {
     const Stage stage = stage_for(actors);
     place_lights(stage, camera.eye);
-    upload(actors);
+    bodies_.place(actors);
     draw_shadow_maps(actors);
 
     canvas.begin();

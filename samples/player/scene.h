@@ -1,6 +1,8 @@
 // Draws characters in a studio: backdrop, floor with soft shadows, lights that turn with the camera.
 #pragma once
 
+#include "actor.h"
+#include "bodies.h"
 #include "camera.h"
 #include "character.h"
 #include "gl_objects.h"
@@ -15,12 +17,6 @@ namespace pliant::player {
 
 // low: windows of drivers that draw on the processor. medium: windows. high: pictures.
 enum class Quality { low, medium, high };
-
-struct Actor {
-    const std::vector<Vertex>* vertices = nullptr;
-    glm::vec3 offset { 0.0f };
-    glm::vec3 colour { 0.5f }; // linear, not sRGB; of vertices that have no heat, and are not painted
-};
 
 // The colours of the blends, everywhere the same.
 inline const glm::vec3 kElasticColour { 0.76f, 0.20f, 0.085f };
@@ -37,6 +33,8 @@ public:
     // Whether there are materials, and whether to show them instead of the actors' colours (at first: yes).
     bool has_paint() const { return paint_.has_value(); }
     void show_paint(bool shown) { shows_paint_ = shown; }
+    // The vertices of each blended part: built shapes say where their means are.
+    std::vector<std::vector<uint32_t>> blended_parts() const;
 
     // Draws into the part `area` of the canvas, between its begin() and resolve(). glow: the part of the canvas that the
     // characters stand in the middle of.
@@ -51,36 +49,29 @@ private:
 
     Stage stage_for(const std::vector<Actor>& actors) const;
     void place_lights(const Stage& stage, const glm::vec3& eye);
-    void upload(const std::vector<Actor>& actors);
     void draw_shadow_maps(const std::vector<Actor>& actors);
     void draw_backdrop(const Area& area, const Area& glow);
     void draw_floor(const Stage& stage, const Camera::Matrices& camera);
     void draw_actors(const Camera::Matrices& camera, const std::vector<Actor>& actors);
     void set_lights(const Program& program) const;
-    void draw_mesh(size_t actor) const;
-    void draw_part(size_t actor, const PaintedPart& part) const;
     void draw_shadow(size_t actor) const;
-    void draw_painted(const std::vector<Actor>& actors) const;
-
-    struct Mesh {
-        GlName vertices, array;
-    };
+    void draw_painted(const glm::mat4& view, const std::vector<Actor>& actors) const;
+    void draw_layers(const glm::mat4& view, const std::vector<Actor>& actors) const;
+    void use_part(const PaintedPart& part) const;
 
     Extent extent_;
     std::optional<Paint> paint_;
     bool shows_paint_ = true;
-    GLsizei index_count_;
     int shadow_size_, light_count_;
     float dome_lowest_, floor_radius_;
     Program backdrop_, depth_, floor_, body_;
-    GlName indices_, empty_array_, shadow_texture_, shadow_target_, white_;
-    std::vector<Mesh> meshes_;
+    GlName empty_array_, shadow_texture_, shadow_target_, white_;
+    Bodies bodies_;
     std::vector<glm::mat4> light_clips_;    // world to clip space, for drawing the maps
     std::vector<glm::mat4> light_matrices_; // world to the unit cube, for looking up
     std::vector<glm::vec4> lights_;
 
     Scene(const pliant_asset& asset, const Extent& extent, Quality quality, const struct ShaderSources& sources);
-    void take_paint(const pliant_asset& asset, const Painting& painting);
 };
 
 } // namespace pliant::player

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "camera.h"
+#include "gl_context.h"
 #include "gl_objects.h"
 #include "options.h"
 #include "overlay.h"
@@ -12,7 +13,7 @@
 
 namespace pliant::player {
 
-// Needs a current GL context for as long as it lives.
+// Needs its GL context to be current for as long as it lives.
 class Session {
 public:
     virtual ~Session() = default;
@@ -30,6 +31,6 @@ public:
 };
 
 // As one character or a crowd, with what else the options name. Throws Error.
-std::unique_ptr<Session> open_session(const Options& options, AssetFile file, Quality quality);
+std::unique_ptr<Session> open_session(const Options& options, AssetFile file, Quality quality, const GlContext& context);
 
 } // namespace pliant::player

@@ -77,7 +77,7 @@ layout(location = 1) in vec3 face_sum;
 layout(location = 2) in float heat;
 layout(location = 3) in vec2 texture_place;
 layout(location = 4) in vec4 tint;
-uniform mat4 model;
+uniform mat4 model; // turns and moves, no scale
 uniform mat4 view_projection;
 uniform bool is_painted;
 out vec3 point;
@@ -92,7 +92,7 @@ void main()
     paint = is_painted ? tint : vec4(1.0);
     vec4 world = model * vec4(position, 1.0);
     point = world.xyz;
-    direction = face_sum * inversesqrt(max(dot(face_sum, face_sum), 1e-30));
+    direction = mat3(model) * face_sum * inversesqrt(max(dot(face_sum, face_sum), 1e-30));
     gl_Position = view_projection * world;
 })";
 

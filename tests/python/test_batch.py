@@ -13,7 +13,7 @@ import unittest
 from pathlib import Path
 
 import pliant.batch
-from pliant.batch import _plan, _worker
+from pliant.batch import _farm, _plan, _worker
 
 TOOL, SOURCE = os.environ["PLIANT_TOOL"], Path(os.environ["PLIANT_SOURCE"])
 sys.path.insert(0, str(SOURCE / "tests/pipeline"))
@@ -328,6 +328,25 @@ class WithoutDask(Folder):
         done = subprocess.run([sys.executable, "-W", "error", "-c", program], capture_output=True, text=True)
         self.assertEqual((done.returncode, done.stderr), (0, ""))
         self.assertIn("pip install", done.stdout)
+
+    def test_ctrl_c_while_a_result_comes(self):
+        """It waits for Dask's call, which would log a traceback else, and is heard after it."""
+        class Future:
+            status, calls, ended = "finished", 0, 0
+
+            def result(self, timeout):
+                self.calls += 1
+                if self.calls == 1:
+                    raise TimeoutError
+                os.kill(os.getpid(), signal.SIGINT)
+                time.sleep(0.01)
+                self.ended += 1
+
+        future = Future()
+        with self.assertRaises(KeyboardInterrupt):
+            _farm._result_of(future, TimeoutError)
+        self.assertEqual((future.calls, future.ended), (2, 1))
+        self.assertIs(signal.getsignal(signal.SIGINT), signal.default_int_handler)
 
     def test_messages_by_name(self):
         lines = ("pliant bake-all: a: error P2105: x\npliant bake-all: a:   hint: y\npliant bake-all: error P4603: a: b: too much\n  hint: less\n")

@@ -1,12 +1,12 @@
-/* The AVX2 copies of the kernels give the bits of the plain ones: energy and gradient at random points, blends while dragging
-   and jumping, tiles of vertices, normals, for all eight kinds of elements and the quartic. Where a processor has AVX2 they are what
-   it gets. */
+/* The copies of the kernels for AVX2 and AVX-512 give the bits of the plain ones: energy and gradient at random points, blends while dragging
+   and jumping, tiles of vertices, normals, for all eight kinds of elements and the quartic. Where a processor has AVX2 or AVX-512 they
+   are what it gets. (test_unpack.c compares them on tiles of every kind.) */
 #include "internal.h"
 #include "support.h"
 
 #include <math.h>
 
-static const pliant_kernels* chosen;
+static const pliant_kernels *chosen, *compared;
 static int seen[PLIANT_ELEMENT_TIE + 1]; /* elements of each kind; [0]: assets with a quartic */
 
 static int seen_compact;
@@ -92,10 +92,10 @@ static void check_tiles(const opened* o)
         const size_t end = count - t < parts ? count - t : parts;
         if (o->asset.columns) {
             pliant_kernels_plain.rebuild_compact(&o->asset, &frame, t / parts, 0, end, tile[0]);
-            chosen->rebuild_compact(&o->asset, &frame, t / parts, 0, end, tile[1]);
+            compared->rebuild_compact(&o->asset, &frame, t / parts, 0, end, tile[1]);
         } else {
             pliant_kernels_plain.rebuild_tile(&o->asset, &frame, t, tile[0]);
-            chosen->rebuild_tile(&o->asset, &frame, t, tile[1]);
+            compared->rebuild_tile(&o->asset, &frame, t, tile[1]);
         }
         CHECK(are_same(tile[0], tile[1], end * PLIANT_FORMAT_TILE_FLOATS), "%s: tile %u", o->name, (unsigned)t);
         seen_compact += o->asset.columns != NULL;
@@ -116,7 +116,7 @@ static void check_normals(const opened* o)
         const uint32_t count = n - v < PLIANT_LANES ? n - v : PLIANT_LANES;
         const unsigned char* bytes = (const unsigned char*)positions;
         pliant_kernels_plain.normals_of_block(&normals, bytes, 12, v, count, block[0]);
-        chosen->normals_of_block(&normals, bytes, 12, v, count, block[1]);
+        compared->normals_of_block(&normals, bytes, 12, v, count, block[1]);
         CHECK(are_same(block[0], block[1], 3 * PLIANT_LANES), "%s: normals from vertex %u on", o->name, v);
     }
     free(memory);
@@ -126,7 +126,7 @@ static void check_normals(const opened* o)
 static void check_asset(const opened* o)
 {
     const made_solver plain = make_solver_with(&pliant_kernels_plain, &o->asset);
-    const made_solver copy = make_solver_with(chosen, &o->asset);
+    const made_solver copy = make_solver_with(compared, &o->asset);
     count_kinds(o);
     check_evaluations(o, plain.solver, copy.solver);
     check_blends(o, plain.solver, copy.solver);
@@ -149,6 +149,12 @@ int main(int argc, char** argv)
     chosen = pliant_kernels_choose();
 #if PLIANT_HAS_AVX2_COPY
     if (!__builtin_cpu_supports("avx2")) return skip("this processor has no AVX2");
+    if (chosen != &pliant_kernels_avx2) {
+        CHECK(chosen == &pliant_kernels_avx512 && __builtin_cpu_supports("avx512bw"), "kernels that no table knows");
+        compared = &pliant_kernels_avx2;
+        for_each_asset(argv[1], check_asset);
+    }
+    compared = chosen;
 #else
     return skip("this build has no second copy");
 #endif

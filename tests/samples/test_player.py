@@ -10,54 +10,12 @@ import struct
 import subprocess
 import sys
 import tempfile
-import zlib
 from pathlib import Path
 
 import numpy as np
 from PIL import Image, features
 
-ROOT = Path(__file__).resolve().parents[2]
-sys.path.insert(0, str(ROOT / "formats" / "reference"))
-PLAYER = sys.argv[2]
-# Graphics drivers leak a little, which sanitizer builds would report as ours. What does not draw is still watched.
-if sys.argv[1] not in ("help", "usage", "bad_asset", "benchmark"):
-    os.environ["ASAN_OPTIONS"] = "detect_leaks=0"
-
-
-def skip(reason):
-    print("skipped:", reason)
-    sys.exit(77)
-
-
-def make_asset(folder, *more, poses=3):
-    path = folder / "tube.pliant"
-    subprocess.run([sys.executable, ROOT / "tests/runtime/tiny_asset.py", path, "--mesh", "tube", "--poses", str(poses),
-                    "--dim", str(max(6, poses - 1)), "--material", "neo-hookean", *more], check=True, stdout=subprocess.DEVNULL)
-    return path
-
-
-def run(*arguments, expected=0):
-    """Runs the player; returns standard output and error."""
-    result = subprocess.run([PLAYER, *map(str, arguments)], capture_output=True, text=True, timeout=240)
-    if result.returncode == 1 and "P5921" in result.stderr and expected != 1:
-        skip("no OpenGL 3.3 here: " + result.stderr)
-    assert result.returncode == expected, f"exit code {result.returncode}, not {expected}: {result.stderr}"
-    return result.stdout, result.stderr
-
-
-def refused(*arguments, code, number):
-    """Runs the player on something wrong: exit code, number, one line for the error and one for the remedy."""
-    _, err = run(*arguments, expected=code)
-    lines = err.splitlines()
-    assert len(lines) == 2, err
-    assert lines[0].startswith(f"pliant-player: error P{number}: ") and lines[1].startswith("hint: "), err
-    return lines[0]
-
-
-def picture(asset, folder, *arguments, size="320x240"):
-    path = folder / "picture.png"
-    run(asset, "--screenshot", path, "--size", size, *arguments)
-    return np.asarray(Image.open(path).convert("RGB")).astype(float)
+from player_support import PLAYER, ROOT, make_asset, picture, refused, run, skip, with_checksums, write_path
 
 
 def warm(image):
@@ -72,8 +30,8 @@ def cool(image):
 
 def case_help(folder):
     out, _ = run("--help")
-    for word in ("--screenshot", "--sheet", "--sequence", "--path", "--truth", "--heat", "--crowd", "--weights", "--frames", "--up",
-                 "Exit code"):
+    for word in ("--screenshot", "--sheet", "--sequence", "--path", "--truth", "--heat", "--crowd", "--rebuild", "--weights", "--frames",
+                 "--up", "Exit code"):
         assert word in out, f"--help does not explain {word}"
     out, _ = run("--version")
     assert re.fullmatch(r"pliant-player \d+\.\d+\.\d+\n", out), out
@@ -185,12 +143,6 @@ def case_sheet(folder):
     image = np.asarray(Image.open(path).convert("RGB")).astype(float)
     assert image.shape[0] > 200 and image.shape[1] > 400, image.shape
     assert warm(image).mean() > 0.01 and cool(image).mean() > 0.003, "a kind of blend is missing on the sheet"
-
-
-def write_path(folder, rows, name="weights.csv"):
-    path = folder / name
-    path.write_text("# weights\n" + "".join(",".join(map(str, row)) + "\n" for row in rows))
-    return path
 
 
 def case_sequence(folder):
@@ -392,18 +344,6 @@ def case_texture_transform(folder):
     extension = drawn(transform={"offset": [0.3, 0.1], "rotation": 0.4, "scale": [2.5, 0.8]})
     assert (np.abs(extension - explicit).max(axis=2) > 8).mean() < 1e-3, "the transform places the texture elsewhere"
     assert (np.abs(extension - plain).max(axis=2) > 8).mean() > 0.02, "the transform changes nothing"
-
-
-def with_checksums(blob):
-    """The asset with the checksums that its bytes have."""
-    blob = bytearray(blob)
-    count, = struct.unpack_from("<I", blob, 24)
-    for i in range(count):
-        _, _, offset, size = struct.unpack_from("<4sIQQ", blob, 64 + 32 * i)
-        struct.pack_into("<I", blob, 64 + 32 * i + 24, zlib.crc32(blob[offset:offset + size]))
-    struct.pack_into("<I", blob, 28, 0)
-    struct.pack_into("<I", blob, 28, zlib.crc32(blob[:64 + 32 * count]))
-    return bytes(blob)
 
 
 def case_many_poses(folder):

@@ -98,7 +98,7 @@ def bake(
     progress  called as progress(stage, done, total) on the calling thread, at most some 20 times a second: the name of the stage, and
               how much of it is done, of 1.0. What it raises stops the bake.
 
-    Ctrl-C stops a bake at its next step, within a second up to some 8,000 vertices (the longest step is one sparse factorisation);
+    Ctrl-C stops a bake at its next step, within a second up to some 6,000 vertices (the longest step is one sparse factorisation);
     nothing is left running. Warnings are
     PliantWarning; one that is made an error stops the bake, too.
 

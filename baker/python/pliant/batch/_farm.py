@@ -4,7 +4,9 @@ from __future__ import annotations
 import contextlib
 import json
 import os
+import signal
 import tempfile
+import threading
 import uuid
 from collections import Counter
 from typing import Any, Callable, Dict, Iterator, List, Optional, Tuple
@@ -27,6 +29,34 @@ def _tokens(result: Result) -> Iterator[List[str]]:
             if os.path.isdir(folder):  # what lies in no folder fails by itself, with a message of its own
                 paths.append(stack.enter_context(tempfile.NamedTemporaryFile(prefix=".pliant-batch-", dir=folder)).name)
         yield paths
+
+
+@contextlib.contextmanager
+def _uninterrupted() -> Iterator[None]:
+    """Ctrl-C waits for the end of the block. Dask's blocking calls log a traceback of their own if it comes before they have begun."""
+    before = signal.getsignal(signal.SIGINT)
+    if threading.current_thread() is not threading.main_thread() or not callable(before):
+        yield
+        return
+    came: List[int] = []
+    signal.signal(signal.SIGINT, lambda number, _: came.append(number))
+    try:
+        yield
+    finally:
+        signal.signal(signal.SIGINT, before)
+        if came:
+            before(signal.SIGINT, None)
+
+
+def _result_of(future: Any, timeout_error: Any) -> Any:
+    """What a future has come to, or its exception. Ctrl-C is heard within a second."""
+    while True:
+        with _uninterrupted():
+            try:
+                return future.result(timeout=1)
+            except timeout_error:
+                if future.status == "error":
+                    raise
 
 
 def _share(places: Dict[str, _worker.Place]) -> int:
@@ -58,7 +88,7 @@ class Farm:
         planned = self._client.submit(_worker.call_tool, self._request.tool, self._request.dry_run(share, memory), self._group,
                                       pure=False, workers=list(places))
         try:
-            ended = planned.result()
+            ended = _result_of(planned, self._distributed.TimeoutError)
         except Exception as error:
             raise RuntimeError(f"the cluster cannot make the plan: {error}") from error
         except BaseException:  # Ctrl-C
@@ -127,7 +157,7 @@ class Farm:
         """The record of a try that has ended, its messages, and whether something killed it that may not come again."""
         lost = {**planned, "outcome": "crashed", "exit_code": 1}
         try:
-            ended = future.result()
+            ended = _result_of(future, self._distributed.TimeoutError)
         except Exception as error:  # too many workers were lost, or the tool could not be started
             if not future.cancelled():
                 return lost, str(error), True
