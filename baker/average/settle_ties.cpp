@@ -83,24 +83,37 @@ Eigen::VectorXd balanced(const std::vector<const PartPlaces*>& places, const Eig
     return minimise_above(matrix, Eigen::VectorXd::Constant(n, 1 / double(n)), softest);
 }
 
-// One group of ties (place_parts): the best that is known, and what is tried next.
+// One group of ties (place_parts): the best that is known, and what is tried next: its joint, if it has one, and where that is not good
+// enough its ties as they were found, and then stiffer or softer ones.
 struct Search {
-    enum class Try { balance, raise, lower, none } next = Try::balance;
-    Eigen::VectorXd first, best, tried; // stiffness
-    double drift = -1;                  // of the best
-    int count = 0;                      // of tries of this sort
+    enum class Try { joint, balance, raise, lower, none } next = Try::balance;
+    Eigen::VectorXd first, best, tried;  // stiffness
+    double drift = -1, joint_drift = -1; // of the best ties, of the joint; -1: not known
+    int count = 0;                       // of tries of this sort
 
     bool is_done() const { return next == Try::none; }
+    bool has_better_joint() const { return joint_drift >= 0 && (drift < 0 || joint_drift < (1 - worthwhile) * drift); }
+    bool uses_joint() const { return next == Try::joint || (is_done() && has_better_joint()); }
+    double final_drift() const { return has_better_joint() ? joint_drift : drift; }
 
-    void hear(double found)
+    void start(const Eigen::VectorXd& stiffness, bool has_joint)
+    {
+        first = best = tried = stiffness;
+        if (has_joint) next = Try::joint;
+    }
+
+    void hear(double found, double wanted)
     {
         if (is_done()) return;
-        const bool is_first = drift < 0, is_better = is_first || found < (1 - worthwhile) * drift;
-        if (is_better) best = tried, drift = found;
-        if (is_first) {
-            first = tried;
+        if (next == Try::joint) {
+            joint_drift = found;
+            next = found <= wanted ? Try::none : Try::balance;
             return;
         }
+        const bool is_first = drift < 0, is_better = is_first || found < (1 - worthwhile) * drift;
+        if (is_better) best = tried, drift = found;
+        if (drift <= wanted) next = Try::none;
+        if (is_first || is_done()) return;
         const bool goes_on = next != Try::balance && is_better && count < most_raises;
         const bool was_raised = next == Try::raise && (is_better || count > 1);
         if (!goes_on) {
@@ -111,9 +124,9 @@ struct Search {
 
     void choose(const std::vector<const PartPlaces*>& places, double diagonal)
     {
-        if (drift <= aim * diagonal) next = Try::none;
-        ++count;
         tried = best;
+        if (drift < 0) return; // the ties as they are have their turn
+        ++count;
         if (next == Try::balance) tried = best.cwiseProduct(balanced(places, best, diagonal));
         if (next == Try::raise) tried *= raise_factor;
         if (next == Try::lower) tried /= raise_factor;
@@ -128,6 +141,11 @@ public:
         , set_(set)
         , weights_(weights)
     {
+        for (const PartPlaces& places : place_parts(energy.ties(), set, weights[0], set.shapes[0])) {
+            searches_.emplace_back();
+            searches_.back().start(stiffness_of(places), joint_of(energy.ties(), places.first) != nullptr);
+        }
+        energy_.choose(first_stiffness(), used_joints());
     }
 
     // Looks at averages and sets the next stiffness. False: that is the last one.
@@ -136,22 +154,19 @@ public:
         std::vector<std::vector<PartPlaces>> all;
         for (std::size_t j = 0; j < shapes.size(); ++j)
             all.push_back(place_parts(energy_.ties(), set_, weights_[j], shapes[j]));
-        searches_.resize(all[0].size());
         std::vector<double> stiffness;
         bool is_done = true;
         for (std::size_t g = 0; g < searches_.size(); ++g) {
             std::vector<const PartPlaces*> places;
             for (const auto& at : all) places.push_back(&at[g]);
             Search& search = searches_[g];
-            if (search.tried.size() == 0) search.tried = search.first = search.best = stiffness_of(*places[0]);
-            if (search.tried.sum() == 0) search.next = Search::Try::none; // a joint holds it
-            search.hear(largest_drift(places));
+            search.hear(largest_drift(places), aim * set_.diagonal);
             search.choose(places, set_.diagonal);
             is_done = is_done && search.is_done();
             stiffness.insert(stiffness.end(), search.tried.begin(), search.tried.end());
         }
         if (is_done && is_hopeless()) stiffness = first_stiffness();
-        energy_.set_stiffness(stiffness);
+        energy_.choose(stiffness, used_joints());
         return !is_done;
     }
 
@@ -167,13 +182,25 @@ private:
     bool is_hopeless() const
     {
         return std::any_of(searches_.begin(), searches_.end(),
-                           [&](const Search& search) { return search.drift > hopeless * set_.diagonal; });
+                           [&](const Search& search) { return search.final_drift() > hopeless * set_.diagonal; });
     }
 
     std::vector<double> first_stiffness() const
     {
         std::vector<double> out;
         for (const Search& search : searches_) out.insert(out.end(), search.first.begin(), search.first.end());
+        return out;
+    }
+
+    // Joints have the order of the groups that have one.
+    std::vector<bool> used_joints() const
+    {
+        std::vector<bool> out;
+        std::size_t first_tie = 0;
+        for (const Search& search : searches_) {
+            if (joint_of(energy_.ties(), first_tie)) out.push_back(search.uses_joint());
+            first_tie += std::size_t(search.first.size());
+        }
         return out;
     }
 
@@ -195,6 +222,7 @@ private:
 void settle_ties(TiedEnergy& energy, const ShapeSet& set, SolverKind solver, Progress* progress)
 {
     const std::vector<Weights> weights = probe_weights(set.pose_count());
+    Settling settling(energy, set, weights);
     SolverPool pool(energy, set, solver);
     AverageFamily family(pool, rough_options(set), progress);
     family.mean();
@@ -203,13 +231,13 @@ void settle_ties(TiedEnergy& energy, const ShapeSet& set, SolverKind solver, Pro
     shared.describe("ties", 0, "how far parts drift");
     for_each_task(shapes.size(),
                   [&](std::size_t i, std::size_t worker) { shapes[i] = family.at(weights[i], worker, &shared).average.y; });
-    Settling settling(energy, set, weights);
     for (int round = 1; settling.go_on(shapes); ++round) {
         shared.describe("ties", 0, fmt::format("round {}", round));
         for_each_task(shapes.size(), [&](std::size_t i, std::size_t worker) {
             shapes[i] = family.near(shapes[i], weights[i], worker, &shared).y;
         });
     }
+    energy.drop_unused();
 }
 
 } // namespace pliant

@@ -3,6 +3,7 @@
 #include "pliant_format.h"
 
 #include <Eigen/Geometry>
+#include <algorithm>
 
 namespace pliant {
 
@@ -88,17 +89,35 @@ void evaluate_pull(const Pull& tie, std::size_t pose_count, const double* weight
 TiedEnergy::TiedEnergy(std::unique_ptr<Energy> inner, TieSet ties)
     : inner_(std::move(inner))
     , ties_(std::move(ties))
-    , pulls_(ties_.joints)
 {
-    for (const Tie& tie : ties_.ties)
-        if (tie.stiffness > 0) pulls_.push_back(pull_of(tie));
+    for (const Joint& joint : ties_.joints) pulls_.insert(pulls_.end(), joint.pulls.begin(), joint.pulls.end());
+    for (const Tie& tie : ties_.ties) pulls_.push_back(pull_of(tie));
+    apply_choice();
 }
 
-void TiedEnergy::set_stiffness(const std::vector<double>& stiffness)
+void TiedEnergy::apply_choice()
 {
-    std::size_t next = ties_.joints.size();
-    for (std::size_t i = 0; i < stiffness.size(); ++i)
-        if (ties_.ties[i].stiffness > 0) ties_.ties[i].stiffness = pulls_[next++].stiffness = stiffness[i];
+    std::vector<bool> is_replaced(ties_.ties.size(), false);
+    std::size_t next = 0;
+    for (const Joint& joint : ties_.joints) {
+        for (std::size_t i = 0; i < joint.tie_count; ++i) is_replaced[joint.first_tie + i] = joint.is_used;
+        for (const Pull& pull : joint.pulls) pulls_[next++].stiffness = joint.is_used ? pull.stiffness : 0;
+    }
+    for (std::size_t i = 0; i < ties_.ties.size(); ++i)
+        pulls_[next++].stiffness = is_replaced[i] ? 0 : ties_.ties[i].stiffness;
+}
+
+void TiedEnergy::choose(const std::vector<double>& stiffness, const std::vector<bool>& joints)
+{
+    for (std::size_t i = 0; i < stiffness.size(); ++i) ties_.ties[i].stiffness = stiffness[i];
+    for (std::size_t i = 0; i < joints.size(); ++i) ties_.joints[i].is_used = joints[i];
+    apply_choice();
+}
+
+void TiedEnergy::drop_unused()
+{
+    pulls_.erase(std::remove_if(pulls_.begin(), pulls_.end(), [](const Pull& pull) { return pull.stiffness == 0; }),
+                 pulls_.end());
 }
 
 const std::uint32_t* TiedEnergy::element_vertices(std::size_t element, std::size_t& count) const

@@ -11,7 +11,7 @@
 
 namespace pliant {
 
-// Elements of the inner energy first, with its numbers, then the joints, then the ties.
+// Elements of the inner energy first, with its numbers, then those of joints, then those of ties.
 class TiedEnergy final : public Energy {
 public:
     TiedEnergy(std::unique_ptr<Energy> inner, TieSet ties);
@@ -27,13 +27,18 @@ public:
     const Energy& inner() const { return *inner_; }
     const TieSet& ties() const { return ties_; }
 
-    // One for each tie; of those that have none it does not count.
-    void set_stiffness(const std::vector<double>& stiffness);
+    // A stiffness for each tie, and for each joint whether it is used; what is not used has no energy, and the elements stay the same.
+    void choose(const std::vector<double>& stiffness, const std::vector<bool>& joints);
+
+    // Ends the choice: what is not used is no element any more. The last call of these two.
+    void drop_unused();
 
 private:
+    void apply_choice();
+
     std::unique_ptr<Energy> inner_;
     TieSet ties_;
-    std::vector<Pull> pulls_; // the joints', then those of all ties that pull
+    std::vector<Pull> pulls_; // the joints', then the ties'
 };
 
 // The same energy if it needs no ties.

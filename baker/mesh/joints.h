@@ -17,7 +17,7 @@ Eigen::Matrix3d nearest_rotation(const Eigen::Matrix3d& matrix);
 Eigen::Vector3d steadiest_point(const std::vector<Eigen::Matrix3d>& turns, const Eigen::Matrix3Xd& centres, double reach);
 
 // Where a part that these ties (all of the part, one at least) hold is rigid there and turns far, and what it hangs on is rigid there, too:
-// the pulls that take the place of its ties. Else none.
+// pulls that can take the place of its ties. Else none.
 std::vector<Pull> find_joint(const ShapeSet& set, const Tie* first, const Tie* last);
 
 } // namespace pliant

@@ -266,15 +266,20 @@ private:
     std::vector<Nearest> found_;                                      // per vertex
 };
 
-// Parts that turn far get joints in the place of their ties.
+// The end of the ties of a part that begin at `first`.
+std::size_t end_of_part(const TieSet& ties, std::size_t first)
+{
+    std::size_t end = first;
+    while (end < ties.ties.size() && ties.ties[end].part == ties.ties[first].part) ++end;
+    return end;
+}
+
 void find_joints(const ShapeSet& set, TieSet& out)
 {
     for (std::size_t first = 0, last = 0; first < out.ties.size(); first = last) {
-        while (last < out.ties.size() && out.ties[last].part == out.ties[first].part) ++last;
-        const std::vector<Pull> joint = find_joint(set, out.ties.data() + first, out.ties.data() + last);
-        if (joint.empty()) continue;
-        out.joints.insert(out.joints.end(), joint.begin(), joint.end());
-        for (std::size_t i = first; i < last; ++i) out.ties[i].stiffness = 0;
+        last = end_of_part(out, first);
+        std::vector<Pull> pulls = find_joint(set, out.ties.data() + first, out.ties.data() + last);
+        if (!pulls.empty()) out.joints.push_back({ first, last - first, std::move(pulls) });
     }
 }
 
@@ -398,14 +403,20 @@ Eigen::Matrix3Xd mean_cloud(const std::vector<Eigen::Matrix3Xd>& clouds, const E
 
 } // namespace
 
+const Joint* joint_of(const TieSet& ties, std::size_t first_tie)
+{
+    for (const Joint& joint : ties.joints)
+        if (joint.first_tie == first_tie) return &joint;
+    return nullptr;
+}
+
 std::vector<PartPlaces> place_parts(const TieSet& ties, const ShapeSet& set, const Eigen::VectorXd& weights, const Shape& y)
 {
     std::vector<PartPlaces> out;
     for (std::size_t first = 0, last = 0; first < ties.ties.size(); first = last) {
-        const std::size_t part = ties.ties[first].part;
-        while (last < ties.ties.size() && ties.ties[last].part == part) ++last;
+        last = end_of_part(ties, first);
         const Eigen::Index count = Eigen::Index(last - first);
-        PartPlaces places = { part, first, Eigen::Matrix3Xd(3, count), {}, Eigen::Matrix3Xd(3, count) };
+        PartPlaces places = { ties.ties[first].part, first, Eigen::Matrix3Xd(3, count), {}, Eigen::Matrix3Xd(3, count) };
         std::vector<Eigen::Matrix3Xd> clouds(set.pose_count(), Eigen::Matrix3Xd(3, count));
         for (Eigen::Index i = 0; i < count; ++i) {
             const Places one = places_of(ties.ties[first + std::size_t(i)], y);
@@ -413,7 +424,7 @@ std::vector<PartPlaces> place_parts(const TieSet& ties, const ShapeSet& set, con
             places.found.col(i) = one.found;
             places.pulled.col(i) = one.wanted * weights / weights.sum();
         }
-        places.wanted = mean_cloud(clouds, weights, ties.ties[first].stiffness == 0);
+        places.wanted = mean_cloud(clouds, weights, joint_of(ties, first) != nullptr);
         out.push_back(std::move(places));
     }
     return out;

@@ -12,7 +12,7 @@ namespace pliant {
 struct Tie {
     std::array<std::uint32_t, 4> vertices;
     Eigen::Matrix2d frame; // f, upper triangular
-    double stiffness;      // energy per squared length; 0: a joint holds the part in its place (mesh/joints.h)
+    double stiffness;      // energy per squared length
     Eigen::Matrix3Xd rest; // the three numbers in every pose
     std::size_t part;      // the tied vertex's
 };
@@ -27,6 +27,13 @@ struct Pull {
 };
 
 Pull pull_of(const Tie& tie);
+
+// What may hold a rigid part that turns far, in the place of these ties of its (mesh/joints.h).
+struct Joint {
+    std::size_t first_tie, tie_count;
+    std::vector<Pull> pulls;
+    bool is_used = false; // and its ties are not
+};
 
 // As stiff as a place may be held that is known in every pose, energy per squared length: the less it is the same in all, the softer.
 double stiffness_of(const Eigen::Matrix3Xd& rest, double diagonal);
@@ -48,12 +55,15 @@ struct TieSet {
     PartTree tree;
     std::vector<Tie> ties;
     std::vector<double> distances; // per part: to its host, normalised units; 0 for the root
-    std::vector<Pull> joints;      // of parts that turn far
+    std::vector<Joint> joints;     // of parts that turn far, in the order of their ties
     std::size_t seam_count = 0;    // the last ties: borders that lie on other borders (T-junctions, cracks)
 };
 
-// None for a surface in one part without such borders, and for solids. Costs n log n.
+// None for a surface in one part without such borders, and for solids. No joint is used yet. Costs n log n.
 TieSet find_ties(const ShapeSet& set);
+
+// The joint in the place of ties that begin at this one; null: there is none.
+const Joint* joint_of(const TieSet& ties, std::size_t first_tie);
 
 std::vector<TiePart> describe_parts(const TieSet& ties, const ShapeSet& set);
 

@@ -156,7 +156,10 @@ Json drift_of(const WorstDrift& worst)
 
 Json ties_of(const TieReport& report)
 {
-    Json ties = { { "parts", report.part_count }, { "ties", report.tie_count }, { "seam_ties", report.seam_count } };
+    Json ties = { { "parts", report.part_count },
+                  { "ties", report.tie_count },
+                  { "seam_ties", report.seam_count },
+                  { "joints", report.joint_count } };
     if (report.blends.weights.size() > 0) {
         ties["drift_of_averages"] = drift_of(report.truth);
         ties["drift_of_blends"] = drift_of(report.blends);

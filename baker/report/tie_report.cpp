@@ -25,6 +25,7 @@ TieReport start_tie_report(const TieSet& ties, const ShapeSet& set)
     report.part_count = ties.parts.count();
     report.tie_count = ties.ties.size();
     report.seam_count = ties.seam_count;
+    for (const Joint& joint : ties.joints) report.joint_count += joint.is_used;
     report.parts = describe_parts(ties, set);
     return report;
 }

@@ -13,9 +13,9 @@ struct WorstDrift {
 };
 
 struct TieReport {
-    std::size_t part_count = 1, tie_count = 0, seam_count = 0;
-    std::vector<TiePart> parts; // all, by number
-    WorstDrift truth, blends;   // over the checks
+    std::size_t part_count = 1, tie_count = 0, seam_count = 0, joint_count = 0; // ties: those that joints replace, too
+    std::vector<TiePart> parts;                                                 // all, by number
+    WorstDrift truth, blends;                                                   // over the checks
 };
 
 // `numbers`: of the vertices in the files; empty: the same.
