@@ -1,5 +1,6 @@
 #include "mesh/parts.h"
 
+#include "mesh/part_points.h"
 #include "mesh/union_find.h"
 
 #include <algorithm>
@@ -21,27 +22,39 @@ struct Link {
     }
 };
 
-std::vector<TreePoint> points_of(const Parts& parts)
+std::vector<TreePoint> points_of(const PartPoints& points, const std::vector<bool>& can_hold)
 {
-    std::vector<TreePoint> points;
-    for (std::size_t p = 0; p < parts.surface_count; ++p)
-        for (const std::uint32_t v : parts.vertices[p]) points.push_back({ v, std::uint32_t(p) });
-    return points;
+    std::vector<TreePoint> out;
+    for (std::size_t p = 0; p < can_hold.size(); ++p)
+        if (can_hold[p])
+            for (const std::uint32_t column : points.of_part[p]) out.push_back({ column, std::uint32_t(p) });
+    return out;
 }
 
-// The shortest links that make one of all parts with faces: every group of parts looks for its nearest neighbour, all at once, until
-// there is one group.
-std::vector<Link> shortest_links(const Parts& parts, const Eigen::MatrixXd& columns)
+std::vector<TreePoint> vertices_among(std::vector<TreePoint> tree_points, const PartPoints& points)
 {
-    PointTree tree(columns, points_of(parts));
+    const auto is_of_face = [&](const TreePoint& point) { return points.faces[point.vertex] != no_face; };
+    tree_points.erase(std::remove_if(tree_points.begin(), tree_points.end(), is_of_face), tree_points.end());
+    return tree_points;
+}
+
+// The shortest links that make one of all parts that can hold others: every group of parts looks for its nearest neighbour, all at once, until
+// there is one group.
+std::vector<Link> shortest_links(const Parts& parts, const std::vector<bool>& can_hold, const PartPoints& points)
+{
+    const std::size_t count = std::size_t(std::count(can_hold.begin(), can_hold.end(), true));
+    PointTree surface(points.columns, points_of(points, can_hold));
+    PointTree vertices(points.columns, vertices_among(surface.points(), points));
     UnionFind groups(parts.surface_count);
     std::vector<std::uint32_t> labels(parts.surface_count);
     std::vector<Link> links;
-    while (links.size() + 1 < parts.surface_count) {
+    while (links.size() + 1 < count) {
         for (std::size_t p = 0; p < labels.size(); ++p) labels[p] = std::uint32_t(groups.find(std::uint32_t(p)));
-        tree.relabel(labels);
+        surface.relabel(labels);
+        vertices.relabel(labels);
         std::vector<Link> best(parts.surface_count); // of a group, at its label
-        for (const TreePoint& point : tree.points()) {
+        for (const TreePoint& point : surface.points()) {
+            const PointTree& tree = points.faces[point.vertex] == no_face ? surface : vertices;
             Link& link = best[labels[point.label]];
             const Neighbour found = tree.nearest(point.vertex, labels[point.label], link.squared_distance);
             if (found.point == tree.points().size()) continue;
@@ -61,11 +74,12 @@ std::vector<Link> shortest_links(const Parts& parts, const Eigen::MatrixXd& colu
     return links;
 }
 
-std::size_t heaviest(const Parts& parts, const Eigen::VectorXd& masses)
+std::size_t heaviest(const Parts& parts, const std::vector<bool>& can_hold, const Eigen::VectorXd& masses)
 {
     std::size_t root = 0;
     double most = -1;
     for (std::size_t p = 0; p < parts.surface_count; ++p) {
+        if (!can_hold[p]) continue;
         double mass = 0;
         for (const std::uint32_t v : parts.vertices[p]) mass += masses[v];
         if (mass > most) most = mass, root = p;
@@ -73,14 +87,20 @@ std::size_t heaviest(const Parts& parts, const Eigen::VectorXd& masses)
     return root;
 }
 
-// Single vertices hang on what is nearest.
-void connect_single_vertices(const Parts& parts, const Eigen::MatrixXd& columns, PartTree& tree)
+// The others hang on what is nearest: single vertices, and parts that are a line in some pose.
+void connect_others(const Parts& parts, const std::vector<bool>& can_hold, const PartPoints& points, PartTree& out)
 {
-    if (parts.surface_count == parts.count()) return;
-    const PointTree points(columns, points_of(parts));
-    for (std::size_t p = parts.surface_count; p < parts.count(); ++p) {
-        tree.hosts[p] = points.points()[points.nearest(parts.vertices[p][0], 1, infinity).point].label;
-        tree.order.push_back(p);
+    if (out.order.size() == parts.count()) return;
+    const PointTree tree(points.columns, points_of(points, can_hold));
+    for (std::size_t p = 0; p < parts.count(); ++p) {
+        if (can_hold[p]) continue;
+        Link best;
+        for (const std::uint32_t column : points.of_part[p]) {
+            const Neighbour found = tree.nearest(column, 1, best.squared_distance);
+            if (found.point < tree.points().size()) best = { found.squared_distance, p, tree.points()[found.point].label };
+        }
+        out.hosts[p] = best.to;
+        out.order.push_back(p);
     }
 }
 
@@ -93,6 +113,7 @@ Parts find_parts(const ShapeSet& set)
     UnionFind faces(triangles.size());
     for (const Hinge& hinge : find_hinges(triangles, set.shapes[0])) faces.join(hinge.faces[0], hinge.faces[1]);
     Parts parts;
+    parts.of_face.resize(triangles.size());
     std::vector<std::size_t> part_of(triangles.size(), no_part); // at the face that stands for its set
     std::vector<bool> is_used(vertex_count, false);
     for (std::uint32_t f = 0; f < triangles.size(); ++f) {
@@ -101,6 +122,7 @@ Parts find_parts(const ShapeSet& set)
             part = parts.vertices.size();
             parts.vertices.emplace_back();
         }
+        parts.of_face[f] = std::uint32_t(part);
         for (const std::uint32_t v : triangles[f]) {
             parts.vertices[part].push_back(v);
             is_used[v] = true;
@@ -116,17 +138,18 @@ Parts find_parts(const ShapeSet& set)
     return parts;
 }
 
-PartTree connect_parts(const Parts& parts, const Eigen::MatrixXd& columns, const Eigen::VectorXd& masses)
+PartTree connect_parts(const Parts& parts, const std::vector<bool>& can_hold, const PartPoints& points,
+                       const Eigen::VectorXd& masses)
 {
     PartTree tree;
     tree.hosts.assign(parts.count(), no_part);
     if (parts.surface_count == 0) return tree;
     std::vector<std::vector<std::size_t>> neighbours(parts.surface_count);
-    for (const Link& link : shortest_links(parts, columns)) {
+    for (const Link& link : shortest_links(parts, can_hold, points)) {
         neighbours[link.from].push_back(link.to);
         neighbours[link.to].push_back(link.from);
     }
-    tree.order.push_back(heaviest(parts, masses));
+    tree.order.push_back(heaviest(parts, can_hold, masses));
     for (std::size_t i = 0; i < tree.order.size(); ++i) {
         const std::size_t part = tree.order[i];
         std::sort(neighbours[part].begin(), neighbours[part].end());
@@ -136,7 +159,7 @@ PartTree connect_parts(const Parts& parts, const Eigen::MatrixXd& columns, const
             tree.order.push_back(next);
         }
     }
-    connect_single_vertices(parts, columns, tree);
+    connect_others(parts, can_hold, points, tree);
     return tree;
 }
 

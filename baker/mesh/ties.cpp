@@ -1,6 +1,7 @@
 #include "mesh/ties.h"
 
 #include "mesh/joints.h"
+#include "mesh/part_points.h"
 
 #include <Eigen/Dense>
 #include <algorithm>
@@ -18,9 +19,9 @@ constexpr double infinity = std::numeric_limits<double>::infinity();
 // that turns would get dents from ties that pull its vertices from the arc to the chord. THEORY.md tells what other values do.
 constexpr double tie_stiffness = 0.3, least_stiffness = 0.01, sure_place = 0.005;
 
-// Lengths in units of the diagonal. Tied vertices of a part keep this distance, anchors lie about as far apart, and vertices this much
-// farther from the host than the nearest are tied as well.
-constexpr double tie_spacing = 0.03, anchor_spread = 0.02, near_margin = 0.02;
+// Lengths in units of the diagonal. Tied vertices of a part keep this distance, anchors lie about so far apart, vertices this much
+// farther from the host than the nearest are tied as well, and faces longer than this are not only their corners.
+constexpr double tie_spacing = 0.03, anchor_spread = 0.05, near_margin = 0.02, point_spacing = 0.01;
 
 // A part has at least so many tied vertices if it has as many, so that it is held against turning with some to spare, and at most so
 // many, so that what they cost stays small beside the part.
@@ -85,12 +86,59 @@ Tie make_tie(const ShapeSet& set, std::size_t part, const std::array<std::uint32
     return tie;
 }
 
+// Of a part's vertices some that lie far apart: the first, and always the one farthest from those before.
+std::vector<std::uint32_t> spread_vertices(const std::vector<std::uint32_t>& vertices, const Eigen::MatrixXd& columns,
+                                           std::size_t most)
+{
+    std::vector<std::uint32_t> out = { vertices[0] };
+    std::vector<double> gaps(vertices.size(), infinity);
+    while (out.size() < most) {
+        for (std::size_t i = 0; i < gaps.size(); ++i)
+            gaps[i] = std::min(gaps[i], (columns.col(vertices[i]) - columns.col(out.back())).squaredNorm());
+        const auto next = std::max_element(gaps.begin(), gaps.end());
+        if (!(*next > 0)) break;
+        out.push_back(vertices[std::size_t(next - gaps.begin())]);
+    }
+    return out;
+}
+
+// Whether places can be told from some of these vertices: three are a triangle of this quality in every pose.
+bool have_triangle(const ShapeSet& set, const std::vector<std::uint32_t>& vertices, const Eigen::MatrixXd& columns,
+                   double quality)
+{
+    constexpr std::size_t most = 10; // of a line all triangles are poor, of anything else few among so many are
+    const std::vector<std::uint32_t> points = spread_vertices(vertices, columns, most);
+    for (std::size_t i = 0; i < points.size(); ++i)
+        for (std::size_t j = i + 1; j < points.size(); ++j)
+            for (std::size_t k = j + 1; k < points.size(); ++k)
+                if (measure_triangle(set, points[i], points[j], points[k]).quality >= quality) return true;
+    return false;
+}
+
+// The parts that others may hang on. If places can be told from none, all with faces.
+std::vector<bool> find_holders(const ShapeSet& set, const Parts& parts, const Eigen::MatrixXd& columns)
+{
+    std::vector<bool> out(parts.count(), false);
+    for (std::size_t p = 0; p < parts.surface_count; ++p)
+        out[p] = have_triangle(set, parts.vertices[p], columns, poor_triangle);
+    if (std::find(out.begin(), out.end(), true) == out.end())
+        std::fill(out.begin(), out.begin() + std::ptrdiff_t(parts.surface_count), true);
+    return out;
+}
+
+// The points of a part to look among.
+struct HostTrees {
+    PointTree surface, vertices;
+    double size; // diagonal of the box of its vertices in pose space
+};
+
 // Ties parts to their hosts.
 class Binder {
 public:
-    Binder(const ShapeSet& set, const Eigen::MatrixXd& columns, TieSet& out)
+    Binder(const ShapeSet& set, const PartPoints& points, TieSet& out)
         : set_(set)
-        , columns_(columns)
+        , points_(points)
+        , columns_(points.columns)
         , out_(out)
         , trees_(out.parts.surface_count)
     {
@@ -98,81 +146,153 @@ public:
 
     void bind(std::size_t part)
     {
-        const std::size_t host = out_.tree.hosts[part];
-        if (host == no_part) return;
-        const std::vector<std::uint32_t>& vertices = out_.parts.vertices[part];
-        std::vector<double> distances;
-        for (const std::uint32_t v : vertices)
-            distances.push_back(std::sqrt(tree(host).nearest(v, 1, infinity).squared_distance));
-        out_.distances[part] = *std::min_element(distances.begin(), distances.end());
-        for (const std::size_t i : choose(vertices, distances)) bind_vertex(part, vertices[i], distances[i]);
+        if (out_.tree.hosts[part] == no_part) return;
+        const HostTrees& host = trees(out_.tree.hosts[part]);
+        const Nearby mine = vertices_near(host, part);
+        out_.distances[part] = mine.nearest(0);
+        // A plate under a small post touches it far from all its own corners: then the post's vertices are tied to the plate.
+        const double margin = near_margin * set_.diagonal;
+        if (part < out_.parts.surface_count && mine.nearest(2) > margin) {
+            const Nearby theirs = vertices_near_points(host, part);
+            out_.distances[part] = std::min(mine.nearest(0), theirs.nearest(0));
+            const std::vector<std::uint32_t> chosen = choose(theirs);
+            if (theirs.nearest(2) + margin < mine.nearest(2) && have_triangle(set_, chosen, columns_, good_triangle)
+                && bind_vertices(part, chosen, trees(part)))
+                return;
+        }
+        bind_vertices(part, choose(mine), host);
     }
 
 private:
-    const PointTree& tree(std::size_t part)
+    // Vertices of one part and how far they are from another.
+    struct Nearby {
+        std::vector<std::uint32_t> vertices;
+        std::vector<double> distances;
+
+        // The distance of the i-th nearest, or of the farthest if there are not so many.
+        double nearest(std::size_t i) const
+        {
+            std::vector<double> sorted = distances;
+            std::sort(sorted.begin(), sorted.end());
+            return sorted[std::min(i, sorted.size() - 1)];
+        }
+    };
+
+    Nearby vertices_near(const HostTrees& host, std::size_t part) const
+    {
+        Nearby out = { out_.parts.vertices[part], {} };
+        for (const std::uint32_t v : out.vertices)
+            out.distances.push_back(std::sqrt(host.surface.nearest(v, 1, infinity).squared_distance));
+        return out;
+    }
+
+    // Of the host those next to points of the part: no more than that has points, so that many parts on one host cost no more than they are.
+    Nearby vertices_near_points(const HostTrees& host, std::size_t part) const
+    {
+        std::vector<std::pair<std::uint32_t, double>> found;
+        for (const std::uint32_t column : points_.of_part[part]) {
+            const Neighbour nearest = host.vertices.nearest(column, 1, infinity);
+            found.emplace_back(host.vertices.points()[nearest.point].vertex, std::sqrt(nearest.squared_distance));
+        }
+        std::sort(found.begin(), found.end());
+        Nearby out;
+        for (const auto& [vertex, distance] : found) {
+            if (!out.vertices.empty() && out.vertices.back() == vertex) continue;
+            out.vertices.push_back(vertex);
+            out.distances.push_back(distance);
+        }
+        return out;
+    }
+
+    // Whether a tie came of it.
+    bool bind_vertices(std::size_t part, const std::vector<std::uint32_t>& vertices, const HostTrees& anchors)
+    {
+        const std::size_t before = out_.ties.size();
+        for (const std::uint32_t v : vertices) bind_vertex(part, v, anchors);
+        return out_.ties.size() > before;
+    }
+
+    const HostTrees& trees(std::size_t part)
     {
         if (!trees_[part]) {
-            std::vector<TreePoint> points;
-            for (const std::uint32_t v : out_.parts.vertices[part]) points.push_back({ v, 0 });
-            trees_[part] = std::make_unique<PointTree>(columns_, std::move(points));
+            const auto tree_points = [](const std::vector<std::uint32_t>& columns) {
+                std::vector<TreePoint> out;
+                for (const std::uint32_t column : columns) out.push_back({ column, 0 });
+                return out;
+            };
+            const std::vector<std::uint32_t>& vertices = out_.parts.vertices[part];
+            Eigen::VectorXd low = columns_.col(vertices[0]), high = low;
+            for (const std::uint32_t v : vertices)
+                low = low.cwiseMin(columns_.col(v)), high = high.cwiseMax(columns_.col(v));
+            trees_[part] = std::make_unique<HostTrees>(HostTrees { { columns_, tree_points(points_.of_part[part]) },
+                                                                   { columns_, tree_points(vertices) },
+                                                                   (high - low).norm() });
         }
         return *trees_[part];
     }
 
-    // Which of a part's vertices are tied: from the nearest to the host onwards always the one farthest from those before.
-    std::vector<std::size_t> choose(const std::vector<std::uint32_t>& vertices, const std::vector<double>& distances) const
+    // Which are tied: from the nearest one onwards always the one farthest from those before.
+    std::vector<std::uint32_t> choose(const Nearby& nearby) const
     {
-        std::vector<double> sorted = distances;
-        std::sort(sorted.begin(), sorted.end());
-        const std::size_t quarter = std::min(sorted.size() - 1, std::size_t(near_share * double(sorted.size())));
-        const std::size_t enough = std::min(sorted.size() - 1, least_ties);
-        const double reach = std::max({ sorted[0] + near_margin * set_.diagonal, sorted[quarter], sorted[enough] });
-        std::vector<double> gaps(vertices.size()); // to the nearest chosen one; negative: out of reach
-        for (std::size_t i = 0; i < gaps.size(); ++i) gaps[i] = distances[i] <= reach ? infinity : -1;
-        std::vector<std::size_t> chosen;
-        std::size_t next = std::size_t(std::min_element(distances.begin(), distances.end()) - distances.begin());
+        const std::size_t count = nearby.vertices.size();
+        const std::size_t quarter = std::size_t(near_share * double(count));
+        const double reach = std::max(
+            { nearby.nearest(0) + near_margin * set_.diagonal, nearby.nearest(quarter), nearby.nearest(least_ties) });
+        std::vector<double> gaps(count); // to the nearest chosen one; negative: out of reach
+        for (std::size_t i = 0; i < count; ++i) gaps[i] = nearby.distances[i] <= reach ? infinity : -1;
+        std::vector<std::uint32_t> chosen;
+        std::size_t next
+            = std::size_t(std::min_element(nearby.distances.begin(), nearby.distances.end()) - nearby.distances.begin());
         while (chosen.size() < most_ties) {
-            chosen.push_back(next);
-            for (std::size_t i = 0; i < gaps.size(); ++i)
+            chosen.push_back(nearby.vertices[next]);
+            for (std::size_t i = 0; i < count; ++i)
                 if (gaps[i] > 0)
-                    gaps[i] = std::min(gaps[i], (columns_.col(vertices[i]) - columns_.col(vertices[next])).norm());
+                    gaps[i] = std::min(gaps[i], (columns_.col(nearby.vertices[i]) - columns_.col(chosen.back())).norm());
             next = std::size_t(std::max_element(gaps.begin(), gaps.end()) - gaps.begin());
             if (!(gaps[next] > 0) || (chosen.size() >= least_ties && gaps[next] < tie_spacing * set_.diagonal)) break;
         }
         return chosen;
     }
 
-    // Anchors: the nearest vertex of the host, and two around it that make a large triangle in every pose. The farther the vertex, the
-    // larger, so that a small turn of the triangle is not a large way of the vertex.
-    void bind_vertex(std::size_t part, std::uint32_t v, double distance)
+    // Anchors: the nearest vertex of the host, and two around it that make a large triangle in every pose, among which the vertex keeps its
+    // place. The farther the vertex, the larger, so that a small turn of the triangle is not a large way of the vertex.
+    void bind_vertex(std::size_t part, std::uint32_t v, const HostTrees& host)
     {
-        const PointTree& host = tree(out_.tree.hosts[part]);
-        const std::uint32_t a = host.points()[host.nearest(v, 1, infinity).point].vertex;
+        const Neighbour nearest = host.vertices.nearest(v, 1, infinity);
+        const std::uint32_t a = host.vertices.points()[nearest.point].vertex;
+        const double wanted = std::max(anchor_spread * set_.diagonal, 1.5 * std::sqrt(nearest.squared_distance));
         double best_quality = 0;
         std::array<std::uint32_t, 4> best = { v, a, a, a };
-        for (double reach = std::max(anchor_spread * set_.diagonal, 1.5 * distance); best_quality < good_triangle;
-             reach *= 2) {
-            const std::vector<std::uint32_t> around = host.ball(columns_.col(a), reach, reach / 4);
-            double best_area = 0;
+        // Of a host that is smaller than the ball, half of it comes first: the ball sees no more than a few points at each distance.
+        for (double reach = std::min(wanted, host.size / 2); best_quality < good_triangle; reach *= 2) {
+            const std::vector<std::uint32_t> around = host.vertices.ball(columns_.col(a), reach, reach / 4);
+            double best_worth = 0;
             for (std::size_t i = 0; i < around.size(); ++i)
                 for (std::size_t j = i + 1; j < around.size(); ++j) {
                     if (around[i] == v || around[j] == v || around[i] == a || around[j] == a) continue;
+                    const std::array<std::uint32_t, 4> vertices = { v, a, around[i], around[j] };
                     const TriangleMeasure found = measure_triangle(set_, a, around[i], around[j]);
                     const bool is_good = found.quality >= good_triangle;
-                    if (is_good ? found.area <= best_area : best_area > 0 || found.quality <= best_quality) continue;
-                    if (is_good) best_area = found.area;
+                    if (!is_good && (best_worth > 0 || found.quality <= best_quality)) continue;
+                    if (is_good) {
+                        if (found.area * tie_stiffness <= best_worth) continue; // the most that it may be worth
+                        const double worth = found.area * make_tie(set_, part, vertices).stiffness;
+                        if (worth <= best_worth) continue;
+                        best_worth = worth;
+                    }
                     best_quality = found.quality;
-                    best = { v, a, around[i], around[j] };
+                    best = vertices;
                 }
-            if (reach > 4 * set_.diagonal) break; // that was all of the host
+            if (reach >= host.size) break; // that was all of it
         }
         if (best_quality >= poor_triangle) out_.ties.push_back(make_tie(set_, part, best));
     }
 
     const ShapeSet& set_;
+    const PartPoints& points_;
     const Eigen::MatrixXd& columns_;
     TieSet& out_;
-    std::vector<std::unique_ptr<PointTree>> trees_; // of hosts
+    std::vector<std::unique_ptr<HostTrees>> trees_;
 };
 
 // An edge of one triangle only, and the corner opposite.
@@ -330,8 +450,9 @@ TieSet find_ties(const ShapeSet& set)
     if (out.parts.count() < 2 && border.empty()) return out;
     const Eigen::MatrixXd columns = pose_space(set);
     if (out.parts.count() > 1) {
-        out.tree = connect_parts(out.parts, columns, set.masses);
-        Binder binder(set, columns, out);
+        const PartPoints points = sample_parts(set, out.parts, point_spacing * set.diagonal);
+        out.tree = connect_parts(out.parts, find_holders(set, out.parts, columns), points, set.masses);
+        Binder binder(set, points, out);
         for (const std::size_t part : out.tree.order) binder.bind(part);
     }
     find_joints(set, out);

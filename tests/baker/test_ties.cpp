@@ -295,6 +295,84 @@ TEST_CASE("touching parts that lie in one plane are held to first order")
 
 namespace {
 
+// A box from one corner to the opposite one, its vertices and faces added to a pose set; `high` may differ between the poses.
+void add_box(PoseSet& poses, const Eigen::RowVector3d& low, const std::vector<Eigen::RowVector3d>& high)
+{
+    const std::uint32_t first = poses.positions.empty() ? 0 : std::uint32_t(poses.positions[0].rows());
+    poses.positions.resize(high.size());
+    poses.names.resize(high.size(), "boxes");
+    for (std::size_t k = 0; k < high.size(); ++k) {
+        Positions& positions = poses.positions[k];
+        positions.conservativeResize(first + 8, 3);
+        for (std::uint32_t i = 0; i < 8; ++i)
+            for (int c = 0; c < 3; ++c) positions(first + i, c) = i >> c & 1 ? high[k][c] : low[c];
+    }
+    static const std::uint32_t sides[6][4]
+        = { { 0, 2, 3, 1 }, { 4, 5, 7, 6 }, { 0, 1, 5, 4 }, { 2, 6, 7, 3 }, { 0, 4, 6, 2 }, { 1, 3, 7, 5 } };
+    for (const auto& side : sides) {
+        poses.triangles.push_back({ first + side[0], first + side[1], first + side[2] });
+        poses.triangles.push_back({ first + side[0], first + side[2], first + side[3] });
+    }
+}
+
+using Row = Eigen::RowVector3d;
+
+} // namespace
+
+TEST_CASE("what stands on a large face hangs on it, far from its corners")
+{
+    // Two posts, nearer to one another than to any vertex of the plate; one grows, then the other.
+    PoseSet poses;
+    add_box(poses, Row(-2, -0.1, -0.5), { Row(2, 0, 0.5), Row(2, 0, 0.5), Row(2, 0, 0.5) });
+    add_box(poses, Row(-0.4, 0, -0.1), { Row(-0.2, 0.5, 0.1), Row(-0.2, 1.5, 0.1), Row(-0.2, 0.5, 0.1) });
+    add_box(poses, Row(0, 0, -0.1), { Row(0.2, 0.5, 0.1), Row(0.2, 0.5, 0.1), Row(0.2, 1.5, 0.1) });
+    const ShapeSet set = normalise(poses);
+    const TieSet ties = find_ties(set);
+    CHECK(ties.tree.hosts == std::vector<std::size_t> { no_part, 0, 0 });
+    CHECK(ties.distances[1] < 0.01 * set.diagonal);
+    const auto energy = make_energy(set, EnergyOptions());
+    const Weights w = Eigen::Vector3d(0.2, 0.5, 0.3);
+    const Shape y = NewtonSolver(*energy, set, default_solver()).minimise(w, set.shapes[0], NewtonOptions()).y;
+    CHECK(measure_drift(*ties_of(*energy), set, w, y).largest < drift_limit);
+}
+
+TEST_CASE("a plate under a heavier post is tied where the post stands")
+{
+    PoseSet poses;
+    add_box(poses, Row(-2, -2, -0.1), { Row(2, 2, 0), Row(2, 2, 0) });
+    add_box(poses, Row(-1.2, -1.2, 0), { Row(1.2, 1.2, 2.6), Row(1.2, 1.2, 3) });
+    const ShapeSet set = normalise(poses);
+    const TieSet ties = find_ties(set);
+    REQUIRE(ties.tree.hosts == std::vector<std::size_t> { 1, no_part });
+    CHECK(ties.distances[0] < 0.01 * set.diagonal);
+    for (const Tie& tie : ties.ties) {
+        CHECK(tie.part == 0);
+        CHECK(tie.vertices[0] >= 8);
+        CHECK(tie.vertices[1] < 8);
+    }
+    const Eigen::MatrixXd hessian
+        = dense_hessian(*make_energy(set, EnergyOptions()), corner_weights(2, 0), set.shapes[0], HessianKind::exact);
+    const Eigen::VectorXd values = Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(hessian).eigenvalues();
+    CHECK(values[5] < 1e-12 * values[values.size() - 1]);
+    CHECK(values[6] > 1e-8 * values[values.size() - 1]);
+}
+
+TEST_CASE("what is next to a part much smaller than the way to it is tied")
+{
+    PoseSet poses;
+    add_box(poses, Row(0, 0, 0), { Row(4, 1, 1), Row(4, 1, 1.2) });
+    add_box(poses, Row(4.3, 0.5, 0.5), { Row(4.33, 0.53, 0.53), Row(4.33, 0.53, 0.53) });
+    add_box(poses, Row(4.9, 0.4, 0.4), { Row(5.1, 0.6, 0.6), Row(5.1, 0.6, 0.6) });
+    const ShapeSet set = normalise(poses);
+    const TieSet ties = find_ties(set);
+    std::vector<std::size_t> counts(ties.parts.count(), 0);
+    for (const Tie& tie : ties.ties) ++counts[tie.part];
+    for (std::size_t p = 0; p < counts.size(); ++p) CHECK((counts[p] > 0) == (ties.tree.hosts[p] != no_part));
+    CHECK(ties.tree.hosts[2] == 1);
+}
+
+namespace {
+
 // Two strips of squares along x that share the border y = 0 only in space: the lower one has vertices at x = 0, 1, 2, .. there, the upper
 // one at 0, 2, 4, .., and the two are one part by the square at their end if `is_joined`.
 PoseSet cracked_sheet(bool is_joined)
