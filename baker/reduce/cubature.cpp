@@ -26,6 +26,11 @@ constexpr std::size_t force_probe_count = 40;
 constexpr std::size_t hessian_probe_count = 24;
 constexpr Eigen::Index hessian_probe_columns = 6;
 
+// An element that has less than this share of the most that one has of the training data hardly deforms: less than a thousandth as far, as forces
+// times their slopes go with the square. In single precision, whose noise in angles and strains is about 1e-6, it would tell little else, and
+// a weight can make anything large: hinges of rigid limbs, which fold by 1e-12, got 1e12.
+constexpr float audible = 1e-6f;
+
 // Directions that are softer than this in whitened coordinates, where the true Hessian of the mean has 1, are checked against the
 // true curvature; the stand-in should have at least half of it.
 constexpr double soft_curvature = 0.3;
@@ -279,6 +284,15 @@ void CubatureFit::append_rows(std::vector<Probe> probes, const Sketch& sketch)
             columns_.col(Eigen::Index(c)).tail(sketch.rows) = column.cast<float>();
         }
     });
+    silence(before);
+}
+
+void CubatureFit::silence(Eigen::Index before)
+{
+    const float loudest = columns_.colwise().norm().maxCoeff();
+    for (Eigen::Index c = 0; c < columns_.cols(); ++c)
+        if (before > 0 ? columns_.col(c).head(before).isZero(0) : columns_.col(c).norm() < audible * loudest)
+            columns_.col(c).setZero();
 }
 
 StandIn CubatureFit::fit(std::size_t element_count)

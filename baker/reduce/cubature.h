@@ -44,6 +44,7 @@ public:
 
 private:
     void append_rows(std::vector<Probe> probes, const Sketch& sketch);
+    void silence(Eigen::Index before); // candidates that say nothing in the rows there were, or, of none, in all
 
     const ReducedEnergy& reduced_;
     const TrainingSet& training_;
