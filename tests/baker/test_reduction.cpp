@@ -217,6 +217,40 @@ TEST_CASE("a few elements give the reduced average within a per cent, and the er
     CHECK(errors[1] < errors[0]);
 }
 
+TEST_CASE("elements that hardly deform get no weight")
+{
+    // A tube that bends a little, and a longer one behind it that does not: what its hinges say is rounding, until a weight makes it large.
+    PoseSet poses = tube_poses(2);
+    poses.positions[1] = poses.positions[0] + 0.003 * (poses.positions[1] - poses.positions[0]);
+    const Positions& straight = poses.positions[0];
+    const Eigen::RowVector3d size = straight.colwise().maxCoeff() - straight.colwise().minCoeff();
+    const Positions still
+        = (straight * Eigen::Vector3d(1, 1, 3).asDiagonal()).rowwise() - Eigen::RowVector3d(0, 0, 3.05 * size.z());
+    const std::uint32_t first = std::uint32_t(still.rows());
+    for (Positions& positions : poses.positions) {
+        positions.conservativeResize(2 * first, 3);
+        positions.bottomRows(first) = still;
+    }
+    for (std::size_t f = 0, count = poses.triangles.size(); f < count; ++f) {
+        const Triangle t = poses.triangles[f];
+        poses.triangles.push_back({ t[0] + first, t[1] + first, t[2] + first });
+    }
+    const ShapeSet set = normalise(poses);
+    const auto energy = make_energy(set, EnergyOptions());
+    NewtonSolver solver(*energy, set, default_solver());
+    const Subspace subspace = build_krylov_subspace(solver, { 1, 0, 256 }, nullptr);
+    const ReducedEnergy reduced(*energy, subspace);
+    const TrainingSet training = train(solver, subspace, 24);
+    for (const CubatureSolver pursuit : { CubatureSolver::nnls, CubatureSolver::nn_htp }) {
+        CubatureOptions options;
+        options.solver = pursuit;
+        CubatureFit fit(reduced, training, options, nullptr);
+        const StandIn stand_in = fit.fit(std::size_t(16 * subspace.dimension()));
+        CHECK(stand_in.element_count() > std::size_t(subspace.dimension()));
+        CHECK(stand_in.weights().maxCoeff() < 1e6);
+    }
+}
+
 TEST_CASE(
     "solver coordinates are whitened for all training weights together, and a loaded model has their averages as minimisers")
 {
