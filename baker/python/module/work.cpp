@@ -82,7 +82,7 @@ void check_signals()
 }
 
 // METIS puts a handler of its own on SIGTERM while it works, which jumps back into METIS from whatever thread it hits. So the signal
-// waits until the work has been stopped; the working thread inherits the mask.
+// waits until the work has been stopped; the working thread inherits the mask. Threads of other libraries do not have it (README, "SIGTERM").
 class TerminationHold {
 public:
     TerminationHold()
