@@ -21,45 +21,49 @@ double longest_edge(const Eigen::MatrixXd& columns, const Triangle& face)
 // Into how many steps an edge of this length is cut.
 double steps_of(double length, double spacing) { return std::max(1.0, std::ceil(length / spacing)); }
 
-// Of a lattice over a triangle, `steps` to each edge, all but the corners.
-double points_of(double steps) { return (steps + 1) * (steps + 2) / 2 - 3; }
+// Lattices over triangles, all of their points but the corners.
+double point_count(const std::vector<double>& lengths, double spacing)
+{
+    double count = 0;
+    for (const double length : lengths) {
+        const double steps = steps_of(length, spacing);
+        count += (steps + 1) * (steps + 2) / 2 - 3;
+    }
+    return count;
+}
 
 // The spacing with which the points do not become too many.
 double allowed_spacing(const std::vector<double>& lengths, double vertex_count, double spacing)
 {
     const double most = most_beside + most_per_vertex * vertex_count;
     constexpr double step = 1.25;
-    for (;; spacing *= step) {
-        double count = 0;
-        for (const double length : lengths) count += points_of(steps_of(length, spacing));
-        if (count <= most) return spacing;
-    }
+    while (point_count(lengths, spacing) > most) spacing *= step;
+    return spacing;
 }
 
 } // namespace
 
-PartPoints sample_parts(const ShapeSet& set, const Parts& parts, double spacing)
+PartPoints sample_parts(const Eigen::MatrixXd& vertices, const std::vector<Triangle>& faces, const Parts& parts,
+                        double spacing)
 {
     PartPoints out;
-    out.columns = pose_space(set);
     out.of_part = parts.vertices;
-    const Eigen::Index vertex_count = out.columns.cols();
+    const Eigen::Index vertex_count = vertices.cols();
     std::vector<double> lengths;
-    for (const Triangle& face : set.triangles) lengths.push_back(longest_edge(out.columns, face));
+    for (const Triangle& face : faces) lengths.push_back(longest_edge(vertices, face));
     spacing = allowed_spacing(lengths, double(vertex_count), spacing);
-    double count = 0;
-    for (const double length : lengths) count += points_of(steps_of(length, spacing));
-    out.columns.conservativeResize(Eigen::NoChange, vertex_count + Eigen::Index(count));
+    out.columns.resize(vertices.rows(), vertex_count + Eigen::Index(point_count(lengths, spacing)));
+    out.columns.leftCols(vertex_count) = vertices;
     out.faces.assign(std::size_t(vertex_count), no_face);
     for (std::uint32_t f = 0; f < lengths.size(); ++f) {
-        const Triangle& face = set.triangles[f];
+        const Triangle& face = faces[f];
         const int steps = int(steps_of(lengths[f], spacing));
         for (int i = 0; i <= steps; ++i)
             for (int j = 0; i + j <= steps; ++j) {
                 if (std::max({ i, j, steps - i - j }) == steps) continue;
                 const std::uint32_t column = std::uint32_t(out.faces.size());
-                out.columns.col(column) = (double(steps - i - j) * out.columns.col(face[0])
-                                           + double(i) * out.columns.col(face[1]) + double(j) * out.columns.col(face[2]))
+                out.columns.col(column) = (double(steps - i - j) * vertices.col(face[0]) + double(i) * vertices.col(face[1])
+                                           + double(j) * vertices.col(face[2]))
                     / double(steps);
                 out.of_part[parts.of_face[f]].push_back(column);
                 out.faces.push_back(f);

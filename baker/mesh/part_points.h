@@ -13,7 +13,9 @@ struct PartPoints {
     std::vector<std::uint32_t> faces;                // per column: the face that it is a point of; no_face: a vertex
 };
 
-// Faces longer than `spacing` get points that far apart, or farther where that would make many more points than there are vertices.
-PartPoints sample_parts(const ShapeSet& set, const Parts& parts, double spacing);
+// `vertices`: the pose space of the set. Faces longer than `spacing` get points that far apart, or farther where that would make many more
+// points than there are vertices.
+PartPoints sample_parts(const Eigen::MatrixXd& vertices, const std::vector<Triangle>& faces, const Parts& parts,
+                        double spacing);
 
 } // namespace pliant

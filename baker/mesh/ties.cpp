@@ -450,7 +450,7 @@ TieSet find_ties(const ShapeSet& set)
     if (out.parts.count() < 2 && border.empty()) return out;
     const Eigen::MatrixXd columns = pose_space(set);
     if (out.parts.count() > 1) {
-        const PartPoints points = sample_parts(set, out.parts, point_spacing * set.diagonal);
+        const PartPoints points = sample_parts(columns, set.triangles, out.parts, point_spacing * set.diagonal);
         out.tree = connect_parts(out.parts, find_holders(set, out.parts, columns), points, set.masses);
         Binder binder(set, points, out);
         for (const std::size_t part : out.tree.order) binder.bind(part);

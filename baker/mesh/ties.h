@@ -47,8 +47,7 @@ Eigen::Vector3d tie_place(const Eigen::Matrix3d& vectors);
 struct TiePart {
     std::uint32_t vertex, host_vertex;
     std::size_t vertex_count, tie_count;
-    double
-        distance; // of the nearest vertex of either from the other, root mean square over the poses, in units of the diagonal
+    double distance; // of the nearest vertex of either from the other (root mean square over the poses), per diagonal
 };
 
 struct TieSet {

@@ -28,7 +28,7 @@ constexpr Eigen::Index hessian_probe_columns = 6;
 
 // An element that has less than this share of the most that one has of the training data hardly deforms: less than a thousandth as far, as forces
 // times their slopes go with the square. In single precision, whose noise in angles and strains is about 1e-6, it would tell little else, and
-// a weight can make anything large: hinges of rigid limbs, which fold by 1e-12, got 1e12.
+// a weight can make anything large: hinges of rigid limbs fold by rounding only, and weights made up for it.
 constexpr float audible = 1e-6f;
 
 // Directions that are softer than this in whitened coordinates, where the true Hessian of the mean has 1, are checked against the
@@ -289,10 +289,11 @@ void CubatureFit::append_rows(std::vector<Probe> probes, const Sketch& sketch)
 
 void CubatureFit::silence(Eigen::Index before)
 {
-    const float loudest = columns_.colwise().norm().maxCoeff();
-    for (Eigen::Index c = 0; c < columns_.cols(); ++c)
-        if (before > 0 ? columns_.col(c).head(before).isZero(0) : columns_.col(c).norm() < audible * loudest)
-            columns_.col(c).setZero();
+    const float least = before > 0 ? 0 : audible * columns_.colwise().norm().maxCoeff();
+    for (Eigen::Index c = 0; c < columns_.cols(); ++c) {
+        const float said = before > 0 ? columns_.col(c).head(before).norm() : columns_.col(c).norm();
+        if (said <= least) columns_.col(c).setZero();
+    }
 }
 
 StandIn CubatureFit::fit(std::size_t element_count)
