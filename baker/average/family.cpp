@@ -161,7 +161,7 @@ const NewtonResult& AverageFamily::mean()
     std::size_t best = m;
     for (std::size_t k : starts) {
         NewtonResult& average = means[k].average;
-        if (average.energy > lowest * (1 + energy_doubt)) continue;
+        if (average.energy - lowest > energy_doubt * std::abs(lowest)) continue;
         if (best < m && relative_distance(set, average.y, means[best].average.y) < branch_distance) continue; // the same one
         NewtonResult fine = pool_.at(0).minimise(w, average.y, options_, &progress);
         fix_gauge(set, fine.y);

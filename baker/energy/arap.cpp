@@ -14,19 +14,23 @@ using Eigen::Vector3d;
 
 std::uint64_t edge_key(std::uint32_t a, std::uint32_t b) { return (std::uint64_t(std::min(a, b)) << 32) | std::max(a, b); }
 
+// Half the cotangent of the angle at i.
+double half_cotangent(const Shape& shape, std::uint32_t i, std::uint32_t j, std::uint32_t k)
+{
+    const Vector3d u = point(shape, j) - point(shape, i), v = point(shape, k) - point(shape, i);
+    return 0.5 * u.dot(v) / u.cross(v).norm();
+}
+
 // (cot alpha + cot beta)/2 of every edge; a border edge has one angle.
 std::unordered_map<std::uint64_t, double> edge_cotangents(const Shape& shape, const std::vector<Triangle>& triangles)
 {
     std::unordered_map<std::uint64_t, double> weights;
     weights.reserve(triangles.size() * 2);
-    for (const Triangle& t : triangles) {
-        const double double_area = double_area_vector(shape, t).norm();
+    for (const Triangle& t : triangles)
         for (int c = 0; c < 3; ++c) {
             const std::uint32_t i = t[(c + 1) % 3], j = t[(c + 2) % 3];
-            const Vector3d u = point(shape, i) - point(shape, t[c]), v = point(shape, j) - point(shape, t[c]);
-            weights[edge_key(i, j)] += 0.5 * u.dot(v) / double_area;
+            weights[edge_key(i, j)] += half_cotangent(shape, t[c], i, j);
         }
-    }
     return weights;
 }
 
@@ -82,7 +86,11 @@ Arap::Arap(const ShapeSet& set)
                 const std::uint32_t a = cell.vertices[std::size_t(cell.edges[e][0])];
                 const std::uint32_t b = cell.vertices[std::size_t(cell.edges[e][1])];
                 const Shape& shape = set.shapes[std::size_t(k)];
-                cell.cotangents(k, Eigen::Index(e)) = cotangents[std::size_t(k)].at(edge_key(a, b));
+                const bool is_spoke = cell.edges[e][0] == 0;
+                // Of a rim only the angle inside the cell counts. So a cell is a sum over its triangles of Dirichlet energies of y - R x_k,
+                // none of which is negative, however obtuse they are; the angle outside would make it indefinite.
+                cell.cotangents(k, Eigen::Index(e)) = is_spoke ? cotangents[std::size_t(k)].at(edge_key(a, b))
+                                                               : half_cotangent(shape, std::uint32_t(i), a, b);
                 cell.rest_edges.block<3, 1>(3 * k, Eigen::Index(e)) = point(shape, b) - point(shape, a);
             }
     }

@@ -103,6 +103,37 @@ TEST_CASE("averages equal the independent ones to 1e-8 after rigid alignment")
     });
 }
 
+TEST_CASE("ARAP cells are never negative, however obtuse the triangles")
+{
+    // A hexagon with a flat triangle on each side.
+    PoseSet poses;
+    Positions flat(13, 3);
+    flat.row(0).setZero();
+    for (std::uint32_t i = 0; i < 6; ++i) {
+        const double angle = 1.0471975511965976 * i;
+        flat.row(1 + i) << std::cos(angle), std::sin(angle), 0;
+        flat.row(7 + i) << 0.9 * std::cos(angle + 0.52), 0.9 * std::sin(angle + 0.52), 0;
+        poses.triangles.push_back({ 0, 1 + i, 1 + (i + 1) % 6 });
+        poses.triangles.push_back({ 1 + i, 7 + i, 1 + (i + 1) % 6 });
+    }
+    poses.positions = { flat };
+    const ShapeSet set = normalise(poses);
+    const Arap energy(set);
+    ElementResult result;
+    for (std::size_t e = 0; e < energy.element_count(); ++e) {
+        std::size_t count = 0;
+        const std::uint32_t* vertices = energy.element_vertices(e, count);
+        for (Eigen::Index moved = 0; moved < Eigen::Index(count); ++moved) {
+            Eigen::Matrix3Xd x(3, Eigen::Index(count));
+            for (std::size_t i = 0; i < count; ++i) x.col(Eigen::Index(i)) = point(set.shapes[0], vertices[i]);
+            x.col(moved) += Eigen::Vector3d(0.1, -0.2, 0.3);
+            energy.evaluate(e, corner_weights(1, 0).data(), x.data(), Order::value, HessianKind::exact, result);
+            CAPTURE(e);
+            CHECK(result.value > 0); // with the cotangents of both faces at the rims some are -24
+        }
+    }
+}
+
 TEST_CASE("rigid motions do no work at a pose: the Hessian has exactly six null modes and is positive semidefinite")
 {
     for_all_models([](const golden::Case& c, const golden::Model& model, const ShapeSet& set, const Energy& energy) {

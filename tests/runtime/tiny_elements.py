@@ -170,15 +170,19 @@ def cell_edges(spokes, closed):
     return np.concatenate([spokes, rims if closed else rims[:, :-1]], axis=1)
 
 
+def half_cotangent(pose, c, a, b):
+    """Of the angle at c."""
+    u, v = pose[a] - pose[c], pose[b] - pose[c]
+    return 0.5 * (u @ v) / np.linalg.norm(np.cross(u, v))
+
+
 def cotangent_weights(topology, pose):
     weights = {}
     for face in topology.faces:
         for i in range(3):
             a, b, c = face[i], face[(i + 1) % 3], face[(i + 2) % 3]
-            u, v = pose[a] - pose[c], pose[b] - pose[c]
-            half = 0.5 * (u @ v) / np.linalg.norm(np.cross(u, v))
             for key in ((a, b), (b, a)):
-                weights[key] = weights.get(key, 0.0) + half
+                weights[key] = weights.get(key, 0.0) + half_cotangent(pose, c, a, b)
     return weights
 
 
@@ -188,7 +192,7 @@ def cell_data(topology, pose, fan_class):
     for v, (fan, closed) in enumerate(topology.fans):
         if (len(fan), closed) == fan_class:
             rims = list(zip(fan, fan[1:] + fan[:1]))[:len(fan) if closed else len(fan) - 1]
-            rows.append([weights[v, u] for u in fan] + [weights[a, b] for a, b in rims])
+            rows.append([weights[v, u] for u in fan] + [half_cotangent(pose, v, a, b) for a, b in rims])
     spokes = rows_of(topology, ARAP, pose, fan_class).reshape(fan_class[0], 3, -1).transpose(2, 0, 1)
     return np.array(rows), cell_edges(spokes, fan_class[1])
 
