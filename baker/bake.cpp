@@ -279,7 +279,7 @@ void tell_findings(const BakeReport& report, const PoseSet& poses, Progress& pro
         progress.warn(4406,
                       fmt::format("{}: {:.1f} % away, most at vertex {}, weights {}", what, 100 * finding.distance,
                                   finding.vertex, weights_text(finding.weights)),
-                      "add a pose in between, so that there is only one way to bend");
+                      one_way_to_bend);
     }
 }
 

@@ -49,8 +49,8 @@ void add_material(CLI::App& verb, EnergyOptions& options)
                     if (name == name_of(v)) options.material = v;
             },
             "Elastic energy. Of surfaces: discrete-shells (thin shell, the default and best for characters) or arap (as "
-            "rigid "
-            "as possible). Of solids: stvk (St. Venant-Kirchhoff, the default) or mooney-rivlin (holds its volume better, "
+            "rigid as possible; one connected surface; for characters of few polygons, whose shells may snap from fold to "
+            "fold). Of solids: stvk (St. Venant-Kirchhoff, the default) or mooney-rivlin (holds its volume better, "
             "tetrahedra never turn inside out)")
         ->check(CLI::IsMember(names))
         ->type_name("NAME");

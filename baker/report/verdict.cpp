@@ -5,10 +5,13 @@
 namespace pliant {
 namespace {
 
-// Where to turn when the tolerance is missed: the part that misses it.
-std::string remedy(const BakeReport& r, double tolerance)
+// Where to turn when the tolerance is missed: what makes averages jump, else the part that misses it.
+std::string remedy(const BakeReport& r, const BakeOptions& options)
 {
-    if (r.subspace_error.mean > 0.7 * tolerance)
+    if (!r.findings.empty() && options.energy.material == Material::discrete_shells)
+        return "averages jump (P4406): for one connected surface try --material arap, leave a pose out, or ask for less "
+               "with --tolerance";
+    if (r.subspace_error.mean > 0.7 * options.tolerance)
         return r.dimension >= 60
             ? "add a pose between those of the worst weights, leave a pose out, or ask for less with --tolerance"
             : "raise --dim or leave it out, add a pose in between, or ask for less with --tolerance";
@@ -30,7 +33,7 @@ std::optional<ToleranceMiss> find_miss(const BakeReport& r, const BakeOptions& o
             options.tolerance, options.tolerance_max > 0 ? fmt::format(" (largest {:.3g})", options.tolerance_max) : "",
             r.mean_error, r.subspace_error.mean, r.dimension, r.element_count, r.largest_error,
             weights_text(r.worst_weights)),
-        remedy(r, options.tolerance)
+        remedy(r, options)
     };
 }
 
@@ -61,7 +64,7 @@ void warn_of_jumps(const FamilyPoint& point, const PoseSet& poses, const std::st
                       fmt::format("{}the average jumps on the way towards pose {}: {:.1f} %, most at vertex {}, weights {}",
                                   frame, poses.names[jump.pose], 100 * jump.distance, poses.file_number(jump.vertex),
                                   weights_text(jump.weights)),
-                      "add a pose in between, so that there is only one way to bend");
+                      one_way_to_bend);
 }
 
 void add_warnings(const std::vector<Finding>& told, const BakeReport& report, std::vector<Finding>& warnings)

@@ -16,6 +16,10 @@ constexpr float kHomeYaw = 30.0f;
 constexpr float kHomePitch = 12.0f;
 constexpr float kFieldOfView = 26.0f; // degrees, vertical: a portrait lens, little distortion of limbs that point at us
 
+// Characters side by side are there to be compared, so they must be seen from nearly the same direction: for every one more
+// the lens gets longer by this, and a pair is turned by some ten degrees instead of thirty.
+constexpr float kLongerLens = 2.0f;
+
 // The outline as a camera with this rotation sees it, from infinitely far away.
 struct Silhouette {
     glm::vec3 lowest { std::numeric_limits<float>::max() };
@@ -97,7 +101,7 @@ glm::vec2 Camera::size() const
 Camera::Matrices Camera::matrices(glm::vec2 picture, const Area& free, float room_beside) const
 {
     // Half the free part in tangents of view angles, with a margin of a twelfth.
-    const float half_height = std::tan(glm::radians(kFieldOfView) * 0.5f);
+    const float half_height = std::tan(glm::radians(kFieldOfView) * 0.5f) / (1.0f + kLongerLens * (room_beside - 1.0f));
     const glm::vec2 reach = glm::vec2(free.width / room_beside, free.height) * (0.92f * half_height / picture.y);
     const glm::mat3 turn(rotation());
     const Silhouette seen = silhouette(extent_.outline, turn);
