@@ -8,7 +8,7 @@ namespace {
 // Where to turn when the tolerance is missed: what makes averages jump, else the part that misses it.
 std::string remedy(const BakeReport& r, const BakeOptions& options)
 {
-    if (!r.findings.empty() && options.energy.material == Material::discrete_shells)
+    if (!r.findings.empty() && material_for(options.energy, r.tet_count > 0) == Material::discrete_shells)
         return "averages jump (P4406): for one connected surface try --material arap, leave a pose out, or ask for less "
                "with --tolerance";
     if (r.subspace_error.mean > 0.7 * options.tolerance)

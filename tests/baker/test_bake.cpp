@@ -7,6 +7,7 @@
 #include "bake.h"
 #include "io/write_file.h"
 #include "report/certificate.h"
+#include "report/verdict.h"
 #include "subspace/krylov.h"
 #include "subspace/sweep.h"
 #include "write/runtime_blender.h"
@@ -285,6 +286,23 @@ TEST_CASE("a bake says what it measured, and the certificate holds it")
     CHECK(r.certificate.find("\"meets_tolerance\": true") != std::string::npos);
     options.tolerance_max = 1e-7; // below what single precision can do
     CHECK_FALSE(bake(tube_poses(3), options, silent).report.meets_tolerance);
+}
+
+TEST_CASE("where averages of a shell jump, a miss points to ARAP")
+{
+    BakeReport report;
+    report.checks.resize(1);
+    report.worst_weights = equal_weights(2);
+    report.meets_tolerance = false;
+    BakeOptions shells, arap;
+    arap.energy.material = Material::arap;
+    const auto hint = [&](const BakeOptions& options) { return find_miss(report, options, true)->hint; };
+    CHECK(hint(shells).find("arap") == std::string::npos);
+    report.findings.resize(1);
+    CHECK(hint(shells).find("arap") != std::string::npos);
+    CHECK(hint(arap).find("arap") == std::string::npos);
+    report.tet_count = 1;
+    CHECK(hint(shells).find("arap") == std::string::npos);
 }
 
 TEST_CASE("the same bake gives the same bytes")
