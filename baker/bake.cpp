@@ -14,6 +14,7 @@
 #include "reduce/ghost.h"
 #include "report/certificate.h"
 #include "report/diagnostics.h"
+#include "report/verdict.h"
 #include "subspace/barbic.h"
 #include "subspace/krylov.h"
 #include "subspace/sweep.h"
@@ -268,7 +269,7 @@ Fitted choose_and_fit(const FitProblem& p, BakeOptions options, Progress& progre
 }
 
 // Families that are not smooth are said, never smoothed over.
-void tell_findings(const BakeReport& report, const PoseSet& poses, Progress& progress)
+void tell_findings(const BakeReport& report, const PoseSet& poses, const EnergyOptions& energy, Progress& progress)
 {
     for (const BranchFinding& finding : report.findings) {
         const std::string& pose = poses.names[finding.pose];
@@ -279,7 +280,7 @@ void tell_findings(const BakeReport& report, const PoseSet& poses, Progress& pro
         progress.warn(4406,
                       fmt::format("{}: {:.1f} % away, most at vertex {}, weights {}", what, 100 * finding.distance,
                                   finding.vertex, weights_text(finding.weights)),
-                      one_way_to_bend);
+                      hint_for_jumps(energy, poses.is_solid()));
     }
 }
 
@@ -470,7 +471,7 @@ BakedAsset bake(const PoseSet& poses, const BakeOptions& given, Progress& progre
     RuntimeBlender blender(drawn_bytes, "the asset just baked");
     asset.morph_ranges = find_morph_ranges(blender);
     report.basis = check_basis(asset, reachable);
-    tell_findings(report, poses, progress);
+    tell_findings(report, poses, options.energy, progress);
     tell_inversion(report, progress);
     if (report.ties) {
         use_file_numbers(poses.source_vertices, *report.ties);

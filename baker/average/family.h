@@ -9,10 +9,6 @@
 
 namespace pliant {
 
-// What helps against several ways to bend: the hint of P4406.
-inline constexpr const char* one_way_to_bend
-    = "add a pose in between; for one connected surface, try --material arap, which has fewer ways to bend";
-
 // Where the family is not smooth, or not unique.
 struct BranchFinding {
     enum class Kind {

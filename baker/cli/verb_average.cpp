@@ -183,7 +183,7 @@ ExitCode run(const Arguments& a)
             require_convergence(result, a.newton, one.frame);
             write_output(one.output, encode_ply(to_input_units(set, result.y), poses, a.all_vertices));
             progress.clear_line();
-            warn_of_jumps(points[i], poses, one.frame, progress);
+            warn_of_jumps(points[i], poses, a.energy, one.frame, progress);
             averages.push_back(to_json(one, points[i]));
         }
     }

@@ -3,7 +3,6 @@
 #include "pliant_format.h"
 
 #include <Eigen/Dense>
-#include <unordered_map>
 
 namespace pliant {
 
@@ -12,26 +11,11 @@ namespace {
 using Eigen::Matrix3d;
 using Eigen::Vector3d;
 
-std::uint64_t edge_key(std::uint32_t a, std::uint32_t b) { return (std::uint64_t(std::min(a, b)) << 32) | std::max(a, b); }
-
 // Half the cotangent of the angle at i.
 double half_cotangent(const Shape& shape, std::uint32_t i, std::uint32_t j, std::uint32_t k)
 {
     const Vector3d u = point(shape, j) - point(shape, i), v = point(shape, k) - point(shape, i);
     return 0.5 * u.dot(v) / u.cross(v).norm();
-}
-
-// (cot alpha + cot beta)/2 of every edge; a border edge has one angle.
-std::unordered_map<std::uint64_t, double> edge_cotangents(const Shape& shape, const std::vector<Triangle>& triangles)
-{
-    std::unordered_map<std::uint64_t, double> weights;
-    weights.reserve(triangles.size() * 2);
-    for (const Triangle& t : triangles)
-        for (int c = 0; c < 3; ++c) {
-            const std::uint32_t i = t[(c + 1) % 3], j = t[(c + 2) % 3];
-            weights[edge_key(i, j)] += half_cotangent(shape, t[c], i, j);
-        }
-    return weights;
 }
 
 Matrix3d cross_matrix(const Vector3d& v)
@@ -66,8 +50,6 @@ Arap::Arap(const ShapeSet& set)
     require_manifold(set.triangles, cells_.size(), set.source_vertices, "--material arap",
                      "repair it alike in all poses, or use --material discrete-shells, which needs none");
     const std::vector<Fan> fans = find_fans(set.triangles, cells_.size());
-    std::vector<std::unordered_map<std::uint64_t, double>> cotangents;
-    for (const Shape& shape : set.shapes) cotangents.push_back(edge_cotangents(shape, set.triangles));
 
     for (std::size_t i = 0; i < cells_.size(); ++i) {
         Cell& cell = cells_[i];
@@ -79,20 +61,25 @@ Arap::Arap(const ShapeSet& set)
         for (int j = 0; j < valence; ++j) cell.edges.push_back({ 0, 1 + j });
         for (int j = 0; j + 1 < valence; ++j) cell.edges.push_back({ 1 + j, 2 + j });
         if (fan.is_closed) cell.edges.push_back({ valence, 1 });
-        cell.cotangents.resize(pose_count_, Eigen::Index(cell.edges.size()));
+        cell.cotangents.setZero(pose_count_, Eigen::Index(cell.edges.size()));
         cell.rest_edges.resize(3 * pose_count_, Eigen::Index(cell.edges.size()));
-        for (Eigen::Index k = 0; k < pose_count_; ++k)
+        for (Eigen::Index k = 0; k < pose_count_; ++k) {
+            const Shape& shape = set.shapes[std::size_t(k)];
             for (std::size_t e = 0; e < cell.edges.size(); ++e) {
                 const std::uint32_t a = cell.vertices[std::size_t(cell.edges[e][0])];
                 const std::uint32_t b = cell.vertices[std::size_t(cell.edges[e][1])];
-                const Shape& shape = set.shapes[std::size_t(k)];
-                const bool is_spoke = cell.edges[e][0] == 0;
-                // Of a rim only the angle inside the cell counts. So a cell is a sum over its triangles of Dirichlet energies of y - R x_k,
-                // none of which is negative, however obtuse they are; the angle outside would make it indefinite.
-                cell.cotangents(k, Eigen::Index(e)) = is_spoke ? cotangents[std::size_t(k)].at(edge_key(a, b))
-                                                               : half_cotangent(shape, std::uint32_t(i), a, b);
                 cell.rest_edges.block<3, 1>(3 * k, Eigen::Index(e)) = point(shape, b) - point(shape, a);
             }
+            // Triangle by triangle: the cell is a sum of Dirichlet energies of y - R x_k, none of which is negative, however obtuse the
+            // triangles are. A rim's angle outside of the cell would make it indefinite.
+            for (int j = 0; j < (fan.is_closed ? valence : valence - 1); ++j) {
+                const int next = (j + 1) % valence;
+                const std::uint32_t centre = std::uint32_t(i), a = fan.ring[std::size_t(j)], b = fan.ring[std::size_t(next)];
+                cell.cotangents(k, j) += half_cotangent(shape, b, centre, a);
+                cell.cotangents(k, next) += half_cotangent(shape, a, b, centre);
+                cell.cotangents(k, valence + j) = half_cotangent(shape, centre, a, b);
+            }
+        }
     }
 }
 

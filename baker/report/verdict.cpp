@@ -5,10 +5,15 @@
 namespace pliant {
 namespace {
 
+bool is_shell(const EnergyOptions& energy, bool is_solid)
+{
+    return material_for(energy, is_solid) == Material::discrete_shells;
+}
+
 // Where to turn when the tolerance is missed: what makes averages jump, else the part that misses it.
 std::string remedy(const BakeReport& r, const BakeOptions& options)
 {
-    if (!r.findings.empty() && material_for(options.energy, r.tet_count > 0) == Material::discrete_shells)
+    if (!r.findings.empty() && is_shell(options.energy, r.tet_count > 0))
         return "averages jump (P4406): for one connected surface try --material arap, leave a pose out, or ask for less "
                "with --tolerance";
     if (r.subspace_error.mean > 0.7 * options.tolerance)
@@ -57,14 +62,22 @@ void require_convergence(const NewtonResult& result, const NewtonOptions& option
                            "add an in-between pose, or try another --thickness or a smaller --foldover-damping"));
 }
 
-void warn_of_jumps(const FamilyPoint& point, const PoseSet& poses, const std::string& frame, Progress& progress)
+const char* hint_for_jumps(const EnergyOptions& energy, bool is_solid)
+{
+    return is_shell(energy, is_solid)
+        ? "add a pose in between; for one connected surface, try --material arap, which has fewer ways to bend"
+        : "add a pose in between, so that there is only one way to bend";
+}
+
+void warn_of_jumps(const FamilyPoint& point, const PoseSet& poses, const EnergyOptions& energy, const std::string& frame,
+                   Progress& progress)
 {
     for (const BranchFinding& jump : point.jumps)
         progress.warn(4406,
                       fmt::format("{}the average jumps on the way towards pose {}: {:.1f} %, most at vertex {}, weights {}",
                                   frame, poses.names[jump.pose], 100 * jump.distance, poses.file_number(jump.vertex),
                                   weights_text(jump.weights)),
-                      one_way_to_bend);
+                      hint_for_jumps(energy, poses.is_solid()));
 }
 
 void add_warnings(const std::vector<Finding>& told, const BakeReport& report, std::vector<Finding>& warnings)

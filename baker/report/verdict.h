@@ -27,8 +27,12 @@ Failure to_failure(const ToleranceMiss& miss);
 // Throws Failure (failed, P4303) for an average that did not converge. `frame`: its name in messages with a colon and a space, or empty.
 void require_convergence(const NewtonResult& result, const NewtonOptions& options, const std::string& frame);
 
+// What helps where there is more than one way to bend: the hint of P4406.
+const char* hint_for_jumps(const EnergyOptions& energy, bool is_solid);
+
 // P4406 for every jump on the way to an average.
-void warn_of_jumps(const FamilyPoint& point, const PoseSet& poses, const std::string& frame, Progress& progress);
+void warn_of_jumps(const FamilyPoint& point, const PoseSet& poses, const EnergyOptions& energy, const std::string& frame,
+                   Progress& progress);
 
 // Adds to `warnings` what was warned of while baking, with the vertices that it is about.
 void add_warnings(const std::vector<Finding>& told, const BakeReport& report, std::vector<Finding>& warnings);

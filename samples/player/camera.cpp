@@ -17,7 +17,7 @@ constexpr float kHomePitch = 12.0f;
 constexpr float kFieldOfView = 26.0f; // degrees, vertical: a portrait lens, little distortion of limbs that point at us
 
 // Characters side by side are there to be compared, so they must be seen from nearly the same direction: for every one more
-// the lens gets longer by this, and a pair is turned by some ten degrees instead of thirty.
+// the lens gets longer by this many times, and a pair is turned by a third as much.
 constexpr float kLongerLens = 2.0f;
 
 // The outline as a camera with this rotation sees it, from infinitely far away.

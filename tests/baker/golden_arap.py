@@ -1,7 +1,7 @@
 """golden_arap.py: writes the numbers of ARAP into golden_shells.h, for the meshes that stand there. Needs mpmath, numpy and scipy.
 
 Independent of the baker: cells are sums over triangles here (Chao, Pinkall, Sanan, Schroeder 2010), not fans with spokes and rims; gradients and
-Hessian products are difference quotients with 60 digits, averages minimisers of these."""
+Hessian products are difference quotients with 60 digits; averages are minimised in double precision."""
 import ast
 import pathlib
 import textwrap

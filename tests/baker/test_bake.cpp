@@ -303,6 +303,11 @@ TEST_CASE("where averages of a shell jump, a miss points to ARAP")
     CHECK(hint(arap).find("arap") == std::string::npos);
     report.tet_count = 1;
     CHECK(hint(shells).find("arap") == std::string::npos);
+    const auto hint_for
+        = [](const BakeOptions& options, bool is_solid) { return std::string(hint_for_jumps(options.energy, is_solid)); };
+    CHECK(hint_for(shells, false).find("arap") != std::string::npos);
+    CHECK(hint_for(arap, false).find("arap") == std::string::npos);
+    CHECK(hint_for(shells, true).find("arap") == std::string::npos);
 }
 
 TEST_CASE("the same bake gives the same bytes")

@@ -156,7 +156,7 @@ std::vector<double> averages(const PoseSet& poses, const std::vector<Weights>& w
     for (std::size_t i = 0; i < points.size(); ++i) {
         const std::string row = wanted.size() > 1 ? "row " + std::to_string(i) + ": " : "";
         require_convergence(points[i].average, newton, row);
-        warn_of_jumps(points[i], poses, row, progress);
+        warn_of_jumps(points[i], poses, options, row, progress);
         const Positions shape = in_input_order(poses, to_input_units(set, points[i].average.y));
         out.insert(out.end(), shape.data(), shape.data() + shape.size());
     }
