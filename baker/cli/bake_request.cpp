@@ -1,8 +1,8 @@
 #include "cli/bake_request.h"
 
+#include "bake/certificate.h"
 #include "cli/config_options.h"
 #include "cli/verbs.h"
-#include "report/certificate.h"
 
 #include <filesystem>
 

@@ -1,8 +1,8 @@
 // What `pliant bake` is asked for: the same options on its command line, in a configuration file, and in a manifest of many bakes.
 #pragma once
 
-#include "bake.h"
-#include "config/json_file.h"
+#include "bake/bake.h"
+#include "pipeline/json_file.h"
 
 #include <CLI/CLI.hpp>
 #include <string>

@@ -1,6 +1,6 @@
 #include "cli/config_options.h"
 
-#include "io/source_file.h"
+#include "input/io/source_file.h"
 
 #include <algorithm>
 #include <cmath>

@@ -2,7 +2,7 @@
 // kind and range, so nothing is told twice. A key is the option's long name with '_' for '-'.
 #pragma once
 
-#include "config/json_file.h"
+#include "pipeline/json_file.h"
 
 #include <CLI/CLI.hpp>
 #include <string>

@@ -1,6 +1,6 @@
 #include "cli/console.h"
 
-#include "io/write_file.h"
+#include "input/io/write_file.h"
 
 #include <atomic>
 #include <cmath>

@@ -1,8 +1,8 @@
 // What the command line says while it works, and how it ends.
 #pragma once
 
-#include "report/diagnostics.h"
-#include "report/progress.h"
+#include "base/common/diagnostics.h"
+#include "base/common/progress.h"
 
 #include <chrono>
 #include <string>

@@ -1,7 +1,7 @@
 // The `pliant` tool: one program, one verb per task.
 #include "cli/verbs.h"
 
-#include "report/certificate.h"
+#include "bake/certificate.h"
 
 #include <cstdio>
 #include <fmt/core.h>

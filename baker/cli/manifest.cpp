@@ -2,8 +2,8 @@
 
 #include "cli/bake_request.h"
 #include "cli/config_options.h"
-#include "config/stamp.h"
-#include "io/source_file.h"
+#include "input/io/source_file.h"
+#include "pipeline/stamp.h"
 
 #include <algorithm>
 #include <filesystem>

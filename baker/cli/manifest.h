@@ -1,7 +1,7 @@
 // A manifest names many bakes: bake_manifest.schema.json.
 #pragma once
 
-#include "batch/batch.h"
+#include "pipeline/batch.h"
 
 #include <string>
 #include <vector>

@@ -1,11 +1,11 @@
 #include "cli/verbs.h"
 
-#include "energy/parallel.h"
-#include "gltf/document.h"
-#include "gltf/pose_source.h"
-#include "io/source_file.h"
-#include "mesh/load_poses.h"
-#include "report/certificate.h"
+#include "bake/certificate.h"
+#include "base/common/parallel.h"
+#include "input/gltf/document.h"
+#include "input/io/source_file.h"
+#include "input/poses/load_poses.h"
+#include "input/poses/pose_source.h"
 
 #include <algorithm>
 #include <charconv>

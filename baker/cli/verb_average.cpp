@@ -1,11 +1,11 @@
 #include "cli/verbs.h"
 
-#include "average/family.h"
-#include "config/json_file.h"
-#include "energy/parallel.h"
-#include "io/encode_ply.h"
-#include "io/write_file.h"
-#include "report/verdict.h"
+#include "bake/verdict.h"
+#include "base/common/parallel.h"
+#include "elastic/average/family.h"
+#include "input/io/encode_ply.h"
+#include "input/io/write_file.h"
+#include "pipeline/json_file.h"
 
 #include <fmt/core.h>
 #include <memory>

@@ -1,12 +1,12 @@
+#include "bake/certificate.h"
+#include "bake/verdict.h"
+#include "base/common/sha256.h"
 #include "cli/bake_request.h"
 #include "cli/config_options.h"
 #include "cli/verbs.h"
-#include "config/depfile.h"
-#include "config/stamp.h"
-#include "io/sha256.h"
-#include "io/write_file.h"
-#include "report/certificate.h"
-#include "report/verdict.h"
+#include "input/io/write_file.h"
+#include "pipeline/depfile.h"
+#include "pipeline/stamp.h"
 
 #include <filesystem>
 #include <fmt/core.h>

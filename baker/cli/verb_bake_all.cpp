@@ -1,7 +1,7 @@
 #include "cli/manifest.h"
 #include "cli/verbs.h"
-#include "io/source_file.h"
-#include "io/write_file.h"
+#include "input/io/source_file.h"
+#include "input/io/write_file.h"
 
 #include <algorithm>
 #include <chrono>

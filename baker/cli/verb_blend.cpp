@@ -1,9 +1,9 @@
 #include "cli/verbs.h"
 
-#include "config/json_file.h"
-#include "io/encode_ply.h"
-#include "io/write_file.h"
-#include "write/runtime_blender.h"
+#include "input/io/encode_ply.h"
+#include "input/io/write_file.h"
+#include "output/asset/runtime_blender.h"
+#include "pipeline/json_file.h"
 
 #include <fmt/core.h>
 #include <memory>

@@ -1,8 +1,8 @@
 #include "cli/verbs.h"
 
-#include "config/json_file.h"
-#include "energy/discrete_shells.h"
-#include "report/certificate.h"
+#include "bake/certificate.h"
+#include "elastic/energy/discrete_shells.h"
+#include "pipeline/json_file.h"
 
 #include <fmt/core.h>
 #include <memory>

@@ -1,7 +1,7 @@
 #include "cli/verbs.h"
 
-#include "io/write_file.h"
-#include "write/export_asset.h"
+#include "input/io/write_file.h"
+#include "output/export/export_asset.h"
 
 #include <filesystem>
 #include <fmt/core.h>

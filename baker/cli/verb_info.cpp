@@ -1,8 +1,8 @@
 #include "cli/verbs.h"
 
+#include "output/asset/asset_facts.h"
+#include "output/asset/runtime_blender.h"
 #include "pliant_format.h"
-#include "write/asset_facts.h"
-#include "write/runtime_blender.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,11 +1,11 @@
 #include "cli/verbs.h"
 
-#include "average/family.h"
-#include "average/rigid_modes.h"
-#include "energy/parallel.h"
-#include "reduce/training.h"
-#include "report/certificate.h"
-#include "write/runtime_blender.h"
+#include "bake/certificate.h"
+#include "base/common/parallel.h"
+#include "elastic/average/family.h"
+#include "elastic/average/rigid_modes.h"
+#include "output/asset/runtime_blender.h"
+#include "reduced/surrogate/training.h"
 
 #include <algorithm>
 #include <atomic>

@@ -1,8 +1,8 @@
 #include "cli/verbs.h"
 
-#include "io/source_file.h"
-#include "io/write_file.h"
-#include "write/page_data.h"
+#include "input/io/source_file.h"
+#include "input/io/write_file.h"
+#include "output/page/page_data.h"
 
 #include <filesystem>
 #include <fmt/core.h>

@@ -1,7 +1,7 @@
 #include "drag.h"
 
-#include "average/newton.h"
-#include "mesh/tets.h"
+#include "base/mesh/tets.h"
+#include "elastic/average/newton.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,7 +1,7 @@
 // Drags the handles of a solid to their targets and lets the elastic energy of the rest pose find the rest, step by step.
 #pragma once
 
-#include "energy/solid.h"
+#include "elastic/energy/solid.h"
 #include "handles.h"
 
 #include <functional>

@@ -1,8 +1,8 @@
 // pose_solid: poses a solid of tetrahedra by dragging groups of its vertices, and writes the deformed mesh.
+#include "base/common/parallel.h"
 #include "drag.h"
-#include "energy/parallel.h"
-#include "io/encode_msh.h"
-#include "io/write_file.h"
+#include "input/io/encode_msh.h"
+#include "input/io/write_file.h"
 #include "rest_pose.h"
 
 #include <CLI/CLI.hpp>

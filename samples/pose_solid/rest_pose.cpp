@@ -1,9 +1,9 @@
 #include "rest_pose.h"
 
-#include "io/encode_ply.h"
-#include "io/read_mesh.h"
-#include "mesh/check_solid.h"
-#include "mesh/solid.h"
+#include "base/mesh/solid.h"
+#include "input/io/encode_ply.h"
+#include "input/io/read_mesh.h"
+#include "input/poses/check_solid.h"
 #include "script.h"
 
 namespace pliant {

@@ -1,8 +1,8 @@
 // The rest pose of a solid, read and checked as the baker does it.
 #pragma once
 
-#include "mesh/align.h"
-#include "report/diagnostics.h"
+#include "base/common/diagnostics.h"
+#include "base/mesh/align.h"
 
 #include <optional>
 

@@ -1,6 +1,6 @@
 #include "script.h"
 
-#include "io/source_file.h"
+#include "input/io/source_file.h"
 
 #include <charconv>
 #include <cmath>

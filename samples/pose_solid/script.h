@@ -9,8 +9,8 @@
 // comment.
 #pragma once
 
-#include "mesh/pose_set.h"
-#include "report/diagnostics.h"
+#include "base/common/diagnostics.h"
+#include "base/mesh/pose_set.h"
 
 namespace pliant {
 

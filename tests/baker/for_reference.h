@@ -1,9 +1,9 @@
 // What tests of whole bakes share: assets left for the script that holds them against the second implementation.
 #pragma once
 
-#include "bake.h"
-#include "io/write_file.h"
-#include "write/runtime_blender.h"
+#include "bake/bake.h"
+#include "input/io/write_file.h"
+#include "output/asset/runtime_blender.h"
 
 #include <cmath>
 #include <fmt/core.h>

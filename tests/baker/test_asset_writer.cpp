@@ -2,12 +2,12 @@
 #include "train.h"
 #include "tube.h"
 
-#include "bake.h"
+#include "bake/bake.h"
+#include "output/asset/asset_writer.h"
+#include "output/asset/runtime_blender.h"
 #include "pliant_format.h"
-#include "reduce/training.h"
-#include "subspace/krylov.h"
-#include "write/asset_writer.h"
-#include "write/runtime_blender.h"
+#include "reduced/subspace/krylov.h"
+#include "reduced/surrogate/training.h"
 
 #include <Eigen/Dense>
 #include <cmath>

@@ -2,15 +2,15 @@
 #include "for_reference.h"
 #include "tube.h"
 
-#include "average/family.h"
-#include "average/shape_error.h"
-#include "bake.h"
-#include "io/write_file.h"
-#include "report/certificate.h"
-#include "report/verdict.h"
-#include "subspace/krylov.h"
-#include "subspace/sweep.h"
-#include "write/runtime_blender.h"
+#include "bake/bake.h"
+#include "bake/certificate.h"
+#include "bake/verdict.h"
+#include "elastic/average/family.h"
+#include "elastic/average/shape_error.h"
+#include "elastic/average/sweep.h"
+#include "input/io/write_file.h"
+#include "output/asset/runtime_blender.h"
+#include "reduced/subspace/krylov.h"
 
 #include <doctest/doctest.h>
 #include <fmt/core.h>

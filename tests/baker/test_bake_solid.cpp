@@ -2,11 +2,11 @@
 #include "for_reference.h"
 #include "twisted_bar.h"
 
-#include "average/newton.h"
-#include "energy/solid.h"
-#include "mesh/tets.h"
-#include "report/certificate.h"
-#include "report/diagnostics.h"
+#include "bake/certificate.h"
+#include "base/common/diagnostics.h"
+#include "base/mesh/tets.h"
+#include "elastic/average/newton.h"
+#include "elastic/energy/solid.h"
 
 #include <algorithm>
 #include <cstring>

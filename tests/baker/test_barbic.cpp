@@ -1,11 +1,11 @@
 // Linear modes, and the subspace of Barbic et al. 2009 that is made of them.
 #include "tube.h"
 
-#include "average/hessian.h"
-#include "average/rigid_modes.h"
-#include "bake.h"
-#include "subspace/barbic.h"
-#include "subspace/tangents.h"
+#include "bake/bake.h"
+#include "elastic/average/hessian.h"
+#include "elastic/average/rigid_modes.h"
+#include "reduced/subspace/barbic.h"
+#include "reduced/subspace/tangents.h"
 
 #include <Eigen/Dense>
 #include <doctest/doctest.h>

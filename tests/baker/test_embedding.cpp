@@ -1,9 +1,9 @@
 // Surfaces that ride on solids: barycentric coordinates, hostile files, and whole bakes that draw one.
 #include "twisted_bar.h"
 
-#include "bake.h"
-#include "report/certificate.h"
-#include "write/runtime_blender.h"
+#include "bake/bake.h"
+#include "bake/certificate.h"
+#include "output/asset/runtime_blender.h"
 
 #include <Eigen/Geometry>
 #include <algorithm>

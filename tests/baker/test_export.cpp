@@ -1,9 +1,9 @@
 // The parts of `pliant export` by themselves: GLB bytes, fitted normals, paths, warnings, skins. Whole exports: tests/export.
-#include "export/draco_mesh.h"
-#include "export/glb.h"
-#include "export/skinning.h"
-#include "reduce/training.h"
-#include "write/export_asset.h"
+#include "output/export/draco_mesh.h"
+#include "output/export/export_asset.h"
+#include "output/export/glb.h"
+#include "output/export/skinning.h"
+#include "reduced/surrogate/training.h"
 
 #include <Eigen/Geometry>
 #include <doctest/doctest.h>

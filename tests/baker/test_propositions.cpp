@@ -2,11 +2,11 @@
 // average and, where it holds there too, of the reduced one. Each case also shows what a violation would look like.
 #include "tube.h"
 
-#include "average/family.h"
-#include "average/shape_error.h"
-#include "bake.h"
-#include "reduce/training.h"
-#include "subspace/krylov.h"
+#include "bake/bake.h"
+#include "elastic/average/family.h"
+#include "elastic/average/shape_error.h"
+#include "reduced/subspace/krylov.h"
+#include "reduced/surrogate/training.h"
 
 #include <Eigen/Dense>
 #include <doctest/doctest.h>

@@ -2,12 +2,12 @@
 #include "train.h"
 #include "tube.h"
 
-#include "average/rigid_modes.h"
-#include "bake.h"
-#include "reduce/ghost.h"
-#include "reduce/nnls.h"
-#include "subspace/krylov.h"
-#include "warmstart/predictor.h"
+#include "bake/bake.h"
+#include "base/weights/radial_function.h"
+#include "elastic/average/rigid_modes.h"
+#include "reduced/subspace/krylov.h"
+#include "reduced/surrogate/ghost.h"
+#include "reduced/surrogate/nnls.h"
 
 #include <Eigen/Dense>
 #include <doctest/doctest.h>

@@ -1,8 +1,8 @@
 // Discrete Shells and ARAP against independent numbers, finite differences and their own symmetries.
-#include "average/newton.h"
-#include "average/rigid_modes.h"
-#include "energy/arap.h"
-#include "energy/discrete_shells.h"
+#include "elastic/average/newton.h"
+#include "elastic/average/rigid_modes.h"
+#include "elastic/energy/arap.h"
+#include "elastic/energy/discrete_shells.h"
 #include "golden_shells.h"
 
 #include <Eigen/Eigenvalues>

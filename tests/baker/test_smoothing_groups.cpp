@@ -1,5 +1,5 @@
 // Seams stay smooth, hard edges stay hard.
-#include "mesh/smoothing_groups.h"
+#include "base/mesh/smoothing_groups.h"
 
 #include <cmath>
 #include <doctest/doctest.h>

@@ -1,11 +1,11 @@
 // Solids against independent numbers, finite differences, and their form for the runtime.
-#include "average/newton.h"
-#include "average/rigid_modes.h"
-#include "energy/solid.h"
+#include "base/mesh/tets.h"
+#include "elastic/average/newton.h"
+#include "elastic/average/rigid_modes.h"
+#include "elastic/energy/solid.h"
 #include "golden_solids.h"
-#include "mesh/tets.h"
 #include "pliant_format.h"
-#include "reduce/quartic.h"
+#include "reduced/surrogate/quartic.h"
 #include "twisted_bar.h"
 
 #include <Eigen/Dense>

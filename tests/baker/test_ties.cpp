@@ -1,13 +1,13 @@
 // Characters in several parts: which ties they get, what these do, and whole bakes.
 #include "parts_mesh.h"
 
-#include "average/hessian.h"
-#include "average/newton.h"
-#include "average/rigid_modes.h"
-#include "bake.h"
-#include "energy/discrete_shells.h"
-#include "energy/tied.h"
-#include "write/runtime_blender.h"
+#include "bake/bake.h"
+#include "elastic/average/hessian.h"
+#include "elastic/average/newton.h"
+#include "elastic/average/rigid_modes.h"
+#include "elastic/energy/discrete_shells.h"
+#include "elastic/parts/tied_energy.h"
+#include "output/asset/runtime_blender.h"
 
 #include <Eigen/Eigenvalues>
 #include <algorithm>

@@ -3,12 +3,12 @@
 #include "io/files.h"
 #include "tube.h"
 
-#include "bake.h"
-#include "io/encode_ply.h"
-#include "mesh/load_poses.h"
-#include "mesh/weld.h"
-#include "report/certificate.h"
-#include "write/runtime_blender.h"
+#include "bake/bake.h"
+#include "bake/certificate.h"
+#include "base/mesh/weld.h"
+#include "input/io/encode_ply.h"
+#include "input/poses/load_poses.h"
+#include "output/asset/runtime_blender.h"
 
 #include <algorithm>
 #include <doctest/doctest.h>

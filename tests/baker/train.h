@@ -1,8 +1,8 @@
 // A training set for the small problems of these tests.
 #pragma once
 
-#include "average/newton.h"
-#include "reduce/training.h"
+#include "elastic/average/newton.h"
+#include "reduced/surrogate/training.h"
 
 namespace pliant {
 

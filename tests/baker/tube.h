@@ -1,7 +1,7 @@
 // A closed tube in several poses: small enough for tests that bake, large rotations all the same.
 #pragma once
 
-#include "mesh/pose_set.h"
+#include "base/mesh/pose_set.h"
 
 #include <cmath>
 #include <string>

@@ -1,7 +1,7 @@
 // A bar of tetrahedra, straight and twisted: the paper's example (von Tycowicz et al. 2015, Table II).
 #pragma once
 
-#include "mesh/solid.h"
+#include "base/mesh/solid.h"
 
 #include <cmath>
 

@@ -4,11 +4,11 @@
 // Takes shape, basis and blends (stored answers and poses, and the predictor's centres as weights of more) from assets that were baked
 // with --position-error 0, and repeats their vertices up to the number asked for.
 #include "cli/console.h"
+#include "output/asset/bounds.h"
+#include "output/asset/compact_basis.h"
+#include "output/asset/runtime_blender.h"
+#include "output/asset/stored_shape.h"
 #include "pliant_format.h"
-#include "write/bounds.h"
-#include "write/compact_basis.h"
-#include "write/runtime_blender.h"
-#include "write/stored_shape.h"
 
 #include <Eigen/Dense>
 #include <algorithm>

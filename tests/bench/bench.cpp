@@ -2,12 +2,12 @@
 //   pliant_bench NAME POSE... [-- NAME POSE...]... [--csv FILE] [--krylov] [--dim N] [--material NAME] [--checks N]
 // --krylov bakes with Algorithm 1 of the paper (d = 64 for five poses) instead of the adaptive subspace; --checks N sets how many
 // unreduced averages the error is measured on. Times are medians; ratios inside one run mean more than any of them alone.
-#include "bake.h"
+#include "bake/bake.h"
+#include "bake/certificate.h"
 #include "cli/console.h"
-#include "io/write_file.h"
-#include "mesh/load_poses.h"
-#include "report/certificate.h"
-#include "write/runtime_blender.h"
+#include "input/io/write_file.h"
+#include "input/poses/load_poses.h"
+#include "output/asset/runtime_blender.h"
 
 #include <algorithm>
 #include <chrono>

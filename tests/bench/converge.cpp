@@ -1,10 +1,10 @@
 // Does the unreduced average converge? At equal weights and at ten random ones, on real poses.
 //   pliant_converge POSE... [-- POSE...]...
 // One line a weight; exit code 1 if any of them did not converge. Minutes per set: not part of the test run.
-#include "average/family.h"
-#include "bake.h"
+#include "bake/bake.h"
 #include "cli/console.h"
-#include "mesh/load_poses.h"
+#include "elastic/average/family.h"
+#include "input/poses/load_poses.h"
 
 #include <cstring>
 #include <fmt/core.h>

@@ -7,18 +7,18 @@
 // writes the bars as pose files instead, for `pliant bake`.
 #include "../baker/twisted_bar.h"
 
-#include "average/family.h"
-#include "average/shape_error.h"
-#include "energy/parallel.h"
-#include "energy/solid.h"
-#include "io/encode_msh.h"
-#include "io/write_file.h"
-#include "mesh/align.h"
-#include "reduce/stand_in.h"
-#include "reduce/training.h"
-#include "subspace/adaptive.h"
-#include "subspace/barbic.h"
-#include "subspace/krylov.h"
+#include "base/common/parallel.h"
+#include "base/mesh/align.h"
+#include "elastic/average/family.h"
+#include "elastic/average/shape_error.h"
+#include "elastic/energy/solid.h"
+#include "input/io/encode_msh.h"
+#include "input/io/write_file.h"
+#include "reduced/subspace/adaptive.h"
+#include "reduced/subspace/barbic.h"
+#include "reduced/subspace/krylov.h"
+#include "reduced/surrogate/surrogate_energy.h"
+#include "reduced/surrogate/training.h"
 
 #include <CLI/CLI.hpp>
 #include <algorithm>

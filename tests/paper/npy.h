@@ -1,7 +1,7 @@
 // Writes numpy's .npy files (format version 1.0): little-endian numbers, row-major.
 #pragma once
 
-#include "io/write_file.h"
+#include "input/io/write_file.h"
 
 #include <Eigen/Core>
 #include <fmt/core.h>

@@ -1,7 +1,7 @@
 #include "reduced.h"
 
-#include "average/rigid_modes.h"
-#include "report/diagnostics.h"
+#include "base/common/diagnostics.h"
+#include "elastic/average/rigid_modes.h"
 
 #include <Eigen/Dense>
 

@@ -1,10 +1,10 @@
 // Reduced averages in any basis, and what is wrong with them.
 #pragma once
 
-#include "average/shape_error.h"
-#include "reduce/training.h"
-#include "subspace/subspace.h"
-#include "write/runtime_blender.h"
+#include "elastic/average/shape_error.h"
+#include "output/asset/runtime_blender.h"
+#include "reduced/subspace/subspace.h"
+#include "reduced/surrogate/training.h"
 
 #include <string>
 #include <vector>

@@ -73,7 +73,7 @@ def align(source, target, masses):
 
 
 def relative_l2(blend, truth, masses):
-    """The error of baker/average/shape_error.h: the truth moved rigidly onto the blend, mass norm over its own about the centroid."""
+    """The error of baker/elastic/average/shape_error.h: the truth moved rigidly onto the blend, mass norm over its own about the centroid."""
     moved = align(truth, blend, masses)
     centroid = masses @ moved / masses.sum()
     norm = lambda x: np.sqrt((masses[:, None] * x ** 2).sum())

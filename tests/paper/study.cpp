@@ -5,12 +5,12 @@
 #include "npy.h"
 #include "reduced.h"
 
-#include "average/family.h"
-#include "bake.h"
-#include "energy/parallel.h"
-#include "mesh/load_poses.h"
-#include "subspace/barbic.h"
-#include "subspace/krylov.h"
+#include "bake/bake.h"
+#include "base/common/parallel.h"
+#include "elastic/average/family.h"
+#include "input/poses/load_poses.h"
+#include "reduced/subspace/barbic.h"
+#include "reduced/subspace/krylov.h"
 
 #include <CLI/CLI.hpp>
 #include <chrono>

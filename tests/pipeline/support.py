@@ -76,7 +76,7 @@ def validator(schema_folder, name):
         import jsonschema
     except ImportError:
         return None
-    schemas = [json.loads(p.read_text(encoding="utf-8")) for p in sorted(pathlib.Path(schema_folder).glob("baker/*/*.schema.json"))]
+    schemas = [json.loads(p.read_text(encoding="utf-8")) for p in sorted(pathlib.Path(schema_folder).glob("formats/schema/*.schema.json"))]
     schema = next(s for s in schemas if s["$id"] == name)
     jsonschema.Draft202012Validator.check_schema(schema)
     try:

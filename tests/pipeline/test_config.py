@@ -9,7 +9,7 @@ import support
 from support import QUICK, QUICK_OPTIONS, check, poses, write_json
 
 TOOL, SOURCE = support.Tool(sys.argv[1]), pathlib.Path(sys.argv[2])
-SCHEMA = json.loads((SOURCE / "baker/cli/bake_config.schema.json").read_text(encoding="utf-8"))["properties"]
+SCHEMA = json.loads((SOURCE / "formats/schema/bake_config.schema.json").read_text(encoding="utf-8"))["properties"]
 
 
 def test_same_as_command_line(folder):

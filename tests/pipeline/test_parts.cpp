@@ -1,9 +1,9 @@
 // The pieces behind pipelines: digests, dependency files, nearest words, hand-written JSON, the log of what was read.
-#include "config/depfile.h"
-#include "config/json_file.h"
-#include "io/read_log.h"
-#include "io/sha256.h"
-#include "io/source_file.h"
+#include "base/common/sha256.h"
+#include "input/io/read_log.h"
+#include "input/io/source_file.h"
+#include "pipeline/depfile.h"
+#include "pipeline/json_file.h"
 
 #include <doctest/doctest.h>
 #include <filesystem>

@@ -82,7 +82,7 @@ def configure(source, binary):
     call("cmake", "-G", "Ninja", "-S", source / "baker/python", "-B", folder, f"-Dnanobind_DIR={found.stdout.strip()}",
          f"-DPython_EXECUTABLE={pip.with_name('python')}")
     planned = subprocess.run(["ninja", "-C", str(folder), "-n", "_core"], capture_output=True, text=True, check=True).stdout
-    for needed in ("baker/bake.cpp", "bfgs.c"):
+    for needed in ("baker/bake/bake.cpp", "bfgs.c"):
         if Path(needed).name + ".o" not in planned:
             sys.exit(f"{needed} is not part of the module")
     for other in ("cli/main.cpp", "pliant_gl"):

@@ -16,7 +16,7 @@ ALLOWED_ROOMS = {
     "baker": {"formats", "baker"},
     "samples": {"formats", "runtime", "samples"},
 }
-BAKER_FOLDERS_WITH_RUNTIME = ("baker/write/", "baker/cli/", "baker/python/")
+BAKER_FOLDERS_WITH_RUNTIME = ("baker/output/asset/", "baker/cli/", "baker/python/")
 SAMPLES_WITH_BAKER = ("samples/pose_solid/",)
 
 RUNTIME_LIBC = {"stddef.h", "stdint.h", "string.h", "math.h", "float.h"}
@@ -93,15 +93,15 @@ def check(tree):
 
 PLANTS = [
     Plant("formats/planted.h", '#include "pliant.h"\n', "formats does not include from runtime"),
-    Plant("runtime/planted.c", '#include "../baker/report/diagnostics.h"\n', "runtime does not include from baker"),
+    Plant("runtime/planted.c", '#include "../baker/base/common/diagnostics.h"\n', "runtime does not include from baker"),
     Plant("runtime/planted.c", "#include <stdlib.h>\n", "<stdlib.h>"),
     Plant("runtime/pliant.h", "#include <math.h>\n", "<math.h>"),
     Plant("runtime/pliant_gl.h", "#include <stdint.h>\n", "only nothing"),
     Plant("runtime/pliant_gl_planted.c", "#include <GL/gl.h>\n", "<GL/gl.h>"),
     Plant("runtime/planted.c", '#include "pliant_gl.h"\n', "the runtime does not include from pliant_gl"),
     Plant("formats/pliant_format.h", "#  include <string.h>\n", "<string.h>"),
-    Plant("baker/mesh/planted.cpp", "#include <pliant.h>\n", "baker does not include from runtime"),
-    Plant("samples/planted.c", '#include "mesh/pose_set.h"\n', "samples does not include from baker"),
-    Plant("samples/player/planted.cpp", '#include "energy/solid.h"\n', "samples does not include from baker"),
-    Plant("baker/io/planted.cpp", '#include "nowhere.h"\n', "is not in the tree"),
+    Plant("baker/base/mesh/planted.cpp", "#include <pliant.h>\n", "baker does not include from runtime"),
+    Plant("samples/planted.c", '#include "base/mesh/pose_set.h"\n', "samples does not include from baker"),
+    Plant("samples/player/planted.cpp", '#include "elastic/energy/solid.h"\n', "samples does not include from baker"),
+    Plant("baker/input/io/planted.cpp", '#include "nowhere.h"\n', "is not in the tree"),
 ]

@@ -31,6 +31,6 @@ def check(tree):
 
 
 PLANTS = [
-    Plant("baker/mesh/planted.cpp", "// planted\n" * (LIMIT + 1), f"{LIMIT + 1} lines"),
+    Plant("baker/base/mesh/planted.cpp", "// planted\n" * (LIMIT + 1), f"{LIMIT + 1} lines"),
     Plant("tests/planted.py", "# clang-format off\n1\n# clang-format on\n" + "# planted\n" * (LIMIT + 1), f"{LIMIT + 1} lines"),
 ]

@@ -42,6 +42,6 @@ PLANTS = [
     Plant("runtime/planted.c", "/* see /work/notes */\n", "a private machine"),
     Plant("samples/planted.sh", "ls ../shared/data\n", "outside the checkout"),
     Plant("baker/planted.py", 'open(os.path.join("shared", "data"))\n', "outside the checkout"),
-    Plant("baker/mesh/planted.cpp", "// TODO: planted\n", "a loose end"),
-    Plant("baker/mesh/planted.cpp", "// see unwritten.md\n", "unwritten.md is not in the project"),
+    Plant("baker/base/mesh/planted.cpp", "// TODO: planted\n", "a loose end"),
+    Plant("baker/base/mesh/planted.cpp", "// see unwritten.md\n", "unwritten.md is not in the project"),
 ]

@@ -1,9 +1,9 @@
 #include "arrays.h"
 
-#include "io/source_file.h"
-#include "io/tet_builder.h"
-#include "mesh/triangulate.h"
-#include "report/diagnostics.h"
+#include "base/common/diagnostics.h"
+#include "base/mesh/triangulate.h"
+#include "input/io/source_file.h"
+#include "input/io/tet_builder.h"
 
 #include <algorithm>
 #include <fmt/format.h>

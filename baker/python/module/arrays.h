@@ -1,7 +1,7 @@
 // Arrays of numpy in and out.
 #pragma once
 
-#include "mesh/pose_set.h"
+#include "base/mesh/pose_set.h"
 
 #include <cstdint>
 #include <nanobind/nanobind.h>

@@ -1,8 +1,8 @@
 #include "asset_view.h"
 
+#include "base/common/diagnostics.h"
+#include "output/asset/runtime_blender.h"
 #include "pliant_format.h"
-#include "report/diagnostics.h"
-#include "write/runtime_blender.h"
 
 #include <cstring>
 #include <fmt/format.h>

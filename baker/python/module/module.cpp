@@ -5,14 +5,14 @@
 #include "options.h"
 #include "work.h"
 
-#include "energy/parallel.h"
-#include "gltf/pose_source.h"
-#include "io/source_file.h"
-#include "io/write_file.h"
-#include "mesh/drawn_surface.h"
-#include "report/certificate.h"
-#include "report/verdict.h"
-#include "write/runtime_blender.h"
+#include "bake/certificate.h"
+#include "bake/verdict.h"
+#include "base/common/parallel.h"
+#include "base/mesh/render_mesh.h"
+#include "input/io/source_file.h"
+#include "input/io/write_file.h"
+#include "input/poses/pose_source.h"
+#include "output/asset/runtime_blender.h"
 
 #include <nanobind/stl/optional.h>
 #include <nanobind/stl/pair.h>

@@ -1,6 +1,6 @@
 #include "options.h"
 
-#include "report/certificate.h"
+#include "bake/certificate.h"
 
 #include <fmt/format.h>
 #include <nanobind/stl/string.h>

@@ -1,8 +1,8 @@
 // Options of Python calls as the baker knows them.
 #pragma once
 
-#include "bake.h"
-#include "mesh/load_poses.h"
+#include "bake/bake.h"
+#include "input/poses/load_poses.h"
 
 #include <nanobind/nanobind.h>
 

@@ -1,6 +1,6 @@
 #include "work.h"
 
-#include "energy/parallel.h"
+#include "base/common/parallel.h"
 
 #include <chrono>
 #include <condition_variable>

@@ -1,7 +1,7 @@
 // Long work for Python: the interpreter stays free meanwhile, and Ctrl-C ends it.
 #pragma once
 
-#include "report/progress.h"
+#include "base/common/progress.h"
 
 #include <functional>
 #include <nanobind/nanobind.h>

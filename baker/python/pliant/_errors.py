@@ -14,7 +14,7 @@ class Finding(NamedTuple):
     """One error or warning."""
 
     is_error: bool
-    number: str  # "P2103"; baker/report/messages.md lists them all
+    number: str  # "P2103"; baker/base/common/messages.md lists them all
     where: str  # "poses[1]", "run.obj:812" or empty
     what: str
     hint: str  # may be empty

@@ -3,8 +3,8 @@
 
 #include "../io/files.h"
 #include "glb_samples.h"
-#include "gltf/pose_source.h"
-#include "mesh/render_scene.h"
+#include "input/gltf/render_scene.h"
+#include "input/poses/pose_source.h"
 #include "skip.h"
 
 #include <draco/compression/decode.h>

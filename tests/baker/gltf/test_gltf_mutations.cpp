@@ -4,7 +4,7 @@
 
 #include "../io/mutation_loop.h"
 #include "glb_samples.h"
-#include "gltf/pose_source.h"
+#include "input/poses/pose_source.h"
 
 #include <array>
 #include <cstring>

@@ -1,7 +1,7 @@
 // The scene chunk: what it holds comes back, and damaged bytes are refused.
 #include <doctest/doctest.h>
 
-#include "gltf/scene_chunk.h"
+#include "input/gltf/scene_chunk.h"
 
 #include <nlohmann/json.hpp>
 #include <random>

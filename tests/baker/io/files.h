@@ -1,7 +1,7 @@
 // Helpers of the tests that read and write files.
 #pragma once
 
-#include "report/diagnostics.h"
+#include "base/common/diagnostics.h"
 
 #include <cstdlib>
 #include <filesystem>

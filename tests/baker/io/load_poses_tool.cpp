@@ -1,8 +1,8 @@
 // load_poses_tool [--fix FILE] POSE...: loads poses, prints what was found as `pliant check` does, exits with its code. For the tests of
 // tests/bad_input where the tool `pliant` is not built. Also: load_poses_tool --write OUT [--repeat N] POSE... writes pose 0.
-#include "io/encode_ply.h"
-#include "io/write_file.h"
-#include "mesh/load_poses.h"
+#include "input/io/encode_ply.h"
+#include "input/io/write_file.h"
+#include "input/poses/load_poses.h"
 
 #include <cstdio>
 #include <cstdlib>

@@ -1,7 +1,7 @@
 // Small solids in every format and layout, written independently of the code under test.
 #pragma once
 
-#include "mesh/pose_set.h"
+#include "base/mesh/pose_set.h"
 
 #include <algorithm>
 #include <cstdio>

@@ -1,8 +1,8 @@
 // Findings: their text, and that thousands of them do not flood.
 #include <doctest/doctest.h>
 
-#include "report/diagnostics.h"
-#include "report/progress.h"
+#include "base/common/diagnostics.h"
+#include "base/common/progress.h"
 
 using namespace pliant;
 

@@ -2,8 +2,8 @@
 #include <doctest/doctest.h>
 
 #include "files.h"
-#include "mesh/check_surface.h"
-#include "mesh/load_poses.h"
+#include "input/poses/check_surface.h"
+#include "input/poses/load_poses.h"
 
 #include <Eigen/Geometry>
 #include <algorithm>

@@ -2,10 +2,10 @@
 #include <doctest/doctest.h>
 
 #include "files.h"
-#include "io/encode_msh.h"
-#include "io/encode_ply.h"
-#include "io/read_mesh.h"
-#include "mesh/load_poses.h"
+#include "input/io/encode_msh.h"
+#include "input/io/encode_ply.h"
+#include "input/io/read_mesh.h"
+#include "input/poses/load_poses.h"
 #include "skip.h"
 
 #include <Eigen/Geometry>

@@ -1,4 +1,4 @@
-"""test_messages.py CHECKOUT: every message number that the sources use has a row in baker/report/messages.md and the other way
+"""test_messages.py CHECKOUT: every message number that the sources use has a row in baker/base/common/messages.md and the other way
 round, no number has two rows, and every number is named by some file under tests/, unless its row says `none: REASON`."""
 import pathlib
 import re
@@ -24,7 +24,7 @@ def used_numbers(root):
 
 def main():
     root = pathlib.Path(sys.argv[1])
-    table = root / "baker/report/messages.md"
+    table = root / "baker/base/common/messages.md"
     problems, rows, untested = [], {}, set()
     for line_number, line in enumerate(table.read_text(encoding="utf-8").splitlines(), 1):
         if not re.match(r"^\|\s*P\d", line):

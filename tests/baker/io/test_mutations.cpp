@@ -2,9 +2,9 @@
 // whose indices are in range or in numbered findings, and never in a crash, another exception, or a failed allocation.
 #include <doctest/doctest.h>
 
-#include "io/encode_ply.h"
-#include "io/read_mesh.h"
-#include "mesh/load_poses.h"
+#include "input/io/encode_ply.h"
+#include "input/io/read_mesh.h"
+#include "input/poses/load_poses.h"
 #include "mutation_loop.h"
 #include "solid_samples.h"
 

@@ -2,8 +2,8 @@
 #include <doctest/doctest.h>
 
 #include "files.h"
-#include "io/encode_ply.h"
-#include "io/read_mesh.h"
+#include "input/io/encode_ply.h"
+#include "input/io/read_mesh.h"
 
 #include <cmath>
 #include <cstring>

@@ -2,8 +2,8 @@
 #include <doctest/doctest.h>
 
 #include "files.h"
-#include "io/encode_ply.h"
-#include "mesh/load_poses.h"
+#include "input/io/encode_ply.h"
+#include "input/poses/load_poses.h"
 #include "skip.h"
 
 #include <algorithm>

@@ -2,8 +2,8 @@
 #include <doctest/doctest.h>
 
 #include "files.h"
-#include "io/encode_msh.h"
-#include "io/read_mesh.h"
+#include "input/io/encode_msh.h"
+#include "input/io/read_mesh.h"
 #include "solid_samples.h"
 
 #include <cstring>

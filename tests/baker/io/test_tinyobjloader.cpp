@@ -6,7 +6,7 @@
 #include <tiny_obj_loader.h>
 
 #include "files.h"
-#include "io/read_mesh.h"
+#include "input/io/read_mesh.h"
 #include "skip.h"
 
 #include <cmath>

@@ -2,7 +2,7 @@
 #include <doctest/doctest.h>
 
 #include "files.h"
-#include "io/write_file.h"
+#include "input/io/write_file.h"
 
 #include <csignal>
 #include <sys/stat.h>

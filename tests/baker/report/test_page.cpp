@@ -1,10 +1,10 @@
 // Pages from made-up data, escaping, numbers, and reports read back.
-#include "report/certificate.h"
-#include "report/certificate_facts.h"
-#include "report/html.h"
-#include "report/page.h"
-#include "report/page_charts.h"
-#include "report/report_file.h"
+#include "bake/certificate.h"
+#include "output/page/certificate_facts.h"
+#include "output/page/html.h"
+#include "output/page/page.h"
+#include "output/page/page_charts.h"
+#include "output/page/report_file.h"
 
 #include <doctest/doctest.h>
 #include <fmt/format.h>

@@ -1,6 +1,6 @@
 // The rasteriser of reports: what a triangle covers, what hides what, how shapes are framed, PNG and base64.
-#include "report/png.h"
-#include "report/render.h"
+#include "output/page/png.h"
+#include "output/page/render.h"
 
 #include <Eigen/LU>
 #include <cmath>

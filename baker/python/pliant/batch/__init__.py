@@ -52,7 +52,7 @@ def _names(only: Union[str, Sequence[str], None]) -> Sequence[str]:
 def run(manifest: Union[str, "os.PathLike[str]"], *, client: Any = None, workers: Optional[int] = None,
         tool: Union[str, "os.PathLike[str]", None] = None, force: bool = False, only: Union[str, Sequence[str], None] = None,
         retries: int = 2, memory: Optional[float] = None, progress: Optional[Progress] = None) -> Summary:
-    """Bakes what is not up to date of a manifest (baker/cli/bake_manifest.schema.json), and returns when all is done.
+    """Bakes what is not up to date of a manifest (formats/schema/bake_manifest.schema.json), and returns when all is done.
 
     client     a dask.distributed.Client. Its workers must have a resource MEMORY, the bytes that bakes may take there together
                (`dask worker ADDRESS --nthreads 4 --resources MEMORY=48e9`); run as many bakes at a time as they have threads; have this

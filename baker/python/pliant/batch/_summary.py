@@ -4,7 +4,7 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from typing import Any, Dict, List
 
-Record = Dict[str, Any]  # one of "bakes" in baker/batch/bake_all_report.schema.json
+Record = Dict[str, Any]  # one of "bakes" in formats/schema/bake_all_report.schema.json
 
 _FAILURES = ("failed", "crashed", "too large", "not started")
 
@@ -36,7 +36,7 @@ class Summary:
         return 4 if "misses tolerance" in outcomes else 0
 
     def as_dict(self) -> Dict[str, Any]:
-        """The report of `pliant bake-all --json` (baker/batch/bake_all_report.schema.json)."""
+        """The report of `pliant bake-all --json` (formats/schema/bake_all_report.schema.json)."""
         return {"bake_all": 1, "baker": self.baker, "exit_code": self.exit_code, "seconds": self.seconds, "bakes": self.bakes}
 
     def __str__(self) -> str:

@@ -1,0 +1,323 @@
+#include "bake/certificate.h"
+
+#include "base/common/diagnostics.h"
+
+#include <nlohmann/json.hpp>
+
+namespace pliant {
+
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+Json json_of(const Weights& w) { return std::vector<double>(w.data(), w.data() + w.size()); }
+
+Json json_of(const ShapeError& error)
+{
+    return { { "relative_l2", error.relative_l2 },
+             { "largest_distance", error.largest_distance },
+             { "energy_excess", error.energy_excess } };
+}
+
+template <class Enum> Enum parse_name(const std::string& name, std::initializer_list<Enum> values)
+{
+    for (Enum value : values)
+        if (name == name_of(value)) return value;
+    throw std::invalid_argument(name);
+}
+
+} // namespace
+
+const char* name_of(Material material)
+{
+    switch (material) {
+    case Material::arap: return "arap";
+    case Material::stvk: return "stvk";
+    case Material::mooney_rivlin: return "mooney-rivlin";
+    default: return "discrete-shells";
+    }
+}
+
+const char* name_of(Membrane membrane)
+{
+    switch (membrane) {
+    case Membrane::stvk: return "stvk";
+    case Membrane::edge: return "edge";
+    default: return "neo-hookean";
+    }
+}
+
+const char* name_of(SubspaceKind kind)
+{
+    return kind == SubspaceKind::krylov ? "krylov" : kind == SubspaceKind::barbic ? "barbic" : "adaptive";
+}
+const char* name_of(StandInKind kind)
+{
+    switch (kind) {
+    case StandInKind::quartic: return "quartic";
+    case StandInKind::cubature: return "cubature";
+    case StandInKind::ghost: return "ghost";
+    default: return "auto";
+    }
+}
+const char* name_of(SolverKind kind) { return kind == SolverKind::eigen ? "eigen" : "cholmod"; }
+
+namespace {
+
+Json subspace_of(const BakeReport& report, const BakeOptions& options)
+{
+    Json subspace = { { "kind", name_of(options.subspace) }, { "dimension", report.dimension } };
+    if (options.subspace == SubspaceKind::krylov) subspace["ritz"] = options.ritz_count;
+    if (options.subspace == SubspaceKind::adaptive) {
+        subspace["snapshots"] = report.adaptive.snapshot_count;
+        subspace["unconverged_averages"] = report.adaptive.unconverged_count;
+    }
+    subspace["mean_error"] = report.subspace_error.mean;
+    subspace["largest_error"] = report.subspace_error.largest;
+    return subspace;
+}
+
+Json basis_of(const BakeReport& report, const BakeOptions& options)
+{
+    return { { "compact", report.basis.is_compact },
+             { "position_error", options.position_error },
+             { "largest_difference", report.basis.largest_difference },
+             { "bytes_per_number", report.basis.bytes_per_number } };
+}
+
+Json stand_in_of(const BakeReport& report, const BakeOptions& options)
+{
+    const StandInReport& r = report.stand_in;
+    Json stand_in = { { "kind", name_of(report.stand_in_kind) },
+                      { "elements", report.element_count },
+                      { "training_weights", report.training_count },
+                      { "unconverged_training_weights", report.unconverged_training_count },
+                      { "lowest_curvature", r.curvature.lowest },
+                      { "highest_curvature", r.curvature.highest },
+                      { "dead_load", r.has_load },
+                      { "mean_error_without_load", r.plain.mean },
+                      { "largest_error_without_load", r.plain.largest } };
+    if (report.stand_in_kind == StandInKind::cubature)
+        stand_in["cubature"] = options.cubature_solver == CubatureSolver::nn_htp ? "nn-htp" : "nnls";
+    if (!report.stand_in_reason.empty()) stand_in["reason"] = report.stand_in_reason;
+    if (r.loaded.mean > 0) {
+        stand_in["mean_error_with_load"] = r.loaded.mean;
+        stand_in["largest_error_with_load"] = r.loaded.largest;
+    }
+    return stand_in;
+}
+
+Json findings_of(const BakeReport& report, const std::vector<std::string>& pose_names)
+{
+    Json findings = Json::array();
+    for (const BranchFinding& finding : report.findings)
+        findings.push_back({ { "kind",
+                               finding.kind == BranchFinding::Kind::other_mean ? "other mean"
+                                   : finding.kind == BranchFinding::Kind::jump ? "jump"
+                                                                               : "other path" },
+                             { "weights", json_of(finding.weights) },
+                             { "pose", pose_names[finding.pose] },
+                             { "distance", finding.distance },
+                             { "vertex", finding.vertex } });
+    return findings;
+}
+
+Json measured_of(const BakeReport& report)
+{
+    const char* const cell = report.tet_count ? "smallest_j" : "smallest_triangle_ratio";
+    Json checks = Json::array();
+    int unconverged = 0;
+    for (const AssetCheck& check : report.checks) {
+        Json json = json_of(check.error);
+        json[cell] = check.cell_ratio;
+        json["fresh"] = check.is_fresh;
+        json["converged"] = check.has_converged;
+        json["weights"] = json_of(check.weights);
+        unconverged += !check.has_converged;
+        checks.push_back(json);
+    }
+    Json measured = { { "mean_error", report.mean_error },
+                      { "largest_error", report.largest_error },
+                      { "largest_distance", report.largest_distance },
+                      { cell, report.cell_ratio },
+                      { "worst_weights", json_of(report.worst_weights) },
+                      { "runtime_against_double", report.runtime_error },
+                      { "unconverged_checks", unconverged },
+                      { "checks", checks } };
+    return measured;
+}
+
+Json drift_of(const WorstDrift& worst)
+{
+    Json drift = { { "largest", worst.drift.largest }, { "part", worst.drift.part }, { "vertex", worst.drift.vertex } };
+    drift["weights"] = json_of(worst.weights);
+    return drift;
+}
+
+Json ties_of(const TieReport& report)
+{
+    Json ties = { { "parts", report.part_count },
+                  { "ties", report.tie_count },
+                  { "seam_ties", report.seam_count },
+                  { "joints", report.joint_count } };
+    if (report.blends.weights.size() > 0) {
+        ties["drift_of_averages"] = drift_of(report.truth);
+        ties["drift_of_blends"] = drift_of(report.blends);
+    }
+    return ties;
+}
+
+// How the mesh of the energy differs from the one of the files, which is drawn.
+Json elastic_of(const BakeReport& report)
+{
+    const SurfaceRepairs& r = report.repairs;
+    return { { "drawn_vertices", report.drawn_vertex_count },
+             { "drawn_triangles", report.drawn_triangle_count },
+             { "welded_vertices", r.welded_count },
+             { "repeated_vertex_triangles", r.repeated_count },
+             { "flat_triangles", r.flat_count },
+             { "duplicate_triangles", r.duplicate_count } };
+}
+
+// What its triangles have that a manifold has not.
+Json irregular_of(const SurfaceRepairs& r)
+{
+    return { { "lone_vertices", r.lone_vertex_count },
+             { "components", r.component_count },
+             { "edges_of_many_faces", r.crowded_edge_count },
+             { "edges_of_turned_faces", r.turned_edge_count } };
+}
+
+Json drawn_of(const BakeReport& report, const DrawnSurface& surface)
+{
+    Json drawn = { { "vertices", surface.embedding.count() },
+                   { "triangles", surface.triangles.size() },
+                   { "outside", surface.outside_count },
+                   { "farthest_outside", surface.farthest_outside },
+                   { "largest_weight", surface.largest_weight } };
+    if (report.drawn && !report.checks.empty()) {
+        drawn["mean_error"] = report.drawn->mean;
+        drawn["largest_error"] = report.drawn->largest;
+        drawn["largest_distance"] = report.drawn->largest_distance;
+    }
+    return drawn;
+}
+
+} // namespace
+
+std::string write_certificate(const BakeReport& report, const BakeOptions& options,
+                              const std::vector<std::string>& pose_names)
+{
+    const ShellOptions& shell = options.energy.shell;
+    const Material material = options.energy.material.value_or(Material::discrete_shells);
+    Json energy = { { "material", name_of(material) } };
+    if (report.tet_count && options.energy.poisson >= 0) energy["poisson"] = options.energy.poisson;
+    if (material == Material::discrete_shells) {
+        energy["membrane"] = name_of(shell.membrane);
+        energy["thickness"] = shell.thickness;
+        energy["foldover_damping"] = shell.foldover_damping;
+    }
+    energy["aligned"] = !options.energy.keep_placement;
+    energy["solver"] = name_of(options.energy.solver);
+    if (report.repairs.welded_count > 0) energy["weld"] = options.energy.weld_tolerance;
+    if (!report.fixed_vertices.empty()) energy["fixed_vertices"] = report.fixed_vertices;
+
+    Json certificate
+        = { { "certificate", 1 }, { "baker", baker_version }, { "poses", pose_names }, { "vertices", report.vertex_count } };
+    if (report.tet_count) certificate["tetrahedra"] = report.tet_count;
+    if (report.drawn_vertex_count > 0) certificate["elastic"] = elastic_of(report);
+    if (report.repairs.is_irregular()) certificate["irregular"] = irregular_of(report.repairs);
+    if (options.drawn) certificate["surface"] = drawn_of(report, *options.drawn);
+    certificate["energy"] = energy;
+    if (report.ties) certificate["ties"] = ties_of(*report.ties);
+    certificate["tolerance"] = options.tolerance;
+    if (options.tolerance_max > 0) certificate["tolerance_max"] = options.tolerance_max;
+    certificate["meets_tolerance"] = report.meets_tolerance;
+    certificate["subspace"] = subspace_of(report, options);
+    certificate["basis"] = basis_of(report, options);
+    certificate["stand_in"] = stand_in_of(report, options);
+    certificate["measured"] = measured_of(report);
+    certificate["mean_from_pose"] = report.start_pose;
+    certificate["branches"] = findings_of(report, pose_names);
+    certificate["foldover_hinges"] = report.foldover_count;
+    certificate["factorizations"] = report.factorization_count;
+    certificate["seed"] = options.seed;
+    // Names of poses are those of files, whose bytes need not be UTF-8.
+    return certificate.dump(1, ' ', false, Json::error_handler_t::replace);
+}
+
+EnergyOptions read_energy_options(const std::string& certificate, const std::string& path)
+{
+    EnergyOptions options;
+    try {
+        const Json json = Json::parse(certificate);
+        const Json& energy = json.at("energy");
+        options.material
+            = parse_name(energy.at("material").get<std::string>(),
+                         { Material::discrete_shells, Material::arap, Material::stvk, Material::mooney_rivlin });
+        options.poisson = energy.value("poisson", -1.0);
+        options.weld_tolerance = energy.value("weld", 0.0); // nothing was welded
+        options.fixed_vertices = energy.value("fixed_vertices", std::vector<std::uint32_t>());
+        options.keep_placement = !energy.at("aligned").get<bool>();
+        if (options.material == Material::discrete_shells) {
+            options.shell.membrane = parse_name(energy.at("membrane").get<std::string>(),
+                                                { Membrane::neo_hookean, Membrane::stvk, Membrane::edge });
+            options.shell.thickness = energy.at("thickness").get<double>();
+            options.shell.foldover_damping = energy.at("foldover_damping").get<double>();
+        }
+    } catch (const std::exception&) {
+        throw Failure(
+            ExitCode::bad_input,
+            error_at(5103, path, "its certificate does not say how it was baked", "bake it again with this version"));
+    }
+    return options;
+}
+
+std::optional<std::size_t> read_start_pose(const std::string& certificate)
+{
+    const Json json = Json::parse(certificate, nullptr, false);
+    if (!json.is_object() || !json.contains("mean_from_pose") || !json["mean_from_pose"].is_number_unsigned()) return {};
+    return json["mean_from_pose"].get<std::size_t>();
+}
+
+bool has_drawn_surface(const std::string& certificate)
+{
+    const Json json = Json::parse(certificate, nullptr, false);
+    return json.is_object() && json.contains("surface");
+}
+
+namespace {
+
+// More of them nobody reads; each names at most Finding::element_limit vertices and faces.
+constexpr std::size_t warning_limit = 100;
+
+Json warnings_of(const std::vector<Finding>& warnings)
+{
+    Json json = Json::array();
+    for (const Finding& warning : warnings) {
+        if (json.size() == warning_limit) break;
+        json.push_back({ { "number", warning.number },
+                         { "where", warning.where },
+                         { "what", warning.what },
+                         { "hint", warning.hint },
+                         { "vertices", warning.vertices },
+                         { "faces", warning.faces } });
+    }
+    return json;
+}
+
+} // namespace
+
+std::string write_report(const BakeReport& report, const std::string& asset, const std::vector<Finding>& warnings)
+{
+    Json json = Json::parse(report.certificate);
+    Json stages = Json::object();
+    for (const StageTime& stage : report.stages) stages[stage.stage] = stage.seconds;
+    json["seconds"] = stages;
+    json["cubature_residual"] = report.stand_in.residual;
+    if (!asset.empty()) json["asset"] = asset;
+    json["warnings"] = warnings_of(warnings);
+    return json.dump(1, ' ', false, Json::error_handler_t::replace) + "\n"; // file names may be anything
+}
+
+} // namespace pliant

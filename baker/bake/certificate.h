@@ -1,0 +1,40 @@
+// The certificate: JSON inside every asset that says how it was baked and what was measured (chunk CERT).
+#pragma once
+
+#include "bake/bake.h"
+
+#include <optional>
+
+#include <string>
+
+namespace pliant {
+
+// What made an asset: in its certificate, and in stamps (pipeline/stamp.h).
+constexpr const char* baker_version = "pliant 0.1.0";
+
+// No times, no paths: the same input and options give the same text.
+std::string write_certificate(const BakeReport& report, const BakeOptions& options,
+                              const std::vector<std::string>& pose_names);
+
+// Reads back the options that define the energy, so that a measurement uses the one that was baked. Throws Failure (bad_input,
+// P5103) naming `path` if the text is not a certificate of ours.
+EnergyOptions read_energy_options(const std::string& certificate, const std::string& path);
+
+// The pose from which the average of all poses is reached, so that a measurement takes the same branch; empty if it does not say.
+std::optional<std::size_t> read_start_pose(const std::string& certificate);
+
+// Whether the asset draws a surface of its own and not the mesh of its poses.
+bool has_drawn_surface(const std::string& certificate);
+
+// The report for people and build systems (`--report`): the certificate plus times, the name of the asset (relative to the report's
+// folder) and the warnings with the elements that they are about.
+std::string write_report(const BakeReport& report, const std::string& asset = {}, const std::vector<Finding>& warnings = {});
+
+// Names used on the command line and in JSON.
+const char* name_of(Material material);
+const char* name_of(Membrane membrane);
+const char* name_of(SubspaceKind kind);
+const char* name_of(StandInKind kind);
+const char* name_of(SolverKind kind);
+
+} // namespace pliant

@@ -1,0 +1,93 @@
+#include "bake/verdict.h"
+
+#include <fmt/core.h>
+
+namespace pliant {
+namespace {
+
+bool is_shell(const EnergyOptions& energy, bool is_solid)
+{
+    return material_for(energy, is_solid) == Material::discrete_shells;
+}
+
+// Where to turn when the tolerance is missed: what makes averages jump, else the part that misses it.
+std::string remedy(const BakeReport& r, const BakeOptions& options)
+{
+    if (!r.findings.empty() && is_shell(options.energy, r.tet_count > 0))
+        return "averages jump (P4406): for one connected surface try --material arap, leave a pose out, or ask for less "
+               "with --tolerance";
+    if (r.subspace_error.mean > 0.7 * options.tolerance)
+        return r.dimension >= 60
+            ? "add a pose between those of the worst weights, leave a pose out, or ask for less with --tolerance"
+            : "raise --dim or leave it out, add a pose in between, or ask for less with --tolerance";
+    return "raise --elements, add a pose between those of the worst weights, or ask for less with --tolerance";
+}
+
+} // namespace
+
+std::optional<ToleranceMiss> find_miss(const BakeReport& r, const BakeOptions& options, bool has_tolerance)
+{
+    if (r.checks.empty() || r.meets_tolerance) return {};
+    const bool is_asked = has_tolerance || options.tolerance_max > 0;
+    if (!is_asked && (options.dimension || options.subspace != SubspaceKind::adaptive)) return {};
+    return ToleranceMiss {
+        is_asked,
+        fmt::format(
+            "blends miss the tolerance {:.3g}{}: mean error {:.2e} (subspace alone {:.2e}) at d = {} and {} elements, "
+            "largest {:.2e} at weights {}",
+            options.tolerance, options.tolerance_max > 0 ? fmt::format(" (largest {:.3g})", options.tolerance_max) : "",
+            r.mean_error, r.subspace_error.mean, r.dimension, r.element_count, r.largest_error,
+            weights_text(r.worst_weights)),
+        remedy(r, options)
+    };
+}
+
+void warn_of(const ToleranceMiss& miss, Progress& progress) { progress.warn(4404, miss.what, miss.hint); }
+
+Failure to_failure(const ToleranceMiss& miss)
+{
+    return Failure(ExitCode::misses_tolerance,
+                   error_at(4405, "", miss.what, miss.hint + "; --best-effort writes it all the same"));
+}
+
+void require_convergence(const NewtonResult& result, const NewtonOptions& options, const std::string& frame)
+{
+    if (result.has_converged) return;
+    throw Failure(ExitCode::failed,
+                  error_at(4303, "",
+                           fmt::format("{}the average did not converge: relative decrement {:.1e} (wanted {:.1e}), "
+                                       "unbalanced force {:.1e} (wanted {:.1e}) after {} iterations",
+                                       frame, result.decrement, options.decrement, result.residual, options.residual,
+                                       result.iterations),
+                           "add an in-between pose, or try another --thickness or a smaller --foldover-damping"));
+}
+
+const char* hint_for_jumps(const EnergyOptions& energy, bool is_solid)
+{
+    return is_shell(energy, is_solid)
+        ? "add a pose in between; for one connected surface, try --material arap, which has fewer ways to bend"
+        : "add a pose in between, so that there is only one way to bend";
+}
+
+void warn_of_jumps(const FamilyPoint& point, const PoseSet& poses, const EnergyOptions& energy, const std::string& frame,
+                   Progress& progress)
+{
+    for (const BranchFinding& jump : point.jumps)
+        progress.warn(4406,
+                      fmt::format("{}the average jumps on the way towards pose {}: {:.1f} %, most at vertex {}, weights {}",
+                                  frame, poses.names[jump.pose], 100 * jump.distance, poses.file_number(jump.vertex),
+                                  weights_text(jump.weights)),
+                      hint_for_jumps(energy, poses.is_solid()));
+}
+
+void add_warnings(const std::vector<Finding>& told, const BakeReport& report, std::vector<Finding>& warnings)
+{
+    for (Finding warning : told) {
+        if (warning.number == 4403) warning = about_vertices(std::move(warning), report.foldover_vertices);
+        if (report.ties && warning.number == 4409) warning = about_vertices(std::move(warning), loose_parts(*report.ties));
+        if (report.ties && warning.number == 4410) warning = about_vertices(std::move(warning), distant_parts(*report.ties));
+        warnings.push_back(std::move(warning));
+    }
+}
+
+} // namespace pliant

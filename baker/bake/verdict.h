@@ -1,0 +1,40 @@
+// How what was computed stands to what was asked for: the same verdicts and words on the command line and in the Python package.
+#pragma once
+
+#include "bake/bake.h"
+#include "elastic/average/family.h"
+
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace pliant {
+
+// Blends that miss the tolerance.
+struct ToleranceMiss {
+    bool is_asked; // a condition; the default tolerance is an aim
+    std::string what, hint;
+};
+
+// Empty if the asset keeps the tolerance, if nothing was checked, and if the default tolerance does not apply: where the dimension was
+// given, or the subspace is not made to keep one. `has_tolerance`: options.tolerance was asked for.
+std::optional<ToleranceMiss> find_miss(const BakeReport& report, const BakeOptions& options, bool has_tolerance);
+
+// P4404, and P4405 with the exit code that belongs to it.
+void warn_of(const ToleranceMiss& miss, Progress& progress);
+Failure to_failure(const ToleranceMiss& miss);
+
+// Throws Failure (failed, P4303) for an average that did not converge. `frame`: its name in messages with a colon and a space, or empty.
+void require_convergence(const NewtonResult& result, const NewtonOptions& options, const std::string& frame);
+
+// What helps where there is more than one way to bend: the hint of P4406.
+const char* hint_for_jumps(const EnergyOptions& energy, bool is_solid);
+
+// P4406 for every jump on the way to an average.
+void warn_of_jumps(const FamilyPoint& point, const PoseSet& poses, const EnergyOptions& energy, const std::string& frame,
+                   Progress& progress);
+
+// Adds to `warnings` what was warned of while baking, with the vertices that it is about.
+void add_warnings(const std::vector<Finding>& told, const BakeReport& report, std::vector<Finding>& warnings);
+
+} // namespace pliant

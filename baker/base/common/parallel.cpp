@@ -1,0 +1,75 @@
+#include "base/common/parallel.h"
+
+#include <algorithm>
+#include <atomic>
+#include <exception>
+#include <mutex>
+#include <thread>
+#include <vector>
+
+namespace pliant {
+
+namespace {
+
+std::atomic<unsigned> wanted_threads { 0 };
+
+// Below this, starting a thread (some 20 microseconds) costs more than it saves.
+constexpr std::size_t serial_limit = 4000;
+
+// Set inside a task: its threads are taken.
+thread_local bool is_inside_task = false;
+
+unsigned thread_count()
+{
+    return wanted_threads ? wanted_threads.load() : std::max(1u, std::thread::hardware_concurrency());
+}
+
+} // namespace
+
+void set_thread_count(unsigned count) { wanted_threads = count; }
+
+void for_each_piece(std::size_t count, const std::function<void(std::size_t, std::size_t, std::size_t)>& work)
+{
+    std::atomic<std::size_t> next { 0 };
+    const auto take_pieces = [&] {
+        for (std::size_t piece = next++; piece < piece_count; piece = next++)
+            work(piece, count * piece / piece_count, count * (piece + 1) / piece_count);
+    };
+    const unsigned threads = count < serial_limit || is_inside_task ? 1 : thread_count();
+    std::vector<std::thread> others;
+    for (unsigned i = 1; i < std::min<unsigned>(threads, piece_count); ++i) others.emplace_back(take_pieces);
+    take_pieces();
+    for (std::thread& other : others) other.join();
+}
+
+std::size_t worker_count() { return std::min<std::size_t>(thread_count(), piece_count); }
+
+void for_each_task(std::size_t count, const std::function<void(std::size_t, std::size_t)>& work)
+{
+    std::atomic<std::size_t> next { 0 };
+    std::mutex mutex; // of the two below
+    std::size_t failed_task = count;
+    std::exception_ptr failure;
+    const std::size_t workers = std::min(worker_count(), count);
+    const bool was_inside_task = is_inside_task;
+    const auto take_tasks = [&](std::size_t worker) {
+        is_inside_task = was_inside_task || workers > 1; // a lone task has all threads to itself
+        for (std::size_t task = next++; task < count; task = next++) {
+            try {
+                work(task, worker);
+            } catch (...) {
+                next = count;
+                const std::lock_guard<std::mutex> lock(mutex);
+                if (task < failed_task) failed_task = task, failure = std::current_exception();
+            }
+        }
+        is_inside_task = was_inside_task;
+    };
+    std::vector<std::thread> others;
+    for (std::size_t i = 1; i < workers; ++i) others.emplace_back(take_tasks, i);
+    take_tasks(0);
+    for (std::thread& other : others) other.join();
+    if (failure) std::rethrow_exception(failure);
+}
+
+} // namespace pliant

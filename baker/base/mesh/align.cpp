@@ -1,0 +1,113 @@
+#include "base/mesh/align.h"
+
+#include "base/mesh/tets.h"
+
+#include <Eigen/Dense>
+
+namespace pliant {
+
+namespace {
+
+using RowPoints = Eigen::Map<const Positions>;
+
+RowPoints rows(const Shape& shape) { return RowPoints(shape.data(), shape.size() / 3, 3); }
+
+Eigen::Vector3d centroid(const Shape& shape, const Eigen::VectorXd& masses)
+{
+    return rows(shape).transpose() * masses / masses.sum();
+}
+
+} // namespace
+
+RigidMotion best_rigid_motion(const Shape& from, const Shape& to, const Eigen::VectorXd& masses)
+{
+    const Eigen::Vector3d from_centre = centroid(from, masses), to_centre = centroid(to, masses);
+    const Positions a = rows(from).rowwise() - from_centre.transpose();
+    const Positions b = rows(to).rowwise() - to_centre.transpose();
+    const Eigen::Matrix3d covariance = b.transpose() * masses.asDiagonal() * a;
+    const Eigen::JacobiSVD<Eigen::Matrix3d> svd(covariance, Eigen::ComputeFullU | Eigen::ComputeFullV);
+    Eigen::Vector3d signs(1, 1, 1);
+    if ((svd.matrixU() * svd.matrixV().transpose()).determinant() < 0) signs[2] = -1;
+    RigidMotion motion;
+    motion.rotation = svd.matrixU() * signs.asDiagonal() * svd.matrixV().transpose();
+    motion.translation = to_centre - motion.rotation * from_centre;
+    return motion;
+}
+
+void apply(const RigidMotion& motion, Shape& shape)
+{
+    for (Eigen::Index i = 0; i < shape.size(); i += 3)
+        shape.segment<3>(i) = (motion.rotation * shape.segment<3>(i) + motion.translation).eval();
+}
+
+void align_to(const ShapeSet& set, const Shape& target, Shape& shape)
+{
+    if (set.is_free()) apply(best_rigid_motion(shape, target, set.masses), shape);
+}
+
+ShapeSet normalise(const PoseSet& poses, bool keep_placement)
+{
+    ShapeSet set;
+    set.triangles = poses.triangles;
+    set.tets = poses.tets;
+    set.regions = poses.regions;
+    set.source_vertices = poses.source_vertices;
+    set.fixed_vertices = poses.fixed_vertices;
+    keep_placement = keep_placement || !set.is_free();
+    const Eigen::Index n = Eigen::Index(poses.vertex_count());
+
+    // Shapes relative to the middle of pose 0, so that a far-away origin costs no digits in what follows.
+    const Eigen::Vector3d middle
+        = 0.5 * (poses.positions[0].colwise().minCoeff() + poses.positions[0].colwise().maxCoeff()).transpose();
+    double size = 0; // area or volume
+    set.masses = Eigen::VectorXd::Zero(n);
+    for (const Positions& positions : poses.positions) {
+        const Eigen::Vector3d pose_middle = keep_placement
+            ? middle
+            : Eigen::Vector3d(0.5 * (positions.colwise().minCoeff() + positions.colwise().maxCoeff()).transpose());
+        const Positions centred = positions.rowwise() - pose_middle.transpose();
+        set.shapes.emplace_back(Eigen::Map<const Shape>(centred.data(), 3 * n));
+        set.motions.emplace_back();
+        set.motions.back().translation = -pose_middle;
+        const Shape& shape = set.shapes.back();
+        set.masses += cell_masses(set, shape) / double(poses.pose_count());
+        size += cell_sizes(set, shape).sum() / double(poses.pose_count());
+    }
+    set.length = set.is_solid() ? std::cbrt(size) : std::sqrt(size);
+    set.masses /= poses.repairs.lone_vertex_count == 0 ? size : set.masses.sum(); // of cells, the same but for rounding
+
+    // The runtime adds the origin in single precision: round it once, here, so that both sides mean the same point.
+    const Eigen::Vector3d centre = centroid(set.shapes[0], set.masses);
+    set.origin = (middle + centre).cast<float>().cast<double>();
+    const Eigen::Vector3d shift = middle - set.origin;
+    const Shape rest = set.shapes[0]; // the loop moves and scales shapes[0] before the others are fitted to it
+    for (std::size_t k = 0; k < set.pose_count(); ++k) {
+        RigidMotion fit;
+        if (!keep_placement && k > 0) fit = best_rigid_motion(set.shapes[k], rest, set.masses);
+        apply(fit, set.shapes[k]);
+        set.motions[k].rotation = fit.rotation;
+        set.motions[k].translation = fit.rotation * set.motions[k].translation + fit.translation + middle;
+        for (Eigen::Index i = 0; i < 3 * n; i += 3)
+            set.shapes[k].segment<3>(i) = (set.shapes[k].segment<3>(i) + shift) / set.length;
+    }
+    const auto first = rows(set.shapes[0]);
+    set.diagonal = (first.colwise().maxCoeff() - first.colwise().minCoeff()).norm();
+    return set;
+}
+
+Positions to_input_units(const ShapeSet& set, const Shape& shape)
+{
+    Positions positions = set.length * rows(shape);
+    positions.rowwise() += set.origin.transpose();
+    return positions;
+}
+
+Shape from_input_units(const ShapeSet& set, const std::vector<float>& positions)
+{
+    Shape shape(Eigen::Index(positions.size()));
+    for (Eigen::Index i = 0; i < shape.size(); ++i)
+        shape[i] = (double(positions[std::size_t(i)]) - set.origin[i % 3]) / set.length;
+    return shape;
+}
+
+} // namespace pliant

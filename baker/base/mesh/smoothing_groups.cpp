@@ -1,0 +1,52 @@
+#include "base/mesh/smoothing_groups.h"
+
+#include <stdexcept>
+#include <unordered_map>
+
+namespace pliant {
+
+namespace {
+
+// Cosine of 1 degree. Tools write one normal for all copies of a smooth vertex, rounded to 8 bits at the coarsest, which is 0.4
+// degrees; edges that are meant to be seen differ by far more.
+constexpr double kSameDirection = 0.99984769515639124;
+
+// A normal shorter than this has no direction in single precision, in which files have them.
+constexpr double kShortest = 1e-6;
+
+bool agree(const Eigen::Vector3d& a, const Eigen::Vector3d& b)
+{
+    const double lengths = a.norm() * b.norm();
+    return !(lengths > kShortest * kShortest) || a.dot(b) >= kSameDirection * lengths; // NaN has no direction either
+}
+
+} // namespace
+
+std::vector<std::uint32_t> smoothing_groups(const std::vector<std::uint32_t>& welded,
+                                            const std::vector<Eigen::Vector3d>& normals)
+{
+    if (!normals.empty() && normals.size() != welded.size())
+        throw std::invalid_argument("smoothing_groups needs no normals or one for each vertex");
+    std::vector<std::uint32_t> groups(welded.size());
+    std::unordered_map<std::uint32_t, std::vector<std::uint32_t>> first_vertices; // of the groups at a welded vertex
+    for (std::uint32_t v = 0; v < welded.size(); ++v) {
+        std::vector<std::uint32_t>& candidates = first_vertices[welded[v]];
+        groups[v] = v;
+        for (std::uint32_t first : candidates)
+            if (normals.empty() || agree(normals[first], normals[v])) {
+                groups[v] = first;
+                break;
+            }
+        if (groups[v] == v) candidates.push_back(v);
+    }
+    return groups;
+}
+
+bool is_trivial(const std::vector<std::uint32_t>& groups)
+{
+    for (std::uint32_t v = 0; v < groups.size(); ++v)
+        if (groups[v] != v) return false;
+    return true;
+}
+
+} // namespace pliant

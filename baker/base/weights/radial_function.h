@@ -1,0 +1,23 @@
+// Smooth functions of the weights: where the runtime starts, a guess of the average, and its dead load (AssetModel::load).
+#pragma once
+
+#include "elastic/energy/energy.h"
+
+namespace pliant {
+
+// f(w) = sum_i |w - centre_i|^3 coefficients.row(i) + sum_k w_k coefficients.row(N + k): a cubic radial basis function with a linear
+// tail (on the simplex the w_k span constants and linear functions). Interpolates its data.
+struct Predictor {
+    std::vector<Weights> centres;
+    Eigen::MatrixXd coefficients; // (N + m) x d
+
+    Eigen::VectorXd operator()(const Weights& w) const;
+};
+
+// Fits the values (columns of `values`, d x N) at distinct centres.
+Predictor fit_predictor(const std::vector<Weights>& centres, const Eigen::MatrixXd& values);
+
+// Interpolation needs distinct centres; closer ones (in weights) say the same.
+constexpr double closest_centres = 1e-3;
+
+} // namespace pliant

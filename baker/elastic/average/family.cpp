@@ -1,0 +1,252 @@
+#include "elastic/average/family.h"
+
+#include "base/common/parallel.h"
+#include "base/mesh/tets.h"
+#include "elastic/average/shape_error.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace pliant {
+
+namespace {
+
+// In the 1-norm of weights. The way from a corner to the mean is gone roughly, in long steps: only where it ends counts. Elsewhere steps
+// begin shorter, grow while the tangent's guess is good to a quarter of what is allowed, and are halved where it is not good enough.
+constexpr double rough_step = 0.85, first_step = 0.5;
+
+// A discontinuity is a move that does not get shorter with the step. Steps (in the 1-norm of weights) are not halved below this.
+constexpr double shortest_step = 0.03;
+
+// For the sake of a small correction they are not made shorter than this: where triangles turn, tangents are never good.
+constexpr double shortest_sure_step = 0.2;
+
+// Moves faster than this many times the mean's way to a pose, and longer than 5 %, are looked at closer: well above what a family that
+// turns a limb evenly needs, and a false alarm costs halved steps only.
+constexpr double jump_speed = 6, jump_distance = 0.05;
+
+// Newton creeps where creases snap; only what is farther than this from converged calls for a shorter step.
+constexpr double hopeless_decrement = 1e-2;
+
+// Means from different poses are computed roughly, and compared with that in mind: energies, and distances.
+constexpr double energy_doubt = 0.02, rough_distance = 0.05;
+
+// A tangent step may change the areas of triangles, the volumes of tetrahedra by this factor.
+constexpr double sound_stretch = 1.5;
+
+} // namespace
+
+std::size_t farthest_vertex(const ShapeSet& set, const Shape& a, const Shape& b)
+{
+    Shape moved = b;
+    align_to(set, a, moved);
+    Eigen::Index farthest = 0;
+    const Eigen::Map<const Eigen::Matrix3Xd> from(a.data(), 3, a.size() / 3), to(moved.data(), 3, a.size() / 3);
+    (from - to).colwise().squaredNorm().maxCoeff(&farthest);
+    return std::size_t(farthest);
+}
+
+// A walk through weight space with the average at its end.
+struct AverageFamily::Path {
+    NewtonSolver& solver;
+    Progress* progress;
+    Weights w;
+    NewtonResult point;
+    std::vector<BranchFinding> jumps;
+    std::optional<Shape> tangent; // at the point, for the whole way that is left; until the next point
+};
+
+AverageFamily::AverageFamily(SolverPool& pool, NewtonOptions options, Progress* progress,
+                             std::optional<std::size_t> start_pose)
+    : pool_(pool)
+    , options_(options)
+    , progress_(progress)
+    , start_pose_(start_pose)
+{
+}
+
+// Along the tangent, by the derivative of the minimiser, as far as it is sound. It has a lower energy all the way, but it stretches
+// limbs that turn, and what is stretched Newton may undo by folding creases; hence the limits.
+Shape AverageFamily::start_of_step(Path& path, const Weights& to, double share) const
+{
+    const Shape& here = path.point.y;
+    if (!path.tangent) path.tangent = path.solver.weight_derivative(path.w, here, to - path.w, HessianKind::projected);
+    const Weights next = path.w + share * (to - path.w);
+    const Eigen::VectorXd sizes = cell_sizes(pool_.set(), here);
+    const double energy = energy_value(pool_.energy(), next, here);
+    for (double length = 1; length > 0.2; length /= 2) {
+        Shape guess = here + length * share * *path.tangent;
+        const Eigen::VectorXd ratios = cell_sizes(pool_.set(), guess).cwiseQuotient(sizes);
+        if (ratios.minCoeff() > 1 / sound_stretch && ratios.maxCoeff() < sound_stretch
+            && energy_value(pool_.energy(), next, guess) < energy)
+            return guess;
+    }
+    return here;
+}
+
+// Predictor-corrector. Points on the way need few digits.
+void AverageFamily::follow(Path& path, const Weights& to, bool is_rough) const
+{
+    const ShapeSet& set = pool_.set();
+    NewtonOptions rough = options_, fine = options_;
+    fine.step_ratio = 0; // the way from the last point of the path says nothing about the accuracy wanted
+    rough.step_ratio = 0.1;
+    rough.decrement = std::max(options_.decrement, 1e-4);
+    rough.step_decrement = 1e-3;
+    rough.residual = std::max(options_.residual, 0.1);
+    rough.max_iterations = std::min(options_.max_iterations, 12); // more: the step is too long
+    int iterations = 0;
+    double length = is_rough ? rough_step : first_step;
+    for (double left = (to - path.w).lpNorm<1>(); left > 1e-12; left = (to - path.w).lpNorm<1>()) {
+        const double share = 1 / std::max(1.0, std::ceil(left / length - 1e-9));
+        const Weights next = share == 1 ? to : Weights(path.w + share * (to - path.w));
+        const double step = share * left;
+        const bool is_last = share == 1;
+        const Shape guess = start_of_step(path, to, share);
+        NewtonResult reached = path.solver.minimise(next, guess, is_last && !is_rough ? fine : rough, path.progress);
+        iterations += reached.iterations;
+        const double moved = relative_distance(set, reached.y, path.point.y);
+        const double corrected = is_rough ? 0 : relative_distance(set, reached.y, guess);
+        const bool is_fast = speed_ > 0 && moved > jump_distance && moved > jump_speed * speed_ * step;
+        const bool is_hopeless = !reached.has_converged && reached.decrement > hopeless_decrement;
+        if ((is_fast || is_hopeless) && step > 2 * shortest_step) {
+            length = step / 2;
+            continue;
+        }
+        if (corrected > correction_limit && step > shortest_sure_step) {
+            length = step / 2;
+            continue;
+        }
+        if (is_fast) {
+            Eigen::Index pose = 0;
+            (to - path.w).maxCoeff(&pose);
+            path.jumps.push_back({ BranchFinding::Kind::jump, next, std::size_t(pose), moved,
+                                   farthest_vertex(set, path.point.y, reached.y) });
+        }
+        if (corrected < correction_limit / 4) length = std::min(2 * length, rough_step);
+        path.point = std::move(reached);
+        path.w = next;
+        path.tangent.reset();
+    }
+    path.point.iterations = iterations;
+    fix_gauge(set, path.point.y);
+}
+
+FamilyPoint AverageFamily::reach_mean(std::size_t pose, std::size_t worker, Progress* progress) const
+{
+    const std::size_t m = pool_.set().pose_count();
+    Path path { pool_.at(worker), progress, corner_weights(m, pose), {}, {}, {} };
+    path.point.y = pool_.set().shapes[pose];
+    path.point.has_converged = true;
+    follow(path, equal_weights(m), true);
+    return { std::move(path.point), {} };
+}
+
+const NewtonResult& AverageFamily::mean()
+{
+    if (mean_) return *mean_;
+    const ShapeSet& set = pool_.set();
+    const std::size_t m = set.pose_count();
+    std::vector<FamilyPoint> means(m);
+    std::vector<std::size_t> starts;
+    for (std::size_t k = 0; k < m; ++k)
+        if (!start_pose_ || k == *start_pose_) starts.push_back(k);
+    SharedProgress progress(progress_);
+    for_each_task(starts.size(),
+                  [&](std::size_t i, std::size_t worker) { means[starts[i]] = reach_mean(starts[i], worker, &progress); });
+    // Rough energies are good to a few per cent: all that may be the lowest are polished.
+    const Weights w = equal_weights(m);
+    double lowest = means[starts[0]].average.energy;
+    for (std::size_t k : starts) lowest = std::min(lowest, means[k].average.energy);
+    std::size_t best = m;
+    for (std::size_t k : starts) {
+        NewtonResult& average = means[k].average;
+        if (average.energy - lowest > energy_doubt * std::abs(lowest)) continue;
+        if (best < m && relative_distance(set, average.y, means[best].average.y) < branch_distance) continue; // the same one
+        NewtonResult fine = pool_.at(0).minimise(w, average.y, options_, &progress);
+        fix_gauge(set, fine.y);
+        average = std::move(fine);
+        // Energies closer than Newton's accuracy are those of one average: the first pose stands for it.
+        if (best == m || average.energy < means[best].average.energy * (1 - 1e-5)) best = k;
+    }
+    for (std::size_t k : starts) {
+        const Shape& other = means[k].average.y;
+        const double distance = relative_distance(set, other, means[best].average.y);
+        if (distance > rough_distance)
+            findings_.push_back(
+                { BranchFinding::Kind::other_mean, w, k, distance, farthest_vertex(set, means[best].average.y, other) });
+    }
+    start_pose_ = best;
+    mean_ = std::move(means[best].average);
+    for (std::size_t k = 0; k < m; ++k)
+        speed_ = std::max(
+            speed_, relative_distance(set, mean_->y, set.shapes[k]) / (corner_weights(m, k) - equal_weights(m)).lpNorm<1>());
+    return *mean_;
+}
+
+std::size_t AverageFamily::start_pose()
+{
+    mean();
+    return *start_pose_;
+}
+
+const SparseLower& AverageFamily::mean_hessian()
+{
+    if (!mean_hessian_) {
+        HessianAssembler assembler(pool_.energy());
+        assembler.assemble(equal_weights(pool_.set().pose_count()), mean().y, HessianKind::exact);
+        mean_hessian_ = assembler.matrix();
+    }
+    return *mean_hessian_;
+}
+
+FamilyPoint AverageFamily::from(const KnownAverage& known, const Weights& w, std::size_t worker, Progress* progress) const
+{
+    Path path { pool_.at(worker), progress, known.weights, {}, {}, {} };
+    path.point.y = known.shape;
+    path.point.has_converged = true;
+    path.point.energy = energy_value(pool_.energy(), w, known.shape);
+    follow(path, w, false);
+    return { std::move(path.point), std::move(path.jumps) };
+}
+
+FamilyPoint AverageFamily::at(const Weights& w, std::size_t worker, Progress* progress) const
+{
+    const Weights centre = equal_weights(pool_.set().pose_count());
+    // A hair away from the mean is rounding of the division by the sum of the weights.
+    if ((w - centre).lpNorm<1>() < 1e-12) return { *mean_, {} };
+    return from({ centre, mean_->y }, w, worker, progress);
+}
+
+NewtonResult AverageFamily::near(const Shape& shape, const Weights& w, std::size_t worker, Progress* progress) const
+{
+    NewtonResult result = pool_.at(worker).minimise(w, shape, options_, progress);
+    fix_gauge(pool_.set(), result.y);
+    return result;
+}
+
+CheckPoint AverageFamily::check(const Weights& w, const Shape& blend, double suspicion, std::size_t worker,
+                                Progress* progress) const
+{
+    const ShapeSet& set = pool_.set();
+    NewtonResult beside = near(blend, w, worker, progress);
+    CheckPoint point { w, std::move(beside.y), 0, 0, beside.has_converged, {} };
+    point.error = point.nearest_error = relative_distance(set, blend, point.truth);
+    if (point.error <= suspicion && point.has_converged) return point;
+    FamilyPoint defined = at(w, worker, progress);
+    const double distance = relative_distance(set, point.truth, defined.average.y);
+    point.findings = std::move(defined.jumps);
+    if (distance > branch_distance) {
+        Eigen::Index pose = 0;
+        w.maxCoeff(&pose);
+        point.findings.push_back({ BranchFinding::Kind::other_path, w, std::size_t(pose), distance,
+                                   farthest_vertex(set, defined.average.y, point.truth) });
+    }
+    if (!defined.average.has_converged && point.has_converged) return point;
+    point.truth = std::move(defined.average.y);
+    point.has_converged = defined.average.has_converged;
+    point.error = relative_distance(set, blend, point.truth);
+    return point;
+}
+
+} // namespace pliant

@@ -1,0 +1,108 @@
+// The family a(w) of averages, defined by continuation, so that every user of it means the same branch.
+#pragma once
+
+#include "elastic/average/hessian.h"
+#include "elastic/average/solver_pool.h"
+
+#include <optional>
+#include <vector>
+
+namespace pliant {
+
+// Where the family is not smooth, or not unique.
+struct BranchFinding {
+    enum class Kind {
+        other_mean, // continuation from a pose ends in another average of all poses
+        jump,       // the average jumps on the way from the mean to some weights
+        other_path  // another way to the same weights ends in another average
+    } kind;
+    Weights weights;    // where it was seen
+    std::size_t pose;   // other_mean: the pose; jump: the pose whose weight grows most on the way
+    double distance;    // between the two shapes, relative L2
+    std::size_t vertex; // that moves most between them
+};
+
+// A shape that is an average for certain weights, in the gauge of pose 0.
+struct KnownAverage {
+    Weights weights;
+    Shape shape;
+};
+
+struct FamilyPoint {
+    NewtonResult average; // in the gauge of pose 0
+    std::vector<BranchFinding> jumps;
+};
+
+// A blend that was compared with the truth.
+struct CheckPoint {
+    Weights weights;
+    Shape truth;              // in the gauge of pose 0
+    double error = 0;         // of the blend, relative L2
+    double nearest_error = 0; // its distance from the average next to it: smaller, where that is another one
+    bool has_converged = false;
+    std::vector<BranchFinding> findings;
+};
+
+// a(w) is reached along the straight line in weight space from the equal-weight average. That one is reached from every pose, along
+// the line from the pose's corner; of those that are reached the one of lowest energy counts, and the pose of lowest number that
+// leads there is its start. An elastic average need not be unique; one definition of it is needed where snapshots, truths and
+// measurements are compared.
+class AverageFamily {
+public:
+    // `start_pose`: if known (a certificate holds it), the mean is reached from that pose only, which costs a fraction.
+    AverageFamily(SolverPool& pool, NewtonOptions options, Progress* progress, std::optional<std::size_t> start_pose = {});
+
+    // The equal-weight average and the pose from which it is reached, computed at the first call. Not from tasks.
+    const NewtonResult& mean();
+    std::size_t start_pose();
+
+    // The exact Hessian there (lower triangle), assembled at the first call. Not from tasks.
+    const SparseLower& mean_hessian();
+
+    // Other means that were found. Empty before mean().
+    const std::vector<BranchFinding>& findings() const { return findings_; }
+
+    // The average for w (non-negative, sum 1). Steps are halved when Newton fails, corrects the tangent's guess by much, or the shape
+    // jumps; the result may still not have converged: check it. Needs mean() before; then tasks may call it at the same time, each with
+    // its worker. Cost: 10 to 50 factorisations.
+    FamilyPoint at(const Weights& w, std::size_t worker, Progress* progress) const;
+
+    // The same along the straight line from another average that is known, and the average next to a shape.
+    FamilyPoint from(const KnownAverage& known, const Weights& w, std::size_t worker, Progress* progress) const;
+    NewtonResult near(const Shape& shape, const Weights& w, std::size_t worker, Progress* progress) const;
+
+    // Compares a blend for w with the truth. Newton's method goes on from the blend, which needs few factorisations when it is good;
+    // if it ends more than `suspicion` (relative L2; 0: always) away, a(w) is computed: that is the truth, unless only the other has
+    // converged, and a difference is recorded. Tasks may call it as at().
+    CheckPoint check(const Weights& w, const Shape& blend, double suspicion, std::size_t worker, Progress* progress) const;
+
+    const SolverPool& pool() const { return pool_; }
+
+private:
+    struct Path;
+    Shape start_of_step(Path& path, const Weights& to, double share) const;
+    void follow(Path& path, const Weights& to, bool is_rough) const;
+    FamilyPoint reach_mean(std::size_t pose, std::size_t worker, Progress* progress) const;
+
+    SolverPool& pool_;
+    NewtonOptions options_;
+    Progress* progress_;
+    std::optional<std::size_t> start_pose_;
+    std::optional<NewtonResult> mean_;
+    std::optional<SparseLower> mean_hessian_;
+    double speed_ = 0; // largest relative distance of the mean from a pose per change of weights
+    std::vector<BranchFinding> findings_;
+};
+
+// Creases make minima that lie a few per cent (relative L2) apart: where Newton's method goes farther than this from a guess, another
+// one may have caught it.
+constexpr double correction_limit = 0.04;
+
+// Averages farther apart than this (relative L2) are different ones: ten times the default tolerance, of which truths are wanted to a
+// twentieth.
+constexpr double branch_distance = 0.01;
+
+// Number of the vertex that moves most between two shapes, after rigid alignment.
+std::size_t farthest_vertex(const ShapeSet& set, const Shape& a, const Shape& b);
+
+} // namespace pliant

@@ -1,0 +1,86 @@
+// The unreduced average: argmin_y W(w, y) over all 3n unknowns, by Newton's method.
+#pragma once
+
+#include "base/common/progress.h"
+#include "base/mesh/align.h"
+#include "elastic/average/sparse_cholesky.h"
+
+namespace pliant {
+
+struct NewtonOptions {
+    // Converged when both hold: half the squared Newton decrement is below `decrement` times the energy (1e-8 is enough for
+    // snapshots, 1e-12 for tests), and the unbalanced forces are below `residual` times the forces that cancel. The second one
+    // catches nearly collapsed triangles, whose huge stiffness makes any decrement small.
+    double decrement = 1e-8;
+    double residual = 1e-3;
+    // Converged also when the Newton step, in the mass norm, is below step_floor, or below this part of the way gone since the start
+    // (a third of either for steps of a projected Hessian), and the decrement below step_decrement. For snapshots and checks: what is
+    // asked there is a distance between shapes, while the last digits of the energy are those of a few creased triangles.
+    double step_floor = 0;
+    double step_ratio = 0;
+    double step_decrement = 1e-5; // far from a minimum a stiff projected model makes small steps too
+    int max_iterations = 80;
+};
+
+struct NewtonResult {
+    Shape y;
+    double energy = 0;
+    double decrement = 0; // of the last iteration, relative to the energy
+    double residual = 0;  // unbalanced force over the forces that cancel
+    int iterations = 0;
+    int projected_iterations = 0; // how many had an indefinite Hessian
+    bool has_converged = false;
+};
+
+// Keeps the symbolic factorisation between solves. One solver per thread.
+class NewtonSolver {
+public:
+    NewtonSolver(const Energy& energy, const ShapeSet& set, SolverKind kind);
+
+    // Minimises from `start`. The result keeps the centroid and orientation in which it was found. Calls progress->update (may be
+    // null) once an iteration.
+    // Fixed vertices stay where they are in `start`.
+    NewtonResult minimise(const Weights& w, const Shape& start, const NewtonOptions& options, Progress* progress = nullptr);
+
+    // Factors the exact Hessian of W(w, .) at an equilibrium y (a pose, an average) for solve_equilibrium. Throws Failure (P4302)
+    // if it has negative or further zero eigenvalues.
+    void factorize_equilibrium(const Weights& w, const Shape& y, HessianKind kind = HessianKind::exact);
+
+    // Solves K x = f (columns) at that equilibrium. Of a free body in the quotient by rigid motions: f is balanced, x is mass-orthogonal
+    // to them. Else x vanishes at fixed vertices.
+    Eigen::MatrixXd solve_equilibrium(const Eigen::MatrixXd& loads) const;
+
+    // How the minimiser y moves when the weights move: -K(w)^-1 sum_k direction_k grad W_k(y). At a y that is only roughly a
+    // minimiser K may be indefinite: take the projected one there.
+    Shape weight_derivative(const Weights& w, const Shape& y, const Weights& direction,
+                            HessianKind kind = HessianKind::exact);
+
+    int factorization_count() const { return cholesky_.factorization_count(); }
+    const Energy& energy() const { return energy_; }
+    const ShapeSet& set() const { return set_; }
+
+private:
+    // Factors a positive definite model of the energy at y, the exact Hessian if it is one. False: `projected` was needed.
+    bool factorize_model(const Weights& w, const Shape& y, bool try_exact);
+    void factorize_shifted(const Weights& w, const Shape& y, HessianKind kind);
+    Shape newton_step(const Shape& y, const Shape& gradient) const;
+    bool is_sound(const Shape& y, const Shape& moved) const;
+    double largest_step(const Shape& y, const Shape& step) const;
+    bool is_small_step(double step, const Shape& way, const NewtonOptions& options) const;
+
+    const Energy& energy_;
+    const ShapeSet& set_;
+    HessianAssembler assembler_;
+    SparseCholesky cholesky_;
+    void choose_pins(const Shape& y);
+    void remove_free_motion(Eigen::MatrixXd& displacements, const Eigen::MatrixXd& modes) const;
+
+    std::vector<Eigen::Index>
+        pins_;              // degrees of freedom that are held: those of fixed vertices, or six against rigid motions
+    Eigen::MatrixXd modes_; // rigid modes at the factored equilibrium, none of a body with fixed vertices
+};
+
+// Moves a free shape rigidly onto pose 0, in place: the gauge of every average that leaves the baker.
+void fix_gauge(const ShapeSet& set, Shape& y);
+
+} // namespace pliant

@@ -1,0 +1,57 @@
+#include "elastic/average/shape_error.h"
+
+#include "elastic/average/rigid_modes.h"
+
+#include <algorithm>
+
+namespace pliant {
+
+namespace {
+
+// The truth moved rigidly onto the blend.
+Shape aligned_truth(const ShapeSet& set, const Shape& blend, const Shape& truth)
+{
+    Shape aligned = truth;
+    align_to(set, blend, aligned);
+    return aligned;
+}
+
+// Mass norm of a shape about its centroid.
+double extent(const ShapeSet& set, const Shape& shape)
+{
+    Eigen::Vector3d centroid = Eigen::Vector3d::Zero();
+    for (Eigen::Index v = 0; v < set.masses.size(); ++v) centroid += set.masses[v] * shape.segment<3>(3 * v);
+    centroid /= set.masses.sum();
+    double sum = 0;
+    for (Eigen::Index v = 0; v < set.masses.size(); ++v)
+        sum += set.masses[v] * (shape.segment<3>(3 * v) - centroid).squaredNorm();
+    return std::sqrt(sum);
+}
+
+} // namespace
+
+ShapeError shape_distance(const ShapeSet& set, const Shape& blend, const Shape& truth)
+{
+    const Shape aligned = aligned_truth(set, blend, truth), off = aligned - blend;
+    ShapeError error;
+    error.relative_l2 = mass_norm(off, set.masses) / extent(set, aligned);
+    for (Eigen::Index v = 0; v < set.masses.size(); ++v)
+        error.largest_distance = std::max(error.largest_distance, off.segment<3>(3 * v).norm() / set.diagonal);
+    return error;
+}
+
+ShapeError shape_error(const Energy& energy, const ShapeSet& set, const Weights& w, const Shape& blend, const Shape& truth)
+{
+    ShapeError error = shape_distance(set, blend, truth);
+    const double least = energy_value(energy, w, truth);
+    error.energy_excess = (energy_value(energy, w, blend) - least) / std::max(least, 1e-13); // a pose itself has no energy
+    return error;
+}
+
+double relative_distance(const ShapeSet& set, const Shape& blend, const Shape& truth)
+{
+    const Shape aligned = aligned_truth(set, blend, truth);
+    return mass_norm(aligned - blend, set.masses) / extent(set, aligned);
+}
+
+} // namespace pliant

@@ -1,0 +1,24 @@
+// How far a blend is from the truth.
+#pragma once
+
+#include "base/mesh/align.h"
+#include "elastic/energy/energy.h"
+
+namespace pliant {
+
+// Relative errors of blended shapes against the unreduced averages.
+struct ShapeError {
+    double relative_l2 = 0;      // mass-weighted, after rigid alignment, relative to the distance from the centroid
+    double largest_distance = 0; // over the bounding-box diagonal of pose 0
+    double energy_excess = 0;    // (W(blend) - W(average)) / W(average)
+};
+
+ShapeError shape_error(const Energy& energy, const ShapeSet& set, const Weights& w, const Shape& blend, const Shape& truth);
+
+// The distances alone; energy_excess is 0.
+ShapeError shape_distance(const ShapeSet& set, const Shape& blend, const Shape& truth);
+
+// The first of them alone. Cost: linear in the vertices.
+double relative_distance(const ShapeSet& set, const Shape& blend, const Shape& truth);
+
+} // namespace pliant

@@ -1,0 +1,197 @@
+#include "elastic/average/sparse_cholesky.h"
+
+#include "base/common/diagnostics.h"
+
+#include <Eigen/SparseCholesky>
+#include <cstring>
+#include <mutex>
+#include <new>
+
+#ifdef PLIANT_WITH_CHOLMOD
+#include <suitesparse/cholmod.h>
+// Present when the BLAS behind CHOLMOD is OpenBLAS; its thread count changes the last bits of a factorisation.
+extern "C" void openblas_set_num_threads(int) __attribute__((weak));
+extern "C" int openblas_get_parallel() __attribute__((weak)); // 0: built without threads
+// Present when CHOLMOD was built with OpenMP: it asks for four threads by itself, which then spin against each other.
+extern "C" void omp_set_max_active_levels(int) __attribute__((weak));
+#endif
+
+namespace pliant {
+
+namespace {
+
+[[noreturn]] void throw_out_of_memory(Eigen::Index unknowns)
+{
+    throw Failure(ExitCode::failed,
+                  error_at(4301, "", "memory ran out while factoring a system of " + std::to_string(unknowns) + " unknowns",
+                           "bake a coarser mesh or use a machine with more memory (about 6 KiB per unknown with CHOLMOD)"));
+}
+
+} // namespace
+
+bool has_cholmod()
+{
+#ifdef PLIANT_WITH_CHOLMOD
+    return true;
+#else
+    return false;
+#endif
+}
+
+SolverKind default_solver() { return has_cholmod() ? SolverKind::cholmod : SolverKind::eigen; }
+
+#ifdef PLIANT_WITH_CHOLMOD
+namespace {
+
+// OpenBLAS built without threads is not safe to call from several: factors come out wrong without a word. Of another BLAS we do not
+// know. Then one factorisation is made at a time.
+class BlasLock {
+public:
+    BlasLock()
+    {
+        if (!openblas_get_parallel || openblas_get_parallel() == 0) lock_ = std::unique_lock<std::mutex>(mutex());
+    }
+
+private:
+    static std::mutex& mutex()
+    {
+        static std::mutex instance;
+        return instance;
+    }
+    std::unique_lock<std::mutex> lock_;
+};
+
+} // namespace
+#endif
+
+struct SparseCholesky::Backend {
+    SolverKind kind;
+    bool is_analysed = false;
+    Eigen::SimplicialLLT<SparseLower, Eigen::Lower, Eigen::AMDOrdering<std::int64_t>> eigen;
+#ifdef PLIANT_WITH_CHOLMOD
+    cholmod_common common {};
+    cholmod_factor* factor = nullptr;
+
+    // A view: CHOLMOD reads the matrix where it lies.
+    static cholmod_sparse view(const SparseLower& lower)
+    {
+        cholmod_sparse a {};
+        a.nrow = a.ncol = std::size_t(lower.cols());
+        a.nzmax = std::size_t(lower.nonZeros());
+        a.p = const_cast<std::int64_t*>(lower.outerIndexPtr());
+        a.i = const_cast<std::int64_t*>(lower.innerIndexPtr());
+        a.x = const_cast<double*>(lower.valuePtr());
+        a.stype = -1;
+        a.itype = CHOLMOD_LONG;
+        a.xtype = CHOLMOD_REAL;
+        a.dtype = CHOLMOD_DOUBLE;
+        a.sorted = a.packed = 1;
+        return a;
+    }
+
+    void start()
+    {
+        // Once, before any factorisation: it may not be called while another thread is inside.
+        static std::once_flag once;
+        std::call_once(once, [] {
+            if (openblas_set_num_threads) openblas_set_num_threads(1);
+        });
+        cholmod_l_start(&common);
+        common.supernodal = CHOLMOD_SUPERNODAL;
+        common.nmethods = 1;
+        common.method[0].ordering = CHOLMOD_METIS;
+        common.quick_return_if_not_posdef = 1;
+        common.print = 0;
+    }
+
+    // OpenMP keeps this per thread. Whole factorisations on threads (for_each_task) scale better than one on several.
+    static void use_one_thread()
+    {
+        if (omp_set_max_active_levels) omp_set_max_active_levels(0);
+    }
+
+    bool factorize_cholmod(const SparseLower& lower)
+    {
+        use_one_thread();
+        const BlasLock lock;
+        cholmod_sparse a = view(lower);
+        if (!factor) {
+            // METIS draws from one generator of the process: two analyses at a time would order by chance.
+            static std::mutex mutex;
+            const std::lock_guard<std::mutex> one_at_a_time(mutex);
+            factor = cholmod_l_analyze(&a, &common);
+        }
+        if (!factor) throw_out_of_memory(lower.cols());
+        cholmod_l_factorize(&a, factor, &common);
+        if (common.status == CHOLMOD_NOT_POSDEF) return false;
+        if (common.status < CHOLMOD_OK) throw_out_of_memory(lower.cols());
+        return true;
+    }
+
+    Eigen::MatrixXd solve_cholmod(const Eigen::MatrixXd& right)
+    {
+        use_one_thread();
+        const BlasLock lock;
+        cholmod_dense b {};
+        b.nrow = b.d = std::size_t(right.rows());
+        b.ncol = std::size_t(right.cols());
+        b.nzmax = b.nrow * b.ncol;
+        b.x = const_cast<double*>(right.data());
+        b.xtype = CHOLMOD_REAL;
+        b.dtype = CHOLMOD_DOUBLE;
+        cholmod_dense* x = cholmod_l_solve(CHOLMOD_A, factor, &b, &common);
+        if (!x) throw_out_of_memory(right.rows());
+        Eigen::MatrixXd out = Eigen::Map<Eigen::MatrixXd>(static_cast<double*>(x->x), right.rows(), right.cols());
+        cholmod_l_free_dense(&x, &common);
+        return out;
+    }
+
+    void finish()
+    {
+        if (factor) cholmod_l_free_factor(&factor, &common);
+        cholmod_l_finish(&common);
+    }
+#endif
+};
+
+SparseCholesky::SparseCholesky(SolverKind kind)
+    : backend_(std::make_unique<Backend>())
+{
+    backend_->kind = has_cholmod() ? kind : SolverKind::eigen;
+#ifdef PLIANT_WITH_CHOLMOD
+    if (backend_->kind == SolverKind::cholmod) backend_->start();
+#endif
+}
+
+SparseCholesky::~SparseCholesky()
+{
+#ifdef PLIANT_WITH_CHOLMOD
+    if (backend_->kind == SolverKind::cholmod) backend_->finish();
+#endif
+}
+
+bool SparseCholesky::factorize(const SparseLower& lower)
+{
+    ++count_;
+#ifdef PLIANT_WITH_CHOLMOD
+    if (backend_->kind == SolverKind::cholmod) return backend_->factorize_cholmod(lower);
+#endif
+    try {
+        if (!backend_->is_analysed) backend_->eigen.analyzePattern(lower);
+        backend_->is_analysed = true;
+        backend_->eigen.factorize(lower);
+    } catch (const std::bad_alloc&) {
+        throw_out_of_memory(lower.cols());
+    }
+    return backend_->eigen.info() == Eigen::Success;
+}
+
+Eigen::MatrixXd SparseCholesky::solve(const Eigen::MatrixXd& right) const
+{
+#ifdef PLIANT_WITH_CHOLMOD
+    if (backend_->kind == SolverKind::cholmod) return backend_->solve_cholmod(right);
+#endif
+    return backend_->eigen.solve(right);
+}
+
+} // namespace pliant

@@ -1,0 +1,247 @@
+#include "elastic/energy/discrete_shells.h"
+
+#include "elastic/energy/hinge.h"
+#include "pliant_format.h"
+
+#include <cmath>
+
+namespace pliant {
+
+namespace {
+
+constexpr double pi = 3.14159265358979323846;
+
+// The angle modulo a full turn that lies within half a turn of zero.
+double wrap(double angle) { return angle - 2 * pi * std::round(angle / (2 * pi)); }
+
+Metric metric_of(const Eigen::Vector3d& e, const Eigen::Vector3d& a)
+{
+    return { e.squaredNorm(), e.dot(a), a.squaredNorm() };
+}
+
+Metric metric_of(const Shape& shape, const Triangle& t)
+{
+    const Eigen::Vector3d origin = point(shape, t[0]);
+    return metric_of(point(shape, t[1]) - origin, point(shape, t[2]) - origin);
+}
+
+double angle_of(const Shape& shape, const std::array<std::uint32_t, 4>& v)
+{
+    return hinge_angle(point(shape, v[0]), point(shape, v[1]), point(shape, v[2]), point(shape, v[3]));
+}
+
+} // namespace
+
+DiscreteShells::DiscreteShells(const ShapeSet& set, const ShellOptions& options)
+    : options_(options)
+    , pose_count_(Eigen::Index(set.pose_count()))
+    , dof_count_(set.dof_count())
+    , hinges_(find_hinges(set.triangles, set.shapes[0]))
+    , triangles_(set.triangles)
+{
+    rest_metrics_.resize(3 * pose_count_, Eigen::Index(triangles_.size()));
+    for (Eigen::Index k = 0; k < pose_count_; ++k)
+        for (std::size_t f = 0; f < triangles_.size(); ++f)
+            rest_metrics_.block<3, 1>(3 * k, Eigen::Index(f)) = metric_of(set.shapes[std::size_t(k)], triangles_[f]);
+    measure_hinges(set);
+}
+
+void DiscreteShells::measure_hinges(const ShapeSet& set)
+{
+    const Eigen::Index count = Eigen::Index(hinges_.size());
+    centres_.resize(count);
+    stiffness_.resize(pose_count_, count);
+    rest_angles_.resize(pose_count_, count);
+    std::vector<Eigen::VectorXd> areas;
+    for (const Shape& shape : set.shapes) areas.push_back(triangle_areas(shape, triangles_));
+
+    const double thickness2 = options_.thickness * options_.thickness;
+    for (Eigen::Index h = 0; h < count; ++h) {
+        const Hinge& hinge = hinges_[std::size_t(h)];
+        Eigen::VectorXd angles(pose_count_);
+        for (Eigen::Index k = 0; k < pose_count_; ++k) {
+            const Shape& shape = set.shapes[std::size_t(k)];
+            angles[k] = angle_of(shape, hinge.vertices);
+            const double area = areas[std::size_t(k)][hinge.faces[0]] + areas[std::size_t(k)][hinge.faces[1]];
+            const double length2 = (point(shape, hinge.vertices[1]) - point(shape, hinge.vertices[0])).squaredNorm();
+            stiffness_(k, h) = thickness2 * 3 * length2 / area;
+        }
+        const bool is_folded = angles.cwiseAbs().maxCoeff() > options_.foldover_angle;
+        // A fold that passes through pi must not look like a jump of a full turn: unwrap to pose 0, then use the middle of the
+        // range as the branch of the angle function.
+        for (Eigen::Index k = 1; k < pose_count_; ++k) angles[k] = angles[0] + wrap(angles[k] - angles[0]);
+        centres_[h] = 0.5 * (angles.minCoeff() + angles.maxCoeff());
+        rest_angles_.col(h) = angles.array() - centres_[h];
+        if (is_folded || angles.maxCoeff() - angles.minCoeff() > options_.foldover_range) {
+            foldovers_.push_back(std::size_t(h));
+            stiffness_.col(h) *= options_.foldover_damping;
+        }
+    }
+}
+
+const std::uint32_t* DiscreteShells::element_vertices(std::size_t element, std::size_t& count) const
+{
+    if (element < hinges_.size()) {
+        count = 4;
+        return hinges_[element].vertices.data();
+    }
+    count = 3;
+    return triangles_[element - hinges_.size()].data();
+}
+
+double DiscreteShells::relative_angle(std::size_t hinge, double theta) const
+{
+    return wrap(theta - centres_[Eigen::Index(hinge)]);
+}
+
+void DiscreteShells::evaluate(std::size_t element, const double* weights, const double* x, Order order, HessianKind kind,
+                              ElementResult& result) const
+{
+    if (element < hinges_.size())
+        evaluate_hinge(element, weights, x, order, kind, result);
+    else
+        evaluate_face(element - hinges_.size(), weights, x, order, kind, result);
+}
+
+// sum_k w_k beta_k (t - s_k)^2, t the angle relative to the centre.
+void DiscreteShells::evaluate_hinge(std::size_t hinge, const double* weights, const double* x, Order order, HessianKind kind,
+                                    ElementResult& result) const
+{
+    const Eigen::Map<const Eigen::Vector3d> x0(x), x1(x + 3), x2(x + 6), x3(x + 9);
+    Vector12 gradient;
+    Matrix12 hessian;
+    const bool want_curvature = order == Order::hessian && kind == HessianKind::exact;
+    const double theta
+        = hinge_angle(x0, x1, x2, x3, order >= Order::gradient ? &gradient : nullptr, want_curvature ? &hessian : nullptr);
+    const double t = relative_angle(hinge, theta);
+    double value = 0, slope = 0, stiffness = 0;
+    for (Eigen::Index k = 0; k < pose_count_; ++k) {
+        const double beta = weights[k] * stiffness_(k, Eigen::Index(hinge)), off = t - rest_angles_(k, Eigen::Index(hinge));
+        value += beta * off * off;
+        slope += 2 * beta * off;
+        stiffness += 2 * beta;
+    }
+    result.value = value;
+    if (order >= Order::gradient) result.gradient = slope * gradient;
+    if (order == Order::hessian) {
+        result.hessian = stiffness * gradient * gradient.transpose(); // Gauss-Newton: positive semidefinite as it is
+        if (want_curvature) result.hessian += slope * hessian;
+    }
+}
+
+void DiscreteShells::evaluate_face(std::size_t face, const double* weights, const double* x, Order order, HessianKind kind,
+                                   ElementResult& result) const
+{
+    const Eigen::Map<const Eigen::Vector3d> x0(x), x1(x + 3), x2(x + 6);
+    const Eigen::Vector3d e = x1 - x0, a = x2 - x0;
+    const Metric g = metric_of(e, a);
+    double value = 0;
+    Metric slope = Metric::Zero();
+    MetricHessian curvature = MetricHessian::Zero();
+    for (Eigen::Index k = 0; k < pose_count_; ++k)
+        if (weights[k] != 0)
+            add_membrane(options_.membrane, options_.moduli, rest_metric(face, k), weights[k], g, &value,
+                         order >= Order::gradient ? &slope : nullptr, order == Order::hessian ? &curvature : nullptr);
+    result.value = value;
+    if (order < Order::gradient) return;
+
+    // Derivatives of the metric (e.e, e.a, a.a) by the edge vectors (e, a).
+    Eigen::Matrix<double, 6, 3> jacobian;
+    jacobian << 2 * e, a, Eigen::Vector3d::Zero(), Eigen::Vector3d::Zero(), e, 2 * a;
+    Eigen::Matrix<double, 6, 9> to_vertices = Eigen::Matrix<double, 6, 9>::Zero();
+    for (int c = 0; c < 3; ++c) {
+        to_vertices(c, c) = to_vertices(3 + c, c) = -1;
+        to_vertices(c, 3 + c) = to_vertices(3 + c, 6 + c) = 1;
+    }
+    result.gradient = to_vertices.transpose() * (jacobian * slope);
+    if (order < Order::hessian) return;
+
+    Eigen::Matrix<double, 6, 6> h = jacobian * curvature * jacobian.transpose();
+    for (int c = 0; c < 3; ++c) {
+        h(c, c) += 2 * slope[0];
+        h(3 + c, 3 + c) += 2 * slope[2];
+        h(c, 3 + c) += slope[1];
+        h(3 + c, c) += slope[1];
+    }
+    if (kind == HessianKind::projected) project_positive(h);
+    result.hessian = to_vertices.transpose() * h * to_vertices;
+}
+
+RuntimeElement DiscreteShells::runtime_element(std::size_t element, const Shape& reference) const
+{
+    return element < hinges_.size() ? runtime_hinge(element, reference) : runtime_face(element - hinges_.size(), reference);
+}
+
+RuntimeElement DiscreteShells::runtime_hinge(std::size_t hinge, const Shape& reference) const
+{
+    const Eigen::Index h = Eigen::Index(hinge);
+    const auto& v = hinges_[hinge].vertices;
+    RuntimeElement out;
+    out.kind = PLIANT_ELEMENT_HINGE;
+    out.differences = { { v[0], v[1] }, { v[0], v[2] }, { v[0], v[3] } };
+    out.fixed = { centres_[h], relative_angle(hinge, angle_of(reference, v)) };
+    out.pose_numbers.resize(pose_count_, 2);
+    out.pose_numbers.col(0) = stiffness_.col(h);
+    out.pose_numbers.col(1) = stiffness_.col(h).cwiseProduct(rest_angles_.col(h));
+    return out;
+}
+
+// The coefficients of formats/SPEC.md, kinds 2 to 4: the membrane expanded around the metric at z = 0.
+RuntimeElement DiscreteShells::runtime_face(std::size_t face, const Shape& reference) const
+{
+    const Triangle& t = triangles_[face];
+    const Metric g0 = metric_of(reference, t);
+    const double det0 = determinant(g0);
+    const MembraneModuli& m = options_.moduli;
+    RuntimeElement out;
+    out.differences = { { t[0], t[1] }, { t[0], t[2] } };
+    const Metric lengths2(g0[0], g0[2], g0[0] - 2 * g0[1] + g0[2]);
+    switch (options_.membrane) {
+    case Membrane::neo_hookean:
+        out.kind = PLIANT_ELEMENT_FACE_NEO_HOOKEAN;
+        out.fixed = { g0[2] / det0, -g0[1] / det0, g0[0] / det0, 1 / det0 };
+        break;
+    case Membrane::stvk: out.kind = PLIANT_ELEMENT_FACE_STVK; break;
+    case Membrane::edge:
+        out.kind = PLIANT_ELEMENT_FACE_EDGE;
+        for (int i = 0; i < 3; ++i) out.fixed.push_back(std::sqrt(lengths2[i]));
+        out.fixed.push_back(std::sqrt(det0) / 2);
+        break;
+    }
+    const pliant_format_shape shape = pliant_format_batch_shape(out.kind, 0, 0);
+    out.pose_numbers.resize(pose_count_, shape.pose_number_count);
+    for (Eigen::Index k = 0; k < pose_count_; ++k) {
+        const Metric rest = rest_metric(face, k);
+        const double rest_det = determinant(rest), area = std::sqrt(rest_det) / 2;
+        Metric slope = Metric::Zero();
+        MetricHessian curvature = MetricHessian::Zero();
+        add_membrane(options_.membrane, m, rest, 1, g0, nullptr, &slope, &curvature);
+        auto row = out.pose_numbers.row(k);
+        switch (options_.membrane) {
+        case Membrane::neo_hookean: {
+            // f = P.g + p det g - l log det g: L is its slope at g0, B the coefficient of det(change) that the logarithm's
+            // linear part leaves over.
+            const double log_part = area * (m.mu / 2 + m.lambda / 4);
+            row << slope[0], slope[1], slope[2], area * m.lambda / 4 / rest_det - log_part / det0, log_part;
+            break;
+        }
+        case Membrane::stvk:
+            row << slope[0], slope[1], slope[2], curvature(0, 0), curvature(0, 1), curvature(0, 2), curvature(1, 1),
+                curvature(1, 2), curvature(2, 2);
+            break;
+        case Membrane::edge: {
+            const double edges2[3] = { rest[0], rest[2], rest[0] - 2 * rest[1] + rest[2] };
+            for (int i = 0; i < 3; ++i) {
+                row[2 * i] = m.edge_stiffness * area / 3 / edges2[i];
+                row[2 * i + 1] = row[2 * i] * std::sqrt(edges2[i]);
+            }
+            row[6] = m.area_stiffness / area;
+            row[7] = m.area_stiffness;
+            break;
+        }
+        }
+    }
+    return out;
+}
+
+} // namespace pliant

@@ -1,0 +1,123 @@
+#include "elastic/energy/energy.h"
+
+#include "base/common/diagnostics.h"
+#include "base/common/parallel.h"
+
+#include <Eigen/Cholesky>
+#include <Eigen/Eigenvalues>
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <fmt/core.h>
+#include <numeric>
+
+namespace pliant {
+
+void gather(const std::uint32_t* vertices, std::size_t count, const Shape& y, double* x)
+{
+    for (std::size_t i = 0; i < count; ++i)
+        for (int c = 0; c < 3; ++c) x[3 * i + c] = y[3 * Eigen::Index(vertices[i]) + c];
+}
+
+namespace {
+
+// Calls visit(result, vertices, count) for the elements begin .. end-1, in order.
+template <class Visit>
+void for_elements(const Energy& energy, const Weights& w, const Shape& y, Order order, std::size_t begin, std::size_t end,
+                  Visit visit)
+{
+    ElementResult result;
+    std::vector<double> x;
+    for (std::size_t e = begin; e < end; ++e) {
+        std::size_t count = 0;
+        const std::uint32_t* vertices = energy.element_vertices(e, count);
+        x.resize(3 * count);
+        gather(vertices, count, y, x.data());
+        energy.evaluate(e, w.data(), x.data(), order, HessianKind::exact, result);
+        visit(result, vertices, count);
+    }
+}
+
+} // namespace
+
+double energy_value(const Energy& energy, const Weights& w, const Shape& y)
+{
+    std::array<double, piece_count> sums {};
+    for_each_piece(energy.element_count(), [&](std::size_t piece, std::size_t begin, std::size_t end) {
+        double sum = 0;
+        for_elements(energy, w, y, Order::value, begin, end,
+                     [&](const ElementResult& r, const std::uint32_t*, std::size_t) { sum += r.value; });
+        sums[piece] = sum;
+    });
+    return std::accumulate(sums.begin(), sums.end(), 0.0);
+}
+
+double add_gradient(const Energy& energy, const Weights& w, const Shape& y, Shape& gradient, double* force_scale)
+{
+    std::array<double, piece_count> sums {};
+    std::array<Eigen::VectorXd, piece_count> gradients, forces;
+    for_each_piece(energy.element_count(), [&](std::size_t piece, std::size_t begin, std::size_t end) {
+        Eigen::VectorXd& g = gradients[piece].setZero(y.size());
+        Eigen::VectorXd& f = forces[piece].setZero(force_scale ? y.size() / 3 : 0);
+        double sum = 0;
+        for_elements(energy, w, y, Order::gradient, begin, end,
+                     [&](const ElementResult& r, const std::uint32_t* vertices, std::size_t count) {
+                         sum += r.value;
+                         for (std::size_t i = 0; i < count; ++i) {
+                             const Eigen::Vector3d force = r.gradient.segment<3>(3 * Eigen::Index(i));
+                             g.segment<3>(3 * Eigen::Index(vertices[i])) += force;
+                             if (force_scale) f[vertices[i]] += force.norm();
+                         }
+                     });
+        sums[piece] = sum;
+    });
+    for (std::size_t piece = 0; piece < piece_count; ++piece) {
+        gradient += gradients[piece];
+        if (force_scale && piece > 0) forces[0] += forces[piece];
+    }
+    if (force_scale) *force_scale = forces[0].norm();
+    return std::accumulate(sums.begin(), sums.end(), 0.0);
+}
+
+Weights corner_weights(std::size_t pose_count, std::size_t pose)
+{
+    return Weights::Unit(Eigen::Index(pose_count), Eigen::Index(pose));
+}
+
+Weights equal_weights(std::size_t pose_count)
+{
+    return Weights::Constant(Eigen::Index(pose_count), 1.0 / double(pose_count));
+}
+
+std::string weights_text(const Weights& w)
+{
+    std::string text;
+    for (double value : w) text += fmt::format("{}{:.3g}", text.empty() ? "" : ",", value);
+    return text;
+}
+
+void project_positive(Eigen::Ref<Eigen::MatrixXd> matrix)
+{
+    if (Eigen::LLT<Eigen::MatrixXd>(matrix).info() == Eigen::Success) return; // most elements, at a fraction of the cost
+    const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(matrix);
+    if (eigen.eigenvalues()[0] >= 0) return;
+    matrix = eigen.eigenvectors() * eigen.eigenvalues().cwiseMax(0.0).asDiagonal() * eigen.eigenvectors().transpose();
+}
+
+Weights normalised_weights(const std::vector<double>& values, std::size_t pose_count)
+{
+    if (values.size() != pose_count)
+        throw Failure(ExitCode::usage,
+                      error_at(1203, "", fmt::format("{} weights given for {} poses", values.size(), pose_count),
+                               "give one weight per pose, separated by commas"));
+    Weights w = Eigen::Map<const Weights>(values.data(), Eigen::Index(values.size()));
+    const double largest = w.maxCoeff();
+    if (!w.allFinite() || w.minCoeff() < 0 || !(largest > 0))
+        throw Failure(ExitCode::usage,
+                      error_at(1204, "", "the weights are not all finite and non-negative with a positive sum",
+                               "only their ratios matter; use 0 for poses that take no part"));
+    w /= largest; // first, so that the sum of very large ones does not overflow
+    return w / w.sum();
+}
+
+} // namespace pliant

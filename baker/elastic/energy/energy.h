@@ -1,0 +1,83 @@
+// Elastic energies of deforming the poses of a ShapeSet into one shape y:
+//     W(w, y) = sum_k w_k W_k(y),    w_k >= 0, y in R^(3n).
+// All lengths are those of the ShapeSet (normalised). Everything is a sum of elements that look at a few vertices each, so
+// that the full energy, its stand-in by cubature and the runtime's version of an element come from one place.
+#pragma once
+
+#include "base/mesh/surface.h"
+
+#include <string>
+
+namespace pliant {
+
+using Weights = Eigen::VectorXd; // one per pose
+
+// exact: second derivatives. projected: each element's part replaced by a positive semidefinite one, for Newton steps where the
+// exact Hessian is indefinite.
+enum class HessianKind { exact, projected };
+
+// Value and derivatives of one element with respect to the coordinates of its vertices (3v, and 3v x 3v).
+struct ElementResult {
+    double value = 0;
+    Eigen::VectorXd gradient;
+    Eigen::MatrixXd hessian;
+};
+
+enum class Order { value, gradient, hessian };
+
+// One element in the form that formats/SPEC.md (chunk ELEM) defines: the numbers for the runtime, in double, before the
+// cubature weight is multiplied in. `differences` lists (from, to): difference i is x_to - x_from.
+struct RuntimeElement {
+    std::uint32_t kind = 0;
+    std::uint32_t valence = 0;
+    bool is_closed = false;
+    std::vector<std::array<std::uint32_t, 2>> differences;
+    Eigen::MatrixXd combination;  // differences x c: the element looks at these combinations of them; empty: at themselves
+    std::vector<double> fixed;    // F numbers
+    Eigen::MatrixXd pose_numbers; // m x K
+};
+
+// The baker's only virtual interface. Immutable after construction: may be shared by threads.
+class Energy {
+public:
+    virtual ~Energy() = default;
+
+    virtual std::size_t pose_count() const = 0;
+    virtual Eigen::Index dof_count() const = 0;
+    virtual std::size_t element_count() const = 0;
+
+    // Vertices of an element; the pointer lives as long as the energy.
+    virtual const std::uint32_t* element_vertices(std::size_t element, std::size_t& count) const = 0;
+
+    // sum_k weights[k] * (part of the element in W_k) at the local coordinates x (3v). Fills `result` as far as `order` asks.
+    // A collapsed element may be +infinity; its derivatives are then meaningless.
+    virtual void evaluate(std::size_t element, const double* weights, const double* x, Order order, HessianKind kind,
+                          ElementResult& result) const = 0;
+
+    // The element for the runtime; `reference` is the shape at z = 0, to which the runtime's energies are relative.
+    virtual RuntimeElement runtime_element(std::size_t element, const Shape& reference) const = 0;
+};
+
+// Copies the coordinates of an element's vertices out of a shape.
+void gather(const std::uint32_t* vertices, std::size_t count, const Shape& y, double* x);
+
+double energy_value(const Energy& energy, const Weights& w, const Shape& y);
+
+// Adds the gradient (3n) to `gradient`, returns the value. If `force_scale` is given, adds to it the sum over elements of
+// the norms of their forces per vertex, squared and rooted over vertices: the scale against which a gradient is small.
+double add_gradient(const Energy& energy, const Weights& w, const Shape& y, Shape& gradient, double* force_scale = nullptr);
+
+// Unit weight vector e_k of length m, and equal weights.
+Weights corner_weights(std::size_t pose_count, std::size_t pose);
+Weights equal_weights(std::size_t pose_count);
+
+// "0.25,0.75": for messages.
+std::string weights_text(const Weights& w);
+
+// Weights as people give them, checked and divided by their sum. Throws Failure (usage, P1203, P1204).
+Weights normalised_weights(const std::vector<double>& values, std::size_t pose_count);
+
+// Symmetric positive semidefinite part: negative eigenvalues become zero.
+void project_positive(Eigen::Ref<Eigen::MatrixXd> matrix);
+
+} // namespace pliant

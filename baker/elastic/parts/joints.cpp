@@ -1,0 +1,205 @@
+#include "elastic/parts/joints.h"
+
+#include <Eigen/Dense>
+#include <algorithm>
+#include <limits>
+
+namespace pliant {
+
+namespace {
+
+constexpr double infinity = std::numeric_limits<double>::infinity();
+
+// Rigid is what keeps its shape to this (units of the diagonal) in all poses: a fifth of what parts may drift, which is how far ties of
+// single vertices would know better.
+constexpr double rigid_enough = 0.001;
+
+// Below this angle between any two poses (radians) ties of single vertices do: the places of one that is a tenth of the diagonal from the
+// joint are off the arc by a part of 1 - cos(t/2) of it, 0.1 % of the diagonal.
+constexpr double least_turn = 0.3;
+
+// Of a cloud that is flatter than this (smallest to largest deviation) the normal is no direction that its points could carry.
+constexpr double flat = 0.1;
+
+// What a joint looks at of a part, and of its host: so many tied vertices (those tied first lie farthest apart), and their anchors.
+constexpr std::size_t most_vertices = 16;
+
+// Points of a body: their mean shape, and its turn and its centre in every pose.
+struct Body {
+    std::vector<std::uint32_t> vertices;
+    Eigen::Matrix3Xd shape; // around its centroid
+    std::vector<Eigen::Matrix3d> turns;
+    Eigen::Matrix3Xd centres;
+    double error = 0; // the farthest that a vertex is from where this has it
+};
+
+Eigen::Matrix3Xd cloud_of(const Shape& shape, const std::vector<std::uint32_t>& vertices)
+{
+    Eigen::Matrix3Xd out(3, Eigen::Index(vertices.size()));
+    for (std::size_t i = 0; i < vertices.size(); ++i) out.col(Eigen::Index(i)) = point(shape, vertices[i]);
+    return out;
+}
+
+Body make_body(const ShapeSet& set, std::vector<std::uint32_t> vertices)
+{
+    Body body;
+    const Eigen::Index poses = Eigen::Index(set.pose_count()), count = Eigen::Index(vertices.size());
+    body.centres.resize(3, poses);
+    body.shape = Eigen::Matrix3Xd::Zero(3, count);
+    const Eigen::Matrix3Xd first = cloud_of(set.shapes[0], vertices);
+    std::vector<Eigen::Matrix3Xd> clouds;
+    for (Eigen::Index k = 0; k < poses; ++k) {
+        clouds.push_back(cloud_of(set.shapes[std::size_t(k)], vertices));
+        body.centres.col(k) = clouds.back().rowwise().mean();
+        clouds.back().colwise() -= body.centres.col(k);
+        body.turns.push_back(turn_between(first, clouds.back()));
+        body.shape += body.turns.back().transpose() * clouds.back() / double(poses);
+    }
+    for (std::size_t k = 0; k < clouds.size(); ++k)
+        body.error = std::max(body.error, (body.turns[k] * body.shape - clouds[k]).colwise().norm().maxCoeff());
+    body.vertices = std::move(vertices);
+    return body;
+}
+
+// Directions of a body and how its points lie along them, largest first.
+struct Axes {
+    Eigen::Matrix3d directions;
+    Eigen::Vector3d deviations; // sums of squares
+    int count;                  // that the points can carry
+};
+
+Axes axes_of(const Body& body)
+{
+    const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(body.shape * body.shape.transpose());
+    Axes axes = { solver.eigenvectors().rowwise().reverse(), solver.eigenvalues().reverse(), 0 };
+    while (axes.count < 3 && axes.deviations[axes.count] > flat * flat * axes.deviations[0]) ++axes.count;
+    return axes;
+}
+
+// Factors of a body's points that make a direction of it, and a point of it, of where they are; the smallest that do. Of a flat body the
+// point's foot in its plane.
+Eigen::RowVectorXd direction_factors(const Body& body, const Axes& axes, int axis)
+{
+    return axes.directions.col(axis).transpose() * body.shape / axes.deviations[axis];
+}
+
+Eigen::RowVectorXd point_factors(const Body& body, const Axes& axes, const Eigen::Vector3d& at)
+{
+    const Eigen::Index n = body.shape.cols();
+    Eigen::RowVectorXd out = Eigen::RowVectorXd::Constant(n, 1 / double(n));
+    for (int i = 0; i < axes.count; ++i) out += axes.directions.col(i).dot(at) * direction_factors(body, axes, i);
+    return out;
+}
+
+double largest_turn(const std::vector<Eigen::Matrix3d>& turns)
+{
+    double out = 0;
+    for (const Eigen::Matrix3d& a : turns)
+        for (const Eigen::Matrix3d& b : turns) out = std::max(out, Eigen::AngleAxisd(a.transpose() * b).angle());
+    return out;
+}
+
+// Adds up the factors of vertices that are on both sides.
+Pull make_pull(const ShapeSet& set, const Body& part, const Body& host, const Eigen::Matrix3Xd& of_part,
+               const Eigen::Matrix3Xd& of_host)
+{
+    Pull pull;
+    pull.vertices = part.vertices;
+    pull.vertices.insert(pull.vertices.end(), host.vertices.begin(), host.vertices.end());
+    std::sort(pull.vertices.begin(), pull.vertices.end());
+    pull.vertices.erase(std::unique(pull.vertices.begin(), pull.vertices.end()), pull.vertices.end());
+    pull.factors = Eigen::Matrix3Xd::Zero(3, Eigen::Index(pull.vertices.size()));
+    const auto add = [&](const Body& body, const Eigen::Matrix3Xd& factors) {
+        for (std::size_t i = 0; i < body.vertices.size(); ++i) {
+            const auto found = std::lower_bound(pull.vertices.begin(), pull.vertices.end(), body.vertices[i]);
+            pull.factors.col(found - pull.vertices.begin()) += factors.col(Eigen::Index(i));
+        }
+    };
+    add(part, of_part);
+    add(host, of_host);
+    pull.rest.resize(3, Eigen::Index(set.pose_count()));
+    for (std::size_t k = 0; k < set.pose_count(); ++k)
+        pull.rest.col(Eigen::Index(k)) = tie_place(cloud_of(set.shapes[k], pull.vertices) * pull.factors.transpose());
+    return pull;
+}
+
+} // namespace
+
+Eigen::Matrix3d turn_between(const Eigen::Matrix3Xd& from, const Eigen::Matrix3Xd& to)
+{
+    const Shape a = Eigen::Map<const Shape>(from.data(), from.size()), b = Eigen::Map<const Shape>(to.data(), to.size());
+    return best_rigid_motion(a, b, Eigen::VectorXd::Ones(from.cols())).rotation;
+}
+
+Eigen::Matrix3d nearest_rotation(const Eigen::Matrix3d& matrix)
+{
+    const Eigen::JacobiSVD<Eigen::Matrix3d> svd(matrix, Eigen::ComputeFullU | Eigen::ComputeFullV);
+    Eigen::Vector3d signs(1, 1, 1);
+    if ((svd.matrixU() * svd.matrixV().transpose()).determinant() < 0) signs[2] = -1;
+    return svd.matrixU() * signs.asDiagonal() * svd.matrixV().transpose();
+}
+
+Eigen::Vector3d steadiest_point(const std::vector<Eigen::Matrix3d>& turns, const Eigen::Matrix3Xd& centres, double reach)
+{
+    constexpr double doubt = 0.01; // about the square of the sine of half of those 10 degrees
+    Eigen::Matrix3d mean_turn = Eigen::Matrix3d::Zero(), matrix = doubt * Eigen::Matrix3d::Identity();
+    for (const Eigen::Matrix3d& turn : turns) mean_turn += turn / double(turns.size());
+    const Eigen::Vector3d mean_centre = centres.rowwise().mean();
+    Eigen::Vector3d right = Eigen::Vector3d::Zero();
+    for (std::size_t k = 0; k < turns.size(); ++k) {
+        const Eigen::Matrix3d off = turns[k] - mean_turn;
+        matrix += off.transpose() * off / double(turns.size());
+        right -= off.transpose() * (centres.col(Eigen::Index(k)) - mean_centre) / double(turns.size());
+    }
+    const Eigen::Vector3d found = matrix.llt().solve(right);
+    return found.norm() > reach ? Eigen::Vector3d(reach / found.norm() * found) : found;
+}
+
+std::vector<Pull> find_joint(const ShapeSet& set, const Tie* first, const Tie* last)
+{
+    const std::size_t count = std::min(std::size_t(last - first), most_vertices), poses = set.pose_count();
+    std::vector<std::uint32_t> tied, anchors;
+    for (const Tie* tie = first; tie != first + count; ++tie) {
+        tied.push_back(tie->vertices[0]);
+        anchors.insert(anchors.end(), tie->vertices.begin() + 1, tie->vertices.end());
+    }
+    std::sort(anchors.begin(), anchors.end());
+    anchors.erase(std::unique(anchors.begin(), anchors.end()), anchors.end());
+    if (tied.size() < 3) return {};
+    const Body part = make_body(set, tied), host = make_body(set, anchors);
+    if (std::max(part.error, host.error) > rigid_enough * set.diagonal) return {};
+    std::vector<Eigen::Matrix3d> turns; // of the part in the frame of its host
+    Eigen::Matrix3Xd centres(3, Eigen::Index(poses));
+    for (std::size_t k = 0; k < poses; ++k) {
+        turns.push_back(host.turns[k].transpose() * part.turns[k]);
+        centres.col(Eigen::Index(k))
+            = host.turns[k].transpose() * (part.centres.col(Eigen::Index(k)) - host.centres.col(Eigen::Index(k)));
+    }
+    const Axes part_axes = axes_of(part), host_axes = axes_of(host);
+    if (largest_turn(turns) < least_turn || part_axes.count < 2 || host_axes.count < 2) return {};
+
+    // Rows r, e1, e2.
+    Eigen::Matrix3Xd of_part = Eigen::Matrix3Xd::Zero(3, part.shape.cols()), of_host(3, host.shape.cols());
+    const Eigen::Vector3d steadiest = steadiest_point(turns, centres, part.shape.colwise().norm().maxCoeff());
+    Eigen::Vector3d place = Eigen::Vector3d::Zero();
+    for (std::size_t k = 0; k < poses; ++k) place += (turns[k] * steadiest + centres.col(Eigen::Index(k))) / double(poses);
+    of_part.row(0) = point_factors(part, part_axes, steadiest);
+    of_host.row(0) = -point_factors(host, host_axes, place);
+    for (int i = 0; i < 2; ++i) of_host.row(1 + i) = direction_factors(host, host_axes, i);
+    std::vector<Pull> out = { make_pull(set, part, host, of_part, of_host) };
+    out[0].stiffness = double(count) * stiffness_of(out[0].rest, set.diagonal);
+
+    const double radius = std::sqrt(part.shape.squaredNorm() / double(count));
+    of_host.row(0).setZero();
+    double stiffness = infinity; // the same for all: only then the mean of turns is where these pull to
+    for (int i = 0; i < part_axes.count; ++i) {
+        of_part.row(0) = radius * direction_factors(part, part_axes, i);
+        out.push_back(make_pull(set, part, host, of_part, of_host));
+        stiffness = std::min(stiffness, double(count) / 3 * stiffness_of(out.back().rest, set.diagonal));
+    }
+    for (std::size_t i = 1; i < out.size(); ++i) out[i].stiffness = stiffness;
+    for (Pull& pull : out) pull.part = first->part;
+    return out;
+}
+
+} // namespace pliant

@@ -1,0 +1,104 @@
+#include "elastic/parts/tie_report.h"
+
+#include "elastic/energy/energy.h"
+
+#include <algorithm>
+#include <fmt/core.h>
+
+namespace pliant {
+
+namespace {
+
+// A part that is this far from the one it hangs on, in units of the diagonal, does not lie on it: nothing says what holds it there.
+constexpr double far_away = 0.1;
+
+void add(const TieDrift& drift, const Eigen::VectorXd& weights, WorstDrift& worst)
+{
+    if (drift.largest > worst.drift.largest) worst = { drift, weights };
+}
+
+} // namespace
+
+TieReport start_tie_report(const TieSet& ties, const ShapeSet& set)
+{
+    TieReport report;
+    report.part_count = ties.parts.count();
+    report.tie_count = ties.ties.size();
+    report.seam_count = ties.seam_count;
+    for (const Joint& joint : ties.joints) report.joint_count += joint.is_used;
+    report.parts = describe_parts(ties, set);
+    return report;
+}
+
+void add_check(const TieSet& ties, const ShapeSet& set, const Eigen::VectorXd& weights, const Shape& truth,
+               const Shape& blend, TieReport& report)
+{
+    add(measure_drift(ties, set, weights, truth), weights, report.truth);
+    add(measure_drift(ties, set, weights, blend), weights, report.blends);
+}
+
+void use_file_numbers(const std::vector<std::uint32_t>& numbers, TieReport& report)
+{
+    if (numbers.empty()) return;
+    for (TiePart& part : report.parts) part.vertex = numbers[part.vertex], part.host_vertex = numbers[part.host_vertex];
+    for (WorstDrift* worst : { &report.truth, &report.blends }) worst->drift.vertex = numbers[worst->drift.vertex];
+}
+
+namespace {
+
+// The root hangs on none.
+bool is_root(const TiePart& part) { return part.vertex == part.host_vertex; }
+bool is_loose(const TiePart& part) { return !is_root(part) && part.tie_count == 0; }
+bool is_distant(const TiePart& part) { return !is_root(part) && part.distance > far_away; }
+
+std::vector<std::uint32_t> vertices_of(const TieReport& report, bool (*is_wanted)(const TiePart&))
+{
+    std::vector<std::uint32_t> vertices;
+    for (const TiePart& part : report.parts)
+        if (is_wanted(part)) vertices.push_back(part.vertex);
+    return vertices;
+}
+
+} // namespace
+
+std::vector<std::uint32_t> loose_parts(const TieReport& report) { return vertices_of(report, is_loose); }
+std::vector<std::uint32_t> distant_parts(const TieReport& report) { return vertices_of(report, is_distant); }
+
+void tell_ties(const TieReport& report, double limit, Progress& progress)
+{
+    std::vector<TiePart> loose, distant;
+    for (const TiePart& part : report.parts) {
+        if (is_loose(part)) loose.push_back(part);
+        if (is_distant(part)) distant.push_back(part);
+    }
+    const auto text = [&](const TiePart& part) {
+        return fmt::format("the one of vertex {} ({} vertices)", part.vertex, part.vertex_count);
+    };
+    if (!loose.empty())
+        progress.warn(
+            4409,
+            fmt::format("{} parts hang on nothing, as what is next to them has no three vertices that could hold them: {}",
+                        loose.size(), text(loose[0])),
+            "join them with other parts, or leave them out of all poses");
+    if (!distant.empty()) {
+        const TiePart& most = *std::max_element(distant.begin(), distant.end(),
+                                                [](const TiePart& a, const TiePart& b) { return a.distance < b.distance; });
+        progress.warn(
+            4410,
+            fmt::format("{} parts are far from all others, most {}: {:.0f} % of the diagonal from the part of vertex {}, "
+                        "which it follows",
+                        distant.size(), text(most), 100 * most.distance, most.host_vertex),
+            "bake one by one what does not belong together");
+    }
+    const WorstDrift& worst = report.blends;
+    if (worst.drift.largest > limit)
+        progress.warn(
+            4408,
+            fmt::format("the part of vertex {} drifts by {:.2f} % of the diagonal from where it is attached, most at vertex "
+                        "{}, weights {}",
+                        report.parts[worst.drift.part].vertex, 100 * worst.drift.largest, worst.drift.vertex,
+                        weights_text(worst.weights)),
+            "add a pose in between, or lower --tolerance");
+}
+
+} // namespace pliant

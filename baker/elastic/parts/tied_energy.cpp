@@ -1,0 +1,181 @@
+#include "elastic/parts/tied_energy.h"
+
+#include "pliant_format.h"
+
+#include <Eigen/Geometry>
+#include <algorithm>
+
+namespace pliant {
+
+namespace {
+
+using Eigen::Matrix3d;
+using Eigen::Vector3d;
+using Matrix9x3 = Eigen::Matrix<double, 9, 3>;
+using Matrix9 = Eigen::Matrix<double, 9, 9>;
+
+Matrix3d cross_matrix(const Vector3d& v)
+{
+    Matrix3d m;
+    m << 0, -v.z(), v.y(), v.z(), 0, -v.x(), -v.y(), v.x(), 0;
+    return m;
+}
+
+// Derivatives of the three numbers of the place by (r, e1, e2).
+Matrix9x3 place_slopes(const Matrix3d& v)
+{
+    const Vector3d r = v.col(0), e1 = v.col(1), e2 = v.col(2);
+    Matrix9x3 out;
+    out.col(0) << e1, r, Vector3d::Zero();
+    out.col(1) << e2, Vector3d::Zero(), r;
+    out.col(2) << e1.cross(e2), e2.cross(r), r.cross(e1);
+    return out;
+}
+
+// sum_c off[c] times the second derivative of number c.
+Matrix9 place_curvature(const Matrix3d& v, const Vector3d& off)
+{
+    Matrix9 out = Matrix9::Zero();
+    // det(r, e1, e2): its derivative by r and e1 is u . (w x e2) for directions u of r and w of e1.
+    out.block<3, 3>(0, 3) = off[0] * Matrix3d::Identity() - off[2] * cross_matrix(v.col(2));
+    out.block<3, 3>(0, 6) = off[1] * Matrix3d::Identity() + off[2] * cross_matrix(v.col(1));
+    out.block<3, 3>(3, 6) = -off[2] * cross_matrix(v.col(0));
+    out.block<3, 3>(3, 0) = out.block<3, 3>(0, 3).transpose();
+    out.block<3, 3>(6, 0) = out.block<3, 3>(0, 6).transpose();
+    out.block<3, 3>(6, 3) = out.block<3, 3>(3, 6).transpose();
+    return out;
+}
+
+Matrix3d vectors_of(const Pull& pull, const double* x)
+{
+    return Eigen::Map<const Eigen::Matrix3Xd>(x, 3, pull.factors.cols()) * pull.factors.transpose();
+}
+
+// sum_k w_k kappa |p - p_k|^2 = kappa (W |p - p'|^2 + constant), W the sum of the weights, p' the weighted mean of the places p_k.
+void evaluate_pull(const Pull& tie, std::size_t pose_count, const double* weights, const double* x, Order order,
+                   HessianKind kind, ElementResult& result)
+{
+    const Matrix3d vectors = vectors_of(tie, x);
+    const Vector3d place = tie_place(vectors);
+    double stiffness = 0;
+    Vector3d pull = Vector3d::Zero();
+    result.value = 0;
+    for (std::size_t k = 0; k < pose_count; ++k) {
+        const Vector3d off = place - tie.rest.col(Eigen::Index(k));
+        const double factor = weights[k] * tie.stiffness;
+        result.value += factor * off.squaredNorm();
+        pull += 2 * factor * off;
+        stiffness += 2 * factor;
+    }
+    if (order < Order::gradient) return;
+    const Eigen::Matrix3Xd& factors = tie.factors;
+    const Eigen::Index count = factors.cols();
+    const Matrix9x3 slopes = place_slopes(vectors);
+    const Eigen::Matrix<double, 9, 1> force = slopes * pull;
+    result.gradient.resize(3 * count);
+    Eigen::Map<Eigen::Matrix3Xd>(result.gradient.data(), 3, count) = Eigen::Map<const Matrix3d>(force.data()) * factors;
+    if (order < Order::hessian) return;
+    Matrix9 curvature = stiffness * slopes * slopes.transpose(); // Gauss-Newton: positive semidefinite as it is
+    if (kind == HessianKind::exact) curvature += place_curvature(vectors, pull);
+    Eigen::Matrix<double, 9, Eigen::Dynamic> to_vertices(9, 3 * count);
+    for (Eigen::Index i = 0; i < 3; ++i)
+        for (Eigen::Index j = 0; j < count; ++j)
+            to_vertices.block<3, 3>(3 * i, 3 * j) = factors(i, j) * Matrix3d::Identity();
+    result.hessian = to_vertices.transpose() * curvature * to_vertices;
+}
+
+} // namespace
+
+TiedEnergy::TiedEnergy(std::unique_ptr<Energy> inner, TieSet ties)
+    : inner_(std::move(inner))
+    , ties_(std::move(ties))
+{
+    for (const Joint& joint : ties_.joints) pulls_.insert(pulls_.end(), joint.pulls.begin(), joint.pulls.end());
+    for (const Tie& tie : ties_.ties) pulls_.push_back(pull_of(tie));
+    apply_choice();
+}
+
+void TiedEnergy::apply_choice()
+{
+    std::vector<bool> is_replaced(ties_.ties.size(), false);
+    std::size_t next = 0;
+    for (const Joint& joint : ties_.joints) {
+        for (std::size_t i = 0; i < joint.tie_count; ++i) is_replaced[joint.first_tie + i] = joint.is_used;
+        for (const Pull& pull : joint.pulls) pulls_[next++].stiffness = joint.is_used ? pull.stiffness : 0;
+    }
+    for (std::size_t i = 0; i < ties_.ties.size(); ++i)
+        pulls_[next++].stiffness = is_replaced[i] ? 0 : ties_.ties[i].stiffness;
+}
+
+void TiedEnergy::choose(const std::vector<double>& stiffness, const std::vector<bool>& joints)
+{
+    for (std::size_t i = 0; i < stiffness.size(); ++i) ties_.ties[i].stiffness = stiffness[i];
+    for (std::size_t i = 0; i < joints.size(); ++i) ties_.joints[i].is_used = joints[i];
+    apply_choice();
+}
+
+void TiedEnergy::drop_unused()
+{
+    pulls_.erase(std::remove_if(pulls_.begin(), pulls_.end(), [](const Pull& pull) { return pull.stiffness == 0; }),
+                 pulls_.end());
+}
+
+const std::uint32_t* TiedEnergy::element_vertices(std::size_t element, std::size_t& count) const
+{
+    if (element < inner_->element_count()) return inner_->element_vertices(element, count);
+    const Pull& pull = pulls_[element - inner_->element_count()];
+    count = pull.vertices.size();
+    return pull.vertices.data();
+}
+
+void TiedEnergy::evaluate(std::size_t element, const double* weights, const double* x, Order order, HessianKind kind,
+                          ElementResult& result) const
+{
+    if (element < inner_->element_count())
+        inner_->evaluate(element, weights, x, order, kind, result);
+    else
+        evaluate_pull(pulls_[element - inner_->element_count()], pose_count(), weights, x, order, kind, result);
+}
+
+// formats/SPEC.md, kind 8.
+RuntimeElement TiedEnergy::runtime_element(std::size_t element, const Shape& reference) const
+{
+    if (element < inner_->element_count()) return inner_->runtime_element(element, reference);
+    const Pull& pull = pulls_[element - inner_->element_count()];
+    const std::size_t count = pull.vertices.size();
+    RuntimeElement out;
+    out.kind = PLIANT_ELEMENT_TIE;
+    out.combination.resize(Eigen::Index(count) - 1, 3);
+    Eigen::Matrix3Xd at(3, count); // differences from the vertex that is a tie's first anchor
+    for (std::size_t i = 0; i < count; ++i) {
+        at.col(Eigen::Index(i)) = point(reference, pull.vertices[i]) - point(reference, pull.vertices[1]);
+        if (i == 1) continue;
+        out.combination.row(Eigen::Index(out.differences.size())) = pull.factors.col(Eigen::Index(i)).transpose();
+        out.differences.push_back({ pull.vertices[1], pull.vertices[i] });
+    }
+    const Vector3d start = tie_place(at * pull.factors.transpose());
+    out.pose_numbers.resize(pull.rest.cols(), 4);
+    out.pose_numbers.col(0).setConstant(pull.stiffness);
+    out.pose_numbers.rightCols<3>() = 2 * pull.stiffness * (start.replicate(1, pull.rest.cols()) - pull.rest).transpose();
+    return out;
+}
+
+std::unique_ptr<Energy> tie_parts(std::unique_ptr<Energy> energy, TieSet ties)
+{
+    if (ties.ties.empty()) return energy;
+    return std::make_unique<TiedEnergy>(std::move(energy), std::move(ties));
+}
+
+const TieSet* ties_of(const Energy& energy)
+{
+    const auto* tied = dynamic_cast<const TiedEnergy*>(&energy);
+    return tied ? &tied->ties() : nullptr;
+}
+
+const Energy& without_ties(const Energy& energy)
+{
+    const auto* tied = dynamic_cast<const TiedEnergy*>(&energy);
+    return tied ? tied->inner() : energy;
+}
+
+} // namespace pliant

@@ -1,0 +1,39 @@
+// Numbers of a glTF file: accessors, dense and sparse, of every component type.
+#pragma once
+
+#include "input/gltf/document.h"
+
+#include <Eigen/Core>
+#include <cstdint>
+#include <initializer_list>
+#include <vector>
+
+namespace pliant {
+
+// count x components, one row per element.
+using GltfNumbers = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
+
+// What an accessor says about itself, checked for sense but not yet against its bytes.
+struct AccessorShape {
+    std::uint64_t count = 0;
+    int components = 0;          // of an element: 1 to 4, 9 or 16 (matrices)
+    unsigned component_type = 0; // 5120 to 5126 without 5124
+    bool is_normalised = false;
+    bool has_view = false;
+};
+
+// `reference` is the value that names the accessor, as primitive["indices"]; errors are told there. P2306, P2307, P2311.
+AccessorShape accessor_shape(const GltfDocument& document, const GltfValue& reference);
+
+// The elements as doubles; normalised integers as what they stand for. Without a buffer view they are zero, apart from sparse ones.
+// `components`: those allowed, else P2311. `count`: how many there must be, else P2317; an accessor without bytes cannot make the reader
+// take memory for more. P2308: bytes outside of the view; all of P2306 and P2307.
+GltfNumbers read_numbers(const GltfDocument& document, const GltfValue& reference, std::initializer_list<int> components,
+                         std::uint64_t count);
+// The same where any count is right; then there must be a buffer view (P2308).
+GltfNumbers read_numbers(const GltfDocument& document, const GltfValue& reference, std::initializer_list<int> components);
+
+// Unsigned integers (indices of vertices or joints), as they are.
+std::vector<std::uint32_t> read_indices(const GltfDocument& document, const GltfValue& reference, int components);
+
+} // namespace pliant

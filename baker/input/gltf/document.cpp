@@ -1,0 +1,367 @@
+#include "input/gltf/document.h"
+
+#include "input/gltf/uri.h"
+#include "input/io/source_file.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstring>
+#include <filesystem>
+#include <fmt/format.h>
+#include <utility>
+
+namespace pliant {
+namespace {
+
+// Real files nest to about ten; what follows may go down once per level.
+constexpr int nesting_limit = 64;
+
+// A value takes 16 bytes in memory and two in the text, so the JSON takes at most eight times this.
+constexpr std::size_t json_size_limit = std::size_t(1) << 29;
+
+// A mesh at the limits of the asset format has fewer.
+constexpr std::uint64_t buffer_size_limit = std::uint64_t(1) << 32;
+
+// What changes the meaning of the geometry and is understood, and what only says how to paint it.
+constexpr std::array<std::string_view, 4> known_extensions
+    = { "KHR_draco_mesh_compression", "KHR_mesh_quantization", "KHR_texture_transform", "KHR_lights_punctual" };
+constexpr std::array<std::string_view, 5> ignored_prefixes
+    = { "KHR_materials_", "KHR_texture_basisu", "EXT_texture_", "MSFT_texture_dds", "ADOBE_materials_" };
+
+bool is_known(const std::string& extension)
+{
+    if (std::find(known_extensions.begin(), known_extensions.end(), extension) != known_extensions.end()) return true;
+    return std::any_of(ignored_prefixes.begin(), ignored_prefixes.end(),
+                       [&](std::string_view prefix) { return extension.compare(0, prefix.size(), prefix) == 0; });
+}
+
+// Deepest nesting of brackets outside of texts. No recursion: the parser's own limit would come too late.
+int nesting_of(std::string_view text)
+{
+    int depth = 0, deepest = 0;
+    bool in_text = false;
+    for (std::size_t i = 0; i < text.size(); ++i) {
+        const char c = text[i];
+        if (in_text) {
+            if (c == '\\') ++i;
+            in_text = c != '"';
+        } else if (c == '"') {
+            in_text = true;
+        } else if (c == '{' || c == '[') {
+            deepest = std::max(deepest, ++depth);
+        } else if (c == '}' || c == ']') {
+            --depth;
+        }
+    }
+    return deepest;
+}
+
+std::uint32_t u32_at(std::string_view bytes, std::size_t offset)
+{
+    std::uint32_t value = 0;
+    for (std::size_t i = 4; i-- > 0;) value = value << 8 | static_cast<unsigned char>(bytes[offset + i]);
+    return value;
+}
+
+} // namespace
+
+// ---------------------------------------------------------------------------------------------------------------- values
+
+void GltfValue::fail(int number, const std::string& what, const std::string& hint) const
+{
+    Finding finding { Finding::Severity::error, number, *file_, place_.empty() ? what : place_ + ": " + what,
+                      hint.empty() ? "the file is damaged: export it again, a glTF validator says more" : hint };
+    throw Failure(ExitCode::bad_input, std::move(finding));
+}
+
+void GltfValue::expect(const char* what) const
+{
+    const std::string expected = fmt::format("{} expected", what);
+    Finding finding = error_at(2306, *file_, fmt::format("{}: {}{}", place_, exists() ? "" : "is missing: ", expected),
+                               "the file is damaged: export it again, a glTF validator says more");
+    throw Failure(ExitCode::bad_input, std::move(finding));
+}
+
+GltfValue GltfValue::operator[](const char* key) const
+{
+    const std::string place = place_.empty() ? key : place_ + "." + key;
+    if (!json_) return { *file_, nullptr, place };
+    if (!json_->is_object()) expect("an object");
+    const auto member = json_->find(key);
+    return { *file_, member == json_->end() ? nullptr : &*member, place };
+}
+
+std::size_t GltfValue::size() const
+{
+    if (!json_) return 0;
+    if (!json_->is_array()) expect("a list");
+    return json_->size();
+}
+
+GltfValue GltfValue::at(std::size_t i) const
+{
+    const std::string place = fmt::format("{}[{}]", place_, i);
+    return { *file_, i < size() ? &(*json_)[i] : nullptr, place };
+}
+
+std::uint64_t GltfValue::whole() const
+{
+    constexpr double limit = 9007199254740992.0; // 2^53: whole numbers are exact up to here, however they are written
+    if (!json_ || !json_->is_number()) expect("a whole number");
+    const double value = json_->get<double>();
+    if (!(value >= 0 && value <= limit) || value != std::floor(value)) expect("a whole number of at least 0");
+    return static_cast<std::uint64_t>(value);
+}
+
+std::size_t GltfValue::index(std::size_t count, const char* things) const
+{
+    const std::uint64_t value = whole();
+    if (value >= count) {
+        Finding finding = error_at(2307, *file_, fmt::format("{} is {}, the file has {} {}", place_, value, count, things),
+                                   "the file is damaged: export it again, a glTF validator says more");
+        throw Failure(ExitCode::bad_input, std::move(finding));
+    }
+    return static_cast<std::size_t>(value);
+}
+
+std::ptrdiff_t GltfValue::index_or_none(std::size_t count, const char* things) const
+{
+    return exists() ? static_cast<std::ptrdiff_t>(index(count, things)) : -1;
+}
+
+double GltfValue::number() const
+{
+    if (!json_ || !json_->is_number()) expect("a number");
+    const double value = json_->get<double>();
+    if (!std::isfinite(value)) expect("a finite number");
+    return value;
+}
+
+std::vector<double> GltfValue::numbers(std::size_t count) const
+{
+    if (!json_ || !json_->is_array() || json_->size() != count) expect(fmt::format("a list of {} numbers", count).c_str());
+    std::vector<double> values;
+    for (std::size_t i = 0; i < count; ++i) values.push_back(at(i).number());
+    return values;
+}
+
+std::string GltfValue::text() const
+{
+    if (!json_ || !json_->is_string()) expect("a text");
+    return json_->get<std::string>();
+}
+
+bool GltfValue::truth_or(bool missing) const
+{
+    if (!json_) return missing;
+    if (!json_->is_boolean()) expect("true or false");
+    return json_->get<bool>();
+}
+
+// -------------------------------------------------------------------------------------------------------------- document
+
+bool is_gltf_name(std::string_view path)
+{
+    const std::size_t dot = path.rfind('.');
+    if (dot == std::string_view::npos) return false;
+    std::string extension(path.substr(dot));
+    for (char& c : extension) c = c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
+    return extension == ".glb" || extension == ".gltf";
+}
+
+GltfDocument::GltfDocument(std::string path)
+    : path_(std::move(path))
+{
+    FindingList findings;
+    std::optional<std::string> bytes = read_bytes(path_, findings);
+    if (!bytes) throw Failure(ExitCode::bad_input, findings.findings());
+    read(std::move(*bytes));
+}
+
+GltfDocument::GltfDocument(std::string path, std::string bytes)
+    : path_(std::move(path))
+    , is_alone_(true)
+{
+    read(std::move(bytes));
+}
+
+void GltfDocument::read(std::string bytes)
+{
+    byte_count_ = bytes.size();
+    if (bytes.empty())
+        throw Failure(ExitCode::bad_input, error_at(2005, path_, "is empty: has no vertices", "export the file again"));
+    read_container(std::move(bytes));
+    check_extensions();
+    read_buffers();
+}
+
+void GltfDocument::read_container(std::string bytes)
+{
+    if (bytes.compare(0, 3, "\xef\xbb\xbf") == 0) bytes.erase(0, 3);
+    if (bytes.compare(0, 4, "glTF") != 0) {
+        const std::size_t start = bytes.find_first_not_of(" \t\r\n");
+        if (start == std::string::npos || bytes[start] != '{')
+            root().fail(2301, "is not glTF: neither binary glTF nor JSON", "export it as glTF 2.0 (.glb or .gltf)");
+        return parse(bytes);
+    }
+    constexpr const char* cut_off = "the file is cut off or damaged: export or copy it again";
+    const auto broken = [&](const std::string& what) { root().fail(2301, "binary glTF: " + what, cut_off); };
+    if (bytes.size() < 20) broken(fmt::format("ends at byte {} inside the header", bytes.size()));
+    if (const std::uint32_t version = u32_at(bytes, 4); version != 2)
+        root().fail(2304, fmt::format("is glTF {}, only 2.0 is read", version), "export it as glTF 2.0");
+    if (u32_at(bytes, 8) > bytes.size())
+        broken(fmt::format("has {} bytes, its header says {}", bytes.size(), u32_at(bytes, 8)));
+    constexpr std::uint32_t json_chunk = 0x4e4f534a, binary_chunk = 0x004e4942;
+    const std::size_t json_size = u32_at(bytes, 12), end = u32_at(bytes, 8);
+    if (u32_at(bytes, 16) != json_chunk) broken("its first part is not JSON");
+    if (end < 20 || json_size > end - 20)
+        broken(fmt::format("its JSON of {} bytes does not end inside the file", json_size));
+    const std::size_t rest = 20 + json_size;
+    if (end - rest >= 8 && u32_at(bytes, rest + 4) == binary_chunk) {
+        const std::size_t size = u32_at(bytes, rest);
+        if (size > end - rest - 8) broken(fmt::format("its binary part of {} bytes does not end inside the file", size));
+        binary_ = bytes.substr(rest + 8, size);
+        has_binary_ = true;
+    }
+    parse(std::string_view(bytes).substr(20, json_size));
+}
+
+void GltfDocument::parse(std::string_view text)
+{
+    if (text.size() > json_size_limit)
+        root().fail(2008, fmt::format("has {} bytes of JSON, the limit is {}", text.size(), json_size_limit),
+                    "keep the buffers in a file of their own, or use .glb");
+    if (const int nesting = nesting_of(text); nesting > nesting_limit)
+        root().fail(2303, fmt::format("its JSON is nested {} deep, the limit is {}", nesting, nesting_limit),
+                    "no exporter writes such files");
+    try {
+        json_ = GltfJson::parse(text.begin(), text.end());
+    } catch (const GltfJson::parse_error& error) {
+        root().fail(2302, fmt::format("its JSON is not understood at byte {}", error.byte),
+                    "the file is cut off or damaged: export or copy it again");
+    }
+    if (!json_.is_object()) root().fail(2302, "its JSON is no object", "export it as glTF 2.0 (.glb or .gltf)");
+    const std::string version = (*this)["asset"]["version"].text_or("missing");
+    if (version.compare(0, 2, "2.") != 0)
+        root().fail(2304, fmt::format("its glTF version is {}, only 2.x is read", excerpt(version)),
+                    "export it as glTF 2.0");
+}
+
+void GltfDocument::check_extensions() const
+{
+    const GltfValue required = (*this)["extensionsRequired"];
+    for (std::size_t i = 0; i < required.size(); ++i) {
+        const std::string extension = required.at(i).text();
+        if (is_known(extension)) continue;
+        root().fail(2305, fmt::format("needs the extension {}, which is not read", excerpt(extension)),
+                    extension == "EXT_meshopt_compression"
+                        ? "decompress it first: npx @gltf-transform/cli copy IN.glb OUT.glb, or run gltfpack without -c"
+                        : "export the file without this extension");
+    }
+}
+
+std::string GltfDocument::read_beside(const GltfValue& uri_value, const std::string& uri) const
+{
+    const std::optional<std::string> name = decode_file_uri(uri);
+    const std::filesystem::path folder = std::filesystem::absolute(path_).parent_path();
+    if (!name || is_alone_)
+        uri_value.fail(2309, fmt::format("{} is not a file in the folder of this one", excerpt(uri)),
+                       "only files beside the .gltf or below are opened: put them there, or pack all into one .glb");
+    // A link inside the folder may still lead out of it.
+    std::error_code ignored;
+    const std::filesystem::path home = std::filesystem::weakly_canonical(folder, ignored);
+    const std::filesystem::path place = std::filesystem::weakly_canonical(folder / *name, ignored);
+    if (std::mismatch(home.begin(), home.end(), place.begin(), place.end()).first != home.end())
+        uri_value.fail(2309, fmt::format("{} leads out of the folder of this one", excerpt(uri)),
+                       "only files beside the .gltf or below are opened: put them there, or pack all into one .glb");
+    FindingList findings;
+    std::optional<std::string> bytes = read_bytes(place.string(), findings);
+    if (!bytes)
+        uri_value.fail(2310, fmt::format("{} {}", excerpt(uri), findings.findings().at(0).what), "put the file there");
+    return std::move(*bytes);
+}
+
+std::string GltfDocument::read_buffer(const GltfValue& buffer, std::size_t length) const
+{
+    const GltfValue uri = buffer["uri"];
+    if (!uri.exists()) {
+        if (buffer.place() == "buffers[0]" && has_binary_) return binary_;
+        // Allowed for buffers that an extension fills; whoever looks into it is told that it is short.
+        buffer.fail(2310, "has neither a uri nor a binary part in the file", "export the file again");
+    }
+    const std::string text = uri.text();
+    if (!is_data_uri(text)) return read_beside(uri, text);
+    std::optional<std::string> bytes = decode_data_uri(text);
+    if (!bytes) uri.fail(2310, fmt::format("{} is not base64 data", excerpt(text)), "export the file again, or as .glb");
+    if (bytes->size() < length)
+        uri.fail(2310, fmt::format("holds {} bytes, {} declared", bytes->size(), length), "export the file again");
+    return std::move(*bytes);
+}
+
+void GltfDocument::read_buffers()
+{
+    const GltfValue buffers = (*this)["buffers"];
+    std::uint64_t total = 0;
+    for (std::size_t i = 0; i < buffers.size(); ++i) {
+        const GltfValue buffer = buffers.at(i);
+        const std::uint64_t length = buffer["byteLength"].whole();
+        if (length > buffer_size_limit)
+            buffer.fail(2008, fmt::format("has {} bytes, the limit is {}", length, buffer_size_limit), "simplify the mesh");
+        std::string bytes = read_buffer(buffer, static_cast<std::size_t>(length));
+        if (bytes.size() < length)
+            buffer.fail(2310, fmt::format("holds {} bytes, {} declared", bytes.size(), length),
+                        "the file is cut off: export or copy it again");
+        bytes.resize(static_cast<std::size_t>(length)); // a BIN part is padded
+        total += length;
+        if (total > buffer_size_limit)
+            buffer.fail(2008, fmt::format("makes the buffers {} bytes, the limit is {}", total, buffer_size_limit),
+                        "simplify the mesh");
+        buffers_.push_back(std::move(bytes));
+    }
+    byte_count_ += static_cast<std::size_t>(total);
+    binary_ = {};
+}
+
+std::string_view GltfDocument::view(std::size_t index) const
+{
+    const GltfValue view = (*this)["bufferViews"].at(index);
+    const std::string& buffer = buffers_[view["buffer"].index(buffers_.size(), "buffers")];
+    const std::uint64_t offset = view["byteOffset"].whole_or(0), length = view["byteLength"].whole();
+    if (offset > buffer.size() || length > buffer.size() - offset)
+        view.fail(2308, fmt::format("bytes {} to {} of a buffer of {}", offset, offset + length, buffer.size()));
+    return std::string_view(buffer).substr(static_cast<std::size_t>(offset), static_cast<std::size_t>(length));
+}
+
+std::string GltfDocument::image(std::size_t index, std::string& why) const
+{
+    const GltfValue image = (*this)["images"].at(index);
+    try {
+        if (const GltfValue place = image["bufferView"]; place.exists())
+            return std::string(view(place.index((*this)["bufferViews"].size(), "buffer views")));
+        const std::string uri = image["uri"].text();
+        if (!is_data_uri(uri)) return read_beside(image["uri"], uri);
+        if (std::optional<std::string> bytes = decode_data_uri(uri)) return std::move(*bytes);
+        why = "it is not base64 data";
+    } catch (const Failure& failure) {
+        why = failure.findings().at(0).what;
+    }
+    return {};
+}
+
+std::vector<std::string> GltfDocument::named_files() const
+{
+    std::vector<std::string> files;
+    for (const char* list : { "buffers", "images" }) {
+        const GltfValue entries = (*this)[list];
+        for (std::size_t i = 0; i < entries.size(); ++i) {
+            const std::string uri = entries.at(i)["uri"].text_or("data:");
+            if (is_data_uri(uri)) continue;
+            if (const std::optional<std::string> name = decode_file_uri(uri))
+                files.push_back((std::filesystem::absolute(path_).parent_path() / *name).string());
+        }
+    }
+    return files;
+}
+
+} // namespace pliant

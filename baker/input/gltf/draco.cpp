@@ -1,0 +1,101 @@
+#include "input/gltf/draco.h"
+
+#include "input/io/source_file.h"
+
+#include <draco/compression/decode.h>
+#include <draco/mesh/mesh.h>
+#include <exception>
+#include <fmt/format.h>
+#include <memory>
+
+namespace pliant {
+namespace {
+
+constexpr const char* damaged = "the file is damaged: compress it again from the original";
+
+std::unique_ptr<draco::Mesh> decode(const GltfValue& extension, std::string_view bytes)
+{
+    draco::DecoderBuffer buffer;
+    buffer.Init(bytes.data(), bytes.size());
+    const auto type = draco::Decoder::GetEncodedGeometryType(&buffer);
+    if (!type.ok() || type.value() != draco::TRIANGULAR_MESH)
+        extension.fail(2318, "its Draco data are not those of a triangle mesh", damaged);
+    draco::Decoder decoder;
+    std::string reason;
+    try {
+        auto result = decoder.DecodeMeshFromBuffer(&buffer);
+        if (result.ok()) return std::move(result).value();
+        reason = result.status().error_msg_string();
+    } catch (const std::exception& error) { // damaged counts ask for impossible vectors
+        reason = error.what();
+    }
+    extension.fail(2318, fmt::format("its Draco data cannot be decoded: {}", reason), damaged);
+}
+
+GltfNumbers numbers_of(const draco::Mesh& mesh, const draco::PointAttribute& attribute, bool is_normalised)
+{
+    const int components = attribute.num_components();
+    GltfNumbers numbers(static_cast<Eigen::Index>(mesh.num_points()), components);
+    // Whether integers are to be divided is glTF's to say, not Draco's.
+    draco::GeometryAttribute raw = attribute;
+    raw.set_normalized(false);
+    for (draco::PointIndex i(0); i < mesh.num_points(); ++i)
+        raw.ConvertValue<double>(attribute.mapped_index(i), static_cast<std::int8_t>(components),
+                                 numbers.row(static_cast<Eigen::Index>(i.value())).data());
+    if (!is_normalised) return numbers;
+    switch (attribute.data_type()) {
+    case draco::DT_INT8: return (numbers / 127).cwiseMax(-1);
+    case draco::DT_UINT8: return numbers / 255;
+    case draco::DT_INT16: return (numbers / 32767).cwiseMax(-1);
+    case draco::DT_UINT16: return numbers / 65535;
+    default: return numbers;
+    }
+}
+
+// Draco checks its tables of values against its own counts, not for every kind of mapping: a value that is not there must not be read.
+bool is_sound(const draco::Mesh& mesh, const draco::PointAttribute& attribute)
+{
+    if (attribute.num_components() < 1 || attribute.num_components() > 16) return false;
+    for (draco::PointIndex i(0); i < mesh.num_points(); ++i)
+        if (attribute.mapped_index(i).value() >= attribute.size()) return false;
+    return true;
+}
+
+} // namespace
+
+DracoMesh decode_draco(const GltfDocument& document, const GltfValue& extension, const GltfValue& attributes,
+                       std::uint64_t count_limit)
+{
+    const std::size_t view = extension["bufferView"].index(document["bufferViews"].size(), "buffer views");
+    const std::unique_ptr<draco::Mesh> mesh = decode(extension, document.view(view));
+    DracoMesh out;
+    out.vertex_count = mesh->num_points();
+    if (mesh->num_points() > count_limit || mesh->num_faces() > 3 * count_limit)
+        extension.fail(2007,
+                       fmt::format("has {} vertices and {} triangles, the limit for this file is {}", mesh->num_points(),
+                                   mesh->num_faces(), count_limit),
+                       "simplify the mesh");
+    out.triangles.reserve(mesh->num_faces());
+    for (draco::FaceIndex f(0); f < mesh->num_faces(); ++f) {
+        const draco::Mesh::Face& face = mesh->face(f);
+        const Triangle triangle { face[0].value(), face[1].value(), face[2].value() };
+        for (const std::uint32_t v : triangle)
+            if (v >= out.vertex_count) extension.fail(2318, "its Draco data number vertices that they do not have", damaged);
+        out.triangles.push_back(triangle);
+    }
+    const GltfValue ids = extension["attributes"];
+    if (!ids.exists() || !ids.json().is_object()) ids.fail(2306, "an object expected");
+    for (const auto& [name, id_json] : ids.json().items()) {
+        const GltfValue id = ids[name.c_str()];
+        const draco::PointAttribute* attribute = mesh->GetAttributeByUniqueId(static_cast<std::uint32_t>(
+            id.index(std::size_t(1) << 31, "attributes"))); // unique ids have no count; what is not there is found out next
+        if (!attribute || !is_sound(*mesh, *attribute))
+            id.fail(2318, fmt::format("its Draco data do not hold the attribute {}", excerpt(name)), damaged);
+        const GltfValue accessor = attributes[name.c_str()];
+        const bool is_normalised = accessor.exists() && accessor_shape(document, accessor).is_normalised;
+        out.attributes.emplace(name, numbers_of(*mesh, *attribute, is_normalised));
+    }
+    return out;
+}
+
+} // namespace pliant

@@ -1,0 +1,26 @@
+// Meshes compressed by KHR_draco_mesh_compression, through Draco's own decoder.
+#pragma once
+
+#include "base/mesh/pose_set.h"
+#include "input/gltf/accessor.h"
+
+#include <map>
+#include <string>
+#include <vector>
+
+namespace pliant {
+
+// A decoded primitive. Vertices come in the decoder's order, which is what every engine gets.
+struct DracoMesh {
+    std::vector<Triangle> triangles;               // corners below vertex_count
+    std::map<std::string, GltfNumbers> attributes; // by glTF's names, vertex_count rows each
+    std::uint64_t vertex_count = 0;
+};
+
+// `extension` is the object KHR_draco_mesh_compression of a primitive, `attributes` the primitive's own: they say which numbers are
+// normalised. `byte_limit`: see below. Throws Failure: P2318 (not decodable, or an attribute missing), P2306 to P2308, P2007 for more
+// vertices or triangles than `count_limit`.
+DracoMesh decode_draco(const GltfDocument& document, const GltfValue& extension, const GltfValue& attributes,
+                       std::uint64_t count_limit);
+
+} // namespace pliant

@@ -1,0 +1,114 @@
+#include "input/gltf/evaluate.h"
+
+#include <fmt/format.h>
+
+namespace pliant {
+namespace {
+
+// Positions or normals in the mesh's own space.
+GltfNumbers morphed(const GltfDocument& document, const GltfPrimitive& primitive, const std::vector<double>& weights,
+                    const GltfNumbers& base, const char* attribute)
+{
+    GltfNumbers out = base;
+    for (std::size_t k = 0; k < primitive.targets.size() && k < weights.size(); ++k) {
+        if (weights[k] == 0) continue;
+        const GltfValue deltas = primitive.targets[k][attribute];
+        if (deltas.exists()) out += weights[k] * read_numbers(document, deltas, { 3 }, primitive.vertex_count());
+    }
+    return out;
+}
+
+// Of normals: what keeps them at right angles, whatever the matrix does to lengths.
+Eigen::Matrix3d cofactors(const Eigen::Matrix3d& m)
+{
+    Eigen::Matrix3d out;
+    out << m.col(1).cross(m.col(2)), m.col(2).cross(m.col(0)), m.col(0).cross(m.col(1));
+    return out;
+}
+
+// Rows of `out` from `first` on.
+struct Rows {
+    Positions& positions;
+    Positions* normals;
+    Eigen::Index first;
+
+    void put(Eigen::Index v, const Eigen::Matrix4d& m, const GltfNumbers& p, const GltfNumbers* n) const
+    {
+        const Eigen::Vector3d position = p.row(v).transpose();
+        positions.row(first + v) = (m.topLeftCorner<3, 3>() * position + m.topRightCorner<3, 1>()).transpose();
+        if (!normals || !n) return;
+        const Eigen::Vector3d normal = n->row(v).transpose();
+        const Eigen::Matrix3d turn = m.topLeftCorner<3, 3>();
+        // A mirrored instance has its triangles turned round, too.
+        const double side = turn.determinant() < 0 ? -1 : 1;
+        normals->row(first + v) = (side * (cofactors(turn) * normal)).normalized().transpose();
+    }
+};
+
+void put_primitive(const GltfPrimitive& primitive, const std::vector<Eigen::Matrix4d>& matrices, bool is_skinned,
+                   const GltfNumbers& positions, const GltfNumbers* normals, const Rows& rows)
+{
+    const Eigen::Index columns = primitive.weights.cols();
+    for (Eigen::Index v = 0; v < positions.rows(); ++v) {
+        if (!is_skinned) {
+            rows.put(v, matrices[0], positions, normals);
+            continue;
+        }
+        Eigen::Matrix4d blend = Eigen::Matrix4d::Zero();
+        for (Eigen::Index c = 0; c < columns; ++c)
+            if (primitive.weights(v, c) != 0)
+                blend += primitive.weights(v, c) * matrices[primitive.joints[static_cast<std::size_t>(v * columns + c)]];
+        rows.put(v, blend, positions, normals);
+    }
+}
+
+} // namespace
+
+Positions evaluate(const GltfScene& scene, const GltfState& state, Positions* normals)
+{
+    const Eigen::Index count = static_cast<Eigen::Index>(scene.vertex_count());
+    Positions positions(count, 3);
+    if (normals) *normals = Positions::Zero(count, 3);
+    const std::vector<Eigen::Matrix4d> world = world_matrices(scene, state);
+    Eigen::Index first = 0;
+    for (const GltfInstance& instance : scene.instances) {
+        std::vector<Eigen::Matrix4d> matrices = { world[instance.node] };
+        if (instance.skin >= 0) {
+            const GltfSkin& skin = scene.skins[static_cast<std::size_t>(instance.skin)];
+            matrices.clear();
+            for (std::size_t j = 0; j < skin.joints.size(); ++j)
+                matrices.push_back(world[skin.joints[j]] * skin.inverse_bind[j]);
+        }
+        for (const GltfPrimitive& primitive : scene.meshes[instance.mesh].primitives) {
+            const std::vector<double>& weights = state.weights[instance.node];
+            const GltfNumbers p = morphed(*scene.document, primitive, weights, primitive.positions, "POSITION");
+            const auto own = primitive.attributes.find("NORMAL");
+            const bool has_normals = normals && own != primitive.attributes.end();
+            const GltfNumbers n
+                = has_normals ? morphed(*scene.document, primitive, weights, own->second, "NORMAL") : GltfNumbers();
+            put_primitive(primitive, matrices, instance.skin >= 0, p, has_normals ? &n : nullptr,
+                          { positions, normals, first });
+            first += p.rows();
+        }
+    }
+    return positions;
+}
+
+std::vector<Triangle> triangles_of(const GltfScene& scene)
+{
+    std::vector<Triangle> out;
+    std::uint32_t first = 0;
+    for (const GltfInstance& instance : scene.instances) {
+        for (const GltfPrimitive& primitive : scene.meshes[instance.mesh].primitives) {
+            for (Triangle t : primitive.triangles) {
+                for (std::uint32_t& v : t) v += first;
+                if (instance.is_mirrored) std::swap(t[1], t[2]);
+                out.push_back(t);
+            }
+            first += static_cast<std::uint32_t>(primitive.vertex_count());
+        }
+    }
+    return out;
+}
+
+} // namespace pliant

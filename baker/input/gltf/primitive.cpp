@@ -1,0 +1,150 @@
+#include "input/gltf/primitive.h"
+
+#include "input/gltf/draco.h"
+
+#include <algorithm>
+#include <fmt/format.h>
+#include <numeric>
+
+namespace pliant {
+namespace {
+
+enum Mode : std::uint64_t { points = 0, triangles = 4, strip = 5, fan = 6 };
+
+// Corners as triangles; what is left over at the end of a list is dropped, as GPUs do.
+std::vector<Triangle> assemble(const std::vector<std::uint32_t>& corners, std::uint64_t mode)
+{
+    std::vector<Triangle> out;
+    if (mode == triangles) {
+        out.reserve(corners.size() / 3);
+        for (std::size_t i = 0; i + 2 < corners.size(); i += 3)
+            out.push_back({ corners[i], corners[i + 1], corners[i + 2] });
+        return out;
+    }
+    for (std::size_t i = 0; i + 2 < corners.size(); ++i) {
+        // glTF 2.0, section 3.7.2.1: every second triangle of a strip runs the other way; strips repeat corners to jump.
+        const Triangle t = mode == fan ? Triangle { corners[i + 1], corners[i + 2], corners[0] }
+                                       : Triangle { corners[i], corners[i + 1 + i % 2], corners[i + 2 - i % 2] };
+        if (t[0] != t[1] && t[1] != t[2] && t[0] != t[2]) out.push_back(t);
+    }
+    return out;
+}
+
+void read_plain(const GltfDocument& document, const GltfValue& primitive, std::uint64_t count_limit, GltfPrimitive& out)
+{
+    const GltfValue position = primitive["attributes"]["POSITION"];
+    const AccessorShape shape = accessor_shape(document, position);
+    const GltfValue index_value = primitive["indices"];
+    const std::uint64_t corner_count = index_value.exists() ? accessor_shape(document, index_value).count : shape.count;
+    if (shape.count > count_limit || corner_count / 3 > count_limit)
+        primitive.fail(2007,
+                       fmt::format("makes {} vertices and {} corners, the limit for this file is {} vertices", shape.count,
+                                   corner_count, count_limit),
+                       "simplify the mesh, or draw it fewer times");
+    out.positions = read_numbers(document, position, { 3 });
+    std::vector<std::uint32_t> corners;
+    if (index_value.exists()) {
+        corners = read_indices(document, index_value, 1);
+    } else {
+        corners.resize(static_cast<std::size_t>(shape.count));
+        std::iota(corners.begin(), corners.end(), 0u);
+    }
+    for (std::size_t i = 0; i < corners.size(); ++i)
+        if (corners[i] >= shape.count)
+            index_value.fail(2315, fmt::format("corner {} is vertex {}, there are {}", i, corners[i], shape.count));
+    out.triangles = assemble(corners, primitive["mode"].whole_or(triangles));
+}
+
+// What is wanted of the attributes, and how many numbers it has.
+bool is_wanted(const std::string& name)
+{
+    return name == "NORMAL" || name.compare(0, 9, "TEXCOORD_") == 0 || name.compare(0, 6, "COLOR_") == 0;
+}
+
+GltfNumbers read_attribute(const GltfDocument& document, const GltfValue& attribute, std::uint64_t count)
+{
+    const std::string& place = attribute.place();
+    const std::string name = place.substr(place.rfind('.') + 1);
+    if (name == "NORMAL") return read_numbers(document, attribute, { 3 }, count);
+    if (name[0] == 'T') return read_numbers(document, attribute, { 2 }, count);
+    return read_numbers(document, attribute, { 3, 4 }, count);
+}
+
+// An attribute by its name, from the Draco data if it is there.
+GltfNumbers named(const GltfDocument& document, const GltfValue& attributes, const std::string& name, const DracoMesh& draco,
+                  std::initializer_list<int> components, std::uint64_t count)
+{
+    const auto decoded = draco.attributes.find(name);
+    if (decoded == draco.attributes.end()) return read_numbers(document, attributes[name.c_str()], components, count);
+    const GltfNumbers& numbers = decoded->second;
+    if (std::find(components.begin(), components.end(), static_cast<int>(numbers.cols())) == components.end())
+        attributes[name.c_str()].fail(2311,
+                                      fmt::format("has elements of {} numbers, which does not fit here", numbers.cols()));
+    return numbers;
+}
+
+void read_influences(const GltfDocument& document, const GltfValue& attributes, const DracoMesh& draco, GltfPrimitive& out)
+{
+    const std::uint64_t n = out.vertex_count();
+    std::vector<GltfNumbers> joints, weights;
+    // Four sets are more than any engine takes.
+    for (int k = 0; k < 4 && attributes[fmt::format("JOINTS_{}", k).c_str()].exists(); ++k) {
+        joints.push_back(named(document, attributes, fmt::format("JOINTS_{}", k), draco, { 4 }, n));
+        weights.push_back(named(document, attributes, fmt::format("WEIGHTS_{}", k), draco, { 4 }, n));
+    }
+    const Eigen::Index columns = 4 * static_cast<Eigen::Index>(joints.size());
+    out.weights.resize(out.positions.rows(), columns);
+    out.joints.reserve(static_cast<std::size_t>(out.weights.size()));
+    for (std::size_t k = 0; k < weights.size(); ++k)
+        out.weights.middleCols(4 * static_cast<Eigen::Index>(k), 4) = weights[k];
+    for (Eigen::Index v = 0; v < out.positions.rows(); ++v)
+        for (const GltfNumbers& set : joints)
+            for (int c = 0; c < 4; ++c)
+                // Whatever is not a number of a joint becomes one that no skin has.
+                out.joints.push_back(set(v, c) >= 0 && set(v, c) <= 65535 ? static_cast<std::uint32_t>(set(v, c))
+                                                                          : UINT32_MAX);
+}
+
+} // namespace
+
+bool has_triangles(const GltfValue& primitive)
+{
+    const std::uint64_t mode = primitive["mode"].whole_or(triangles);
+    if (mode > fan) primitive["mode"].fail(2306, fmt::format("there is no mode {}", mode));
+    return mode >= triangles;
+}
+
+GltfPrimitive read_primitive(const GltfDocument& document, const GltfValue& primitive, std::uint64_t count_limit)
+{
+    GltfPrimitive out;
+    const GltfValue attributes = primitive["attributes"];
+    if (!attributes.exists() || !attributes.json().is_object()) attributes.fail(2306, "an object expected");
+    out.material = primitive["material"].index_or_none(document["materials"].size(), "materials");
+    const GltfValue extension = primitive["extensions"]["KHR_draco_mesh_compression"];
+    DracoMesh draco;
+    if (extension.exists()) {
+        draco = decode_draco(document, extension, attributes, count_limit);
+        out.triangles = std::move(draco.triangles);
+        const auto positions = draco.attributes.find("POSITION");
+        if (positions == draco.attributes.end() || positions->second.cols() != 3)
+            extension.fail(2318, "its Draco data have no positions", "compress it again from the original");
+        out.positions = std::move(positions->second);
+        draco.attributes.erase(positions);
+    } else {
+        read_plain(document, primitive, count_limit, out);
+    }
+    for (const auto& item : attributes.json().items()) {
+        if (!is_wanted(item.key())) continue;
+        const auto decoded = draco.attributes.find(item.key());
+        out.attributes.emplace(item.key(),
+                               decoded != draco.attributes.end()
+                                   ? decoded->second
+                                   : read_attribute(document, attributes[item.key().c_str()], out.vertex_count()));
+    }
+    read_influences(document, attributes, draco, out);
+    const GltfValue targets = primitive["targets"];
+    for (std::size_t i = 0; i < targets.size(); ++i) out.targets.push_back(targets.at(i));
+    return out;
+}
+
+} // namespace pliant

@@ -1,0 +1,34 @@
+// One drawn part of a glTF mesh: its triangles and what its vertices carry.
+#pragma once
+
+#include "base/mesh/pose_set.h"
+#include "input/gltf/accessor.h"
+
+#include <map>
+#include <string>
+#include <vector>
+
+namespace pliant {
+
+struct GltfPrimitive {
+    std::ptrdiff_t material = -1;
+    std::vector<Triangle> triangles;               // corners below vertex_count()
+    GltfNumbers positions;                         // n x 3, finite or not: whoever shows them checks
+    std::map<std::string, GltfNumbers> attributes; // NORMAL (n x 3), TEXCOORD_k (n x 2), COLOR_k (n x 3 or 4)
+    // Influences of joints, `joint_count` a vertex: numbers into the skin's list, and weights as the file has them.
+    std::vector<std::uint32_t> joints;
+    GltfNumbers weights;            // n x joint_count; 0 columns: not skinned
+    std::vector<GltfValue> targets; // read when they are needed: a file may list one array a thousand times
+
+    std::uint64_t vertex_count() const { return static_cast<std::uint64_t>(positions.rows()); }
+};
+
+// Reads primitives with mode TRIANGLES, TRIANGLE_STRIP or TRIANGLE_FAN. Without indices corners are vertices 0, 1, 2, ... Strips and
+// fans become triangles, in order. `count_limit` bounds the vertices and a third of the corners (P2007). Throws Failure: P2007, P2306
+// to P2308, P2311, P2315 (corner out of range), P2317, P2318.
+GltfPrimitive read_primitive(const GltfDocument& document, const GltfValue& primitive, std::uint64_t count_limit);
+
+// Whether a primitive is of triangles at all. P2306 for a mode that there is not.
+bool has_triangles(const GltfValue& primitive);
+
+} // namespace pliant

@@ -1,0 +1,164 @@
+#include "input/gltf/read_render_scene.h"
+
+#include "input/gltf/evaluate.h"
+
+#include <algorithm>
+#include <fmt/format.h>
+
+namespace pliant {
+namespace {
+
+// The attribute of that name, made if need be.
+VertexAttribute& attribute_of(RenderScene& scene, const std::string& name, std::uint32_t components)
+{
+    for (VertexAttribute& attribute : scene.attributes) {
+        if (attribute.name != name) continue;
+        if (attribute.components < components) { // colours with alpha in a later part
+            std::vector<float> values(std::size_t(scene.vertex_count) * components, 0.0f);
+            for (std::size_t v = 0; v < scene.vertex_count; ++v) {
+                for (std::size_t c = 0; c < attribute.components; ++c)
+                    values[v * components + c] = attribute.values[v * attribute.components + c];
+                values[v * components + components - 1] = 1;
+            }
+            attribute.values = std::move(values);
+            attribute.components = components;
+        }
+        return attribute;
+    }
+    scene.attributes.push_back({ name, components, std::vector<float>(std::size_t(scene.vertex_count) * components, 0.0f) });
+    return scene.attributes.back();
+}
+
+void put_attribute(RenderScene& scene, const std::string& name, const GltfNumbers& numbers, std::uint32_t first)
+{
+    VertexAttribute& attribute = attribute_of(scene, name, static_cast<std::uint32_t>(numbers.cols()));
+    for (Eigen::Index v = 0; v < numbers.rows(); ++v)
+        for (std::uint32_t c = 0; c < attribute.components; ++c)
+            attribute.values[(first + std::size_t(v)) * attribute.components + c]
+                = static_cast<Eigen::Index>(c) < numbers.cols() ? static_cast<float>(numbers(v, c)) : 1.0f;
+}
+
+void put_parts(const GltfScene& scene, const Positions& normals, RenderScene& out)
+{
+    std::uint32_t vertex = 0, face = 0;
+    for (const GltfInstance& instance : scene.instances) {
+        const GltfMesh& mesh = scene.meshes[instance.mesh];
+        for (const GltfPrimitive& primitive : mesh.primitives) {
+            ScenePart part { mesh.name, primitive.material,
+                             vertex,    static_cast<std::uint32_t>(primitive.vertex_count()),
+                             face,      static_cast<std::uint32_t>(primitive.triangles.size()),
+                             {} };
+            for (const auto& [name, numbers] : primitive.attributes) {
+                part.attributes.push_back(name);
+                put_attribute(out, name,
+                              name == "NORMAL" ? GltfNumbers(normals.middleRows(vertex, part.vertex_count)) : numbers,
+                              vertex);
+            }
+            vertex += part.vertex_count;
+            face += part.face_count;
+            out.parts.push_back(std::move(part));
+        }
+    }
+}
+
+// Images without their places in the file; their bytes go to `out`. numbers[i]: the new number of image i, -1 if it is left out.
+GltfJson take_images(const GltfDocument& document, RenderScene& out, std::vector<int>& numbers,
+                     std::vector<Finding>& warnings)
+{
+    GltfJson images = GltfJson::array();
+    const GltfValue list = document["images"];
+    for (std::size_t i = 0; i < list.size(); ++i) {
+        std::string why = "it is empty";
+        std::string bytes = document.image(i, why);
+        numbers.push_back(bytes.empty() ? -1 : static_cast<int>(images.size()));
+        if (bytes.empty()) {
+            warnings.push_back(warning_at(2328, document.path(), fmt::format("image {} is left out: {}", i, why),
+                                          "put the file there, or pack all into one .glb"));
+            continue;
+        }
+        GltfJson image = GltfJson::object();
+        for (const char* key : { "name", "mimeType" })
+            if (list.at(i)[key].exists()) image[key] = list.at(i)[key].text();
+        if (!image.contains("mimeType"))
+            image["mimeType"] = bytes.compare(0, 3, "\xff\xd8\xff") == 0 ? "image/jpeg" : "image/png";
+        out.images.push_back(std::move(bytes));
+        images.push_back(std::move(image));
+    }
+    return images;
+}
+
+// An object with an image's number: the texture itself, or an extension's part of it.
+void renumber_source(GltfJson& holder, const std::vector<int>& numbers)
+{
+    if (!holder.is_object() || !holder.contains("source")) return;
+    const GltfJson& source = holder["source"];
+    const bool is_known = source.is_number_unsigned() && source.get<std::uint64_t>() < numbers.size();
+    const int number = is_known ? numbers[source.get<std::size_t>()] : -1;
+    if (number < 0)
+        holder.erase("source");
+    else
+        holder["source"] = number;
+}
+
+GltfJson textures_of(const GltfDocument& document, const std::vector<int>& numbers)
+{
+    GltfJson textures = document["textures"].json();
+    for (GltfJson& texture : textures) {
+        renumber_source(texture, numbers);
+        if (texture.contains("extensions") && texture["extensions"].is_object())
+            for (GltfJson& extension : texture["extensions"]) renumber_source(extension, numbers);
+    }
+    return textures;
+}
+
+// Those that say how to paint; the others are about what is not kept.
+GltfJson painting_extensions(const GltfDocument& document)
+{
+    GltfJson out = GltfJson::array();
+    const GltfValue used = document["extensionsUsed"];
+    for (std::size_t i = 0; i < used.size(); ++i) {
+        const std::string name = used.at(i).text();
+        if (name.find("_materials_") != std::string::npos || name.find("_texture_") != std::string::npos)
+            out.push_back(name);
+    }
+    return out;
+}
+
+// Every index in the lists that are kept points into them, or the file is wrong.
+void check_materials(const GltfDocument& document)
+{
+    const GltfValue textures = document["textures"];
+    for (std::size_t i = 0; i < textures.size(); ++i) {
+        textures.at(i)["source"].index_or_none(document["images"].size(), "images");
+        textures.at(i)["sampler"].index_or_none(document["samplers"].size(), "samplers");
+    }
+    for (const char* key : { "materials", "samplers", "textures" })
+        for (std::size_t i = 0; i < document[key].size(); ++i)
+            if (!document[key].at(i).json().is_object()) document[key].at(i).fail(2306, "an object expected");
+}
+
+} // namespace
+
+RenderScene render_scene(const GltfScene& scene, const Positions& normals, std::vector<Finding>& warnings)
+{
+    const GltfDocument& document = *scene.document;
+    RenderScene out;
+    out.path = document.path();
+    out.vertex_count = static_cast<std::uint32_t>(scene.vertex_count());
+    out.triangles = triangles_of(scene);
+    put_parts(scene, normals, out);
+    check_materials(document);
+    GltfJson materials = GltfJson::object();
+    for (const char* key : { "materials", "samplers" })
+        if (document[key].size() != 0) materials[key] = document[key].json();
+    std::vector<int> numbers;
+    GltfJson images = take_images(document, out, numbers, warnings);
+    if (!images.empty()) materials["images"] = std::move(images);
+    if (document["textures"].size() != 0) materials["textures"] = textures_of(document, numbers);
+    GltfJson extensions = painting_extensions(document);
+    if (!extensions.empty()) materials["extensionsUsed"] = std::move(extensions);
+    out.materials = materials.dump(-1, ' ', false, GltfJson::error_handler_t::replace);
+    return out;
+}
+
+} // namespace pliant

@@ -1,0 +1,87 @@
+#include "base/mesh/renumbering.h"
+#include "base/mesh/solid.h"
+#include "input/poses/check_solid.h"
+#include "input/poses/compare_poses.h"
+
+#include <algorithm>
+#include <fmt/format.h>
+
+namespace pliant {
+namespace {
+
+// Sorted, and whether that took an even number of exchanges.
+std::pair<Tetrahedron, bool> sorted(Tetrahedron t)
+{
+    bool is_even = true;
+    for (std::size_t i = 1; i < 4; ++i) {
+        for (std::size_t k = i; k > 0 && t[k] < t[k - 1]; --k) {
+            std::swap(t[k], t[k - 1]);
+            is_even = !is_even;
+        }
+    }
+    return { t, is_even };
+}
+
+std::string corners_of(const Tetrahedron& t) { return fmt::format("{} {} {} {}", t[0], t[1], t[2], t[3]); }
+
+// Tetrahedra as rows of four numbers: good for comparing rows, and no faces of anything.
+Polygons to_rows(const std::vector<Tetrahedron>& tets)
+{
+    Polygons rows;
+    for (const Tetrahedron& tet : tets) {
+        rows.indices.insert(rows.indices.end(), tet.begin(), tet.end());
+        rows.offsets.push_back(static_cast<std::uint32_t>(rows.indices.size()));
+    }
+    return rows;
+}
+
+// All faces of all tetrahedra, those inside twice.
+Polygons to_faces(const std::vector<Tetrahedron>& tets)
+{
+    std::vector<Triangle> triangles;
+    for (const Tetrahedron& tet : tets) {
+        for (const auto& corners : tet_faces) triangles.push_back({ tet[corners[0]], tet[corners[1]], tet[corners[2]] });
+    }
+    return to_polygons(triangles);
+}
+
+} // namespace
+
+bool check_same_kind(const MeshFile& first, const MeshFile& other, FindingList& findings)
+{
+    if (first.tets.empty() == other.tets.empty()) return true;
+    const auto kind = [](const MeshFile& mesh) { return mesh.tets.empty() ? "a surface" : "a solid of tetrahedra"; };
+    findings.add(error_at(3012, other.path, fmt::format("is {}, {} is {}", kind(other), first.path, kind(first)),
+                          "poses must be the same mesh in other positions: all surfaces or all solids"));
+    return false;
+}
+
+bool check_same_tets(const MeshFile& first, const MeshFile& other, FindingList& findings)
+{
+    if (!check_same_vertex_count(first, other, findings)) return false;
+    const std::vector<Tetrahedron>&a = first.tets, &b = other.tets;
+    std::size_t tet = 0;
+    const std::size_t common = std::min(a.size(), b.size());
+    while (tet < common && (a[tet] == b[tet] || sorted(a[tet]) == sorted(b[tet]))) ++tet;
+    if (tet == common && a.size() == b.size()) return true;
+
+    const auto vertex_count = static_cast<std::size_t>(first.positions.rows());
+    const bool is_proven = equal_under_row_renumbering(to_rows(a), to_rows(b), vertex_count);
+    const bool is_likely = is_proven
+        || (a.size() == b.size() && sorted_colours(to_faces(a), vertex_count) == sorted_colours(to_faces(b), vertex_count));
+    const std::string difference = tet < common
+        ? fmt::format("tetrahedron {} is {} here and {} in {}", tet, corners_of(b[tet]), corners_of(a[tet]), first.path)
+        : fmt::format("has {} tetrahedra, {} has {}", b.size(), first.path, a.size());
+    if (is_likely) {
+        findings.add(
+            error_at(3005, where_is_tet(other, tet),
+                     fmt::format("{}the same solid with other numbers: {}", is_proven ? "is " : "seems to be ", difference),
+                     "vertices or tetrahedra were reordered: export all poses from the same mesh"));
+    } else {
+        findings.add(error_at(3004, where_is_tet(other, tet), fmt::format("has other tetrahedra: {}", difference),
+                              "poses must be the same mesh in other positions: export them all from the same one"));
+    }
+    return false;
+}
+
+} // namespace pliant

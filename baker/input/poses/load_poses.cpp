@@ -1,0 +1,196 @@
+#include "input/poses/load_poses.h"
+
+#include "base/mesh/render_mesh.h"
+#include "base/mesh/solid.h"
+#include "input/poses/check_solid.h"
+#include "input/poses/check_surface.h"
+#include "input/poses/compare_poses.h"
+#include "input/poses/fixed_vertices.h"
+#include "input/poses/pose_source.h"
+#include "input/poses/simulation_mesh.h"
+
+#include <algorithm>
+#include <filesystem>
+#include <fmt/format.h>
+#include <utility>
+
+namespace pliant {
+namespace {
+
+// What the checks found out on the way.
+struct Checked {
+    Triangulation triangulation;      // what is drawn and, of a solid, compared: of that its boundary
+    ElasticSurface surface;           // of surfaces
+    std::vector<std::uint32_t> fixed; // by the numbers of the files
+};
+
+// Every pose on its own and against pose 0, as far as the earlier findings leave a meaning to the later questions. True if all poses
+// show the same mesh.
+bool check_surfaces(const std::vector<MeshFile>& meshes, double weld_tolerance, Checked& checked, FindingList& findings)
+{
+    const MeshFile& first = meshes[0];
+    std::vector<const MeshFile*> alike = { &first };
+    for (std::size_t k = 1; k < meshes.size(); ++k)
+        if (check_same_kind(first, meshes[k], findings) && check_same_faces(first, meshes[k], findings))
+            alike.push_back(&meshes[k]);
+    for (const MeshFile* mesh : alike) check_shape(*mesh, checked.triangulation, findings);
+    checked.surface = make_elastic_surface(alike, checked.triangulation, weld_tolerance, findings);
+    if (checked.surface.triangulation.triangles.empty()) return false; // said; nothing to look at
+    check_connectivity(first, checked.surface, findings);
+    for (std::size_t k = 1; k < alike.size(); ++k)
+        check_correspondence(first, *alike[k], checked.surface.triangulation, findings);
+    return alike.size() == meshes.size();
+}
+
+// The same for solids.
+bool check_solids(const std::vector<MeshFile>& meshes, const Triangulation& boundary, FindingList& findings)
+{
+    const MeshFile& first = meshes[0];
+    check_tets(first, check_volumes(first, nullptr, findings), findings);
+    bool is_comparable = true;
+    for (std::size_t k = 1; k < meshes.size(); ++k) {
+        if (!check_same_kind(first, meshes[k], findings) || !check_same_tets(first, meshes[k], findings)) {
+            is_comparable = false;
+            continue;
+        }
+        check_volumes(meshes[k], &first, findings);
+        check_correspondence(first, meshes[k], boundary, findings);
+    }
+    return is_comparable;
+}
+
+// The faces that are drawn and compared: of a solid those of its boundary.
+Triangulation triangulate(const MeshFile& mesh)
+{
+    return triangulate(mesh.tets.empty() ? mesh.faces : to_polygons(boundary_of(mesh.tets)));
+}
+
+// From the numbering of the files to that of PoseSet.
+void renumber(PoseSet& poses)
+{
+    const SolidNumbering numbering = number_boundary_first(poses.triangles, poses.vertex_count());
+    const auto place = [&](std::uint32_t& vertex) { vertex = numbering.places[vertex]; };
+    for (Positions& positions : poses.positions) {
+        const Positions old = positions;
+        for (std::size_t v = 0; v < numbering.sources.size(); ++v)
+            positions.row(static_cast<Eigen::Index>(v)) = old.row(numbering.sources[v]);
+    }
+    for (Triangle& triangle : poses.triangles) std::for_each(triangle.begin(), triangle.end(), place);
+    for (Tetrahedron& tet : poses.tets) std::for_each(tet.begin(), tet.end(), place);
+    std::for_each(poses.fixed_vertices.begin(), poses.fixed_vertices.end(), place);
+    std::sort(poses.fixed_vertices.begin(), poses.fixed_vertices.end());
+    poses.polygons = to_polygons(poses.triangles);
+    poses.source_vertices = numbering.sources;
+    poses.boundary_vertex_count = numbering.boundary_count;
+}
+
+// From the vertices of the files to those of the elastic surface; the former are drawn where they differ.
+void take_elastic(PoseSet& poses, Triangulation drawn, ElasticSurface surface)
+{
+    poses.repairs = surface.repairs;
+    poses.triangles = std::move(surface.triangulation.triangles);
+    if (poses.repairs.welded_count == 0 && poses.repairs.left_out_count() == 0) return;
+    std::vector<std::uint32_t> places(surface.targets.size()), sources;
+    for (std::uint32_t v = 0; v < places.size(); ++v) {
+        if (!surface.is_welded(v)) sources.push_back(v);
+        places[v] = surface.is_welded(v) ? places[surface.targets[v]] : static_cast<std::uint32_t>(sources.size() - 1);
+    }
+    poses.drawn = draw_vertices(poses.polygons, std::move(drawn.triangles), places);
+    for (Triangle& triangle : poses.triangles)
+        for (std::uint32_t& vertex : triangle) vertex = places[vertex];
+    poses.fixed_vertices = surface.joined(poses.fixed_vertices);
+    for (std::uint32_t& vertex : poses.fixed_vertices) vertex = places[vertex]; // ascending still
+    if (sources.size() == places.size()) return;
+    for (Positions& positions : poses.positions) {
+        const Positions in_files = positions;
+        positions.resize(static_cast<Eigen::Index>(sources.size()), 3);
+        for (std::size_t v = 0; v < sources.size(); ++v)
+            positions.row(static_cast<Eigen::Index>(v)) = in_files.row(sources[v]);
+    }
+    poses.source_vertices = std::move(sources);
+}
+
+PoseSet to_pose_set(std::vector<MeshFile> meshes, Checked checked)
+{
+    PoseSet poses;
+    for (MeshFile& mesh : meshes) {
+        poses.names.push_back(pose_name(mesh));
+        poses.paths.push_back(std::move(mesh.path));
+        poses.positions.push_back(std::move(mesh.positions));
+    }
+    poses.polygons = std::move(meshes[0].faces);
+    poses.tets = std::move(meshes[0].tets);
+    poses.regions = std::move(meshes[0].regions);
+    poses.fixed_vertices = std::move(checked.fixed);
+    poses.scene = std::move(meshes[0].scene);
+    if (poses.is_solid()) {
+        poses.triangles = std::move(checked.triangulation.triangles);
+        renumber(poses);
+    } else {
+        take_elastic(poses, std::move(checked.triangulation), std::move(checked.surface));
+    }
+    pin_vertices(poses.fixed_vertices, poses.positions);
+    return poses;
+}
+
+// The checks of what was read; the fixed vertices.
+Checked check_all(std::vector<MeshFile>& meshes, const LoadOptions& options, FindingList& findings)
+{
+    const bool is_solid = !meshes[0].tets.empty();
+    if (is_solid) orient_tets(meshes, findings);
+    Checked checked;
+    checked.triangulation = triangulate(meshes[0]);
+    const bool is_comparable = is_solid ? check_solids(meshes, checked.triangulation, findings)
+                                        : check_surfaces(meshes, options.weld_tolerance, checked, findings);
+    const std::size_t vertex_count = static_cast<std::size_t>(meshes[0].positions.rows());
+    std::vector<std::uint32_t>& fixed = checked.fixed;
+    for (const std::uint32_t v : options.fixed_vertices)
+        if (v < vertex_count) fixed.push_back(v); // others belong to another mesh, as will be found out
+    const bool has_fixed = !options.fixed_path.empty() || !fixed.empty();
+    const std::string& name = options.fixed_path.empty() ? options.fixed_name : options.fixed_path;
+    const std::size_t errors_before = findings.error_count();
+    if (!options.fixed_path.empty()) fixed = read_fixed_vertices(options.fixed_path, vertex_count, findings);
+    if (!name.empty() && is_comparable && findings.error_count() == errors_before)
+        check_fixed_vertices(name, is_solid ? fixed : checked.surface.joined(fixed),
+                             vertex_count - checked.surface.repairs.welded_count, meshes, findings);
+    if (is_comparable && meshes.size() > 1)
+        check_distinct(meshes, is_solid ? checked.triangulation : checked.surface.triangulation, options.align && !has_fixed,
+                       findings);
+    return checked;
+}
+
+// `has_first`: the first of the meshes is the first pose; else it could not be read, and the findings say why.
+PoseSet finish(std::vector<MeshFile> meshes, bool has_first, const LoadOptions& options, FindingList& findings,
+               std::vector<Finding>* warnings)
+{
+    Checked checked;
+    if (has_first) checked = check_all(meshes, options, findings);
+    if (findings.has_errors()) throw Failure(ExitCode::bad_input, findings.findings());
+    if (warnings) {
+        const std::vector<Finding> found = findings.findings();
+        warnings->insert(warnings->end(), found.begin(), found.end());
+    }
+    return to_pose_set(std::move(meshes), std::move(checked));
+}
+
+} // namespace
+
+std::string pose_name(const MeshFile& mesh)
+{
+    return mesh.name.empty() ? std::filesystem::path(mesh.path).stem().string() : mesh.name;
+}
+
+PoseSet load_poses(const std::vector<std::string>& paths, const LoadOptions& options, std::vector<Finding>* warnings)
+{
+    FindingList findings(options.lines_per_number);
+    PoseSources read = read_pose_sources(paths, pose_count_limit, findings);
+    return finish(std::move(read.meshes), read.has_first, options, findings, warnings);
+}
+
+PoseSet check_poses(std::vector<MeshFile> meshes, const LoadOptions& options, std::vector<Finding>* warnings)
+{
+    FindingList findings(options.lines_per_number);
+    return finish(std::move(meshes), true, options, findings, warnings);
+}
+
+} // namespace pliant

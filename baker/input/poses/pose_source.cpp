@@ -1,0 +1,313 @@
+#include "input/poses/pose_source.h"
+
+#include "input/gltf/animation.h"
+#include "input/gltf/evaluate.h"
+#include "input/gltf/read_render_scene.h"
+#include "input/io/read_mesh.h"
+#include "input/io/source_file.h"
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <filesystem>
+#include <fmt/format.h>
+#include <map>
+#include <memory>
+#include <new>
+#include <optional>
+
+namespace pliant {
+namespace {
+
+// A glTF file that arguments name, opened once.
+struct GltfFile {
+    GltfScene scene;
+    std::shared_ptr<const RenderScene> drawn; // made with the first pose
+};
+
+// One pose that a glTF file is to give.
+struct Plan {
+    enum class Kind { rest, target, animation };
+    Kind kind = Kind::rest;
+    std::string target;
+    std::size_t animation = 0;
+    double seconds = 0;
+    std::string name;   // for people
+    std::string choice; // an argument that gives this pose alone
+};
+
+[[noreturn]] void usage(Finding finding) { throw Failure(ExitCode::usage, std::move(finding)); }
+
+std::string list_of(const std::vector<std::string>& names)
+{
+    constexpr std::size_t shown = 40;
+    std::string text;
+    for (std::size_t i = 0; i < names.size() && i < shown; ++i)
+        text += fmt::format("{}{}", i == 0 ? "" : ", ", names[i].empty() ? fmt::format("(number {})", i) : names[i]);
+    if (names.size() > shown) text += fmt::format(" and {} more", names.size() - shown);
+    return text;
+}
+
+std::vector<std::string> split(const std::string& text, char separator)
+{
+    std::vector<std::string> parts;
+    std::size_t start = 0;
+    while (start <= text.size()) {
+        const std::size_t end = std::min(text.find(separator, start), text.size());
+        parts.push_back(text.substr(start, end - start));
+        start = end + 1;
+    }
+    return parts;
+}
+
+Plan target_plan(const std::string& name) { return { Plan::Kind::target, name, 0, 0, name, "target=" + name }; }
+
+Plan rest_plan(const std::string& path)
+{
+    return { Plan::Kind::rest, "", 0, 0, std::filesystem::path(path).stem().string(), "rest" };
+}
+
+std::vector<Plan> plan_targets(const GltfScene& scene, const std::string& wanted)
+{
+    const std::vector<std::string>& known = scene.target_names;
+    const auto is_known
+        = [&](const std::string& name) { return std::find(known.begin(), known.end(), name) != known.end(); };
+    std::vector<Plan> plans;
+    if (is_known(wanted)) return { target_plan(wanted) }; // a name may have a comma in it
+    for (const std::string& name : split(wanted, ',')) {
+        if (!is_known(name))
+            usage(error_at(1212, scene.document->path(), fmt::format("there is no morph target '{}'", name),
+                           known.empty() ? "the file has no morph targets" : "it has " + list_of(known)));
+        plans.push_back(target_plan(name));
+    }
+    return plans;
+}
+
+std::size_t find_animation(const GltfDocument& document, const std::string& wanted)
+{
+    const std::vector<std::string> names = animation_names(document);
+    const auto named = std::find(names.begin(), names.end(), wanted);
+    if (named != names.end() && !wanted.empty()) return static_cast<std::size_t>(named - names.begin());
+    std::size_t number = 0;
+    const auto [rest, error] = std::from_chars(wanted.data(), wanted.data() + wanted.size(), number);
+    if (error == std::errc() && rest == wanted.data() + wanted.size() && number < names.size()) return number;
+    usage(error_at(1213, document.path(), fmt::format("there is no animation '{}'", wanted),
+                   names.empty() ? "the file has no animations" : "it has " + list_of(names)));
+}
+
+double parse_seconds(const std::string& path, const std::string& word)
+{
+    double value = 0;
+    const auto [rest, error] = std::from_chars(word.data(), word.data() + word.size(), value);
+    if (error != std::errc() || rest != word.data() + word.size() || !std::isfinite(value) || value < 0)
+        usage(error_at(1211, path, fmt::format("'{}' is not a time in seconds", word),
+                       "write #animation=NAME@0,0.3,0.6 with decimal points"));
+    return value;
+}
+
+std::vector<Plan> plan_animation(const GltfScene& scene, const std::string& wanted, FindingList& findings)
+{
+    const GltfDocument& document = *scene.document;
+    const std::size_t at = wanted.rfind('@'); // names may have one, times do not
+    if (at == std::string::npos)
+        usage(error_at(1211, document.path(), fmt::format("#animation={} names no time", wanted),
+                       "write #animation=NAME@0,0.3,0.6: the seconds at which poses are taken"));
+    const std::string name = wanted.substr(0, at);
+    const std::size_t animation = find_animation(document, name);
+    const double end = animation_end(document, animation);
+    std::vector<Plan> plans;
+    for (const std::string& word : split(wanted.substr(at + 1), ',')) {
+        const double seconds = parse_seconds(document.path(), word);
+        if (seconds > end)
+            findings.add(warning_at(
+                2322, document.path(),
+                fmt::format("{} s is after the end of animation {} ({:.6g} s): its end is taken", word, name, end),
+                fmt::format("take times from 0 to {:.6g}", end)));
+        plans.push_back(
+            { Plan::Kind::animation, "", animation, seconds, name + "@" + word, "animation=" + name + "@" + word });
+    }
+    return plans;
+}
+
+std::vector<Plan> plan_poses(const GltfScene& scene, const PoseArgument& argument, FindingList& findings)
+{
+    const std::string& choice = argument.choice;
+    if (choice.empty()) {
+        std::vector<Plan> plans = { rest_plan(argument.path) };
+        for (const std::string& target : scene.target_names) plans.push_back(target_plan(target));
+        return plans;
+    }
+    if (choice == "rest") return { rest_plan(argument.path) };
+    if (choice.compare(0, 7, "target=") == 0) return plan_targets(scene, choice.substr(7));
+    if (choice.compare(0, 10, "animation=") == 0) return plan_animation(scene, choice.substr(10), findings);
+    usage(error_at(1211, argument.path, fmt::format("'#{}' is not understood", choice),
+                   "write #rest, #target=NAME,NAME or #animation=NAME@SECONDS,SECONDS"));
+}
+
+GltfState state_of(const GltfScene& scene, const Plan& plan)
+{
+    if (plan.kind == Plan::Kind::animation) return animated_state(scene, plan.animation, plan.seconds);
+    GltfState state = scene.rest;
+    for (const GltfInstance& instance : scene.instances) {
+        const std::vector<std::string>& names = scene.meshes[instance.mesh].target_names;
+        std::vector<double>& weights = state.weights[instance.node];
+        for (std::size_t k = 0; k < weights.size(); ++k)
+            weights[k] = plan.kind == Plan::Kind::target && names[k] == plan.target;
+    }
+    return state;
+}
+
+MeshFile make_pose(GltfFile& file, const Plan& plan, FindingList& findings)
+{
+    const GltfScene& scene = file.scene;
+    MeshFile mesh;
+    mesh.path = scene.document->path() + "#" + plan.choice;
+    mesh.name = plan.name;
+    const GltfState state = state_of(scene, plan);
+    Positions normals;
+    mesh.positions = evaluate(scene, state, file.drawn ? nullptr : &normals);
+    if (!file.drawn) {
+        std::vector<Finding> warnings;
+        file.drawn = std::make_shared<const RenderScene>(render_scene(scene, normals, warnings));
+        for (Finding& warning : warnings) findings.add(std::move(warning));
+    }
+    mesh.scene = file.drawn;
+    const SourceFile source { mesh.path, "", &findings };
+    for (Eigen::Index v = 0; v < mesh.positions.rows(); ++v)
+        for (int c = 0; c < 3; ++c)
+            if (!check_coordinate(source, 0, static_cast<std::size_t>(v), mesh.positions(v, c))) break;
+    for (const Triangle& t : triangles_of(scene)) {
+        mesh.faces.indices.insert(mesh.faces.indices.end(), t.begin(), t.end());
+        mesh.faces.offsets.push_back(static_cast<std::uint32_t>(mesh.faces.indices.size()));
+    }
+    return mesh;
+}
+
+// What an argument gives: a mesh file as it is, or poses of a glTF file; neither if it could not be opened.
+struct Source {
+    PoseArgument argument;
+    GltfFile* file = nullptr;
+    std::vector<Plan> plans;
+    bool is_gltf = false;
+};
+
+class Reader {
+public:
+    explicit Reader(FindingList& findings)
+        : findings_(findings)
+    {
+    }
+
+    Source plan(const std::string& text)
+    {
+        Source source { split_pose_argument(text), nullptr, {}, false };
+        source.is_gltf = is_gltf_name(source.argument.path);
+        if (!source.is_gltf) return source;
+        source.file = open(source.argument.path);
+        if (source.file)
+            guard(source.argument.path, [&] { source.plans = plan_poses(source.file->scene, source.argument, findings_); });
+        return source;
+    }
+
+    void read(const Source& source, std::vector<MeshFile>& meshes)
+    {
+        if (!source.is_gltf) {
+            if (std::optional<MeshFile> mesh = read_mesh(source.argument.path, findings_))
+                meshes.push_back(std::move(*mesh));
+            return;
+        }
+        for (const Plan& plan : source.plans) {
+            const std::size_t errors = findings_.error_count();
+            guard(source.argument.path, [&] {
+                MeshFile mesh = make_pose(*source.file, plan, findings_);
+                if (findings_.error_count() == errors) meshes.push_back(std::move(mesh));
+            });
+        }
+    }
+
+private:
+    // Null if the file is no good; it is told about once.
+    GltfFile* open(const std::string& path)
+    {
+        const auto known = files_.find(path);
+        if (known != files_.end()) return known->second.get();
+        std::unique_ptr<GltfFile>& file = files_[path];
+        guard(path, [&] {
+            std::vector<Finding> warnings;
+            auto opened = std::make_unique<GltfFile>();
+            opened->scene = read_scene(std::make_shared<const GltfDocument>(path), warnings);
+            for (Finding& warning : warnings) findings_.add(std::move(warning));
+            file = std::move(opened);
+        });
+        return file.get();
+    }
+
+    // Wrong files become findings; a wrong command line stays one.
+    template <class Action> void guard(const std::string& path, Action action)
+    {
+        try {
+            action();
+        } catch (const Failure& failure) {
+            if (failure.code() != ExitCode::bad_input) throw;
+            for (const Finding& finding : failure.findings()) findings_.add(finding);
+        } catch (const std::bad_alloc&) {
+            findings_.add(
+                error_at(2008, path, "does not fit into memory", "use a machine with more memory or a coarser mesh"));
+        }
+    }
+
+    FindingList& findings_;
+    std::map<std::string, std::unique_ptr<GltfFile>> files_;
+};
+
+void check_pose_count(const std::vector<Source>& sources, std::size_t count, std::size_t limit, const FindingList& findings)
+{
+    if (count < 2 && !findings.has_errors())
+        throw Failure(ExitCode::bad_input,
+                      error_at(3001, sources.empty() ? "" : sources[0].argument.path,
+                               fmt::format("{} pose given, two or more are needed", count),
+                               "name all poses of the character, the rest pose first"));
+    if (count <= limit) return;
+    std::string hint = "choose the poses that differ most";
+    for (const Source& source : sources)
+        if (source.plans.size() > 2 && source.argument.choice.empty()) {
+            hint = fmt::format("choose morph targets, as in {0}#rest {0}#target={1},{2}; it has {3}", source.argument.path,
+                               source.plans[1].target, source.plans[2].target, list_of(source.file->scene.target_names));
+            break;
+        }
+    throw Failure(ExitCode::bad_input,
+                  error_at(3002, "", fmt::format("{} poses given, the limit is {}", count, limit), hint));
+}
+
+} // namespace
+
+PoseArgument split_pose_argument(const std::string& argument)
+{
+    for (std::size_t hash = argument.find('#'); hash != std::string::npos; hash = argument.find('#', hash + 1))
+        if (is_gltf_name(std::string_view(argument).substr(0, hash)))
+            return { argument.substr(0, hash), argument.substr(hash + 1) };
+    return { argument, "" };
+}
+
+PoseSources read_pose_sources(const std::vector<std::string>& arguments, std::size_t limit, FindingList& findings)
+{
+    Reader reader(findings);
+    std::vector<Source> sources;
+    PoseSources out;
+    // A long list of plain files needs no reading to be too long.
+    const bool has_gltf = std::any_of(arguments.begin(), arguments.end(), [](const std::string& argument) {
+        return is_gltf_name(split_pose_argument(argument).path);
+    });
+    for (const std::string& argument : arguments) {
+        sources.push_back(has_gltf ? reader.plan(argument) : Source { { argument, "" }, nullptr, {}, false });
+        out.count += sources.back().is_gltf && sources.back().file ? sources.back().plans.size() : 1;
+    }
+    check_pose_count(sources, out.count, limit, findings);
+    for (const Source& source : sources) {
+        reader.read(source, out.meshes);
+        if (&source == &sources.front()) out.has_first = !out.meshes.empty();
+    }
+    return out;
+}
+
+} // namespace pliant

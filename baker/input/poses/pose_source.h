@@ -1,0 +1,37 @@
+// What the command line calls a pose: a mesh file, or a glTF file with what of it is wanted.
+#pragma once
+
+#include "base/common/diagnostics.h"
+#include "base/mesh/pose_set.h"
+
+#include <string>
+#include <vector>
+
+namespace pliant {
+
+// "hero.glb#animation=Run@0,0.3" cut into a file and a choice. A '#' counts only behind a name that ends in .glb or .gltf.
+struct PoseArgument {
+    std::string path;
+    std::string choice; // behind the '#'; empty: all there is
+};
+PoseArgument split_pose_argument(const std::string& argument);
+
+// The poses of all arguments, in order.
+struct PoseSources {
+    std::vector<MeshFile> meshes; // those that could be read
+    bool has_first = false;       // the first argument is among them
+    std::size_t count = 0;        // poses asked for; of an unreadable glTF file one
+};
+
+// Reads every argument: a mesh file (read_mesh) gives one pose, a glTF file
+//   FILE.glb                        its shape at rest, then every morph target alone at weight 1
+//   FILE.glb#rest                   its shape at rest: morph weights 0, nodes as the file places them, skins applied
+//   FILE.glb#target=NAME[,NAME...]  these morph targets, each alone at weight 1
+//   FILE.glb#animation=NAME@T[,T...] the animation (by name, or by number from 0) at these seconds
+// Vertices and triangles come as an engine decodes them: all primitives of triangles of all meshes in the default scene, in the order of the
+// nodes' numbers. Poses of one file share their RenderScene.
+// Wrong choices (P1211 to P1213) are thrown as Failure (usage); more than `limit` poses or fewer than two as P3002 and P3001 (bad_input),
+// before any is made. Everything else goes to the findings: P2xxx.
+PoseSources read_pose_sources(const std::vector<std::string>& arguments, std::size_t limit, FindingList& findings);
+
+} // namespace pliant

@@ -1,0 +1,221 @@
+#include "input/poses/simulation_mesh.h"
+
+#include "base/mesh/surface.h"
+#include "base/mesh/weld.h"
+#include "input/poses/check_surface.h"
+
+#include <algorithm>
+#include <fmt/format.h>
+
+namespace pliant {
+namespace {
+
+using Index = std::uint32_t;
+
+constexpr const char* left_out = "left out of the elastic mesh";
+constexpr const char* drawn_hint = "it is drawn all the same; to be rid of this line, remove it from all poses";
+
+class Builder {
+public:
+    Builder(const std::vector<const MeshFile*>& meshes, const Triangulation& drawn, FindingList& findings)
+        : meshes_(meshes)
+        , first_(*meshes[0])
+        , drawn_(drawn)
+        , findings_(findings)
+        , is_left_out_(drawn.triangles.size(), false)
+    {
+    }
+
+    ElasticSurface build(double weld_tolerance);
+
+private:
+    void join_vertices(double tolerance);
+    void leave_out_repeated();
+    void leave_out_flat();
+    void leave_out_duplicates();
+    bool judge_flat(const MeshFile& pose, const std::vector<FlatTriangle>& flat);
+    Triangle welded(Index triangle) const;
+    // One line for all: `what` says it of the first, `faces` are all.
+    void warn(int number, const MeshFile& mesh, std::string what, std::vector<Index> faces);
+
+    const std::vector<const MeshFile*>& meshes_;
+    const MeshFile& first_;
+    const Triangulation& drawn_;
+    FindingList& findings_;
+    std::vector<bool> is_left_out_; // per drawn triangle
+    ElasticSurface out_;
+};
+
+ElasticSurface Builder::build(double weld_tolerance)
+{
+    join_vertices(weld_tolerance);
+    leave_out_repeated();
+    leave_out_flat();
+    leave_out_duplicates();
+    for (Index t = 0; t < is_left_out_.size(); ++t) {
+        if (is_left_out_[t]) continue;
+        out_.triangulation.triangles.push_back(welded(t));
+        out_.triangulation.faces.push_back(drawn_.faces[t]);
+    }
+    if (out_.triangulation.triangles.empty() && !findings_.has_errors())
+        findings_.add(error_at(2221, first_.path, "no face has an area in all poses", "nothing of it can be elastic"));
+    return std::move(out_);
+}
+
+Triangle Builder::welded(Index triangle) const
+{
+    const Triangle& t = drawn_.triangles[triangle];
+    return { out_.targets[t[0]], out_.targets[t[1]], out_.targets[t[2]] };
+}
+
+void Builder::warn(int number, const MeshFile& mesh, std::string what, std::vector<Index> faces)
+{
+    faces.erase(std::unique(faces.begin(), faces.end()), faces.end());
+    if (faces.size() > 1) what += fmt::format(" ({} faces: {})", faces.size(), first_few(faces));
+    Finding finding = { Finding::Severity::warning, number, where_is_face(mesh, faces[0]),
+                        fmt::format("{}: {}", what, left_out), drawn_hint };
+    findings_.add(about_faces(std::move(finding), faces));
+}
+
+void Builder::join_vertices(double tolerance)
+{
+    std::vector<const Positions*> poses;
+    for (const MeshFile* mesh : meshes_) poses.push_back(&mesh->positions);
+    out_.targets = weld(poses, tolerance);
+    std::vector<Index> joined;
+    for (Index v = 0; v < out_.targets.size(); ++v)
+        if (out_.is_welded(v)) joined.push_back(v);
+    out_.repairs.welded_count = joined.size();
+    if (joined.empty()) return;
+    Finding finding = warning_at(2220, first_.path,
+                                 fmt::format("{} of {} vertices lie on others in all poses and are welded to them: {}",
+                                             joined.size(), out_.targets.size(), first_few(joined)),
+                                 "right for seams; --weld 0 keeps them apart");
+    findings_.add(about_vertices(std::move(finding), joined));
+}
+
+void Builder::leave_out_repeated()
+{
+    std::vector<Index> faces;
+    std::string what;
+    for (Index t = 0; t < drawn_.triangles.size(); ++t) {
+        const Triangle corners = drawn_.triangles[t], v = welded(t);
+        const std::size_t i = v[0] == v[1] ? 0 : v[1] == v[2] ? 1 : v[2] == v[0] ? 2 : 3;
+        if (i == 3) continue;
+        is_left_out_[t] = true;
+        ++out_.repairs.repeated_count;
+        faces.push_back(drawn_.faces[t]);
+        const Index a = corners[i], b = corners[(i + 1) % 3];
+        if (what.empty())
+            what = a == b ? fmt::format("face {} uses vertex {} more than once", faces[0], a)
+                          : fmt::format("face {} has its corners {} and {} in one place", faces[0], a, b);
+    }
+    if (!faces.empty()) warn(2201, first_, what, faces);
+}
+
+// A face counts for the first pose in which it is flat.
+void Builder::leave_out_flat()
+{
+    const std::vector<bool> is_no_triangle = is_left_out_;
+    for (const MeshFile* mesh : meshes_) {
+        std::vector<FlatTriangle> flat = find_flat_triangles(*mesh, drawn_.triangles);
+        flat.erase(
+            std::remove_if(flat.begin(), flat.end(), [&](const FlatTriangle& f) { return is_no_triangle[f.triangle]; }),
+            flat.end());
+        const bool is_few = judge_flat(*mesh, flat);
+        std::vector<Index> faces;
+        std::string what;
+        for (const FlatTriangle& f : flat) {
+            if (is_left_out_[f.triangle]) continue;
+            is_left_out_[f.triangle] = true;
+            ++out_.repairs.flat_count;
+            faces.push_back(drawn_.faces[f.triangle]);
+            const Triangle& v = drawn_.triangles[f.triangle];
+            if (what.empty())
+                what = fmt::format("face {}: triangle {} {} {} has no area (height {:.3g} over an edge of {:.3g})", faces[0],
+                                   v[0], v[1], v[2], f.height, f.edge);
+        }
+        if (!faces.empty() && is_few) warn(2202, *mesh, what, faces);
+    }
+}
+
+// What is flat in one pose may be a large part of the body in another. False, and said, if it is too large.
+bool Builder::judge_flat(const MeshFile& pose, const std::vector<FlatTriangle>& flat)
+{
+    double worst = 0;
+    const MeshFile* where = &first_;
+    for (const MeshFile* mesh : meshes_) {
+        const Positions unit = to_unit_box(mesh->positions);
+        const Eigen::VectorXd areas
+            = triangle_areas(Eigen::Map<const Eigen::VectorXd>(unit.data(), unit.size()), drawn_.triangles);
+        const double total = areas.sum();
+        double part = 0;
+        for (const FlatTriangle& f : flat) part += total > 0 ? areas[f.triangle] / total : 0;
+        if (part <= worst) continue;
+        worst = part;
+        where = mesh;
+    }
+    if (worst <= flat_part_limit) return true;
+    findings_.add(error_at(
+        2221, where_is_face(pose, drawn_.faces[flat[0].triangle]),
+        fmt::format("face {} and others have no area: {} triangles, {:.1f} % of the surface of {}, {:.0f} % allowed",
+                    drawn_.faces[flat[0].triangle], flat.size(), 100 * worst, where->path, 100 * flat_part_limit),
+        "these parts cannot be elastic: export this pose again, or leave it out"));
+    return false;
+}
+
+void Builder::leave_out_duplicates()
+{
+    const auto sorted = [&](Index t) {
+        Triangle v = welded(t);
+        std::sort(v.begin(), v.end());
+        return v;
+    };
+    std::vector<std::pair<Triangle, Index>> order;
+    for (Index t = 0; t < is_left_out_.size(); ++t)
+        if (!is_left_out_[t]) order.emplace_back(sorted(t), t);
+    std::sort(order.begin(), order.end());
+    std::vector<std::pair<Index, Index>> twins; // a triangle and the one that it repeats
+    for (std::size_t i = 1, original = 0; i < order.size(); ++i) {
+        if (order[i].first == order[original].first)
+            twins.emplace_back(order[i].second, order[original].second);
+        else
+            original = i;
+    }
+    if (twins.empty()) return;
+    std::sort(twins.begin(), twins.end());
+    std::vector<Index> faces;
+    for (const auto& [triangle, original] : twins) {
+        is_left_out_[triangle] = true;
+        faces.push_back(drawn_.faces[triangle]);
+    }
+    out_.repairs.duplicate_count = twins.size();
+    warn(2205, first_, fmt::format("face {} has the same vertices as face {}", faces[0], drawn_.faces[twins[0].second]),
+         faces);
+}
+
+} // namespace
+
+std::vector<Index> ElasticSurface::joined(std::vector<Index> vertices) const
+{
+    for (Index& vertex : vertices) vertex = targets[vertex];
+    std::sort(vertices.begin(), vertices.end());
+    vertices.erase(std::unique(vertices.begin(), vertices.end()), vertices.end());
+    return vertices;
+}
+
+std::string first_few(const std::vector<Index>& numbers)
+{
+    constexpr std::size_t few = 5;
+    std::string list;
+    for (std::size_t i = 0; i < numbers.size() && i < few; ++i) list += fmt::format("{}{}", i == 0 ? "" : ", ", numbers[i]);
+    return numbers.size() > few ? list + ", ..." : list;
+}
+
+ElasticSurface make_elastic_surface(const std::vector<const MeshFile*>& meshes, const Triangulation& drawn,
+                                    double weld_tolerance, FindingList& findings)
+{
+    return Builder(meshes, drawn, findings).build(weld_tolerance);
+}
+
+} // namespace pliant

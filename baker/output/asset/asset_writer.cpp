@@ -1,0 +1,411 @@
+#include "output/asset/asset_writer.h"
+
+#include "base/common/diagnostics.h"
+#include "base/mesh/smoothing_groups.h"
+#include "elastic/parts/tied_energy.h"
+#include "input/gltf/scene_chunk.h"
+#include "output/asset/bytes.h"
+#include "pliant_format.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+#include <fmt/core.h>
+#include <map>
+#include <stdexcept>
+#include <tuple>
+#include <zlib.h>
+
+namespace pliant {
+
+namespace {
+
+constexpr std::size_t pad16(std::size_t count) { return (count + 15) / 16 * 16; }
+
+template <class Vector> void put_padded(Bytes& out, const Vector& values)
+{
+    for (Eigen::Index i = 0; i < values.size(); ++i) out.put_float(values[i]);
+    for (std::size_t i = std::size_t(values.size()); i < pad16(std::size_t(values.size())); ++i) out.put_float(0);
+}
+
+pliant_format_count count_record(std::size_t count)
+{
+    pliant_format_count record {};
+    record.count = std::uint32_t(count);
+    return record;
+}
+
+Bytes encode_solver(const AssetModel& model)
+{
+    Bytes out;
+    pliant_format_solver head {};
+    head.energy_scale = float(model.energy_scale);
+    out.put(head);
+    const Frame frame = model.stored ? model.stored->frame : plain_frame(model.subspace->dimension());
+    const Eigen::MatrixXd root = frame.axes.transpose() * model.root;
+    put_padded(out, frame.stored(model.mean));
+    for (Eigen::Index j = 0; j < root.cols(); ++j) put_padded(out, root.col(j));
+    for (Eigen::Index k = 0; k < model.subspace->pose_coordinates.cols(); ++k)
+        put_padded(out, frame.stored(model.subspace->pose_coordinates.col(k)));
+    return out;
+}
+
+// An element ready for the runtime: its numbers, and its difference rows at z = 0 (column 0) and along each z_j.
+struct BakedElement {
+    RuntimeElement element;
+    Eigen::MatrixXd rows; // R x (1 + d)
+    double weight;
+};
+
+// What the element looks at: the differences (three rows each), or combinations of them.
+Eigen::MatrixXd combine(const Eigen::MatrixXd& differences, const RuntimeElement& element)
+{
+    const Eigen::MatrixXd& c = element.combination;
+    if (c.size() == 0) return differences;
+    Eigen::MatrixXd out = Eigen::MatrixXd::Zero(3 * c.cols(), differences.cols());
+    for (Eigen::Index j = 0; j < c.cols(); ++j)
+        for (Eigen::Index i = 0; i < c.rows(); ++i) out.middleRows<3>(3 * j) += c(i, j) * differences.middleRows<3>(3 * i);
+    // The deformation gradient relative to z = 0 is the identity there; its rounding would be one of the format.
+    if (element.kind == PLIANT_ELEMENT_TET_STVK || element.kind == PLIANT_ELEMENT_TET_MOONEY_RIVLIN)
+        out.col(0) = Eigen::Map<const Eigen::VectorXd>(Eigen::Matrix3d::Identity().eval().data(), 9);
+    return out;
+}
+
+BakedElement bake_element(const AssetModel& model, std::size_t i)
+{
+    const StandIn& stand_in = *model.stand_in;
+    const std::size_t id = stand_in.elements()[i];
+    BakedElement baked;
+    baked.element = stand_in.energy().runtime_element(id, model.stand_in_reference);
+    baked.weight = stand_in.weights()[Eigen::Index(i)];
+    std::size_t count = 0;
+    const std::uint32_t* vertices = stand_in.energy().element_vertices(id, count);
+    Eigen::MatrixXd local(stand_in.rows(i).rows(), 1 + model.root.cols());
+    local.col(0) = stand_in.origin_rows(i) + stand_in.rows(i) * model.mean;
+    local.rightCols(model.root.cols()) = stand_in.rows(i) * model.root;
+    const auto place
+        = [&](std::uint32_t vertex) { return 3 * Eigen::Index(std::find(vertices, vertices + count, vertex) - vertices); };
+    const auto& differences = baked.element.differences;
+    Eigen::MatrixXd rows(3 * Eigen::Index(differences.size()), local.cols());
+    for (std::size_t r = 0; r < differences.size(); ++r)
+        rows.middleRows<3>(3 * Eigen::Index(r))
+            = local.middleRows<3>(place(differences[r][1])) - local.middleRows<3>(place(differences[r][0]));
+    baked.rows = combine(rows, baked.element);
+    return baked;
+}
+
+using Batch = std::vector<BakedElement>;
+
+// Arrays of one batch, lane by lane; lanes past the last element repeat it without stiffness.
+void put_batch(Bytes& out, pliant_format_batch& record, const Batch& batch)
+{
+    const std::size_t lanes = pad16(batch.size());
+    const auto lane = [&](std::size_t i) -> const BakedElement& { return batch[std::min(i, batch.size() - 1)]; };
+    record.rows_offset = out.data.size();
+    for (Eigen::Index j = 0; j < batch[0].rows.cols(); ++j)
+        for (Eigen::Index r = 0; r < batch[0].rows.rows(); ++r)
+            for (std::size_t i = 0; i < lanes; ++i) out.put_float(lane(i).rows(r, j));
+    out.align(PLIANT_FORMAT_CHUNK_ALIGNMENT);
+    record.fixed_offset = out.data.size();
+    for (std::size_t f = 0; f < batch[0].element.fixed.size(); ++f)
+        for (std::size_t i = 0; i < lanes; ++i) out.put_float(lane(i).element.fixed[f]);
+    out.align(PLIANT_FORMAT_CHUNK_ALIGNMENT);
+    record.pose_offset = out.data.size();
+    const Eigen::MatrixXd& numbers = batch[0].element.pose_numbers;
+    for (Eigen::Index k = 0; k < numbers.rows(); ++k)
+        for (Eigen::Index c = 0; c < numbers.cols(); ++c)
+            for (std::size_t i = 0; i < lanes; ++i)
+                out.put_float(i < batch.size() ? batch[i].weight * batch[i].element.pose_numbers(k, c) : 0.0);
+    out.align(PLIANT_FORMAT_CHUNK_ALIGNMENT);
+}
+
+Bytes encode_elements(const AssetModel& model)
+{
+    std::map<std::tuple<std::uint32_t, std::uint32_t, bool>, Batch> batches;
+    for (std::size_t i = 0; i < model.stand_in->element_count(); ++i) {
+        BakedElement baked = bake_element(model, i);
+        const auto key = std::make_tuple(baked.element.kind, baked.element.valence, baked.element.is_closed);
+        batches[key].push_back(std::move(baked));
+    }
+    for (const auto& [key, batch] : batches)
+        if (std::get<1>(key) > PLIANT_FORMAT_MAX_VALENCE)
+            throw Failure(ExitCode::bad_input,
+                          error_at(4501, "",
+                                   fmt::format("a vertex has {} neighbours, an ARAP cell can have {}", std::get<1>(key),
+                                               PLIANT_FORMAT_MAX_VALENCE),
+                                   "remesh around that vertex, or use --material discrete-shells"));
+    Bytes out;
+    out.put(count_record(batches.size()));
+    std::vector<pliant_format_batch> records;
+    for (const auto& [key, batch] : batches) {
+        pliant_format_batch record {};
+        record.kind = std::get<0>(key);
+        record.valence = std::get<1>(key);
+        record.is_closed = std::get<2>(key);
+        record.element_count = std::uint32_t(batch.size());
+        records.push_back(record);
+        out.put(record);
+    }
+    std::size_t i = 0;
+    for (const auto& entry : batches) put_batch(out, records[i++], entry.second);
+    std::memcpy(out.data.data() + sizeof(pliant_format_count), records.data(), records.size() * sizeof(records[0]));
+    return out;
+}
+
+// The polynomial of z, one table per pose.
+Bytes encode_quartic(const AssetModel& model)
+{
+    const Quartic quartic = model.stand_in->quartic()->transformed(model.mean, model.root);
+    Bytes out;
+    for (std::size_t k = 0; k < quartic.pose_count(); ++k) {
+        const Eigen::VectorXd table = quartic.coefficients(k);
+        if (k == 0) out.put(count_record(std::size_t(table.size())));
+        put_padded(out, table);
+    }
+    return out;
+}
+
+void put_coefficients(Bytes& out, const Predictor& function)
+{
+    for (Eigen::Index i = 0; i < function.coefficients.rows(); ++i) put_padded(out, function.coefficients.row(i));
+}
+
+Bytes encode_predictor(const AssetModel& model)
+{
+    Bytes out;
+    out.put(count_record(model.predictor.centres.size()));
+    for (const Weights& centre : model.predictor.centres)
+        for (Eigen::Index k = 0; k < centre.size(); ++k) out.put_float(centre[k]);
+    out.align(PLIANT_FORMAT_CHUNK_ALIGNMENT);
+    put_coefficients(out, model.predictor);
+    return out;
+}
+
+// LOAD has no centres of its own: the runtime computes their powers once for both.
+Bytes encode_load(const AssetModel& model)
+{
+    const Predictor &load = *model.load, &predictor = model.predictor;
+    if (load.centres.empty() || load.centres != predictor.centres
+        || load.coefficients.rows() != predictor.coefficients.rows()
+        || load.coefficients.cols() != predictor.coefficients.cols())
+        throw std::invalid_argument("the dead load of an asset must have the centres of its predictor");
+    Bytes out;
+    out.put(count_record(load.centres.size()));
+    put_coefficients(out, load);
+    return out;
+}
+
+// Tiles of 16 vertices: `columns` (3n x c) in input units, column after column inside a tile.
+Bytes encode_tiles(const Eigen::Ref<const Eigen::MatrixXd>& columns, double length)
+{
+    Bytes out;
+    const Eigen::Index tile = PLIANT_FORMAT_TILE_FLOATS, tiles = (columns.rows() + tile - 1) / tile;
+    out.data.reserve(std::size_t(tiles * tile * columns.cols()) * sizeof(float));
+    for (Eigen::Index t = 0; t < tiles; ++t)
+        for (Eigen::Index j = 0; j < columns.cols(); ++j)
+            for (Eigen::Index i = t * tile; i < (t + 1) * tile; ++i)
+                out.put_float(i < columns.rows() ? length * columns(i, j) : 0.0);
+    return out;
+}
+
+Bytes encode_triangles(const std::vector<Triangle>& triangles)
+{
+    Bytes out;
+    for (const Triangle& t : triangles)
+        for (std::uint32_t v : t) out.put(v);
+    return out;
+}
+
+Bytes encode_morph_ranges(const MorphRanges& ranges)
+{
+    Bytes out;
+    put_padded(out, ranges.low);
+    put_padded(out, ranges.high);
+    return out;
+}
+
+Bytes encode_vertices(const AssetModel& model)
+{
+    Bytes out;
+    out.put(count_record(model.boundary_vertex_count));
+    for (std::uint32_t v : *model.source_vertices) out.put(v);
+    return out;
+}
+
+bool has_smoothing(const AssetModel& model) { return model.smoothing && !is_trivial(*model.smoothing); }
+
+Bytes encode_smoothing(const std::vector<std::uint32_t>& groups, std::size_t vertex_count)
+{
+    Bytes out;
+    if (groups.size() != vertex_count) throw std::invalid_argument("smoothing groups are not those of the drawn vertices");
+    for (std::uint32_t group : groups) {
+        if (group >= vertex_count) throw std::invalid_argument("a smoothing group has no vertex");
+        out.put(group);
+    }
+    return out;
+}
+
+bool has_ties(const StandIn& stand_in)
+{
+    const Energy& energy = stand_in.energy();
+    const std::size_t first = without_ties(energy).element_count();
+    const auto& elements = stand_in.elements();
+    return std::any_of(elements.begin(), elements.end(), [first](std::size_t element) { return element >= first; });
+}
+
+// The oldest version whose readers understand all that the asset holds.
+std::uint16_t format_minor(const AssetModel& model, bool has_scene)
+{
+    if (model.stored || model.morph_ranges || has_scene || has_smoothing(model) || has_ties(*model.stand_in))
+        return PLIANT_FORMAT_MINOR_PARTS;
+    if (model.set->is_solid()) return PLIANT_FORMAT_MINOR_SOLID;
+    return model.load ? PLIANT_FORMAT_MINOR_LOAD : 0;
+}
+
+Bytes encode_polygons(const Polygons& polygons)
+{
+    Bytes out;
+    out.put(std::uint32_t(polygons.count()));
+    out.put(std::uint32_t(polygons.indices.size()));
+    for (std::size_t f = 0; f < polygons.count(); ++f) out.put(std::uint32_t(polygons.size(f)));
+    for (std::uint32_t v : polygons.indices) out.put(v);
+    return out;
+}
+
+bool is_all_triangles(const Polygons& polygons)
+{
+    for (std::size_t f = 0; f < polygons.count(); ++f)
+        if (polygons.size(f) != 3) return false;
+    return true;
+}
+
+Bytes encode_text(const std::string& text)
+{
+    Bytes out;
+    out.data.assign(text.begin(), text.end());
+    return out;
+}
+
+Bytes encode_names(const std::vector<std::string>& names)
+{
+    Bytes out;
+    for (const std::string& name : names) {
+        out.data.insert(out.data.end(), name.begin(), name.end());
+        out.data.push_back(0);
+    }
+    return out;
+}
+
+Bytes encode_answers(const AssetModel& model)
+{
+    Bytes out;
+    out.put(count_record(model.answers.size()));
+    for (const auto& [weights, q] : model.answers) {
+        for (Eigen::Index k = 0; k < weights.size(); ++k) out.put_float(weights[k]);
+        for (Eigen::Index j = 0; j < q.size(); ++j) out.put(q[j]);
+    }
+    return out;
+}
+
+struct Chunk {
+    std::uint32_t tag;
+    std::uint32_t flags;
+    Bytes bytes;
+};
+
+std::uint32_t crc_of(const std::uint8_t* data, std::size_t size) { return std::uint32_t(crc32_z(0, data, size)); }
+
+// What is drawn: the mesh of the poses or a surface embedded in it.
+struct Drawn {
+    explicit Drawn(const AssetModel& model)
+        : triangles(model.drawn ? model.drawn->triangles : model.set->triangles)
+        , polygons(model.drawn ? &model.drawn->polygons : model.polygons)
+        , embedding(model.drawn ? &model.drawn->embedding : nullptr)
+        , vertex_count(embedding ? embedding->count() : std::size_t(model.set->dof_count() / 3))
+    {
+    }
+    Bytes tiles(const Eigen::Ref<const Eigen::MatrixXd>& columns, double length) const
+    {
+        return embedding ? encode_tiles(apply(*embedding, columns), length) : encode_tiles(columns, length);
+    }
+    Bytes rest(const AssetModel& model) const
+    {
+        return model.stored ? encode_tiles(model.stored->rest, model.set->length)
+                            : tiles(model.subspace->origin, model.set->length);
+    }
+
+    const std::vector<Triangle>& triangles;
+    const Polygons* polygons;
+    const Embedding* embedding;
+    std::size_t vertex_count;
+};
+
+} // namespace
+
+std::vector<std::uint8_t> encode_asset(const AssetModel& model)
+{
+    constexpr std::uint32_t required = PLIANT_CHUNK_FLAG_REQUIRED;
+    const Drawn drawn(model);
+    std::vector<Chunk> chunks;
+    chunks.push_back({ PLIANT_CHUNK_SOLVER, required, encode_solver(model) });
+    if (model.stand_in->quartic())
+        chunks.push_back({ PLIANT_CHUNK_QUARTIC, required, encode_quartic(model) });
+    else
+        chunks.push_back({ PLIANT_CHUNK_ELEMENTS, required, encode_elements(model) });
+    if (!model.predictor.centres.empty()) chunks.push_back({ PLIANT_CHUNK_PREDICTOR, 0, encode_predictor(model) });
+    if (model.load) chunks.push_back({ PLIANT_CHUNK_LOAD, required, encode_load(model) });
+    if (model.morph_ranges) chunks.push_back({ PLIANT_CHUNK_MORPH_RANGES, 0, encode_morph_ranges(*model.morph_ranges) });
+    chunks.push_back({ PLIANT_CHUNK_REST, required, drawn.rest(model) });
+    chunks.push_back({ PLIANT_CHUNK_TRIANGLES, required, encode_triangles(drawn.triangles) });
+    if (!model.drawn && model.source_vertices && !model.source_vertices->empty())
+        chunks.push_back({ PLIANT_CHUNK_VERTICES, 0, encode_vertices(model) });
+    if (has_smoothing(model))
+        chunks.push_back({ PLIANT_CHUNK_SMOOTHING, 0, encode_smoothing(*model.smoothing, drawn.vertex_count) });
+    if (drawn.polygons && !is_all_triangles(*drawn.polygons))
+        chunks.push_back({ PLIANT_CHUNK_POLYGONS, 0, encode_polygons(*drawn.polygons) });
+    chunks.push_back({ PLIANT_CHUNK_NAMES, required, encode_names(model.names) });
+    chunks.push_back({ PLIANT_CHUNK_ANSWERS, required, encode_answers(model) });
+    chunks.push_back({ PLIANT_CHUNK_CERTIFICATE, required, encode_text(model.certificate) });
+    const bool has_scene = model.scene && model.scene->vertex_count == drawn.vertex_count;
+    if (has_scene) chunks.push_back({ PLIANT_CHUNK_SCENE, 0, { encode_scene_chunk(*model.scene) } });
+    if (model.stored) chunks.push_back({ PLIANT_CHUNK_BOUNDS, 0, Bytes { model.stored->bounds } });
+    if (model.stored && !model.stored->basis.empty())
+        chunks.push_back({ PLIANT_CHUNK_COMPACT, required, Bytes { model.stored->basis } });
+    else
+        chunks.push_back({ PLIANT_CHUNK_BASIS, required, drawn.tiles(model.subspace->basis, model.set->length) });
+
+    const pliant_format_header blank
+        = { PLIANT_FORMAT_IDENTIFIER,
+            PLIANT_FORMAT_MAJOR,
+            format_minor(model, has_scene),
+            0,
+            std::uint32_t(chunks.size()),
+            0,
+            std::uint32_t(drawn.vertex_count),
+            std::uint32_t(drawn.triangles.size()),
+            std::uint32_t(model.subspace->dimension()),
+            std::uint32_t(model.set->pose_count()),
+            { float(model.set->origin[0]), float(model.set->origin[1]), float(model.set->origin[2]) },
+            0 };
+    pliant_format_header header = blank;
+    Bytes out;
+    out.data.resize(sizeof(header) + chunks.size() * sizeof(pliant_format_chunk), 0);
+    std::vector<pliant_format_chunk> table;
+    for (const Chunk& chunk : chunks) {
+        out.align(chunk.tag == PLIANT_CHUNK_BASIS ? PLIANT_FORMAT_BASIS_ALIGNMENT : PLIANT_FORMAT_CHUNK_ALIGNMENT);
+        const auto& bytes = chunk.bytes.data;
+        table.push_back({ chunk.tag, chunk.flags, out.data.size(), bytes.size(), crc_of(bytes.data(), bytes.size()), 0 });
+        out.data.insert(out.data.end(), bytes.begin(), bytes.end());
+    }
+    header.file_size = out.data.size();
+    const auto place_head = [&] {
+        std::memcpy(out.data.data(), &header, sizeof(header));
+        std::memcpy(out.data.data() + sizeof(header), table.data(), table.size() * sizeof(table[0]));
+    };
+    place_head();
+    header.header_crc32 = crc_of(out.data.data(), sizeof(header) + table.size() * sizeof(table[0]));
+    place_head();
+    return std::move(out.data);
+}
+
+} // namespace pliant

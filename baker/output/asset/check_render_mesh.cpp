@@ -1,0 +1,28 @@
+#include "output/asset/check_render_mesh.h"
+
+#include "elastic/average/shape_error.h"
+#include "output/asset/runtime_blender.h"
+
+#include <algorithm>
+
+namespace pliant {
+
+DrawnErrors check_drawn(const std::vector<std::uint8_t>& bytes, const ShapeSet& solid, const DrawnSurface& surface,
+                        const std::vector<CheckPoint>& checks)
+{
+    const ShapeSet set = drawn_shapes(solid, surface);
+    RuntimeBlender blender(bytes, "the asset just baked");
+    DrawnErrors errors;
+    for (const CheckPoint& check : checks) {
+        const Eigen::VectorXf w = check.weights.cast<float>();
+        const std::vector<float> q = blender.solve(std::vector<float>(w.data(), w.data() + w.size()), false);
+        const ShapeError error
+            = shape_distance(set, from_input_units(set, blender.positions(q)), apply(surface.embedding, check.truth));
+        errors.mean += error.relative_l2 / double(checks.size());
+        errors.largest = std::max(errors.largest, error.relative_l2);
+        errors.largest_distance = std::max(errors.largest_distance, error.largest_distance);
+    }
+    return errors;
+}
+
+} // namespace pliant

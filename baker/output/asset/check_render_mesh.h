@@ -1,0 +1,21 @@
+// The surface that an asset draws in the place of its solid's boundary, blended by the runtime, next to the truth.
+#pragma once
+
+#include "base/mesh/render_mesh.h"
+#include "elastic/average/family.h"
+
+#include <cstdint>
+
+namespace pliant {
+
+// At the vertices of the surface, weighted by its area; as ShapeError.
+struct DrawnErrors {
+    double mean = 0, largest = 0; // relative L2
+    double largest_distance = 0;  // over the surface's bounding-box diagonal
+};
+
+// Blends of the asset against the surface embedded in the truths of `checks`, which are shapes of the solid.
+DrawnErrors check_drawn(const std::vector<std::uint8_t>& bytes, const ShapeSet& solid, const DrawnSurface& surface,
+                        const std::vector<CheckPoint>& checks);
+
+} // namespace pliant

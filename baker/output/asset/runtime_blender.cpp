@@ -1,0 +1,115 @@
+#include "output/asset/runtime_blender.h"
+
+#include "base/common/diagnostics.h"
+#include "input/io/source_file.h"
+#include "pliant_format.h"
+
+#include <cstring>
+#include <fmt/core.h>
+#include <fmt/ranges.h>
+
+namespace pliant {
+
+Failure open_failure(pliant_result result, const std::string& path)
+{
+    const char* hint = "";
+    switch (result) {
+    case PLIANT_ERROR_VERSION: hint = "bake it again with this version, or use a newer tool"; break;
+    case PLIANT_ERROR_NOT_PLIANT: hint = "a .pliant file comes out of `pliant bake`"; break;
+    default: hint = "the file is damaged: copy it again (in binary mode) or bake it again"; break;
+    }
+    return Failure(ExitCode::bad_input,
+                   error_at(5102, path,
+                            fmt::format("not a usable asset: {} (result {})", pliant_result_text(result), int(result)),
+                            hint));
+}
+
+std::string certificate_of(const pliant_asset& asset)
+{
+    std::size_t size = 0;
+    const void* text = pliant_asset_chunk(&asset, PLIANT_CHUNK_CERTIFICATE, &size);
+    return std::string(static_cast<const char*>(text), size);
+}
+
+Polygons faces_of(const pliant_asset& asset)
+{
+    Polygons faces;
+    std::size_t size = 0;
+    const auto* words = static_cast<const std::uint32_t*>(pliant_asset_chunk(&asset, PLIANT_CHUNK_POLYGONS, &size));
+    if (words) { // open has checked that sizes and indices add up
+        const std::uint32_t face_count = words[0], index_count = words[1];
+        for (std::uint32_t f = 0; f < face_count; ++f) faces.offsets.push_back(faces.offsets.back() + words[2 + f]);
+        faces.indices.assign(words + 2 + face_count, words + 2 + face_count + index_count);
+        return faces;
+    }
+    for (std::uint32_t f = 0; f < asset.triangle_count; ++f) faces.offsets.push_back(3 * (f + 1));
+    faces.indices.assign(asset.triangles, asset.triangles + 3 * std::size_t(asset.triangle_count));
+    return faces;
+}
+
+RuntimeBlender::RuntimeBlender(const std::vector<std::uint8_t>& bytes, const std::string& path, bool verify_checksums)
+    : blob_(bytes.size() / 8 + 4)
+{
+    auto* start = reinterpret_cast<std::uint8_t*>(blob_.data());
+    start += (PLIANT_FORMAT_BLOB_ALIGNMENT - reinterpret_cast<std::uintptr_t>(start) % PLIANT_FORMAT_BLOB_ALIGNMENT)
+        % PLIANT_FORMAT_BLOB_ALIGNMENT;
+    if (!bytes.empty()) std::memcpy(start, bytes.data(), bytes.size());
+    const pliant_result result = pliant_asset_open(&asset_, start, bytes.size(),
+                                                   verify_checksums ? PLIANT_OPEN_VERIFY_CHECKSUMS : PLIANT_OPEN_DEFAULT);
+    if (result != PLIANT_OK) throw open_failure(result, path);
+    configure(pliant_solver_desc_default());
+}
+
+RuntimeBlender RuntimeBlender::from_file(const std::string& path, bool verify_checksums)
+{
+    FindingList findings;
+    const std::optional<std::string> bytes = read_bytes(path, findings);
+    if (!bytes) throw Failure(ExitCode::bad_input, findings.findings());
+    return RuntimeBlender(std::vector<std::uint8_t>(bytes->begin(), bytes->end()), path, verify_checksums);
+}
+
+void RuntimeBlender::configure(const pliant_solver_desc& desc)
+{
+    const std::size_t size = pliant_solver_memory(&asset_, &desc);
+    memory_.assign(size / 8 + 1, 0);
+    if (size == 0 || pliant_solver_init(&solver_, &asset_, &desc, memory_.data(), size) != PLIANT_OK)
+        throw Failure(ExitCode::failed, error_at(4504, "", "the solver settings are refused by the runtime"));
+}
+
+std::vector<float> RuntimeBlender::solve(const std::vector<float>& weights, bool continuous, pliant_solve_info* info)
+{
+    if (weights.size() != asset_.pose_count)
+        throw Failure(ExitCode::usage,
+                      error_at(1203, "",
+                               fmt::format("{} weights given, the asset has {} poses", weights.size(), asset_.pose_count),
+                               "give one weight per pose, separated by commas"));
+    if (!continuous) pliant_solver_reset(solver_);
+    std::vector<float> q(asset_.dimension);
+    const pliant_result result = pliant_solve(solver_, weights.data(), q.data(), info);
+    if (result != PLIANT_OK)
+        throw Failure(ExitCode::usage,
+                      error_at(1204, "", fmt::format("weights {}: {}", fmt::join(weights, ","), pliant_result_text(result)),
+                               "weights are finite, not negative, and not all zero"));
+    return q;
+}
+
+std::vector<float> RuntimeBlender::positions(const std::vector<float>& q) const
+{
+    std::vector<float> out(3 * std::size_t(asset_.vertex_count));
+    pliant_reconstruct(&asset_, q.data(), 0, asset_.vertex_count, out.data(), 3 * sizeof(float));
+    return out;
+}
+
+std::string RuntimeBlender::pose_name(std::uint32_t pose) const
+{
+    const char* name = pliant_asset_pose_name(&asset_, pose);
+    return name ? name : "";
+}
+
+std::vector<std::uint32_t> RuntimeBlender::source_vertices() const
+{
+    const std::uint32_t* sources = asset_.source_vertices;
+    return sources ? std::vector<std::uint32_t>(sources, sources + asset_.vertex_count) : std::vector<std::uint32_t>();
+}
+
+} // namespace pliant

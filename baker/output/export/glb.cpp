@@ -1,0 +1,171 @@
+#include "output/export/glb.h"
+
+#include "base/common/diagnostics.h"
+#include "pliant_format.h"
+
+#include <algorithm>
+#include <fmt/core.h>
+
+namespace pliant {
+
+namespace {
+
+constexpr int component_u8 = 5121, component_u16 = 5123, component_u32 = 5125, component_float = 5126;
+constexpr std::size_t most_small_indices = 0xFFFF; // vertices: the index 65535 would mean "restart"
+
+template <class T> std::string_view bytes_of(const std::vector<T>& values)
+{
+    return { reinterpret_cast<const char*>(values.data()), values.size() * sizeof(T) };
+}
+
+void append_word(std::string& out, std::uint64_t value)
+{
+    const auto word = std::uint32_t(value);
+    out.append(reinterpret_cast<const char*>(&word), sizeof word);
+}
+
+void pad(std::string& out, std::size_t alignment, char filling)
+{
+    out.append((alignment - out.size() % alignment) % alignment, filling);
+}
+
+const char* type_of(int width)
+{
+    switch (width) {
+    case 1: return "SCALAR";
+    case 2: return "VEC2";
+    case 3: return "VEC3";
+    case 4: return "VEC4";
+    default: return "MAT4";
+    }
+}
+
+} // namespace
+
+void check_glb_size(std::uint64_t size)
+{
+    if (size > 0xFFFFFFFFull)
+        throw Failure(ExitCode::failed,
+                      error_at(5201, "", fmt::format("the GLB would have {} bytes, the format counts to 4 GiB", size),
+                               "bake with a smaller --dim, or export with --embed or --skin instead of --morph"));
+}
+
+Glb::Glb(std::string_view leading)
+    : leading_size_(leading.size())
+{
+    json_["asset"] = { { "version", "2.0" }, { "generator", "pliant 0.1.0" } };
+    json_["buffers"] = Json::array({ Json::object() });
+    json_["bufferViews"] = Json::array();
+    json_["accessors"] = Json::array();
+    if (!leading.empty()) add_view(leading);
+}
+
+std::size_t Glb::add_view(std::string_view bytes, Target target)
+{
+    pad(binary_, 4, '\0');
+    check_glb_size(std::uint64_t(binary_.size()) + bytes.size());
+    Json view = { { "buffer", 0 }, { "byteOffset", binary_.size() }, { "byteLength", bytes.size() } };
+    if (target != Target::none) view["target"] = int(target);
+    json_["bufferViews"].push_back(view);
+    binary_.append(bytes);
+    return json_["bufferViews"].size() - 1;
+}
+
+std::size_t Glb::add_shared_view(std::string_view bytes)
+{
+    const std::size_t offset = std::string_view(binary_).substr(0, leading_size_).find(bytes);
+    if (offset == std::string_view::npos) return add_view(bytes);
+    json_["bufferViews"].push_back({ { "buffer", 0 }, { "byteOffset", offset }, { "byteLength", bytes.size() } });
+    return json_["bufferViews"].size() - 1;
+}
+
+std::size_t Glb::add_accessor(int component, std::size_t count, const char* type)
+{
+    json_["accessors"].push_back({ { "componentType", component }, { "count", count }, { "type", type } });
+    return json_["accessors"].size() - 1;
+}
+
+std::size_t Glb::add_accessor(std::size_t view, int component, std::size_t count, const char* type)
+{
+    const std::size_t accessor = add_accessor(component, count, type);
+    json_["accessors"][accessor]["bufferView"] = view;
+    return accessor;
+}
+
+void Glb::bound(std::size_t accessor, const std::vector<float>& values, int width)
+{
+    Json low = Json::array(), high = Json::array();
+    for (int c = 0; c < width; ++c) {
+        float least = values[std::size_t(c)], most = least;
+        for (std::size_t i = std::size_t(c); i < values.size(); i += std::size_t(width)) {
+            least = std::min(least, values[i]);
+            most = std::max(most, values[i]);
+        }
+        low.push_back(least);
+        high.push_back(most);
+    }
+    json_["accessors"][accessor]["min"] = low;
+    json_["accessors"][accessor]["max"] = high;
+}
+
+std::size_t Glb::add_floats(const std::vector<float>& values, int width, Target target, bool with_bounds)
+{
+    const std::size_t count = values.size() / std::size_t(width);
+    const std::size_t accessor = add_accessor(add_view(bytes_of(values), target), component_float, count, type_of(width));
+    if (with_bounds) bound(accessor, values, width);
+    return accessor;
+}
+
+std::size_t Glb::describe_floats(const std::vector<float>& values, int width, bool with_bounds)
+{
+    const std::size_t accessor = add_accessor(component_float, values.size() / std::size_t(width), type_of(width));
+    if (with_bounds) bound(accessor, values, width);
+    return accessor;
+}
+
+std::size_t Glb::describe_indices(std::size_t count, std::size_t vertex_count)
+{
+    return add_accessor(vertex_count > most_small_indices ? component_u32 : component_u16, count, "SCALAR");
+}
+
+std::size_t Glb::add_indices(const std::vector<std::uint32_t>& indices, std::size_t vertex_count)
+{
+    if (vertex_count > most_small_indices)
+        return add_accessor(add_view(bytes_of(indices), Target::indices), component_u32, indices.size(), "SCALAR");
+    const std::vector<std::uint16_t> small(indices.begin(), indices.end());
+    return add_accessor(add_view(bytes_of(small), Target::indices), component_u16, small.size(), "SCALAR");
+}
+
+std::size_t Glb::add_joints(const std::vector<std::uint16_t>& joints)
+{
+    const bool fits = joints.empty() || *std::max_element(joints.begin(), joints.end()) < 256;
+    const std::vector<std::uint8_t> small(joints.begin(), fits ? joints.end() : joints.begin());
+    const std::size_t view = add_view(fits ? bytes_of(small) : bytes_of(joints), Target::vertices);
+    return add_accessor(view, fits ? component_u8 : component_u16, joints.size() / 4, "VEC4");
+}
+
+std::string Glb::bytes() const
+{
+    Json json = json_;
+    json["buffers"][0]["byteLength"] = binary_.size();
+    std::string text = json.dump(-1, ' ', false, Json::error_handler_t::replace);
+    constexpr std::size_t head = 12 + 8, binary_head = 8;
+    // Spaces at the end of the JSON until the binary chunk's first byte is on a page.
+    const std::size_t start = head + text.size() + binary_head;
+    text.append((PLIANT_FORMAT_BASIS_ALIGNMENT - start % PLIANT_FORMAT_BASIS_ALIGNMENT) % PLIANT_FORMAT_BASIS_ALIGNMENT,
+                ' ');
+    std::string binary = binary_;
+    pad(binary, 4, '\0');
+    const std::uint64_t total = std::uint64_t(head) + text.size() + binary_head + binary.size();
+    check_glb_size(total);
+    std::string out = "glTF";
+    append_word(out, 2);
+    append_word(out, total);
+    append_word(out, text.size());
+    out += "JSON" + text;
+    append_word(out, binary.size());
+    out.append("BIN\0", 4);
+    return out + binary;
+}
+
+} // namespace pliant

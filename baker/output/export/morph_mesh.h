@@ -1,0 +1,56 @@
+// An asset as the mesh that engines draw: rows of its reduced space, and the same as morph targets with weights in [0,1].
+#pragma once
+
+#include "output/asset/reachable.h"
+#include "output/export/normals.h"
+
+#include <Eigen/Core>
+#include <cstdint>
+#include <vector>
+
+namespace pliant {
+
+// What is drawn, in input units: y(q) = at_zero + columns q. Of a solid the boundary.
+struct DrawnSpace {
+    std::vector<std::uint32_t> triangles; // three corners each
+    std::vector<std::uint32_t> groups;    // of vertices that share a normal (SMTH), any numbers; empty: each has its own
+    Eigen::VectorXd at_zero;              // 3n: q = 0
+    Eigen::VectorXf first_pose;           // q of pose 0
+    Eigen::MatrixXd columns;              // 3n x d
+
+    std::size_t vertex_count() const { return std::size_t(at_zero.size() / 3); }
+    Eigen::VectorXd shape(const Eigen::VectorXf& q) const { return at_zero + columns * q.cast<double>(); }
+    Eigen::VectorXd rest() const { return shape(first_pose); } // 3n: pose 0
+};
+
+// Asks the runtime for the shapes of unit coordinates, whatever the asset's encoding of the basis. Cost: d + 1 reconstructions.
+DrawnSpace drawn_space(const RuntimeBlender& blender);
+
+// Unit normals (3n) of a shape (3n).
+Eigen::VectorXd drawn_normals(const DrawnSpace& space, const Eigen::VectorXd& shape);
+
+struct Box {
+    Eigen::Vector3d low = Eigen::Vector3d::Constant(1e300), high = Eigen::Vector3d::Constant(-1e300);
+
+    void include(const Eigen::VectorXd& positions); // 3n
+    bool contains(const Box& other) const;
+    double diagonal() const { return (high - low).norm(); }
+};
+
+struct MorphMesh {
+    MorphRanges ranges;
+    bool has_stored_ranges = false; // from the asset, so that pliant_morph_weights uses the same
+    Eigen::VectorXf base;           // 3n: the shape of weights 0
+    Eigen::MatrixXf deltas;         // 3n x d
+    NormalFit::Result normals;
+    NormalError normal_error; // at weights that were not fitted
+    Box reachable;            // of the fitted shapes and the others, with a margin
+    Box engine_box; // what three.js makes of the accessors' bounds: base, and any one target at weight 1 either way
+
+    Eigen::VectorXf weights(const Eigen::VectorXf& q) const; // as pliant_morph_weights, to the bit
+};
+
+// Fits. Cost: (8 d + 200) shapes with their normals, and the solves for them.
+MorphMesh make_morph_mesh(RuntimeBlender& blender, const DrawnSpace& space);
+
+} // namespace pliant

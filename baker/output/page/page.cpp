@@ -1,0 +1,292 @@
+#include "output/page/page.h"
+
+#include "output/page/certificate_facts.h"
+#include "output/page/html.h"
+#include "output/page/page_charts.h"
+#include "output/page/page_style.h"
+#include "output/page/png.h"
+
+#include <cmath>
+#include <fmt/format.h>
+
+namespace pliant {
+
+namespace {
+
+std::string section(const char* id, const char* title, const std::string& sentence, const std::string& body)
+{
+    return fmt::format("<section id=\"{}\"><h2>{}</h2>\n<p>{}</p>\n{}</section>\n", id, title, sentence, body);
+}
+
+std::string marks_svg(const PagePicture& picture)
+{
+    if (picture.marks.empty()) return {};
+    std::string svg
+        = fmt::format("<svg viewBox=\"0 0 {} {}\" aria-hidden=\"true\">", picture.image.width, picture.image.height);
+    for (const PageMark& mark : picture.marks)
+        svg += fmt::format("<circle class=\"{}\" cx=\"{}\" cy=\"{}\" r=\"11\"><title>{}</title></circle>",
+                           mark.is_visible ? "seen" : "hidden", place_text(double(mark.x)), place_text(double(mark.y)),
+                           escape_html(mark.label));
+    return svg + "</svg>";
+}
+
+std::string figure(const PagePicture& picture, const char* kind, bool is_small = false)
+{
+    const std::string note
+        = picture.note.empty() ? std::string() : fmt::format("<span class=\"note\">{}</span>", escape_html(picture.note));
+    return fmt::format("<figure class=\"{}{}\"><div class=\"picture\"><div><img src=\"{}\" width=\"{}\" height=\"{}\" "
+                       "alt=\"{}\">{}</div></div><figcaption>{}{}</figcaption></figure>\n",
+                       kind, is_small ? " small" : "", data_uri(picture.image), picture.image.width, picture.image.height,
+                       escape_html("Picture: " + picture.title), marks_svg(picture), escape_html(picture.title), note);
+}
+
+std::string fact(const char* name, const std::string& value)
+{
+    return fmt::format("<div><dt>{}</dt><dd>{}</dd></div>", name, escape_html(value));
+}
+
+std::string verdict(const CertificateFacts& facts)
+{
+    if (!facts.is_readable)
+        return "<p class=\"verdict\">The certificate in this asset cannot be read: what was measured is not known.</p>";
+    if (facts.checks.empty() || !facts.mean_error)
+        return "<p class=\"verdict\">Nothing was measured at the bake: it was asked for no check weights.</p>";
+    const bool is_kept = facts.meets_tolerance.value_or(false);
+    return fmt::format(
+        "<p class=\"verdict\"><b class=\"{}\">Tolerance {}.</b> Blends at {} weights differ from the unreduced "
+        "elastic average by {} in the mean and {} at most; {} in the mean is the tolerance.</p>",
+        is_kept ? "kept" : "missed", is_kept ? "kept" : "missed", facts.checks.size(), percent_text(*facts.mean_error),
+        percent_text(facts.largest_error.value_or(NAN)), percent_text(facts.tolerance));
+}
+
+std::string header(const PageData& data, const CertificateFacts& facts)
+{
+    std::string html = fmt::format("<header><p class=\"kind\">Pliant asset</p><h1>{}</h1>{}<dl class=\"facts\">",
+                                   escape_html(data.name), verdict(facts));
+    html += fact("Poses", count_text(data.pose_count)) + fact("Vertices", count_text(data.vertices));
+    html += fact("Triangles", count_text(data.triangles)) + fact("Dimension d", count_text(data.dimension));
+    for (const auto& [title, rows] : facts.groups)
+        for (const auto& [name, value] : rows)
+            if (name == "Elements" || name == "Kind") html += fact(name == "Kind" ? "Stand-in" : "Elements", value);
+    html += fact("File size", bytes_text(double(data.file_size)));
+    html += fact("Read in a frame", bytes_text(double(data.frame_bytes)));
+    html += fact("Solver, a character", bytes_text(double(data.solver_memory)));
+    if (facts.largest_distance) html += fact("Farthest vertex off", percent_text(*facts.largest_distance));
+    if (data.has_report) html += fact("Warnings", count_text(data.warnings.size()));
+    return html + "</dl></header>\n";
+}
+
+std::string poses_section(const PageData& data)
+{
+    std::string body = "<div class=\"gallery\">";
+    for (const PagePicture& picture : data.pose_pictures) body += figure(picture, "pose");
+    body += "</div>";
+    std::string sentence
+        = fmt::format("What was baked, as the asset holds it, all at one scale ({}).", escape_html(data.view));
+    if (data.pose_pictures.size() < data.pose_count)
+        sentence += fmt::format(" The first {} of {} poses.", data.pose_pictures.size(), data.pose_count);
+    return section("poses", "Poses", sentence, body);
+}
+
+std::string blend_html(const PageBlend& blend)
+{
+    std::string html
+        = fmt::format("<div><h3>{}</h3><div class=\"{}\">", escape_html(blend.title), blend.difference ? "trio" : "pair");
+    html += figure(blend.linear, "linear") + figure(blend.elastic, "elastic");
+    if (blend.difference) html += figure(*blend.difference, "coloured");
+    const char* const note = blend.difference
+        ? "</div><p class=\"note\">Distance between the two: 0<span class=\"scale\"></span>{} of the diagonal.</p></div>"
+        : "</div><p class=\"note\">Farthest vertex between the two: {} of the diagonal.</p></div>";
+    return html + fmt::format(fmt::runtime(note), percent_text(blend.distance));
+}
+
+std::string blends_section(const PageData& data)
+{
+    std::string body;
+    if (data.centre) body += blend_html(*data.centre);
+    if (!data.edges.empty()) {
+        body += "<div class=\"pairs\">";
+        for (const PageBlend& edge : data.edges) body += blend_html(edge);
+        body += "</div>";
+    }
+    if (data.edges.size() < data.edge_count)
+        body += fmt::format("<p class=\"note\">The {} of {} pairs of poses in which linear and elastic differ most.</p>",
+                            data.edges.size(), data.edge_count);
+    return section(
+        "blends", "Blends",
+        "Left the linear blend, the weighted mean of positions; right the elastic blend that the runtime computes. "
+        "What turns from pose to pose shrinks or flattens in the linear one.",
+        body);
+}
+
+std::string error_section(const PageData& data, const CertificateFacts& facts)
+{
+    if (facts.checks.empty())
+        return section("errors", "Errors over the weights", "The certificate holds no checks: nothing is known of errors.",
+                       "");
+    std::string sentence
+        = "The relative L2 error of a blend: how far its vertices lie from the unreduced elastic average (root mean "
+          "square over the surface, after rigid alignment), over their distance from the centroid.";
+    if (data.pose_count == 2)
+        sentence += " Filled points were used to choose the dimension and the elements; hollow ones are fresh: nothing was "
+                    "chosen by them.";
+    else if (data.pose_count == 3)
+        sentence += " Larger and darker is worse. Dashed: fresh weights, by which nothing was chosen.";
+    else
+        sentence += " One row a check, the worst first; hollow bars are fresh weights, by which nothing was chosen; the "
+                    "dashed line is the "
+                    "tolerance, which is about the mean.";
+    if (data.pose_count <= 3) {
+        sentence += " Here";
+        for (std::size_t k = 0; k < data.poses.size(); ++k)
+            sentence += fmt::format("{} pose {} is {}", k ? "," : "", k + 1, escape_html(data.poses[k]));
+        sentence += ".";
+    }
+    return section("errors", "Errors over the weights", sentence, error_chart(facts, data.poses));
+}
+
+std::string warnings_section(const PageData& data)
+{
+    if (!data.has_report && data.warnings.empty())
+        return section(
+            "warnings", "Warnings",
+            "The certificate names no trouble. Warnings about the pose files are in the report of the bake (pliant bake "
+            "--report), not in the asset.",
+            "");
+    if (data.warnings.empty()) return section("warnings", "Warnings", "None.", "");
+    std::string body;
+    for (const PageWarning& warning : data.warnings) {
+        const Finding& f = warning.finding;
+        body += fmt::format("<div class=\"warning\"><div><p><span class=\"code\">P{:04}</span> {}{}</p>", f.number,
+                            f.where.empty() ? "" : escape_html(f.where) + ": ", escape_html(f.what));
+        if (!f.hint.empty()) body += fmt::format("<p class=\"note\">{}</p>", escape_html(f.hint));
+        body += "</div>";
+        if (warning.picture) body += figure(*warning.picture, "coloured");
+        body += "</div>";
+    }
+    return section(
+        "warnings", "Warnings",
+        data.has_report
+            ? "What the bake warned of. What a warning names is marked: faces in colour, vertices by a circle, dashed "
+              "where they lie behind the shape."
+            : "What the certificate in the asset names, marked by a circle, dashed where it lies behind the shape. The "
+              "report of the bake (pliant bake --report) has the other warnings.",
+        body);
+}
+
+std::string spectrum_section(const PageData& data)
+{
+    const std::string source = data.has_stored_amplitudes
+        ? "as far as the baker saw blends go"
+        : "as far as it is used by the blends that this page looked at; the asset does not say";
+    return section(
+        "basis", "Spectrum of the basis",
+        fmt::format("A blend is a rest shape and {} columns, each times a number. Above: how far a column moves the vertex "
+                    "that it moves furthest, {}. Below: what a number of it takes, {:.2f} bytes in the mean{}.",
+                    data.dimension, source, data.bytes_per_number, data.is_compact ? "" : " (single precision)"),
+        spectrum_chart(data.columns));
+}
+
+// What each chunk is for (formats/SPEC.md).
+const char* chunk_purpose(const std::string& tag)
+{
+    static const std::pair<const char*, const char*> purposes[] = {
+        { "SOLV", "start and scaling of the solver" },
+        { "ELEM", "elements of the stand-in" },
+        { "QUAR", "quartic stand-in" },
+        { "PRED", "prediction of where to start" },
+        { "LOAD", "dead load, corrects the stand-in" },
+        { "REST", "rest positions" },
+        { "TRIS", "triangles" },
+        { "MRNG", "ranges of morph weights" },
+        { "VERT", "vertex numbers of the files" },
+        { "SMTH", "vertices that share a normal" },
+        { "POLY", "faces as the files had them" },
+        { "NAME", "names of the poses" },
+        { "ANSW", "stored answers, to validate" },
+        { "CERT", "certificate" },
+        { "GLTF", "textures and materials" },
+        { "BASI", "basis, single precision" },
+        { "BASC", "basis, in few bits" },
+        { "BNDS", "bounding boxes" },
+    };
+    for (const auto& [name, purpose] : purposes)
+        if (tag == name) return purpose;
+    return "unknown to this version";
+}
+
+std::string bytes_section(const PageData& data)
+{
+    std::vector<BarRow> rows;
+    std::uint64_t rest = data.file_size;
+    const double whole = double(std::max<std::uint64_t>(data.file_size, 1));
+    for (const PageChunk& chunk : data.chunks) {
+        rows.push_back({ chunk.tag, chunk_purpose(chunk.tag), count_text(chunk.size), double(chunk.size) / whole });
+        rest -= std::min(rest, chunk.size);
+    }
+    std::stable_sort(rows.begin(), rows.end(), [](const BarRow& a, const BarRow& b) { return a.part > b.part; });
+    rows.push_back({ "rest", "header and padding", count_text(rest), double(rest) / whole });
+    return section("bytes", "Where the bytes went",
+                   fmt::format("The file has {} bytes ({}, format {}); a frame reads {} of them to rebuild all vertices.",
+                               count_text(data.file_size), bytes_text(double(data.file_size)), escape_html(data.format),
+                               bytes_text(double(data.frame_bytes))),
+                   bar_table(rows, "chunk", "bytes"));
+}
+
+std::string seconds_section(const PageData& data)
+{
+    if (!data.has_report)
+        return section("seconds", "Where the seconds went",
+                       "An asset holds no times. Bake with --report REPORT.json and make the page of that file.", "");
+    double sum = 0;
+    for (const PageStage& stage : data.stages) sum += stage.seconds;
+    std::vector<BarRow> rows;
+    for (const PageStage& stage : data.stages)
+        rows.push_back({ stage.name, "", seconds_text(stage.seconds), sum > 0 ? stage.seconds / sum : 0 });
+    return section("seconds", "Where the seconds went",
+                   fmt::format("The bake took {}, by the clock on the wall, in this order:", seconds_text(sum)),
+                   bar_table(rows, "stage", "time"));
+}
+
+std::string certificate_section(const CertificateFacts& facts)
+{
+    if (!facts.is_readable) return section("certificate", "Certificate", "It is not JSON.", "");
+    std::string body = "<div class=\"groups\">";
+    for (const auto& [title, rows] : facts.groups) {
+        if (rows.empty()) continue;
+        body += fmt::format("<div><h3>{}</h3><dl>", title);
+        for (const auto& [name, value] : rows) body += fmt::format("<dt>{}</dt><dd>{}</dd>", name, escape_html(value));
+        body += "</dl></div>";
+    }
+    body += fmt::format("</div><details><summary>The certificate as JSON</summary><pre>{}</pre></details>",
+                        escape_html(facts.pretty));
+    return section(
+        "certificate", "Certificate",
+        "It is stored in the asset and says how it was baked and what was measured. No times, no paths: the same poses and "
+        "options give the same text.",
+        body);
+}
+
+} // namespace
+
+std::string write_page(const PageData& data)
+{
+    const CertificateFacts facts = read_certificate_facts(data.certificate, data.pose_count);
+    // The policy forbids every request and every script, whatever strangers' texts hold.
+    std::string html = fmt::format(
+        "<!DOCTYPE html>\n<html lang=\"en\"><head><meta charset=\"utf-8\">\n"
+        "<meta http-equiv=\"Content-Security-Policy\" content=\"default-src 'none'; img-src data:; style-src "
+        "'unsafe-inline'\">\n"
+        "<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n<title>{} – Pliant report</title>\n"
+        "<style>{}</style></head>\n<body><main>\n",
+        escape_html(data.name), page_style);
+    html += header(data, facts) + poses_section(data) + blends_section(data) + error_section(data, facts)
+        + warnings_section(data);
+    html += spectrum_section(data) + bytes_section(data) + seconds_section(data) + certificate_section(facts);
+    return html
+        + "<footer>Written by pliant report. Lengths in per cent of the diagonal are over the diagonal of the first pose’s "
+          "box.</footer>\n"
+          "</main></body></html>\n";
+}
+
+} // namespace pliant

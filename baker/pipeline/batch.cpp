@@ -1,0 +1,226 @@
+#include "pipeline/batch.h"
+
+#include "base/common/diagnostics.h"
+#include "pipeline/child_process.h"
+#include "pipeline/stamp.h"
+
+#include <algorithm>
+#include <cstdio>
+#include <filesystem>
+#include <fmt/format.h>
+
+namespace pliant {
+namespace {
+
+void tell(const std::string& text) { fmt::print(stderr, "pliant bake-all: {}\n", text); }
+
+// A line of a child under the name of its bake.
+ChildGroup::LineSink line_printer(const std::vector<BatchJob>& jobs)
+{
+    return [&jobs](std::size_t id, const std::string& line) {
+        const std::string prefix = "pliant bake: ";
+        tell(jobs[id].name + ": " + (line.rfind(prefix, 0) == 0 ? line.substr(prefix.size()) : line));
+    };
+}
+
+std::string missing_extra(const BatchJob& job)
+{
+    std::error_code error;
+    for (const std::string& path : job.extras)
+        if (!std::filesystem::exists(path, error)) return std::filesystem::path(path).filename().string() + " is missing";
+    return {};
+}
+
+void judge(BatchJob& job, bool is_forced)
+{
+    const StampVerdict verdict = judge_stamp(job.options, job.output);
+    job.reason = !verdict.reason.empty() ? verdict.reason : missing_extra(job);
+    if (job.reason.empty() && is_forced) job.reason = "forced";
+    if (!job.reason.empty()) return;
+    job.exit_code = verdict.exit_code;
+    job.outcome = verdict.exit_code == int(ExitCode::misses_tolerance) ? Outcome::misses_tolerance : Outcome::up_to_date;
+}
+
+// Everything in a child's standard output that is not what it should be counts as a failure of the child: nothing is known then.
+void take_estimate(BatchJob& job, const ChildEnd& end, double memory)
+{
+    const Json json = Json::parse(end.output, nullptr, false);
+    if (!json.is_object() || !json.contains("estimate")) {
+        job.outcome = Outcome::failed;
+        return;
+    }
+    const Json& estimate = json["estimate"];
+    job.estimated_dimension = estimate.value("dimension", 0L);
+    job.estimated_seconds = estimate.value("seconds", 0.0);
+    job.estimated_memory = estimate.value("memory", 0.0);
+    if (job.estimated_memory <= memory) return;
+    job.outcome = Outcome::too_large;
+    tell(to_text(error_at(
+        4603, job.name,
+        fmt::format("would take {}, there are {} for all bakes", size_text(job.estimated_memory), size_text(memory)),
+        "raise --memory, lower --threads, or bake a coarser mesh")));
+}
+
+// How a child ended, unless it was well.
+void judge_end(BatchJob& job, const ChildEnd& end)
+{
+    job.exit_code = end.exit_code;
+    job.signal = end.signal;
+    if (end.signal != 0) {
+        job.outcome = Outcome::crashed;
+        tell(to_text(error_at(4602, job.name, fmt::format("the bake was killed by signal {}", end.signal),
+                              end.signal == 9 ? "the system kills what takes too much memory: lower --jobs or --memory"
+                                              : "please report this with its poses")));
+    } else if (end.exit_code == int(ExitCode::misses_tolerance)) {
+        job.outcome = Outcome::misses_tolerance;
+    } else if (end.exit_code == int(ExitCode::interrupted)) {
+        job.outcome = Outcome::interrupted;
+    } else if (end.exit_code != 0) {
+        job.outcome = Outcome::failed;
+    }
+}
+
+bool is_bad(Outcome outcome)
+{
+    return outcome == Outcome::failed || outcome == Outcome::crashed || outcome == Outcome::too_large;
+}
+
+std::vector<std::string> arguments_of(const BatchJob& job, const char* command, bool is_quiet)
+{
+    std::vector<std::string> arguments = { "bake" };
+    if (*command) arguments.push_back(command);
+    if (is_quiet) arguments.push_back("--quiet");
+    arguments.insert(arguments.end(), job.arguments.begin(), job.arguments.end());
+    return arguments;
+}
+
+// After an interrupt what waits never starts.
+void drop_pending(std::vector<BatchJob>& jobs)
+{
+    for (BatchJob& job : jobs)
+        if (job.outcome == Outcome::pending) job.outcome = Outcome::not_started;
+}
+
+// Which bakes run, and what they take together.
+class Schedule {
+public:
+    Schedule(std::vector<BatchJob>& jobs, const BatchOptions& options)
+        : jobs_(jobs)
+        , options_(options)
+    {
+        for (std::size_t i = 0; i < jobs.size(); ++i)
+            if (jobs[i].outcome == Outcome::pending) waiting_.push_back(i);
+        total_ = waiting_.size();
+    }
+
+    std::size_t total() const { return total_; }
+    std::size_t done() const { return done_; }
+
+    // The next that may start now; its memory is taken. -1: none.
+    std::ptrdiff_t next(std::size_t running)
+    {
+        if (running >= options_.job_count) return -1;
+        for (auto i = waiting_.begin(); i != waiting_.end(); ++i) {
+            const std::size_t id = *i;
+            if (taken_ + jobs_[id].estimated_memory > options_.memory) continue;
+            taken_ += jobs_[id].estimated_memory;
+            waiting_.erase(i);
+            return std::ptrdiff_t(id);
+        }
+        return -1;
+    }
+
+    void end(std::size_t id)
+    {
+        taken_ -= jobs_[id].estimated_memory;
+        ++done_;
+    }
+
+    void drop_waiting()
+    {
+        for (const std::size_t id : waiting_) jobs_[id].outcome = Outcome::not_started;
+        waiting_.clear();
+    }
+
+private:
+    std::vector<BatchJob>& jobs_;
+    const BatchOptions& options_;
+    std::vector<std::size_t> waiting_;
+    double taken_ = 0;
+    std::size_t total_ = 0, done_ = 0;
+};
+
+void start_what_fits(std::vector<BatchJob>& jobs, const BatchOptions& options, Schedule& schedule, ChildGroup& children)
+{
+    for (std::ptrdiff_t id; (id = schedule.next(children.running_count())) >= 0;) {
+        const BatchJob& job = jobs[std::size_t(id)];
+        if (!options.is_quiet)
+            tell(fmt::format("{}: started, {} and {:.0f} s expected", job.name, size_text(job.estimated_memory),
+                             job.estimated_seconds));
+        children.start(std::size_t(id), arguments_of(job, "", options.is_quiet));
+    }
+}
+
+void take_end(BatchJob& job, const ChildEnd& end, const Schedule& schedule, bool is_quiet)
+{
+    job.seconds = end.seconds;
+    job.peak_memory = end.peak_memory;
+    judge_end(job, end);
+    if (job.outcome == Outcome::pending) job.outcome = Outcome::baked;
+    if (!is_quiet)
+        tell(fmt::format("[{}/{}] {}: {} in {:.1f} s", schedule.done(), schedule.total(), job.name, name_of(job.outcome),
+                         job.seconds));
+}
+
+} // namespace
+
+bool plan_batch(std::vector<BatchJob>& jobs, const BatchOptions& options)
+{
+    ChildGroup children(options.wake, line_printer(jobs));
+    for (BatchJob& job : jobs) judge(job, options.is_forced);
+    std::size_t next = 0;
+    for (;;) {
+        for (; next < jobs.size() && children.running_count() < options.job_count; ++next)
+            if (jobs[next].outcome == Outcome::pending) children.start(next, arguments_of(jobs[next], "--dry-run", true));
+        if (children.running_count() == 0) return true;
+        const std::vector<ChildEnd> ended = children.wait();
+        if (ended.empty()) {
+            children.stop();
+            drop_pending(jobs);
+            return false;
+        }
+        for (const ChildEnd& end : ended) {
+            judge_end(jobs[end.id], end);
+            if (jobs[end.id].outcome == Outcome::pending) take_estimate(jobs[end.id], end, options.memory);
+        }
+    }
+}
+
+bool run_batch(std::vector<BatchJob>& jobs, const BatchOptions& options)
+{
+    ChildGroup children(options.wake, line_printer(jobs));
+    Schedule schedule(jobs, options);
+    const auto stop_at_failure = [&] {
+        const bool has_failed
+            = std::any_of(jobs.begin(), jobs.end(), [](const BatchJob& job) { return is_bad(job.outcome); });
+        if (options.is_fail_fast && has_failed) schedule.drop_waiting();
+    };
+    stop_at_failure();
+    for (;;) {
+        start_what_fits(jobs, options, schedule, children);
+        if (children.running_count() == 0) return true;
+        const std::vector<ChildEnd> ended = children.wait();
+        if (ended.empty()) {
+            schedule.drop_waiting();
+            for (const ChildEnd& end : children.stop()) take_end(jobs[end.id], end, schedule, options.is_quiet);
+            return false;
+        }
+        for (const ChildEnd& end : ended) {
+            schedule.end(end.id);
+            take_end(jobs[end.id], end, schedule, options.is_quiet);
+        }
+        stop_at_failure();
+    }
+}
+
+} // namespace pliant

@@ -1,0 +1,150 @@
+#include "pipeline/json_file.h"
+
+#include "input/io/source_file.h"
+
+#include <algorithm>
+#include <fmt/format.h>
+#include <set>
+
+namespace pliant {
+namespace {
+
+// Our own files need four; the parser has no recursion, but whoever walks through the result has.
+constexpr int nesting_limit = 32;
+
+[[noreturn]] void fail(int number, const std::string& where, const std::string& what, const std::string& hint)
+{
+    throw Failure(ExitCode::bad_input, error_at(number, where, what, hint));
+}
+
+// Looks on while the parser works: nothing nested too deep, no key twice.
+class Watch {
+public:
+    explicit Watch(const std::string& path)
+        : path_(path)
+    {
+    }
+
+    bool operator()(int depth, Json::parse_event_t event, const Json& value)
+    {
+        if (depth >= nesting_limit)
+            fail(2702, path_, fmt::format("its JSON is nested more than {} deep", nesting_limit),
+                 "no configuration needs that: is it the right file?");
+        if (event == Json::parse_event_t::object_start) keys_.emplace_back();
+        if (event == Json::parse_event_t::object_end) keys_.pop_back();
+        if (event == Json::parse_event_t::key && !keys_.back().insert(value.get<std::string>()).second)
+            fail(2703, path_, fmt::format("has the key {} twice in one object", excerpt(value.get<std::string>())),
+                 "leave one of the two out");
+        return true;
+    }
+
+private:
+    const std::string& path_;
+    std::vector<std::set<std::string>> keys_; // of the objects around, the innermost last
+};
+
+std::string line_and_column(const std::string& text, std::size_t byte)
+{
+    const std::size_t end = std::min(byte > 0 ? byte - 1 : 0, text.size());
+    const std::size_t line = std::size_t(std::count(text.begin(), text.begin() + std::ptrdiff_t(end), '\n'));
+    const std::size_t start = end == 0 ? std::string::npos : text.rfind('\n', end - 1);
+    return fmt::format("line {}, column {}", line + 1, end - (start == std::string::npos ? 0 : start + 1) + 1);
+}
+
+std::string plain(std::string word)
+{
+    for (char& c : word) {
+        if (c == '-') c = '_';
+        if (c >= 'A' && c <= 'Z') c = static_cast<char>(c - 'A' + 'a');
+    }
+    return word;
+}
+
+// Letters to change, insert, leave out or swap with their neighbour (optimal string alignment).
+std::size_t edit_distance(const std::string& a, const std::string& b)
+{
+    std::vector<std::vector<std::size_t>> d(a.size() + 1, std::vector<std::size_t>(b.size() + 1));
+    for (std::size_t i = 0; i <= a.size(); ++i) d[i][0] = i;
+    for (std::size_t k = 0; k <= b.size(); ++k) d[0][k] = k;
+    for (std::size_t i = 1; i <= a.size(); ++i)
+        for (std::size_t k = 1; k <= b.size(); ++k) {
+            d[i][k] = std::min({ d[i - 1][k] + 1, d[i][k - 1] + 1, d[i - 1][k - 1] + (a[i - 1] == b[k - 1] ? 0u : 1u) });
+            if (i > 1 && k > 1 && a[i - 1] == b[k - 2] && a[i - 2] == b[k - 1])
+                d[i][k] = std::min(d[i][k], d[i - 2][k - 2] + 1);
+        }
+    return d[a.size()][b.size()];
+}
+
+} // namespace
+
+Json read_json_file(const std::string& path)
+{
+    FindingList findings;
+    std::optional<std::string> text = read_bytes(path, findings);
+    if (!text) throw Failure(ExitCode::bad_input, findings.findings());
+    Json json;
+    try {
+        json = Json::parse(*text, Watch(path));
+    } catch (const Json::parse_error& error) {
+        fail(2701, path, fmt::format("is not JSON: {} is not understood", line_and_column(*text, error.byte)),
+             "look for a comma, a quotation mark or a bracket there; JSON has no comments");
+    } catch (const Json::out_of_range&) {
+        fail(2701, path, "holds a number beyond 1.8e308", "take a smaller number");
+    }
+    if (!json.is_object()) fail(2701, path, "is " + kind_of(json) + ", an object expected", "write { \"key\": value, ... }");
+    return json;
+}
+
+std::string json_text(const Json& json) { return json.dump(1, ' ', false, Json::error_handler_t::replace); }
+
+std::string nearest_word(const std::string& word, const std::vector<std::string>& words)
+{
+    constexpr std::size_t longest = 64; // no key of ours; bounds the table
+    if (word.size() > longest) return {};
+    std::string nearest;
+    std::size_t least = longest;
+    for (const std::string& candidate : words) {
+        const std::size_t distance = edit_distance(plain(word), plain(candidate));
+        if (distance >= least || 3 * distance > std::max(word.size(), candidate.size())) continue;
+        least = distance;
+        nearest = candidate;
+    }
+    return nearest;
+}
+
+void fail_unknown_key(const std::string& where, const std::string& key, const std::vector<std::string>& known)
+{
+    const std::string nearest = nearest_word(key, known);
+    fail(2704, where, fmt::format("there is no key {}", excerpt(key)),
+         nearest.empty() ? fmt::format("the keys are {}", fmt::join(known, ", "))
+                         : fmt::format("did you mean \"{}\"?", nearest));
+}
+
+std::string kind_of(const Json& value)
+{
+    switch (value.type()) {
+    case Json::value_t::null: return "null";
+    case Json::value_t::boolean: return "a truth value";
+    case Json::value_t::string: return "a text";
+    case Json::value_t::array: return "a list";
+    case Json::value_t::object: return "an object";
+    default: return "a number";
+    }
+}
+
+void fail_wrong_kind(const std::string& where, const std::string& key, const std::string& wanted, const Json& value)
+{
+    const auto wants = [&](const char* words) { return wanted.find(words) != std::string::npos; };
+    const char* hint = "write it in quotation marks"; // a text, or the name of a file
+    if (wants("true or false"))
+        hint = "write true or false, without quotation marks";
+    else if (wants("number"))
+        hint = value.is_string() ? "write it without quotation marks" : "write digits alone, without a decimal point";
+    else if (wants("list"))
+        hint = "write [\"rest.ply\", \"run.ply\"]";
+    else if (wants("object"))
+        hint = "write { \"key\": value, ... }";
+    fail(2705, where, fmt::format("\"{}\" is {}, {} expected", key, value == "" ? "empty" : kind_of(value), wanted), hint);
+}
+
+} // namespace pliant

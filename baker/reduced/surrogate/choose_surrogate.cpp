@@ -1,0 +1,118 @@
+#include "reduced/surrogate/choose_surrogate.h"
+
+#include <algorithm>
+#include <fmt/core.h>
+
+namespace pliant {
+
+namespace {
+
+// Sizes that are tried, in elements per dimension (of eight at least, where they cost nothing).
+constexpr std::size_t sizes[] = { 4, 6, 8, 12 };
+
+// When there is nothing to judge by.
+constexpr std::size_t size_without_checks = 8;
+
+// A larger set must lower the error by this much to be worth its time in every frame.
+constexpr double worthwhile = 0.97;
+
+// What is aimed at, of the tolerance: other weights than the checks are worse.
+constexpr double aim = 0.75;
+
+// Where the tolerance is missed with the most dimensions, an error this much larger is as good.
+constexpr double reachable = 1.1;
+
+// Blends follow the truths: where those drift, nothing that is fitted to them can be asked to drift less.
+double wanted_drift(const BlendError& error, const StandInOptions& options)
+{
+    return std::max(aim * options.drift, reachable * error.drift_of_truths);
+}
+
+// Mean and largest error count alike, each in units of what is wanted of it; parts only where they drift too far.
+double score(const BlendError& error, const StandInOptions& options)
+{
+    return error.mean / options.tolerance + error.largest / options.largest()
+        + std::max(0.0, error.drift - wanted_drift(error, options)) / options.drift;
+}
+
+} // namespace
+
+bool is_enough(const BlendError& error, const StandInOptions& options)
+{
+    return error.mean < aim * options.tolerance && error.largest < aim * options.largest()
+        && error.drift <= wanted_drift(error, options);
+}
+
+BlendModel fit_model(std::shared_ptr<const StandIn> stand_in, const Subspace& subspace, const ShapeSet& set,
+                     const TrainingSet& training, const std::vector<CheckPoint>& checks, bool may_load,
+                     const StandInOptions& options, StandInReport& report)
+{
+    report = {};
+    report.curvature = measure_curvature(*stand_in, training);
+    BlendModel plain = plain_model(stand_in, training, subspace);
+    report.plain = blend_error(plain, subspace, set, checks);
+    if (!may_load || (checks.empty() && report.curvature.lowest <= 0)) return plain;
+    BlendModel loaded = loaded_model(std::move(stand_in), training, subspace);
+    report.loaded = blend_error(loaded, subspace, set, checks);
+    report.has_load = checks.empty() || score(report.loaded, options) < score(report.plain, options);
+    return report.has_load ? loaded : plain;
+}
+
+BlendModel choose_cubature(const ReducedEnergy& reduced, const ShapeSet& set, const TrainingSet& training,
+                           const std::vector<CheckPoint>& checks, const StandInOptions& options, Progress* progress,
+                           StandInReport& report)
+{
+    const Subspace& subspace = reduced.subspace();
+    CubatureOptions cubature;
+    cubature.seed = options.seed;
+    cubature.solver = options.cubature;
+    CubatureFit fit(reduced, training, cubature, progress);
+    BlendModel best;
+    for (std::size_t per_dimension : sizes) {
+        if (checks.empty() && per_dimension < size_without_checks) continue;
+        const std::size_t count = options.element_count
+            ? options.element_count
+            : per_dimension * std::max<std::size_t>(8, std::size_t(subspace.dimension()));
+        auto stand_in = std::make_shared<const StandIn>(fit.fit(count));
+        for (int round = 0; round < 2 && fit.stiffen(*stand_in) > 0; ++round)
+            stand_in = std::make_shared<const StandIn>(fit.fit(count));
+        if (progress) progress->update("cubature", 0.99, fmt::format("{} elements: error of blends", count));
+        StandInReport here;
+        BlendModel model = fit_model(std::move(stand_in), subspace, set, training, checks, true, options, here);
+        here.residual = fit.residual();
+        const bool gets_convex = here.curvature.lowest > 0 && report.curvature.lowest <= 0;
+        const bool is_better
+            = !best.stand_in || gets_convex || score(here.error(), options) < worthwhile * score(report.error(), options);
+        if (is_better) {
+            best = std::move(model);
+            report = here;
+        }
+        const bool is_convex = report.curvature.lowest > 0;
+        if (is_convex && (is_enough(report.error(), options) || !is_better)) break;
+        if (options.element_count || checks.empty()) break;
+    }
+    return best;
+}
+
+Eigen::Index choose_dimension(Eigen::Index least, Eigen::Index most, const StandInOptions& options,
+                              const std::function<BlendError(Eigen::Index)>& error_at)
+{
+    // What is out of reach is brought as near as the most dimensions do, but not by more of them than that takes.
+    StandInOptions wanted = options;
+    const BlendError best = error_at(most);
+    wanted.tolerance = std::max(options.tolerance, reachable * best.mean / aim);
+    wanted.tolerance_max = std::max(options.largest(), reachable * best.largest / aim);
+    wanted.drift = std::max(options.drift, reachable * best.drift / aim);
+    Eigen::Index low = least, high = most, last = most;
+    while (low < high) {
+        last = (low + high) / 2;
+        if (is_enough(error_at(last), wanted))
+            high = last;
+        else
+            low = last + 1;
+    }
+    if (last != high) error_at(high);
+    return high;
+}
+
+} // namespace pliant

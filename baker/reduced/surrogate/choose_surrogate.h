@@ -1,0 +1,52 @@
+// How many elements, and whether a dead load: decided by the error of blends, not by the residual of a fit. And how many dimensions.
+#pragma once
+
+#include "elastic/parts/calibrate_ties.h"
+#include "reduced/surrogate/blend_model.h"
+#include "reduced/surrogate/cubature.h"
+
+#include <functional>
+
+namespace pliant {
+
+struct StandInOptions {
+    double tolerance = 1e-3;       // wanted total error, mean over the checks
+    double tolerance_max = 0;      // and the largest; 0: three times the tolerance is aimed at
+    std::size_t element_count = 0; // 0: as few as keep the tolerance, four to twelve per dimension
+    std::uint64_t seed = 1;
+    CubatureSolver cubature = CubatureSolver::nnls;
+    double drift = drift_limit; // wanted of the parts of a character
+
+    double largest() const { return tolerance_max > 0 ? tolerance_max : 3 * tolerance; }
+};
+
+struct StandInReport {
+    Curvature curvature;
+    double residual = 0;   // of the cubature fit
+    BlendError plain;      // over the checks, without the dead load
+    BlendError loaded;     // with it; zeros if the stand-in is not convex
+    bool has_load = false; // kept: it lowers the error
+
+    const BlendError& error() const { return has_load ? loaded : plain; }
+};
+
+// Whether blends keep the tolerance at the checks with something in hand for other weights.
+bool is_enough(const BlendError& error, const StandInOptions& options);
+
+// Cubature of growing size until the blends at the checks keep the tolerance, or more elements do not help.
+BlendModel choose_cubature(const ReducedEnergy& reduced, const ShapeSet& set, const TrainingSet& training,
+                           const std::vector<CheckPoint>& checks, const StandInOptions& options, Progress* progress,
+                           StandInReport& report);
+
+// The model of a given stand-in; with a dead load if `may_load` and it helps. Without checks it is kept if the stand-in is convex.
+BlendModel fit_model(std::shared_ptr<const StandIn> stand_in, const Subspace& subspace, const ShapeSet& set,
+                     const TrainingSet& training, const std::vector<CheckPoint>& checks, bool may_load,
+                     const StandInOptions& options, StandInReport& report);
+
+// The smallest dimension from `least` to `most` with enough accuracy, by bisection: `error_at` measures one, and is called last for
+// the one that is returned. Where the tolerance is out of
+// reach, the smallest that is about as good as `most`.
+Eigen::Index choose_dimension(Eigen::Index least, Eigen::Index most, const StandInOptions& options,
+                              const std::function<BlendError(Eigen::Index)>& error_at);
+
+} // namespace pliant

@@ -1,0 +1,85 @@
+#include "reduced/surrogate/reduced_solver.h"
+
+#include "base/common/parallel.h"
+#include "elastic/average/shape_error.h"
+
+#include <algorithm>
+
+namespace pliant {
+
+ReducedSolver::ReducedSolver(const Energy& energy, const Subspace& subspace, const SparseLower& mean_hessian,
+                             double energy_scale)
+    : reduced_(energy, subspace)
+    , energy_scale_(std::max(energy_scale, 1e-13)) // identical poses have no energy
+{
+    const Eigen::MatrixXd hessian
+        = subspace.basis.transpose() * (mean_hessian.selfadjointView<Eigen::Lower>() * subspace.basis);
+    root_ = inverse_root(0.5 * (hessian + hessian.transpose()), metric_floor);
+    metric_ = root_ * root_.transpose();
+}
+
+MinimiseResult ReducedSolver::solve(const Weights& w, const Eigen::VectorXd& start) const
+{
+    MinimiseOptions options;
+    options.tolerance = 1e-4; // in the energy metric: leaves well below a tolerance of 1e-4 in shape
+    options.scale = energy_scale_;
+    return minimise([&](const Eigen::VectorXd& q, Eigen::VectorXd& gradient) { return reduced_.gradient(w, q, gradient); },
+                    start, metric_, options);
+}
+
+ReducedStarts::ReducedStarts(const ReducedSolver& solver, const ShapeSet& set)
+    : solver_(solver)
+{
+    for (std::size_t k = 0; k < set.pose_count(); ++k)
+        add(corner_weights(set.pose_count(), k), solver.subspace().pose_coordinates.col(Eigen::Index(k)));
+    fit();
+}
+
+void ReducedStarts::add(const Weights& w, const Eigen::VectorXd& q)
+{
+    for (const Weights& other : weights_)
+        if ((other - w).norm() < closest_centres) return;
+    weights_.push_back(w);
+    coordinates_.push_back(q);
+}
+
+void ReducedStarts::fit()
+{
+    Eigen::MatrixXd values(solver_.subspace().dimension(), Eigen::Index(coordinates_.size()));
+    for (std::size_t i = 0; i < coordinates_.size(); ++i) values.col(Eigen::Index(i)) = coordinates_[i];
+    predictor_ = fit_predictor(weights_, values);
+}
+
+Eigen::VectorXd ReducedStarts::operator()(const Weights& w) const
+{
+    std::size_t nearest = 0;
+    for (std::size_t i = 1; i < weights_.size(); ++i)
+        if ((weights_[i] - w).norm() < (weights_[nearest] - w).norm()) nearest = i;
+    const Subspace& subspace = solver_.subspace();
+    const Energy& energy = solver_.energy().energy();
+    // The linear change of weights, in coordinates, is a good first guess of the change of the average.
+    const Eigen::VectorXd near = coordinates_[nearest] + subspace.pose_coordinates * (w - weights_[nearest]);
+    const Eigen::VectorXd predicted = predictor_(w);
+    return energy_value(energy, w, subspace.shape(predicted)) < energy_value(energy, w, subspace.shape(near)) ? predicted
+                                                                                                              : near;
+}
+
+SubspaceError subspace_error(const ReducedSolver& solver, const ShapeSet& set, const std::vector<CheckPoint>& checks)
+{
+    std::vector<double> errors(checks.size());
+    for_each_task(checks.size(), [&](std::size_t i, std::size_t) {
+        // From the projection of the truth: the reduced minimum that belongs to it.
+        const Eigen::VectorXd q = solver.solve(checks[i].weights, project(solver.subspace(), checks[i].truth, set.masses)).q;
+        errors[i] = relative_distance(set, solver.subspace().shape(q), checks[i].truth);
+    });
+    SubspaceError out;
+    for (std::size_t i = 0; i < checks.size(); ++i) {
+        out.mean += errors[i] / double(checks.size());
+        if (i > 0 && errors[i] <= out.largest) continue;
+        out.largest = errors[i];
+        out.worst_weights = checks[i].weights;
+    }
+    return out;
+}
+
+} // namespace pliant

@@ -1,0 +1,158 @@
+#include "reduced/surrogate/surrogate_energy.h"
+
+#include "elastic/average/hessian.h"
+
+#include <Eigen/Dense>
+
+namespace pliant {
+
+StandIn::StandIn(const Energy& energy, const Shape& origin, const Eigen::MatrixXd& basis, std::vector<std::size_t> elements,
+                 Eigen::VectorXd weights)
+    : energy_(energy)
+    , dimension_(basis.cols())
+    , elements_(std::move(elements))
+    , weights_(std::move(weights))
+{
+    for (std::size_t element : elements_) {
+        std::size_t count = 0;
+        const std::uint32_t* vertices = energy.element_vertices(element, count);
+        Eigen::MatrixXd rows(3 * Eigen::Index(count), basis.cols());
+        Eigen::VectorXd base(3 * Eigen::Index(count));
+        for (std::size_t i = 0; i < count; ++i) {
+            rows.middleRows<3>(3 * Eigen::Index(i)) = basis.middleRows<3>(3 * Eigen::Index(vertices[i]));
+            base.segment<3>(3 * Eigen::Index(i)) = origin.segment<3>(3 * Eigen::Index(vertices[i]));
+        }
+        rows_.push_back(std::move(rows));
+        origin_rows_.push_back(std::move(base));
+    }
+}
+
+StandIn::StandIn(const Energy& energy, Quartic quartic)
+    : energy_(energy)
+    , dimension_(quartic.dimension())
+    , quartic_(std::make_shared<const Quartic>(std::move(quartic)))
+{
+}
+
+double StandIn::value(const Weights& w, const Eigen::VectorXd& q) const
+{
+    if (quartic_) return quartic_->value(w, q);
+    ElementResult result;
+    double sum = 0;
+    for (std::size_t i = 0; i < elements_.size(); ++i) {
+        const Eigen::VectorXd x = origin_rows_[i] + rows_[i] * q;
+        energy_.evaluate(elements_[i], w.data(), x.data(), Order::value, HessianKind::exact, result);
+        sum += weights_[Eigen::Index(i)] * result.value;
+    }
+    return sum;
+}
+
+double StandIn::gradient(const Weights& w, const Eigen::VectorXd& q, Eigen::VectorXd& gradient) const
+{
+    if (quartic_) return quartic_->gradient(w, q, gradient);
+    ElementResult result;
+    double sum = 0;
+    gradient.setZero(dimension_);
+    for (std::size_t i = 0; i < elements_.size(); ++i) {
+        const Eigen::VectorXd x = origin_rows_[i] + rows_[i] * q;
+        energy_.evaluate(elements_[i], w.data(), x.data(), Order::gradient, HessianKind::exact, result);
+        sum += weights_[Eigen::Index(i)] * result.value;
+        gradient += weights_[Eigen::Index(i)] * (rows_[i].transpose() * result.gradient);
+    }
+    return sum;
+}
+
+Eigen::MatrixXd StandIn::hessian(const Weights& w, const Eigen::VectorXd& q, HessianKind kind) const
+{
+    if (quartic_) {
+        Eigen::MatrixXd hessian = quartic_->hessian(w, q);
+        if (kind == HessianKind::projected) project_positive(hessian);
+        return hessian;
+    }
+    ElementResult result;
+    Eigen::MatrixXd sum = Eigen::MatrixXd::Zero(dimension_, dimension_);
+    for (std::size_t i = 0; i < elements_.size(); ++i) {
+        const Eigen::VectorXd x = origin_rows_[i] + rows_[i] * q;
+        energy_.evaluate(elements_[i], w.data(), x.data(), Order::hessian, kind, result);
+        sum += weights_[Eigen::Index(i)] * (rows_[i].transpose() * (result.hessian * rows_[i]));
+    }
+    return 0.5 * (sum + sum.transpose());
+}
+
+ReducedEnergy::ReducedEnergy(const Energy& energy, const Subspace& subspace)
+    : energy_(energy)
+    , subspace_(subspace)
+{
+}
+
+double ReducedEnergy::gradient(const Weights& w, const Eigen::VectorXd& q, Eigen::VectorXd& gradient) const
+{
+    Shape full = Shape::Zero(subspace_.origin.size());
+    const double value = add_gradient(energy_, w, subspace_.shape(q), full);
+    gradient = subspace_.basis.transpose() * full;
+    return value;
+}
+
+Eigen::MatrixXd ReducedEnergy::hessian(const Weights& w, const Eigen::VectorXd& q, HessianKind kind) const
+{
+    HessianAssembler assembler(energy_);
+    assembler.assemble(w, subspace_.shape(q), kind);
+    const Eigen::MatrixXd product = assembler.matrix().selfadjointView<Eigen::Lower>() * subspace_.basis;
+    const Eigen::MatrixXd reduced = subspace_.basis.transpose() * product;
+    return 0.5 * (reduced + reduced.transpose());
+}
+
+Eigen::MatrixXd ReducedEnergy::hessian_times(const Weights& w, const Eigen::VectorXd& q,
+                                             const Eigen::MatrixXd& directions) const
+{
+    HessianAssembler assembler(energy_);
+    assembler.assemble(w, subspace_.shape(q), HessianKind::exact);
+    const Eigen::MatrixXd moved = subspace_.basis * directions;
+    return subspace_.basis.transpose() * (assembler.matrix().selfadjointView<Eigen::Lower>() * moved);
+}
+
+template <class Model>
+MinimiseResult minimise_newton(const Model& model, const Weights& w, const Eigen::VectorXd& start, double tolerance,
+                               int max_iterations)
+{
+    MinimiseResult result;
+    result.q = start;
+    Eigen::VectorXd gradient, trial_gradient;
+    result.value = model.gradient(w, start, gradient);
+    for (; result.iterations < max_iterations; ++result.iterations) {
+        Eigen::LLT<Eigen::MatrixXd> factor(model.hessian(w, result.q, HessianKind::exact));
+        bool is_exact = factor.info() == Eigen::Success;
+        if (!is_exact) {
+            Eigen::MatrixXd projected = model.hessian(w, result.q, HessianKind::projected);
+            projected.diagonal().array()
+                += 1e-9 * projected.trace() / double(projected.rows()); // its null space has no scale of its own
+            factor.compute(projected);
+            if (factor.info() != Eigen::Success) return result;
+        }
+        const Eigen::VectorXd step = -factor.solve(gradient);
+        const double slope = gradient.dot(step);
+        const bool is_last = is_exact && -slope <= tolerance * tolerance * std::max(std::abs(result.value), 1e-13);
+        double length = 1, value = 0;
+        for (; length > 1e-9; length /= 2) {
+            value = model.gradient(w, result.q + length * step, trial_gradient);
+            if (value <= result.value + 1e-4 * length * slope || -slope < 1e-11 * std::abs(result.value)) break;
+        }
+        if (length <= 1e-9) {
+            result.has_converged = is_last;
+            return result;
+        }
+        result.q += length * step;
+        result.value = value;
+        gradient = trial_gradient;
+        if (is_last) {
+            result.has_converged = true;
+            return result;
+        }
+    }
+    return result;
+}
+
+template MinimiseResult minimise_newton(const StandIn&, const Weights&, const Eigen::VectorXd&, double, int);
+template MinimiseResult minimise_newton(const ReducedEnergy&, const Weights&, const Eigen::VectorXd&, double, int);
+
+} // namespace pliant

@@ -1,0 +1,72 @@
+// The stand-in energy: a few weighted elements seen through the subspace, or a polynomial. In double precision this is what the runtime
+// evaluates in single; with all elements at weight 1, and as the polynomial, it is the reduced energy itself.
+#pragma once
+
+#include "elastic/energy/energy.h"
+#include "reduced/subspace/subspace.h"
+#include "reduced/surrogate/minimise.h"
+#include "reduced/surrogate/quartic.h"
+
+#include <memory>
+
+namespace pliant {
+
+class StandIn {
+public:
+    // Elements of `energy` with their weights. `origin` and `basis` are those of the mesh that `energy` lives on: the full one for
+    // cubature, the decimated one for a ghost. The energy must outlive the stand-in.
+    StandIn(const Energy& energy, const Shape& origin, const Eigen::MatrixXd& basis, std::vector<std::size_t> elements,
+            Eigen::VectorXd weights);
+
+    // The reduced energy of a St. Venant-Kirchhoff solid; no elements.
+    StandIn(const Energy& energy, Quartic quartic);
+
+    // Null: a sum of elements.
+    const Quartic* quartic() const { return quartic_.get(); }
+
+    Eigen::Index dimension() const { return dimension_; }
+    std::size_t element_count() const { return elements_.size(); }
+    const std::vector<std::size_t>& elements() const { return elements_; }
+    const Eigen::VectorXd& weights() const { return weights_; }
+    const Energy& energy() const { return energy_; }
+
+    double value(const Weights& w, const Eigen::VectorXd& q) const;
+    double gradient(const Weights& w, const Eigen::VectorXd& q, Eigen::VectorXd& gradient) const;
+    Eigen::MatrixXd hessian(const Weights& w, const Eigen::VectorXd& q, HessianKind kind) const;
+
+    // Rows of the basis at the vertices of selected element i (3v x d), and of the origin (3v).
+    const Eigen::MatrixXd& rows(std::size_t i) const { return rows_[i]; }
+    const Eigen::VectorXd& origin_rows(std::size_t i) const { return origin_rows_[i]; }
+
+private:
+    const Energy& energy_;
+    Eigen::Index dimension_;
+    std::vector<std::size_t> elements_;
+    Eigen::VectorXd weights_;
+    std::vector<Eigen::MatrixXd> rows_;
+    std::vector<Eigen::VectorXd> origin_rows_;
+    std::shared_ptr<const Quartic> quartic_;
+};
+
+// The reduced energy on the full mesh: exact, and as expensive as the mesh.
+class ReducedEnergy {
+public:
+    ReducedEnergy(const Energy& energy, const Subspace& subspace);
+    double gradient(const Weights& w, const Eigen::VectorXd& q, Eigen::VectorXd& gradient) const;
+    Eigen::MatrixXd hessian(const Weights& w, const Eigen::VectorXd& q, HessianKind kind) const;
+    // The exact Hessian times directions (d x c), without the rest of it.
+    Eigen::MatrixXd hessian_times(const Weights& w, const Eigen::VectorXd& q, const Eigen::MatrixXd& directions) const;
+    const Energy& energy() const { return energy_; }
+    const Subspace& subspace() const { return subspace_; }
+
+private:
+    const Energy& energy_;
+    const Subspace& subspace_;
+};
+
+// Newton with projected Hessians where needed, for the few solves that start far away (d small: a factorisation is free).
+template <class Model>
+MinimiseResult minimise_newton(const Model& model, const Weights& w, const Eigen::VectorXd& start, double tolerance,
+                               int max_iterations = 60);
+
+} // namespace pliant

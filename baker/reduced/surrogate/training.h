@@ -1,0 +1,72 @@
+// Where the stand-in is trained and the predictor fitted: weights, and the reduced averages at them.
+#pragma once
+
+#include "base/common/progress.h"
+#include "reduced/surrogate/reduced_solver.h"
+
+#include <random>
+
+namespace pliant {
+
+// Uniform numbers that are the same on every platform (the standard fixes the generator, not its distributions).
+class Random {
+public:
+    explicit Random(std::uint64_t seed)
+        : engine_(seed)
+    {
+    }
+    double uniform() { return double(engine_() >> 11) * 0x1p-53; } // [0, 1)
+    double normal();
+    std::size_t below(std::size_t count) { return std::size_t(uniform() * double(count)); }
+    // A point of the simplex: Dirichlet with parameter 1 (uniform), or, with `skew`, uniform numbers cubed and normalised, which
+    // gathers near edges and corners.
+    Weights weights(std::size_t count, bool skew);
+
+private:
+    std::mt19937_64 engine_;
+};
+
+// One of a mixed bag, by index modulo 3: uniform on the simplex, on a random edge (between a tenth and nine tenths of it), near edges
+// and corners.
+Weights mixed_weights(Random& random, std::size_t pose_count, std::size_t index);
+
+// `count` weights spread over the simplex, the equal ones first, denser near edges and corners, where averages change fastest; the first
+// ones alone are spread, too. For two poses evenly spaced. No corners: poses are reproduced anyway.
+std::vector<Weights> training_weights(std::size_t pose_count, std::size_t count, std::uint64_t seed);
+
+struct TrainingSet {
+    std::vector<Weights> weights;
+    std::vector<Eigen::VectorXd> averages; // reduced averages for them, in q
+    Eigen::MatrixXd
+        root; // S with S S^T = an inverse reduced Hessian (mean over the averages; of reduced ones the one at the mean): metric of all fits
+    double energy_scale = 1; // mean energy over the averages
+    int unconverged_count = 0;
+    // Of true averages: what the mesh does there, which is what a stand-in is to do at `averages`. Empty for reduced ones.
+    std::vector<const Shape*> shapes;
+    std::vector<Eigen::MatrixXd> stiffness; // d x d, in q
+};
+
+// A full average seen through a subspace: the energy's quadratic model there, and where the average lies.
+struct ProjectedAverage {
+    Weights weights;
+    const Shape* shape;        // the average a itself, in the list that it came from
+    Eigen::VectorXd nearest;   // coordinates of its projection in the mass inner product
+    Eigen::VectorXd pull;      // U^T H (a - tau)
+    Eigen::MatrixXd stiffness; // U^T H U, H the Hessian of W(w, .) at the average a
+};
+
+// Those of all averages, which must outlive them; ones next to others, or to poses, are left out. Leading parts of the results belong to leading dimensions.
+// Cost: an assembly of the Hessian each.
+std::vector<ProjectedAverage> project_averages(const Energy& energy, const Subspace& subspace, const ShapeSet& set,
+                                               const std::vector<KnownAverage>& averages, Progress* progress);
+
+// Training data from averages (the first one for equal weights): the q that minimises energy + nearness / 2 |y(q) - a|^2. With nearness
+// 0 these are reduced averages, too far from a since a subspace is too stiff; with a large one projections, as near as can be, but
+// creased where triangles are small. In between soft directions follow the average, stiff ones the energy.
+TrainingSet training_of(const ReducedSolver& reduced, const std::vector<ProjectedAverage>& averages, double nearness);
+
+// Solves the exact reduced problem at all training weights (the equal ones first). Throws Failure (P4401) if the mean does not converge.
+TrainingSet solve_training_set(const ReducedSolver& reduced, const ShapeSet& set, std::vector<Weights> weights,
+                               Progress* progress);
+
+} // namespace pliant
