@@ -1,4 +1,4 @@
-"""Cases of glTF for generate.py: a small good file with one edit each. Also what tests/baker/gltf makes its files with."""
+"""Cases of glTF for generate.py: a small good file with one edit each. Also what tests/baker/input/gltf makes its files with."""
 import base64
 import copy
 import json

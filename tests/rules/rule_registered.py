@@ -54,6 +54,6 @@ def check(tree):
 PLANTS = [
     Plant("samples/creature/test/planted.cpp", "int main() { return 1; }\n", "never runs"),
     Plant("tests/rules/planted.cpp", "int main() { return 1; }\n", "never runs"),
-    Plant("tests/baker/io/test_planted.cpp", "int main() { return 1; }\n", "never runs"),
+    Plant("tests/baker/input/io/test_planted.cpp", "int main() { return 1; }\n", "never runs"),
     Plant("tests/rules/test_planted.py", "raise SystemExit(1)\n", "never runs"),
 ]

@@ -1,7 +1,7 @@
 // Surfaces as games have them: split at seams, with faces that have no energy, edges of three faces and vertices of none. What is elastic of
 // them, that it is the same as of a clean mesh, and that files are drawn as they are.
 #include "io/files.h"
-#include "tube.h"
+#include "../tube.h"
 
 #include "bake/bake.h"
 #include "bake/certificate.h"

@@ -1,6 +1,6 @@
 // What the paper proves about elastic averages (von Tycowicz, Schulz, Seidel, Hildebrandt 2015, section 3), as tests: of the unreduced
 // average and, where it holds there too, of the reduced one. Each case also shows what a violation would look like.
-#include "tube.h"
+#include "../tube.h"
 
 #include "bake/bake.h"
 #include "elastic/average/family.h"

@@ -6,7 +6,7 @@ import sys
 
 import numpy
 
-sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "..", "formats", "reference"))
+sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "..", "..", "formats", "reference"))
 from pliant_reference import Asset  # noqa: E402
 
 TOLERANCE = 1e-5

@@ -1,6 +1,6 @@
 // Whole bakes of a small tube, looked at through the C runtime.
-#include "for_reference.h"
-#include "tube.h"
+#include "../for_reference.h"
+#include "../tube.h"
 
 #include "bake/bake.h"
 #include "bake/certificate.h"

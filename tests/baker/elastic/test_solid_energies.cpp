@@ -6,7 +6,7 @@
 #include "golden_solids.h"
 #include "pliant_format.h"
 #include "reduced/surrogate/quartic.h"
-#include "twisted_bar.h"
+#include "../twisted_bar.h"
 
 #include <Eigen/Dense>
 #include <cmath>

@@ -1,5 +1,5 @@
 // Characters in several parts: which ties they get, what these do, and whole bakes.
-#include "parts_mesh.h"
+#include "../parts_mesh.h"
 
 #include "bake/bake.h"
 #include "elastic/average/hessian.h"

@@ -1,6 +1,6 @@
 // Subspaces, cubature, ghosts, predictors: the stages between the energies and the asset.
-#include "train.h"
-#include "tube.h"
+#include "../train.h"
+#include "../tube.h"
 
 #include "bake/bake.h"
 #include "base/weights/radial_function.h"

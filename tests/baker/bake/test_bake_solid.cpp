@@ -1,6 +1,6 @@
 // Whole bakes of a small twisted bar, looked at through the C runtime.
-#include "for_reference.h"
-#include "twisted_bar.h"
+#include "../for_reference.h"
+#include "../twisted_bar.h"
 
 #include "bake/certificate.h"
 #include "base/common/diagnostics.h"

@@ -12,7 +12,7 @@ import tempfile
 
 import numpy as np
 
-sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent.parent / "runtime"))
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[2] / "runtime"))
 import tiny_mesh
 import tiny_solids
 

@@ -1,6 +1,6 @@
 // The encoder's optional parts, looked at through the C runtime.
-#include "train.h"
-#include "tube.h"
+#include "../train.h"
+#include "../tube.h"
 
 #include "bake/bake.h"
 #include "output/asset/asset_writer.h"

@@ -16,7 +16,7 @@ import pliant.batch
 from pliant.batch import _farm, _plan, _worker
 
 TOOL, SOURCE = os.environ["PLIANT_TOOL"], Path(os.environ["PLIANT_SOURCE"])
-sys.path.insert(0, str(SOURCE / "tests/pipeline"))
+sys.path.insert(0, str(SOURCE / "tests/baker/pipeline"))
 import support  # noqa: E402  the characters of the tests of bake-all
 
 HAS_DASK = importlib.util.find_spec("distributed") is not None

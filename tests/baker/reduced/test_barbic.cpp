@@ -1,5 +1,5 @@
 // Linear modes, and the subspace of Barbic et al. 2009 that is made of them.
-#include "tube.h"
+#include "../tube.h"
 
 #include "bake/bake.h"
 #include "elastic/average/hessian.h"

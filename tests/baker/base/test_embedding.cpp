@@ -1,5 +1,5 @@
 // Surfaces that ride on solids: barycentric coordinates, hostile files, and whole bakes that draw one.
-#include "twisted_bar.h"
+#include "../twisted_bar.h"
 
 #include "bake/bake.h"
 #include "bake/certificate.h"

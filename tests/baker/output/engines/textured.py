@@ -6,7 +6,7 @@ import sys
 
 import numpy as np
 
-sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1] / "runtime"))
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[3] / "runtime"))
 from tiny_scene import Builder  # noqa: E402
 
 ROUND, ALONG, LENGTH, RADIUS, BEND = 16, 9, 2.0, 0.5, 0.9

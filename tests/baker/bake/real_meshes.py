@@ -15,7 +15,7 @@ import sys
 import tempfile
 
 HERE = pathlib.Path(__file__).parent
-DATA = pathlib.Path(os.environ.get("PLIANT_DATA", "") or HERE.parents[2] / "shared" / "data")
+DATA = pathlib.Path(os.environ.get("PLIANT_DATA", "") or HERE.parents[3] / "shared" / "data")
 TABLE = HERE / "real_meshes.md"
 HEAD = ["set", "drawn vertices / triangles", "elastic vertices / triangles", "components", "told", "verdict"]
 BAKE_HEAD = ["set", "options", "outcome", "parts", "welded", "ties", "d", "elements", "mean relative L2", "largest", "drift of averages / blends, %", "told",
