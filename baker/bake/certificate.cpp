@@ -280,12 +280,6 @@ std::optional<std::size_t> read_start_pose(const std::string& certificate)
     return json["mean_from_pose"].get<std::size_t>();
 }
 
-bool has_drawn_surface(const std::string& certificate)
-{
-    const Json json = Json::parse(certificate, nullptr, false);
-    return json.is_object() && json.contains("surface");
-}
-
 namespace {
 
 // More of them nobody reads; each names at most Finding::element_limit vertices and faces.

@@ -23,9 +23,6 @@ EnergyOptions read_energy_options(const std::string& certificate, const std::str
 // The pose from which the average of all poses is reached, so that a measurement takes the same branch; empty if it does not say.
 std::optional<std::size_t> read_start_pose(const std::string& certificate);
 
-// Whether the asset draws a surface of its own and not the mesh of its poses.
-bool has_drawn_surface(const std::string& certificate);
-
 // The report for people and build systems (`--report`): the certificate plus times, the name of the asset (relative to the report's
 // folder) and the warnings with the elements that they are about.
 std::string write_report(const BakeReport& report, const std::string& asset = {}, const std::vector<Finding>& warnings = {});

@@ -15,14 +15,6 @@
 
 namespace pliant {
 
-std::vector<Weights> draw_weights(std::uint64_t seed, std::size_t pose_count, int count)
-{
-    Random random(seed);
-    std::vector<Weights> out;
-    for (int i = 0; i < count; ++i) out.push_back(mixed_weights(random, pose_count, std::size_t(i)));
-    return out;
-}
-
 namespace {
 
 std::vector<float> to_floats(const Weights& w)

@@ -7,9 +7,6 @@
 
 namespace pliant {
 
-// `count` weights of a mixed bag (mixed_weights).
-std::vector<Weights> draw_weights(std::uint64_t seed, std::size_t pose_count, int count);
-
 // Fills asset.answers with the runtime's: at the mean, at edge mid-points and between. They go into the asset as its own test, and are
 // compared with the model in double precision. They hold for asset.stored as it is.
 void collect_answers(AssetModel& asset, const BlendModel& model, const TrainingSet& training, BakeReport& report);

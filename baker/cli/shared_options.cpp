@@ -5,6 +5,7 @@
 #include "input/gltf/document.h"
 #include "input/io/source_file.h"
 #include "input/poses/load_poses.h"
+#include "input/poses/load_render_mesh.h"
 #include "input/poses/pose_source.h"
 
 #include <algorithm>

@@ -4,6 +4,7 @@
 #include "base/common/parallel.h"
 #include "elastic/average/family.h"
 #include "elastic/average/rigid_modes.h"
+#include "output/asset/asset_facts.h"
 #include "output/asset/runtime_blender.h"
 #include "reduced/surrogate/training.h"
 

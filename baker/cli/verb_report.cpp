@@ -2,7 +2,7 @@
 
 #include "input/io/source_file.h"
 #include "input/io/write_file.h"
-#include "output/page/page_data.h"
+#include "output/page/collect_page_data.h"
 
 #include <filesystem>
 #include <fmt/core.h>
@@ -50,7 +50,7 @@ ExitCode run(const Arguments& a)
     ConsoleProgress progress("report", a.is_quiet);
     progress.update("draw", 0);
     const std::string name = std::filesystem::path(asset).filename().string();
-    const std::string page = write_page(page_data(blender, name, report ? &*report : nullptr, view_of(a)));
+    const std::string page = write_page(collect_page_data(blender, name, report ? &*report : nullptr, view_of(a)));
     write_output(a.output, page);
     progress.clear_line();
     if (!a.is_quiet) fmt::print("{}: {:.2f} MiB\n", a.output, double(page.size()) / 1048576.0);

@@ -66,7 +66,7 @@ std::vector<Truth> fresh_weights(std::size_t pose_count, std::size_t count, std:
             truth.weights = t * corner_weights(pose_count, a) + (1 - t) * corner_weights(pose_count, b);
         } else {
             truth.kind = i % 3 == 0 ? "uniform" : "corner";
-            truth.weights = random.weights(pose_count, i % 3 == 2);
+            truth.weights = random_weights(random, pose_count, i % 3 == 2);
         }
         out.push_back(truth);
     }

@@ -184,4 +184,9 @@ Eigen::VectorXd lumped_masses(const Shape& shape, const std::vector<Triangle>& t
     return masses;
 }
 
+double box_diagonal(const Positions& positions)
+{
+    return (positions.colwise().maxCoeff() - positions.colwise().minCoeff()).norm();
+}
+
 } // namespace pliant

@@ -41,6 +41,9 @@ Eigen::Vector3d double_area_vector(const Shape& shape, const Triangle& triangle)
 // Area of every triangle.
 Eigen::VectorXd triangle_areas(const Shape& shape, const std::vector<Triangle>& triangles);
 
+// Diagonal of the bounding box.
+double box_diagonal(const Positions& positions);
+
 // Lumped mass per vertex: a third of the area of the triangles around it (n).
 Eigen::VectorXd lumped_masses(const Shape& shape, const std::vector<Triangle>& triangles);
 

@@ -1,7 +1,7 @@
 // Smooth functions of the weights: where the runtime starts, a guess of the average, and its dead load (AssetModel::load).
 #pragma once
 
-#include "elastic/energy/energy.h"
+#include "base/weights/weights.h"
 
 namespace pliant {
 

@@ -1,6 +1,5 @@
 #include "elastic/energy/energy.h"
 
-#include "base/common/diagnostics.h"
 #include "base/common/parallel.h"
 
 #include <Eigen/Cholesky>
@@ -8,7 +7,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <fmt/core.h>
 #include <numeric>
 
 namespace pliant {
@@ -79,45 +77,12 @@ double add_gradient(const Energy& energy, const Weights& w, const Shape& y, Shap
     return std::accumulate(sums.begin(), sums.end(), 0.0);
 }
 
-Weights corner_weights(std::size_t pose_count, std::size_t pose)
-{
-    return Weights::Unit(Eigen::Index(pose_count), Eigen::Index(pose));
-}
-
-Weights equal_weights(std::size_t pose_count)
-{
-    return Weights::Constant(Eigen::Index(pose_count), 1.0 / double(pose_count));
-}
-
-std::string weights_text(const Weights& w)
-{
-    std::string text;
-    for (double value : w) text += fmt::format("{}{:.3g}", text.empty() ? "" : ",", value);
-    return text;
-}
-
 void project_positive(Eigen::Ref<Eigen::MatrixXd> matrix)
 {
     if (Eigen::LLT<Eigen::MatrixXd>(matrix).info() == Eigen::Success) return; // most elements, at a fraction of the cost
     const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(matrix);
     if (eigen.eigenvalues()[0] >= 0) return;
     matrix = eigen.eigenvectors() * eigen.eigenvalues().cwiseMax(0.0).asDiagonal() * eigen.eigenvectors().transpose();
-}
-
-Weights normalised_weights(const std::vector<double>& values, std::size_t pose_count)
-{
-    if (values.size() != pose_count)
-        throw Failure(ExitCode::usage,
-                      error_at(1203, "", fmt::format("{} weights given for {} poses", values.size(), pose_count),
-                               "give one weight per pose, separated by commas"));
-    Weights w = Eigen::Map<const Weights>(values.data(), Eigen::Index(values.size()));
-    const double largest = w.maxCoeff();
-    if (!w.allFinite() || w.minCoeff() < 0 || !(largest > 0))
-        throw Failure(ExitCode::usage,
-                      error_at(1204, "", "the weights are not all finite and non-negative with a positive sum",
-                               "only their ratios matter; use 0 for poses that take no part"));
-    w /= largest; // first, so that the sum of very large ones does not overflow
-    return w / w.sum();
 }
 
 } // namespace pliant

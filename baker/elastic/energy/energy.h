@@ -5,12 +5,11 @@
 #pragma once
 
 #include "base/mesh/surface.h"
+#include "base/weights/weights.h"
 
 #include <string>
 
 namespace pliant {
-
-using Weights = Eigen::VectorXd; // one per pose
 
 // exact: second derivatives. projected: each element's part replaced by a positive semidefinite one, for Newton steps where the
 // exact Hessian is indefinite.
@@ -66,16 +65,6 @@ double energy_value(const Energy& energy, const Weights& w, const Shape& y);
 // Adds the gradient (3n) to `gradient`, returns the value. If `force_scale` is given, adds to it the sum over elements of
 // the norms of their forces per vertex, squared and rooted over vertices: the scale against which a gradient is small.
 double add_gradient(const Energy& energy, const Weights& w, const Shape& y, Shape& gradient, double* force_scale = nullptr);
-
-// Unit weight vector e_k of length m, and equal weights.
-Weights corner_weights(std::size_t pose_count, std::size_t pose);
-Weights equal_weights(std::size_t pose_count);
-
-// "0.25,0.75": for messages.
-std::string weights_text(const Weights& w);
-
-// Weights as people give them, checked and divided by their sum. Throws Failure (usage, P1203, P1204).
-Weights normalised_weights(const std::vector<double>& values, std::size_t pose_count);
 
 // Symmetric positive semidefinite part: negative eigenvalues become zero.
 void project_positive(Eigen::Ref<Eigen::MatrixXd> matrix);

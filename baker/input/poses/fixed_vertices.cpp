@@ -1,5 +1,6 @@
 #include "input/poses/fixed_vertices.h"
 
+#include "base/mesh/surface.h"
 #include "input/io/source_file.h"
 #include "input/poses/check_surface.h"
 
@@ -12,11 +13,6 @@ namespace {
 
 // Part of the first pose's diagonal by which fixed vertices may differ between poses.
 constexpr double tolerance = 1e-6;
-
-double diagonal(const Positions& positions)
-{
-    return (positions.colwise().maxCoeff() - positions.colwise().minCoeff()).norm();
-}
 
 // The largest distance of a fixed vertex from the line through two others, which are as far apart as they can be from the first.
 double distance_from_line(const Positions& positions, const std::vector<std::uint32_t>& fixed)
@@ -74,7 +70,7 @@ void check_fixed_vertices(const std::string& path, const std::vector<std::uint32
                           const std::vector<MeshFile>& meshes, FindingList& findings)
 {
     const Positions& first = meshes[0].positions;
-    const double size = diagonal(first), rounding = coordinate_rounding(first);
+    const double size = box_diagonal(first), rounding = coordinate_rounding(first);
     // Nearly on a line counts as on it: what holds the body there would be the last digits of the coordinates.
     if (fixed.size() < 3 || distance_from_line(first, fixed) <= tolerance * size + 4 * rounding) {
         findings.add(error_at(2604, path,

@@ -4,6 +4,7 @@
 
 #include <cstring>
 #include <fmt/format.h>
+#include <nlohmann/json.hpp>
 
 namespace pliant {
 
@@ -51,6 +52,12 @@ std::string format_version(const pliant_asset& asset)
 {
     const pliant_format_header header = header_of(asset);
     return fmt::format("{}.{}", header.format_major, header.format_minor);
+}
+
+bool has_drawn_surface(const std::string& certificate)
+{
+    const auto json = nlohmann::json::parse(certificate, nullptr, false);
+    return json.is_object() && json.contains("surface");
 }
 
 } // namespace pliant

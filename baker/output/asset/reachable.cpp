@@ -1,7 +1,5 @@
 #include "output/asset/reachable.h"
 
-#include "reduced/surrogate/training.h"
-
 namespace pliant {
 
 namespace {
@@ -12,22 +10,6 @@ constexpr std::uint64_t range_seed = 7919;
 // What lies between the samples, and the last digits of a solve that comes from another side.
 constexpr float range_margin = 0.05f;
 } // namespace
-
-std::vector<std::vector<float>> covering_weights(std::size_t pose_count, std::size_t count, std::uint64_t seed)
-{
-    std::vector<std::vector<float>> all;
-    for (std::size_t k = 0; k < pose_count; ++k) {
-        all.emplace_back(pose_count, 0.0f);
-        all.back()[k] = 1.0f;
-    }
-    all.emplace_back(pose_count, 1.0f / float(pose_count));
-    Random random(seed);
-    for (std::size_t i = 0; i < count; ++i) {
-        const Eigen::VectorXf w = mixed_weights(random, pose_count, i).cast<float>();
-        all.emplace_back(w.data(), w.data() + w.size());
-    }
-    return all;
-}
 
 Eigen::MatrixXf blend_coordinates(RuntimeBlender& blender, const std::vector<std::vector<float>>& weights)
 {

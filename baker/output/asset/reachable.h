@@ -1,16 +1,13 @@
 // Where the coordinates of an asset can go: what its morph targets, their normals and bones are fitted to.
 #pragma once
 
+#include "base/weights/sampling.h"
 #include "output/asset/runtime_blender.h"
 
 #include <Eigen/Core>
 #include <vector>
 
 namespace pliant {
-
-// Weights that cover the simplex of `pose_count` poses: the poses, the equal ones, then `count` of a mixed bag (inside, on edges, near
-// edges and corners). The same for the same seed.
-std::vector<std::vector<float>> covering_weights(std::size_t pose_count, std::size_t count, std::uint64_t seed);
 
 // The coordinates that the runtime finds for the weights, each as from a new solver: d x weights.
 Eigen::MatrixXf blend_coordinates(RuntimeBlender& blender, const std::vector<std::vector<float>>& weights);

@@ -2,8 +2,9 @@
 #pragma once
 
 #include "input/gltf/render_scene.h"
-#include "output/export/export_asset.h"
+#include "output/export/export_options.h"
 #include "output/export/glb.h"
+#include "output/export/morph_mesh.h"
 
 namespace pliant {
 

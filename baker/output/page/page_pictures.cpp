@@ -1,6 +1,6 @@
 #include "output/page/page_pictures.h"
 
-#include "bake/certificate.h"
+#include "output/asset/asset_facts.h"
 
 #include <algorithm>
 #include <cmath>

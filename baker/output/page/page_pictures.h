@@ -2,7 +2,7 @@
 #pragma once
 
 #include "output/asset/runtime_blender.h"
-#include "output/page/page.h"
+#include "output/page/page_data.h"
 
 #include <string>
 #include <vector>

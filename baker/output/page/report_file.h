@@ -2,7 +2,7 @@
 #pragma once
 
 #include "base/common/diagnostics.h"
-#include "output/page/page.h"
+#include "output/page/page_data.h"
 
 #include <string>
 #include <vector>

@@ -8,9 +8,9 @@
 #include "bake/certificate.h"
 #include "bake/verdict.h"
 #include "base/common/parallel.h"
-#include "base/mesh/render_mesh.h"
 #include "input/io/source_file.h"
 #include "input/io/write_file.h"
+#include "input/poses/load_render_mesh.h"
 #include "input/poses/pose_source.h"
 #include "output/asset/runtime_blender.h"
 

@@ -1,8 +1,8 @@
 #include "reduced/subspace/adaptive.h"
 
+#include "base/weights/sampling.h"
 #include "elastic/average/rigid_modes.h"
 #include "elastic/average/sweep.h"
-#include "reduced/surrogate/training.h"
 
 #include <fmt/core.h>
 

@@ -2,37 +2,10 @@
 #pragma once
 
 #include "base/common/progress.h"
+#include "base/weights/sampling.h"
 #include "reduced/surrogate/reduced_solver.h"
 
-#include <random>
-
 namespace pliant {
-
-// Uniform numbers that are the same on every platform (the standard fixes the generator, not its distributions).
-class Random {
-public:
-    explicit Random(std::uint64_t seed)
-        : engine_(seed)
-    {
-    }
-    double uniform() { return double(engine_() >> 11) * 0x1p-53; } // [0, 1)
-    double normal();
-    std::size_t below(std::size_t count) { return std::size_t(uniform() * double(count)); }
-    // A point of the simplex: Dirichlet with parameter 1 (uniform), or, with `skew`, uniform numbers cubed and normalised, which
-    // gathers near edges and corners.
-    Weights weights(std::size_t count, bool skew);
-
-private:
-    std::mt19937_64 engine_;
-};
-
-// One of a mixed bag, by index modulo 3: uniform on the simplex, on a random edge (between a tenth and nine tenths of it), near edges
-// and corners.
-Weights mixed_weights(Random& random, std::size_t pose_count, std::size_t index);
-
-// `count` weights spread over the simplex, the equal ones first, denser near edges and corners, where averages change fastest; the first
-// ones alone are spread, too. For two poses evenly spaced. No corners: poses are reproduced anyway.
-std::vector<Weights> training_weights(std::size_t pose_count, std::size_t count, std::uint64_t seed);
 
 struct TrainingSet {
     std::vector<Weights> weights;

@@ -3,6 +3,7 @@
 
 #include "bake/bake.h"
 #include "bake/certificate.h"
+#include "input/poses/load_render_mesh.h"
 #include "output/asset/runtime_blender.h"
 
 #include <Eigen/Geometry>

@@ -1,4 +1,4 @@
-#include "output/page/page_data.h"
+#include "output/page/collect_page_data.h"
 
 #include "output/asset/asset_facts.h"
 #include "output/page/certificate_facts.h"
@@ -202,7 +202,8 @@ void add_facts(const RuntimeBlender& blender, PageData& data)
 
 } // namespace
 
-PageData page_data(RuntimeBlender& blender, const std::string& name, const ReportFile* report, const ViewOptions& view)
+PageData collect_page_data(RuntimeBlender& blender, const std::string& name, const ReportFile* report,
+                           const ViewOptions& view)
 {
     PageData data;
     data.name = name;

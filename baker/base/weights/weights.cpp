@@ -1,0 +1,42 @@
+#include "base/weights/weights.h"
+
+#include "base/common/diagnostics.h"
+
+#include <fmt/core.h>
+
+namespace pliant {
+
+Weights corner_weights(std::size_t pose_count, std::size_t pose)
+{
+    return Weights::Unit(Eigen::Index(pose_count), Eigen::Index(pose));
+}
+
+Weights equal_weights(std::size_t pose_count)
+{
+    return Weights::Constant(Eigen::Index(pose_count), 1.0 / double(pose_count));
+}
+
+std::string weights_text(const Weights& w)
+{
+    std::string text;
+    for (double value : w) text += fmt::format("{}{:.3g}", text.empty() ? "" : ",", value);
+    return text;
+}
+
+Weights normalised_weights(const std::vector<double>& values, std::size_t pose_count)
+{
+    if (values.size() != pose_count)
+        throw Failure(ExitCode::usage,
+                      error_at(1203, "", fmt::format("{} weights given for {} poses", values.size(), pose_count),
+                               "give one weight per pose, separated by commas"));
+    Weights w = Eigen::Map<const Weights>(values.data(), Eigen::Index(values.size()));
+    const double largest = w.maxCoeff();
+    if (!w.allFinite() || w.minCoeff() < 0 || !(largest > 0))
+        throw Failure(ExitCode::usage,
+                      error_at(1204, "", "the weights are not all finite and non-negative with a positive sum",
+                               "only their ratios matter; use 0 for poses that take no part"));
+    w /= largest; // first, so that the sum of very large ones does not overflow
+    return w / w.sum();
+}
+
+} // namespace pliant

@@ -1,0 +1,22 @@
+// Weights of a blend: one number per pose, none negative, with the sum 1.
+#pragma once
+
+#include <Eigen/Core>
+#include <string>
+#include <vector>
+
+namespace pliant {
+
+using Weights = Eigen::VectorXd; // one per pose
+
+// Unit weight vector e_k of length m, and equal weights.
+Weights corner_weights(std::size_t pose_count, std::size_t pose);
+Weights equal_weights(std::size_t pose_count);
+
+// "0.25,0.75": for messages.
+std::string weights_text(const Weights& w);
+
+// Weights as people give them, checked and divided by their sum. Throws Failure (usage, P1203, P1204).
+Weights normalised_weights(const std::vector<double>& values, std::size_t pose_count);
+
+} // namespace pliant
