@@ -145,6 +145,9 @@ typedef void pliant_tile_kernel(const pliant_asset* asset, const pliant_frame* f
 typedef void pliant_compact_kernel(const pliant_asset* asset, const pliant_frame* frame, size_t tile, size_t first,
                                    size_t end, float* PLIANT_RESTRICT out);
 
+/* In pliant_normals.neighbours, on the first index of a run; indices are below 2^26. */
+#define PLIANT_RUN_START 0x80000000u
+
 /* The normals of `count` vertices (at most PLIANT_LANES) from `first` on: x y z each, PLIANT_LANES of them are written. */
 typedef void pliant_normals_kernel(const pliant_normals* normals, const unsigned char* positions, size_t stride,
                                    size_t first, size_t count, float* PLIANT_RESTRICT out);
@@ -206,7 +209,7 @@ PLIANT_AVX512 pliant_compact_kernel pliant_rebuild_compact_avx512;
 
 /* --------------------------------------------------------------------------------------------- stand-in energy ---- */
 
-/* An asset has elements or a quartic polynomial: solver.c decides which three functions to call. */
+/* An asset has elements or a quartic polynomial: objective.c decides which three functions to call. */
 
 /* Memory that an evaluation needs, in floats; every array starts at a multiple of 64 bytes. */
 typedef struct pliant_energy_layout {
@@ -280,10 +283,14 @@ struct pliant_solver {
     uint32_t evaluation_limit; /* at which a descent ends: desc.max_evaluations, or the share of it that it may use */
 };
 
+/* Memory that the asset's stand-in needs. */
+pliant_energy_layout pliant_solver_measure_energy(const pliant_asset* asset);
+
 /* Makes `combined` that of solver->weights, if it is not that already: a function of them alone. */
 void pliant_solver_combine(pliant_solver* solver);
 
-/* Evaluates the stand-in and the load at `z` and counts it. 1 if value and gradient are finite, 0 otherwise: such a point counts as +infinity. */
+/* Evaluates the stand-in and the load at `z` and counts it. 1 if value and gradient are finite, 0 otherwise: such a point counts
+   as +infinity. */
 int pliant_solver_evaluate(pliant_solver* solver, const float* z, double* energy, float* gradient);
 
 /* Minimises from solver->z, where energy and gradient are known. LIMIT at desc.max_iterations or at evaluation_limit. */

@@ -100,19 +100,6 @@ static void read_limits(pliant_gl* gl, const pliant_gl_desc* desc)
     gl->max_layers = (uint32_t)layers;
 }
 
-/* Errors of before are the caller's; the bound is for contexts that are lost and report errors for ever. */
-void pliant_gl_clear_errors(const pliant_gl* gl)
-{
-    for (int i = 0; i < 64 && GL(gl, GetError)() != GL_NO_ERROR; ++i) {}
-}
-
-pliant_gl_result pliant_gl_check_errors(pliant_gl* gl)
-{
-    if (GL(gl, GetError)() == GL_NO_ERROR) return PLIANT_GL_OK;
-    pliant_gl_say(gl, "the driver reports an error while textures or buffers are made", NULL);
-    return PLIANT_GL_ERROR_MEMORY;
-}
-
 static int is_good_desc(const pliant_gl_desc* desc)
 {
     const uint32_t size = desc->max_texture_size;

@@ -177,16 +177,16 @@ typedef struct pliant_gl_state {
 void pliant_gl_save(const pliant_gl* gl, pliant_gl_state* state);
 void pliant_gl_restore(const pliant_gl* gl, const pliant_gl_state* state);
 
+/* pliant_gl_state.c. Clears the caller's earlier errors, so that an error found later is ours (MEMORY). */
+void pliant_gl_clear_errors(const pliant_gl* gl);
+pliant_gl_result pliant_gl_check_errors(pliant_gl* gl);
+
 /* pliant_gl_shaders.c: compiles both programs for gl->path; the message of a failure goes to gl->message. */
 pliant_gl_result pliant_gl_make_programs(pliant_gl* gl);
 
 /* Binds what pliant_position() needs, to the program in use. */
 void pliant_gl_set_shape(const pliant_gl_mesh* mesh, const pliant_gl_locations* locations, uint32_t unit, const float* q,
                          uint32_t columns);
-
-/* pliant_gl.c. Errors of before are the caller's: cleared, so that those found later are ours (MEMORY). */
-void pliant_gl_clear_errors(const pliant_gl* gl);
-pliant_gl_result pliant_gl_check_errors(pliant_gl* gl);
 
 /* pliant_gl_mesh.c. Fills the position texture, which is bound, from the unpack buffer that is bound. */
 void pliant_gl_put_positions(const pliant_gl_mesh* mesh);
