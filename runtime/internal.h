@@ -4,7 +4,7 @@
 
 #include "pliant.h"
 
-#include "../formats/pliant_format.h"
+#include "pliant_format.h"
 
 #include <string.h>
 

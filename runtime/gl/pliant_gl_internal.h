@@ -5,7 +5,7 @@
 
 #include "pliant_gl.h"
 
-#include "../formats/pliant_format.h"
+#include "pliant_format.h"
 
 #include <string.h>
 
