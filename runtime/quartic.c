@@ -203,6 +203,6 @@ double pliant_quartic_evaluate(const pliant_kernels* kernels, const pliant_asset
                                const float* z, float* gradient, float* scratch)
 {
     double energy;
-    kernels->quartic(asset->dimension, combined, z, gradient, scratch, &energy);
+    kernels->evaluate_quartic(asset->dimension, combined, z, gradient, scratch, &energy);
     return energy;
 }
