@@ -12,7 +12,9 @@
    width: 16 lanes are four SSE registers, two of AVX, one of AVX-512. */
 #define PLIANT_LANES PLIANT_FORMAT_LANES
 
-#if defined(__GNUC__) || defined(__clang__) || (defined(__STDC_VERSION__) && __STDC_VERSION__ >= 199901L)
+#if defined(__GNUC__) || defined(_MSC_VER)
+#define PLIANT_RESTRICT __restrict /* in C++, too */
+#elif defined(__STDC_VERSION__) && __STDC_VERSION__ >= 199901L
 #define PLIANT_RESTRICT restrict
 #else
 #define PLIANT_RESTRICT
