@@ -20,11 +20,11 @@
 #define PLIANT_RESTRICT
 #endif
 
-/* Vector code that counts is compiled twice where that can be: for the compiler's default and for AVX2; what unpacks a compact
-   basis a third time, for AVX-512, where it gains a quarter (single precision waits for memory, the solver was not tried). The
-   processor is asked when a solver is made and in every reconstruction. All do the same operations in the same order, hence the
-   same bits; FMA, which rounds once where they round twice, stays off. No copies where all is compiled for AVX2 anyway, for MSVC,
-   whose library cannot be asked, and where PLIANT_NO_DISPATCH is defined. */
+/* Vector code that counts is compiled twice where that can be: for the compiler's default and for AVX2; what unpacks a
+   compact basis a third time, for AVX-512, where it gains a quarter (single precision waits for memory, the solver was not
+   tried). The processor is asked when a solver is made and in every reconstruction. All do the same operations in the same
+   order, hence the same bits; FMA, which rounds once where they round twice, stays off. No copies where all is compiled for
+   AVX2 anyway, for MSVC, whose library cannot be asked, and where PLIANT_NO_DISPATCH is defined. */
 #if defined(__x86_64__) && defined(__GNUC__) && !defined(_MSC_VER) && !defined(__AVX2__) && !defined(PLIANT_NO_DISPATCH)
 #define PLIANT_HAS_AVX2_COPY 1
 #define PLIANT_TARGET_avx2 __attribute__((target("avx2")))
@@ -154,8 +154,8 @@ typedef void pliant_compact_kernel(const pliant_asset* asset, const pliant_frame
 typedef void pliant_normals_kernel(const pliant_normals* normals, const unsigned char* positions, size_t stride,
                                    size_t first, size_t count, float* PLIANT_RESTRICT out);
 
-/* Every kernel, X(TYPE, NAME, WIDEST): pliant_NAME is of type pliant_TYPE_kernel, and WIDEST is the widest instruction set that has a
-   copy of it, where there are copies. */
+/* Every kernel, X(TYPE, NAME, WIDEST): pliant_NAME is of type pliant_TYPE_kernel, and WIDEST is the widest instruction set
+   that has a copy of it, where there are copies. */
 /* clang-format off */
 #define PLIANT_KERNELS(X)                        \
     X(combine, combine_columns, avx2)            \
@@ -231,9 +231,9 @@ double pliant_quartic_evaluate(const pliant_kernels* kernels, const pliant_asset
 
 /* ----------------------------------------------------------------------------------------- functions of the weights ---- */
 
-/* The start z0(w) and the dead load c(w) for normalised weights, padded_dimension floats each, padding zero; 0 where the asset
-   has none. Either may be null: not wanted. `load` must be null if the asset has none. Together they share one pass over the
-   centres and cost centre_count * (pose_count + dimension for each) multiply-adds. */
+/* The start z0(w) and the dead load c(w) for normalised weights, padded_dimension floats each, padding zero; 0 where the
+   asset has none. Either may be null: not wanted. `load` must be null if the asset has none. Together they share one pass
+   over the centres and cost centre_count * (pose_count + dimension for each) multiply-adds. */
 void pliant_radial_evaluate(const pliant_asset* asset, const float* weights, float* start, float* load);
 
 /* ------------------------------------------------------------------------------------------------------- solver ---- */
@@ -284,8 +284,8 @@ pliant_energy_layout pliant_solver_measure_energy(const pliant_asset* asset);
 /* Makes `combined` that of solver->weights, if it is not that already: a function of them alone. */
 void pliant_solver_combine(pliant_solver* solver);
 
-/* Evaluates the stand-in and the load at `z` and counts it. 1 if value and gradient are finite, 0 otherwise: such a point counts
-   as +infinity. */
+/* Evaluates the stand-in and the load at `z` and counts it. 1 if value and gradient are finite, 0 otherwise: such a point
+   counts as +infinity. */
 int pliant_solver_evaluate(pliant_solver* solver, const float* z, double* energy, float* gradient);
 
 /* Minimises from solver->z, where energy and gradient are known. LIMIT at desc.max_iterations or at evaluation_limit. */

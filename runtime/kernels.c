@@ -2,8 +2,8 @@
 #include "internal.h"
 #include "linalg.h"
 
-/* So much of a product at a time that it stays in the first-level cache while the columns stream through: those of a quartic are
-   hundreds of kilobytes long. */
+/* So much of a product at a time that it stays in the first-level cache while the columns stream through: those of a quartic
+   are hundreds of kilobytes long. */
 #define COMBINED_FLOATS 1024u
 
 static PLIANT_INLINE void combine_columns(float* PLIANT_RESTRICT y, const float* PLIANT_RESTRICT matrix,

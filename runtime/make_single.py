@@ -1,9 +1,9 @@
 #!/usr/bin/env python3
 """The runtime as one C file and one header: make_single.py FOLDER
 
-Writes pliant.c and pliant.h into FOLDER. They need nothing but the C library and compile as C99 and as C++17. pliant.h is the file of
-this folder; pliant.c holds the sources of this folder and formats/pliant_format.h. Without pliant_gl. What a program needs to read
-chunks by their tags (pliant_asset_chunk) is in formats/pliant_format.h, which may lie beside them.
+Writes pliant.c and pliant.h into FOLDER. They need the C library only and compile as C99 and as C++17. pliant.h is a copy of
+runtime/pliant.h; pliant.c holds runtime/*.c, their internal headers and formats/pliant_format.h. pliant_gl is not included.
+Programs that read chunks by tag (pliant_asset_chunk) also need a copy of formats/pliant_format.h.
 """
 import re
 import shutil

@@ -1,13 +1,15 @@
 /* Normals of vertices, recomputed from the deformed positions.
 
-   A normal is the direction of the sum of (b - v) x (c - v) over the corners (v, b, c) of triangles at vertex v, that is of the
-   triangles' normals weighted by their areas: no division, no arc cosine per face, so no face needs care before its sum, and what
-   most engines and three.js compute. Around a vertex neighbours follow each other (the c of one corner is the b of the next), so
-   what is stored are runs of them: a vertex inside a surface has one run of valence + 1 indices, the first one repeated at the end.
-   Compared with the corners of triangles that is half the memory, and one position is read for a triangle and not two or three. */
+   A normal is the direction of the sum of (b - v) x (c - v) over the corners (v, b, c) of triangles at vertex v, that is of
+   the triangles' normals weighted by their areas: no division, no arc cosine per face, so no face needs care before its sum,
+   and what most engines and three.js compute. Around a vertex neighbours follow each other (the c of one corner is the b of
+   the next), so what is stored are runs of them: a vertex inside a surface has one run of valence + 1 indices, the first one
+   repeated at the end. Compared with the corners of triangles that is half the memory, and one position is read for a
+   triangle and not two or three. */
 #include "internal.h"
 
-/* Corners that are put in order together: no vertex of a usual mesh has more, and the time for one that has is still linear. */
+/* Corners that are put in order together: no vertex of a usual mesh has more, and the time for one that has is still
+   linear. */
 #define CHAINED_CORNERS 64u
 
 typedef struct corner {

@@ -42,8 +42,8 @@ static PLIANT_INLINE vector sum_of_corners(const pliant_normals* normals, const 
 
 static PLIANT_INLINE float larger(float a, float b) { return a > b ? a : b; }
 
-/* Divided by its largest component first, so that squares neither vanish nor overflow. After that the squared length is from 1
-   to 3, or not a number if the sum was zero, infinite or not a number itself: then the normal is +z. */
+/* Divided by its largest component first, so that squares neither vanish nor overflow. After that the squared length is from
+   1 to 3, or not a number if the sum was zero, infinite or not a number itself: then the normal is +z. */
 static PLIANT_INLINE void normalise_lanes(float* PLIANT_RESTRICT x, float* PLIANT_RESTRICT y, float* PLIANT_RESTRICT z)
 {
     for (size_t i = 0; i < PLIANT_LANES; ++i) {

@@ -1,5 +1,5 @@
-/* The function that a frame minimises: the stand-in energy of the asset, elements or a quartic, combined for the weights of the
-   frame, plus its dead load. */
+/* The function that a frame minimises: the stand-in energy of the asset, elements or a quartic, combined for the weights of
+   the frame, plus its dead load. */
 #include "internal.h"
 #include "linalg.h"
 

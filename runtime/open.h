@@ -1,5 +1,5 @@
-/* What the files that open an asset share. Hostile bytes are the normal case here: sizes go through pliant_fits() before anything
-   is multiplied or added, and nothing is read before its range was checked. */
+/* What the files that open an asset share. Hostile bytes are the normal case here: sizes go through pliant_fits() before
+   anything is multiplied or added, and nothing is read before its range was checked. */
 #ifndef PLIANT_OPEN_H
 #define PLIANT_OPEN_H
 

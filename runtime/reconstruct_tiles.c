@@ -1,9 +1,10 @@
-/* The kernels of reconstruction: y = origin + rest + U q for one tile of 16 or 64 vertices. Above some thousand vertices the cost is
-   the reading of the basis, so the basis is read once, strictly forwards or nearly so, into sums that stay in registers. */
+/* The kernels of reconstruction: y = origin + rest + U q for one tile of 16 or 64 vertices. Above some thousand vertices the
+   cost is the reading of the basis, so the basis is read once, strictly forwards or nearly so, into sums that stay in
+   registers. */
 #include "internal.h"
 
-/* Shuffles that no compiler finds in a loop over bytes, without headers: gcc 12 and clang. Integers only, or the same operations on
-   floats as the loops beside them: the same bits with and without. */
+/* Shuffles that no compiler finds in a loop over bytes, without headers: gcc 12 and clang. Integers only, or the same
+   operations on floats as the loops beside them: the same bits with and without. */
 #define HAS_VECTORS 0
 #if defined(__GNUC__) && defined(__has_builtin)
 #if __has_builtin(__builtin_shufflevector) && __has_builtin(__builtin_convertvector)
@@ -59,9 +60,9 @@ static PLIANT_INLINE float negative_power(uint32_t exponent)
     return power;
 }
 
-/* sum += factor * field, of fields that end in the word where they begin. One that does not reach the sign stays where it is,
-   2^shift times too large: at most 24 bits are exact in single precision wherever they are, and the factor makes up for it,
-   exactly. That saves a third of the work. */
+/* sum += factor * field, of fields that end in the word where they begin. One that does not reach the sign stays where it
+   is, 2^shift times too large: at most 24 bits are exact in single precision wherever they are, and the factor makes up for
+   it, exactly. That saves a third of the work. */
 static PLIANT_INLINE void add_inner(float* PLIANT_RESTRICT sum, size_t parts, float factor, word_rows word, uint32_t mask)
 {
     UNROLL
@@ -70,7 +71,7 @@ static PLIANT_INLINE void add_inner(float* PLIANT_RESTRICT sum, size_t parts, fl
             sum[p * TILE_FLOATS + i] += factor * (float)(int32_t)(word.first[p * word.stride + i] & mask);
 }
 
-/* The same of those that end at the word's end or in the `next` one. */
+/* As add_inner, for fields that reach the end of the word or continue in `next`. */
 static PLIANT_INLINE void add_crossing(float* PLIANT_RESTRICT sum, size_t parts, float factor, word_rows word,
                                        word_rows next, uint32_t shift, uint32_t mask)
 {
@@ -197,8 +198,8 @@ typedef struct compact_tile {
     float bases[TILE_FLOATS]; /* the sum of the columns' bases, for every vertex */
 } compact_tile;
 
-/* Adds the fields of `parts` parts, weighted, to their sums: column by column, so that what a column needs is worked out once for
-   all parts. */
+/* Adds the fields of `parts` parts, weighted, to their sums: column by column, so that what a column needs is worked out
+   once for all parts. */
 static PLIANT_INLINE void add_parts(const pliant_frame* frame, const compact_tile* tile, const uint32_t* words,
                                     const uint32_t* tail, size_t parts, float* PLIANT_RESTRICT sum)
 {
@@ -245,7 +246,8 @@ static PLIANT_INLINE floats_4 add_upper_halves(floats_4 sum, const float* weight
 }
 #endif
 
-/* The bases of a tile's columns, weighted: those of even columns and of odd ones are added up apart, which is a shorter chain. */
+/* The bases of a tile's columns, weighted: those of even columns and of odd ones are added up apart, which is a shorter
+   chain. */
 static PLIANT_INLINE void sum_bases(const pliant_frame* frame, const pliant_format_field* PLIANT_RESTRICT fields,
                                     float* PLIANT_RESTRICT base)
 {

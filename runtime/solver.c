@@ -10,8 +10,8 @@
 /* Vectors and matrices start at multiples of this: a cache line, and what the widest vectors like. */
 #define ALIGNMENT 64u
 
-/* A jump keeps this part of its evaluations for a second descent, from z = 0: enough for one that starts well, and too few
-   to be missed by a first one that is on a good way (tests/bench/jumps.c counts both). */
+/* A jump keeps this part of its evaluations for a second descent, from z = 0: enough for one that starts well, and few
+   enough not to starve a first descent that is making progress (tests/bench/jumps.c counts both). */
 #define SECOND_DESCENT_SHARE 4u
 
 /* With fewer evaluations than this a second descent gets nowhere. */

@@ -1,5 +1,5 @@
-/* pliant_gl: contexts and instances. Meshes are in pliant_gl_mesh.c, shaders in pliant_gl_shaders.c, what is put back after each
-   call in pliant_gl_state.c. */
+/* pliant_gl: contexts and instances. Meshes are in pliant_gl_mesh.c, shaders in pliant_gl_shaders.c, what is put back after
+   each call in pliant_gl_state.c. */
 #include "pliant_gl_internal.h"
 
 /* A compile-time check that the struct of the header has a place for every function. */

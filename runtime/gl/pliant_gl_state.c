@@ -1,5 +1,5 @@
-/* GL state that the library changes, taken down before and put back after, and GL's error flag. Asking GL costs little: drivers
-   answer these from the application's side. */
+/* GL state that the library changes, taken down before and put back after, and GL's error flag. Asking GL costs little:
+   drivers answer these from the application's side. */
 #include "pliant_gl_internal.h"
 
 static const gl_enum unpack_names[6] = { GL_UNPACK_ROW_LENGTH,  GL_UNPACK_SKIP_ROWS,    GL_UNPACK_SKIP_PIXELS,

@@ -1,8 +1,8 @@
 """The runtime compiles in one folder without an include path: flat.py ROOT FORM COMPILER WORK PROGRAM ASSETS
 
 FORM `copied`: the files that README.md says to copy, as C99. `copied_gl`: with those of pliant_gl. `single`: the files that
-runtime/make_single.py writes, as C99 and as C++17. Each form is compiled without a warning by COMPILER (gcc or clang) and linked to
-tests/runtime/test_bits.c, which must then print the same hash of blends of ASSETS as PROGRAM, which is linked to the library.
+runtime/make_single.py writes, as C99 and as C++17. Each form is compiled without a warning by COMPILER (gcc or clang) and
+linked to tests/runtime/test_bits.c. It must print the same hash of blends of ASSETS as PROGRAM, which uses the library.
 """
 import shutil
 import subprocess
@@ -36,8 +36,8 @@ def hash_of(root, command, compiler, folder, assets):
     subprocess.run([*command, *STRICT, "-c", *sources], cwd=folder, check=True)
     objects = sorted(str(path) for path in folder.glob("*.o"))
     program = folder / "bits"
-    subprocess.run([compiler, *C99, f"-I{folder}", str(root / "tests/runtime/test_bits.c"), *objects, "-lm", "-o", str(program)],
-                   check=True)
+    test = str(root / "tests/runtime/test_bits.c")
+    subprocess.run([compiler, *C99, f"-I{folder}", test, *objects, "-lm", "-o", str(program)], check=True)
     return subprocess.run([str(program), assets], check=True, capture_output=True, text=True).stdout
 
 

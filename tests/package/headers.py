@@ -1,7 +1,7 @@
 """The public headers and the runtime's sources hold to the standards they claim: headers.py ROOT COMPILER
 
-The public headers compile alone as C99 and as C++11, the runtime as C99, all with -pedantic and without one warning. A planted
-line that C99 does not have must be refused, else the flags do nothing.
+The public headers compile alone as C99 and as C++11, the runtime as C99, all with -pedantic and without one warning. A
+planted line that C99 does not have must be refused, else the flags do nothing.
 """
 import shutil
 import subprocess

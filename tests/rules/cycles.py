@@ -1,7 +1,7 @@
 """No cycle of calls between the files of a library: cycles.py LIBRARY --compiler CC
 
-A file of a static library needs another one when it uses a symbol that the other one defines (nm), be it a function or a table. Shown
-to fail on planted files that need each other first. Exit code 77: the library is not static.
+A file of a static library needs another file when it uses a symbol that the other file defines, a function or a table (nm).
+The test first plants files that need each other and expects them to be reported. Exit code 77: the library is not static.
 """
 import argparse
 import shutil
