@@ -1,7 +1,7 @@
 // The `pliant` tool: one program, one verb per task.
 #include "cli/verbs.h"
 
-#include "bake/certificate.h"
+#include "base/common/version.h"
 
 #include <cstdio>
 #include <fmt/core.h>

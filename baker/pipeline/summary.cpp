@@ -1,5 +1,6 @@
 #include "bake/certificate.h"
 #include "base/common/diagnostics.h"
+#include "base/common/version.h"
 #include "input/io/source_file.h"
 #include "output/asset/runtime_blender.h"
 #include "pipeline/batch.h"
