@@ -122,4 +122,10 @@ void check_shape(const MeshFile& mesh, const Triangulation& triangulation, Findi
     check_fans(mesh, triangulation, to_unit_box(mesh.positions), findings);
 }
 
+std::string where_is_face(const MeshFile& mesh, std::size_t face)
+{
+    if (face >= mesh.face_lines.size()) return mesh.path;
+    return mesh.path + ":" + std::to_string(mesh.face_lines[face]);
+}
+
 } // namespace pliant

@@ -1,0 +1,28 @@
+"""Tests mirror the rooms: every folder of tests/baker/ is a group of the baker, by the table in baker/README.md, and every group of
+sources has one. Of the top level runtime/, baker/ and samples/ have a folder of tests each."""
+from rule_layers import table_of
+from tree import Plant
+
+README = "baker/README.md"
+# Only scripts for other projects; the tests of pipeline/ run them.
+WITHOUT_TESTS = {"cmake"}
+TOP = ("baker", "runtime", "samples")
+
+
+def folders_below(tree, base):
+    return sorted({path[len(base) + 1:].split("/")[0] for path in tree.files(base) if "/" in path[len(base) + 1:]})
+
+
+def check(tree):
+    groups = list(dict.fromkeys(room.split("/")[0] for room in table_of(tree, README)))
+    tested = folders_below(tree, "tests/baker")
+    faults = [f"tests/baker/{name}/: is no group of the table in {README}" for name in tested if name not in groups]
+    faults += [f"tests/baker/{name}/: the group baker/{name}/ has no tests"
+               for name in groups if name not in tested and name not in WITHOUT_TESTS]
+    return faults + [f"tests/{name}/: {name}/ has no tests" for name in TOP if not tree.files(f"tests/{name}")]
+
+
+PLANTS = [
+    Plant("tests/baker/planted/test.py", "pass\n", "is no group of the table"),
+    Plant("baker/README.md", "\n## Rooms\n\n| `planted/` | nothing |\n", "the group baker/planted/ has no tests"),
+]
