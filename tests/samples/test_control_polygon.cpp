@@ -1,7 +1,7 @@
 // The mathematics of the player: coordinates in the control polygon, and the motion of the point.
-#include "asset_file.h"
-#include "control_polygon.h"
-#include "motion.h"
+#include "blend/asset_file.h"
+#include "blend/control_polygon.h"
+#include "blend/motion.h"
 
 #include <doctest/doctest.h>
 #include <glm/geometric.hpp>

@@ -1,7 +1,7 @@
 // What the player knows of shapes without their vertices, against all vertices; and the order of blended parts.
-#include "asset_file.h"
-#include "landmarks.h"
-#include "layers.h"
+#include "blend/asset_file.h"
+#include "blend/landmarks.h"
+#include "draw/layers.h"
 
 #include <doctest/doctest.h>
 #include <glm/geometric.hpp>

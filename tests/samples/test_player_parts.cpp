@@ -1,12 +1,12 @@
 // The parts of the player that need no graphics: paths of weights, unreduced averages, distances, playback, crowds' places.
-#include "alignment.h"
-#include "crowd.h"
-#include "error.h"
-#include "frame_times.h"
-#include "heat.h"
-#include "playback.h"
-#include "truth.h"
-#include "weight_path.h"
+#include "blend/alignment.h"
+#include "blend/crowd.h"
+#include "blend/error.h"
+#include "blend/frame_times.h"
+#include "blend/heat.h"
+#include "blend/playback.h"
+#include "blend/truth.h"
+#include "blend/weight_path.h"
 
 #include <doctest/doctest.h>
 #include <glm/common.hpp>

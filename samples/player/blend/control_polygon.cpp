@@ -1,0 +1,140 @@
+#include "blend/control_polygon.h"
+
+#include <glm/geometric.hpp>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace pliant::player {
+
+namespace {
+
+constexpr double kPi = 3.14159265358979323846;
+
+// Weights below this are rounding of the products on the boundary (1e-16 each), far below what float weights can tell apart.
+constexpr double kSmallestWeight = 1e-12;
+
+double cross(glm::dvec2 a, glm::dvec2 b) { return a.x * b.y - a.y * b.x; }
+
+glm::dvec2 nearest_on_segment(glm::dvec2 a, glm::dvec2 b, glm::dvec2 point)
+{
+    const glm::dvec2 direction = b - a;
+    const double t = std::clamp(glm::dot(point - a, direction) / glm::dot(direction, direction), 0.0, 1.0);
+    return (1.0 - t) * a + t * b; // exact at both ends
+}
+
+} // namespace
+
+ControlPolygon::ControlPolygon(uint32_t corner_count)
+{
+    if (corner_count <= 2) {
+        corners_ = { { -1.0, 0.0 }, { 1.0, 0.0 } };
+        return;
+    }
+    // Four poses stand as a square, not on its tip: labels find more room beside it.
+    const double first = corner_count == 4 ? 0.75 * kPi : 0.5 * kPi;
+    for (uint32_t k = 0; k < corner_count; ++k) {
+        const double angle = first + 2.0 * kPi * k / corner_count;
+        corners_.emplace_back(std::cos(angle), std::sin(angle));
+    }
+}
+
+double ControlPolygon::side(uint32_t edge, glm::dvec2 point) const
+{
+    const glm::dvec2 start = corners_[edge];
+    return cross(corners_[(edge + 1) % corner_count()] - start, point - start);
+}
+
+std::vector<double> ControlPolygon::weights(glm::dvec2 point) const
+{
+    point = nearest_inside(point);
+    const uint32_t count = corner_count();
+    if (count == 2) {
+        const double t = (point.x + 1.0) / 2.0;
+        return { 1.0 - t, t };
+    }
+    std::vector<double> sides(count), weights(count, 1.0);
+    double longest = 0.0;
+    for (uint32_t edge = 0; edge < count; ++edge) {
+        sides[edge] = std::max(side(edge, point), 0.0);
+        longest = std::max(longest, sides[edge]);
+    }
+    double sum = 0.0;
+    for (uint32_t k = 0; k < count; ++k) {
+        for (uint32_t edge = 0; edge < count; ++edge) {
+            const bool touches_corner = edge == k || (edge + 1) % count == k;
+            if (!touches_corner) weights[k] *= sides[edge] / longest; // scaled: 64 small factors must not underflow
+        }
+        sum += weights[k];
+    }
+    double kept = 0.0;
+    for (double& weight : weights) {
+        if (weight < kSmallestWeight * sum) weight = 0.0;
+        kept += weight;
+    }
+    for (double& weight : weights) weight /= kept;
+    return weights;
+}
+
+glm::dvec2 ControlPolygon::point(const std::vector<double>& weights) const
+{
+    glm::dvec2 sum { 0.0 };
+    double total = 0.0;
+    for (uint32_t k = 0; k < corner_count() && k < weights.size(); ++k) {
+        sum += weights[k] * corners_[k];
+        total += weights[k];
+    }
+    return total > 0.0 ? sum / total : sum;
+}
+
+glm::dvec2 ControlPolygon::nearest_inside(glm::dvec2 point) const
+{
+    const uint32_t count = corner_count();
+    if (count == 2) return nearest_on_segment(corners_[0], corners_[1], point);
+    bool inside = true;
+    for (uint32_t edge = 0; edge < count; ++edge) inside = inside && side(edge, point) >= 0.0;
+    if (inside) return point;
+    glm::dvec2 best = corners_[0];
+    double best_distance = std::numeric_limits<double>::infinity();
+    for (uint32_t edge = 0; edge < count; ++edge) {
+        const glm::dvec2 candidate = nearest_on_segment(corners_[edge], corners_[(edge + 1) % count], point);
+        const double distance = glm::distance(candidate, point);
+        if (distance < best_distance) {
+            best_distance = distance;
+            best = candidate;
+        }
+    }
+    return best;
+}
+
+glm::dvec2 ControlPolygon::idle_point(double phase) const
+{
+    const uint32_t count = corner_count();
+    const double along = (phase - std::floor(phase)) * count;
+    const uint32_t from = std::min(static_cast<uint32_t>(along), count - 1);
+    const double s = along - from;
+    const double t = s * s * s * (s * (s * 6.0 - 15.0) + 10.0); // at rest in the corners, to the second derivative
+    // A cubic Bezier curve whose inner control points lie between corner and centre: it stays in their convex hull, so inside.
+    constexpr double kPull = 0.25;
+    const glm::dvec2 a = corners_[from], b = corners_[(from + 1) % count];
+    const double u = 1.0 - t;
+    return u * u * u * a + 3.0 * u * u * t * (kPull * a) + 3.0 * u * t * t * (kPull * b) + t * t * t * b;
+}
+
+double ControlPolygon::idle_phase_near(glm::dvec2 point) const
+{
+    const int samples = 64 * static_cast<int>(corner_count()); // the eye does not see finer
+    double best = 0.0, best_distance = std::numeric_limits<double>::infinity();
+    for (int i = 0; i < samples; ++i) {
+        const double phase = static_cast<double>(i) / samples;
+        const double distance = glm::distance(idle_point(phase), point);
+        if (distance < best_distance) {
+            best_distance = distance;
+            best = phase;
+        }
+    }
+    return best;
+}
+
+} // namespace pliant::player

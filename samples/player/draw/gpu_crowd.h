@@ -1,0 +1,53 @@
+// The shapes of a crowd, rebuilt by pliant::gl: one mesh on the graphics card, and two buffers for each character.
+#pragma once
+
+#include "blend/crowd.h"
+#include "blend/landmarks.h"
+#include "draw/actor.h"
+
+#include <string>
+
+namespace pliant::player {
+
+class GpuCrowd {
+public:
+    // blended: the vertices of each blended part (paint.h). Needs a current GL context, whose functions `load` finds, for as long as it
+    // lives. The file must outlive it. Throws Error if the driver cannot.
+    GpuCrowd(const AssetFile& file, const glm::mat3& to_world, uint32_t count,
+             const std::vector<std::vector<uint32_t>>& blended, pliant_gl_loader load);
+
+    // Rebuilds all shapes from what crowd.solve() found, and waits until that is done. Fills in the cost's placing_us and update_us.
+    // A complete framebuffer must be bound: transform feedback asks for one.
+    void rebuild(const Crowd& crowd, CrowdCost& cost);
+
+    const BuiltShape& shape(uint32_t character) const { return shapes_.list[character]; }
+    const char* path_name() const; // how the driver does it
+
+private:
+    // Released in the order of pliant_gl.h, also when the constructor throws: mesh and instances may be missing then.
+    struct Context {
+        pliant_gl gl {};
+        ~Context() { pliant_gl_free(&gl); }
+    };
+    struct Mesh {
+        pliant_gl_mesh mesh {};
+        ~Mesh() { pliant_gl_mesh_free(&mesh); }
+    };
+    struct Shapes {
+        std::vector<BuiltShape> list;
+        ~Shapes()
+        {
+            for (BuiltShape& shape : list) pliant_gl_instance_free(&shape.instance);
+        }
+    };
+
+    void upload(const pliant_asset& asset, uint32_t count, pliant_gl_loader load);
+
+    Context context_;
+    Mesh mesh_;
+    Shapes shapes_;
+    Landmarks landmarks_;
+    glm::mat4 to_world_;
+};
+
+} // namespace pliant::player

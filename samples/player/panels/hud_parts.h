@@ -1,0 +1,48 @@
+// Pieces that the panels of all sessions are made of.
+#pragma once
+
+#include "blend/asset_file.h"
+#include "draw/camera.h"
+#include "panels/overlay.h"
+
+#include <string>
+#include <utility>
+#include <vector>
+
+namespace pliant::player {
+
+// Measures of the design, in its pixels.
+constexpr float kMargin = 18.0f, kColumn = 316.0f;
+
+constexpr ImGuiWindowFlags kPanel = ImGuiWindowFlags_NoTitleBar | ImGuiWindowFlags_NoResize | ImGuiWindowFlags_NoMove
+    | ImGuiWindowFlags_NoScrollbar | ImGuiWindowFlags_NoScrollWithMouse | ImGuiWindowFlags_NoSavedSettings
+    | ImGuiWindowFlags_NoNav | ImGuiWindowFlags_NoFocusOnAppearing;
+
+// The part of the picture that the panels leave free.
+Area free_area(float scale, int width, int height);
+
+// Label on the left, value on the right of the panel.
+void row(const Overlay& overlay, const char* label, const std::string& value);
+// The title and a line of facts below it.
+void heading(const Overlay& overlay, const std::string& title, const std::string& facts);
+
+// Begins the panel at the top left with the asset's title and size. ImGui::End() ends it.
+void begin_facts(const Overlay& overlay, const AssetFile& file);
+
+std::string microseconds(double value);
+std::string milliseconds(double value);
+// A share as a percentage with two digits that count: "0.034 %".
+std::string percent(double share);
+
+// A key and what it does, for the strip along the bottom.
+using Key = std::pair<const char*, const char*>;
+void draw_keys(const Overlay& overlay, const std::vector<Key>& keys, bool shown, int width, int height);
+
+// A message over the scene: something was loaded, or was not.
+struct Notice {
+    std::string text; // empty: none
+    bool is_error = false;
+};
+void draw_notice(const Overlay& overlay, const Notice& notice, int width, int height);
+
+} // namespace pliant::player

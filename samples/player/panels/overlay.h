@@ -1,0 +1,58 @@
+// Dear ImGui, set up to look like this program: fonts, colours, frames with and without a window.
+#pragma once
+
+#include "draw/gl_objects.h"
+
+#include <imgui.h>
+
+#include <string>
+
+struct GLFWwindow;
+
+namespace pliant::player {
+
+// One at a time; needs a current GL context.
+class Overlay {
+public:
+    // scale: how many pixels of the framebuffer a pixel of the design has. window: null for pictures.
+    Overlay(float scale, GLFWwindow* window);
+    ~Overlay();
+    Overlay(const Overlay&) = delete;
+    Overlay& operator=(const Overlay&) = delete;
+
+    // Between the two, ImGui calls. Without a window the picture's size must be given.
+    void begin_frame(int width, int height);
+    void end_frame();     // draws into the bound framebuffer
+    void discard_frame(); // draws nothing
+
+    float scale() const { return scale_; }
+    ImFont* text() const { return text_; }
+    ImFont* small() const { return small_; }
+    ImFont* title() const { return title_; }
+
+private:
+    void load_fonts();
+    void set_style();
+
+    float scale_;
+    GLFWwindow* window_;
+    ImFont* text_ = nullptr;
+    ImFont* small_ = nullptr;
+    ImFont* title_ = nullptr;
+};
+
+// The palette of panels and captions.
+inline constexpr ImU32 kInk = IM_COL32(34, 42, 56, 255);
+inline constexpr ImU32 kFaintInk = IM_COL32(104, 116, 136, 255);
+inline constexpr ImU32 kElasticInk = IM_COL32(206, 92, 58, 255);
+inline constexpr ImU32 kLinearInk = IM_COL32(88, 108, 142, 255);
+inline constexpr ImU32 kUnreducedInk = IM_COL32(58, 128, 96, 255);
+inline constexpr ImU32 kSandInk = IM_COL32(206, 184, 142, 255);
+
+// Draws text with its anchor (0..1 in both directions) at a place, in the given font; returns its size.
+ImVec2 draw_text(ImDrawList* list, ImFont* font, ImVec2 place, ImVec2 anchor, ImU32 colour, const std::string& text);
+
+// 18439 as "18,439".
+std::string grouped(uint64_t number);
+
+} // namespace pliant::player

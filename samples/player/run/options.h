@@ -1,0 +1,59 @@
+// The command line.
+#pragma once
+
+#include "blend/character.h"
+#include "blend/weight_path.h"
+
+#include <glm/mat3x3.hpp>
+#include <glm/vec2.hpp>
+
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace pliant::player {
+
+// Who rebuilds the shapes of a crowd. automatic: pliant::gl, unless the driver draws on the processor.
+enum class Rebuild { automatic, gpu, cpu };
+
+struct Options {
+    std::string asset;
+    std::string screenshot; // path; empty: none
+    std::string sheet;      // path; empty: none
+    std::string sequence;   // pattern of paths; empty: none
+    int benchmark_frames = 0;
+    bool json = false;
+    std::vector<double> weights; // empty: equal
+    std::string path;            // file of weights; empty: none
+    double fps = 30.0;           // its rows a second
+    int count = 0;               // pictures of a sequence; 0: one for each row of the path
+    std::string truth_weights, truth_pattern;
+    bool heat = false;
+    int crowd = 0; // characters; 0: not a crowd
+    Rebuild rebuild = Rebuild::automatic;
+    bool linear = false;
+    bool both = false;
+    bool hud = false;
+    bool plain = false; // without the asset's materials
+    bool up_is_z = false;
+    int width = 0, height = 0;     // 0: the mode's own default
+    std::optional<glm::vec2> view; // yaw and pitch in degrees
+    double exit_after = 0.0;       // seconds; 0: never
+
+    glm::mat3 to_world() const;
+};
+
+// Returns the options, or an exit code if there is nothing left to do (--help, --version). Throws Error for wrong usage.
+struct ParsedLine {
+    Options options;
+    std::optional<int> exit_code;
+};
+ParsedLine parse_command_line(int argc, char** argv);
+
+// The path to play, if there is one. Throws Error.
+std::optional<WeightPath> path_for(const Options& options, const AssetFile& file);
+
+// The weights to show for an asset: as given, or equal. Throws Error if their number is not that of the poses.
+std::vector<double> weights_for(const Options& options, const AssetFile& file);
+
+} // namespace pliant::player
