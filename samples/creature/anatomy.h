@@ -7,8 +7,8 @@
 
 namespace pliant::creature {
 
-/// A part has a straight axis in the bind shape, along which poses bend and twist it. Part 0 is the spine; all others are
-/// rooted in it.
+// A part has a straight axis in the bind shape, along which poses bend and twist it. Part 0 is the spine; all others are
+// rooted in it.
 struct Part {
     std::string name; // "spine", "arm.left", ...: what poses call it
     Axis axis;
@@ -23,7 +23,7 @@ struct Anatomy {
     Vec3 box_min, box_max;                     // contains the skin with room to spare
 };
 
-/// The bind shape, about 10 units long: x forward, y left, z up, spine along x, limbs spread.
+// The bind shape, about 10 units long: x forward, y left, z up, spine along x, limbs spread.
 Anatomy build_anatomy();
 
 } // namespace pliant::creature

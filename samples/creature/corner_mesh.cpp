@@ -141,14 +141,14 @@ void CornerMesh::flip(int h)
 Mesh CornerMesh::mesh() const
 {
     Mesh mesh;
-    std::vector<int32_t> number(points_.size(), -1);
+    std::vector<std::int32_t> number(points_.size(), -1);
     for (int h = 0; h < half_edge_count(); h += 3) {
         if (!half_edge_alive(h)) continue;
         Face face;
         for (int i = 0; i < 3; ++i) {
-            int32_t& n = number[origin_[h + i]];
+            std::int32_t& n = number[origin_[h + i]];
             if (n < 0) {
-                n = int32_t(mesh.points.size());
+                n = std::int32_t(mesh.points.size());
                 mesh.points.push_back(points_[origin_[h + i]]);
             }
             face[i] = n;

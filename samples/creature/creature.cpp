@@ -1,4 +1,5 @@
 #include "creature.h"
+
 #include "anatomy.h"
 #include "polygonise.h"
 #include "remesh.h"

@@ -4,10 +4,9 @@
 #include <cmath>
 
 namespace pliant::creature {
-
 namespace {
 
-/// Quadratic smooth minimum (Quilez): differs from min(a, b) only where they are within `k` of each other.
+// Quadratic smooth minimum (Quilez): differs from min(a, b) only where they are within `k` of each other.
 double smooth_min(double a, double b, double k)
 {
     const double h = std::max(k - std::abs(a - b), 0.0) / k;
@@ -23,7 +22,7 @@ Profile::Profile(std::initializer_list<std::pair<double, double>> knots)
         value_.push_back(v);
     }
     slope_.assign(position_.size(), 0.0);
-    for (size_t i = 1; i + 1 < position_.size(); ++i)
+    for (std::size_t i = 1; i + 1 < position_.size(); ++i)
         slope_[i] = (value_[i + 1] - value_[i - 1]) / (position_[i + 1] - position_[i - 1]);
 }
 
@@ -31,7 +30,7 @@ double Profile::operator()(double s) const
 {
     if (s <= position_.front()) return value_.front();
     if (s >= position_.back()) return value_.back();
-    size_t i = 0;
+    std::size_t i = 0;
     while (position_[i + 1] < s) ++i;
     const double h = position_[i + 1] - position_[i];
     const double x = (s - position_[i]) / h, y = 1.0 - x;
@@ -99,7 +98,7 @@ Shape smooth_union(std::vector<Shape> shapes, double fillet)
     shape.radius += fillet;
     shape.distance = [shapes = std::move(shapes), fillet](const Vec3& p) {
         double d = shapes.front().distance(p);
-        for (size_t i = 1; i < shapes.size(); ++i)
+        for (std::size_t i = 1; i < shapes.size(); ++i)
             if (shapes[i].lower_bound(p) < d + fillet) d = smooth_min(d, shapes[i].distance(p), fillet);
         return d;
     };

@@ -32,10 +32,10 @@ void test_topology(const Character& character, int wanted_vertices)
     expect(topology.euler_characteristic == 2, "genus 0");
 }
 
-/// Says between which places of the rest pose the worst crossings are: every tenth of the list.
+// Says between which places of the rest pose the worst crossings are: every tenth of the list.
 void report_crossings(const ShapeReport& report, const NamedShape& rest)
 {
-    for (size_t i = 0; i < report.crossings.size(); i += 1 + report.crossings.size() / 10) {
+    for (std::size_t i = 0; i < report.crossings.size(); i += 1 + report.crossings.size() / 10) {
         const Vec3 &a = rest.points[report.crossings[i][0]], &b = rest.points[report.crossings[i][1]];
         std::printf("    at (%.1f %.1f %.1f) with (%.1f %.1f %.1f)\n", a.x(), a.y(), a.z(), b.x(), b.y(), b.z());
     }
@@ -61,7 +61,7 @@ void test_shapes(const Character& character)
     }
 }
 
-/// Elastic examples: hardly any edge changes its length much from any pose to any other.
+// Elastic examples: hardly any edge changes its length much from any pose to any other.
 void test_stretch(const Character& character)
 {
     for (const NamedShape& from : character.poses)

@@ -5,7 +5,7 @@
 
 namespace pliant::creature {
 
-/// Connectivity alone.
+// Connectivity alone.
 struct TopologyReport {
     bool closed_manifold = false; // every edge has two faces of opposite direction, every vertex one fan
     bool all_vertices_used = false;
@@ -14,7 +14,7 @@ struct TopologyReport {
 };
 TopologyReport check_topology(int vertex_count, const std::vector<Face>& faces);
 
-/// One pose. Angles in degrees, dihedral angles (0: flat) in radians.
+// One pose. Angles in degrees, dihedral angles (0: flat) in radians.
 struct ShapeReport {
     bool finite = false;
     int coincident_vertices = 0; // vertices at the float32 position of another one
@@ -26,7 +26,7 @@ struct ShapeReport {
 };
 ShapeReport check_shape(const std::vector<Vec3>& points, const std::vector<Face>& faces);
 
-/// How one pose differs from another.
+// How one pose differs from another.
 struct StretchReport {
     double share_outside = 0.0;     // of edges whose length ratio lies outside [0.6, 1.7]
     double least = 0.0, most = 0.0; // ratio

@@ -6,7 +6,6 @@
 #include <cmath>
 
 namespace pliant::player {
-
 namespace {
 
 using Matrix4 = std::array<std::array<double, 4>, 4>;
@@ -36,39 +35,36 @@ void turn_plane(Matrix4& a, Matrix4& vectors, int p, int q)
 // The eigenvector of the largest eigenvalue.
 std::array<double, 4> top_eigenvector(Matrix4 a)
 {
-    constexpr int kSweeps = 12; // convergence is quadratic: six sweeps reach double precision, even of equal eigenvalues
+    constexpr int sweep_count = 12; // convergence is quadratic: six sweeps reach double precision, even of equal eigenvalues
     Matrix4 vectors {};
     for (int i = 0; i < 4; ++i) vectors[i][i] = 1.0;
-    for (int sweep = 0; sweep < kSweeps; ++sweep) {
-        for (int p = 0; p < 4; ++p) {
+    for (int sweep = 0; sweep < sweep_count; ++sweep) {
+        for (int p = 0; p < 4; ++p)
             for (int q = p + 1; q < 4; ++q) turn_plane(a, vectors, p, q);
-        }
     }
     int top = 0;
-    for (int i = 1; i < 4; ++i) {
+    for (int i = 1; i < 4; ++i)
         if (a[i][i] > a[top][top]) top = i;
-    }
     return { vectors[0][top], vectors[1][top], vectors[2][top], vectors[3][top] };
 }
 
 } // namespace
 
-RigidMotion best_motion(const std::vector<glm::vec3>& from, const std::vector<glm::vec3>& onto, size_t count)
+RigidMotion best_motion(const std::vector<glm::vec3>& from, const std::vector<glm::vec3>& onto, std::size_t count)
 {
     RigidMotion motion;
     if (count == 0) return motion;
-    for (size_t v = 0; v < count; ++v) {
+    for (std::size_t v = 0; v < count; ++v) {
         motion.centre += glm::dvec3(from[v]);
         motion.target += glm::dvec3(onto[v]);
     }
     motion.centre /= static_cast<double>(count);
     motion.target /= static_cast<double>(count);
     double s[3][3] = {};
-    for (size_t v = 0; v < count; ++v) {
+    for (std::size_t v = 0; v < count; ++v) {
         const glm::dvec3 a = glm::dvec3(from[v]) - motion.centre, b = glm::dvec3(onto[v]) - motion.target;
-        for (int i = 0; i < 3; ++i) {
+        for (int i = 0; i < 3; ++i)
             for (int j = 0; j < 3; ++j) s[i][j] += a[i] * b[j];
-        }
     }
     // Horn's matrix: its top eigenvector is the quaternion w, x, y, z of the rotation.
     const Matrix4 n { { { s[0][0] + s[1][1] + s[2][2], s[1][2] - s[2][1], s[2][0] - s[0][2], s[0][1] - s[1][0] },

@@ -20,6 +20,6 @@ struct RigidMotion {
 
 // The rotation and translation that bring the first `count` points of `from` nearest to those of `onto`, by the sum of squared
 // distances (Horn 1987). Reflections are none. Cost: two passes over the points.
-RigidMotion best_motion(const std::vector<glm::vec3>& from, const std::vector<glm::vec3>& onto, size_t count);
+RigidMotion best_motion(const std::vector<glm::vec3>& from, const std::vector<glm::vec3>& onto, std::size_t count);
 
 } // namespace pliant::player

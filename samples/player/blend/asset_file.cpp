@@ -10,24 +10,23 @@
 #include <system_error>
 
 namespace pliant::player {
-
 namespace {
 
 // A cache line: what the runtime's inner loops like best, and a multiple of the 16 that it insists on.
-constexpr std::align_val_t kBlobAlignment { 64 };
+constexpr std::align_val_t blob_alignment { 64 };
 
-constexpr char kBakeHint[] = "make an asset with: pliant bake rest.ply pose1.ply ... -o character.pliant";
+constexpr char bake_hint[] = "make an asset with: pliant bake rest.ply pose1.ply ... -o character.pliant";
 
 [[noreturn]] void refuse_file(const std::string& path, const std::string& reason)
 {
-    throw Error(ErrorNumber::file_unreadable, ExitCode::bad_input, path + ": " + reason, kBakeHint);
+    throw Error(ErrorNumber::file_unreadable, ExitCode::bad_input, path + ": " + reason, bake_hint);
 }
 
 std::string hint_for(pliant_result result)
 {
     switch (result) {
     case PLIANT_ERROR_VERSION: return "bake the asset again with the pliant tool of this version";
-    case PLIANT_ERROR_NOT_PLIANT: return kBakeHint;
+    case PLIANT_ERROR_NOT_PLIANT: return bake_hint;
     case PLIANT_ERROR_ABSENT: return "only files of `pliant export --embed` have an asset inside";
     default:
         return "the file is damaged: copy it again (as binary) or bake it again; `pliant validate` names the broken rule";
@@ -35,7 +34,7 @@ std::string hint_for(pliant_result result)
 }
 
 // The place of the asset in a file: the whole of it, or what a GLB file holds.
-pliant_result find_asset(const std::byte* bytes, size_t size, size_t& offset, size_t& asset_size)
+pliant_result find_asset(const std::byte* bytes, std::size_t size, std::size_t& offset, std::size_t& asset_size)
 {
     offset = 0;
     asset_size = size;
@@ -45,7 +44,7 @@ pliant_result find_asset(const std::byte* bytes, size_t size, size_t& offset, si
 
 } // namespace
 
-void AssetFile::AlignedDelete::operator()(std::byte* bytes) const { ::operator delete[](bytes, kBlobAlignment); }
+void AssetFile::AlignedDelete::operator()(std::byte* bytes) const { ::operator delete[](bytes, blob_alignment); }
 
 AssetFile::AssetFile(const std::string& path)
     : path_(path)
@@ -57,13 +56,13 @@ AssetFile::AssetFile(const std::string& path)
     const auto size = std::filesystem::file_size(path, error);
     if (error) refuse_file(path, error.message());
 
-    blob_.reset(static_cast<std::byte*>(::operator new[](size > 0 ? size : 1, kBlobAlignment)));
+    blob_.reset(static_cast<std::byte*>(::operator new[](size > 0 ? size : 1, blob_alignment)));
     if (std::fread(blob_.get(), 1, size, file.get()) != size) refuse_file(path, "ended early while it was read");
-    size_t offset = 0, asset_size = 0;
+    std::size_t offset = 0, asset_size = 0;
     pliant_result result = find_asset(blob_.get(), size, offset, asset_size);
     if (result == PLIANT_OK) {
         // Our own files have it at a page; another writer may have put it anywhere.
-        if (offset % static_cast<size_t>(kBlobAlignment) != 0) {
+        if (offset % static_cast<std::size_t>(blob_alignment) != 0) {
             std::memmove(blob_.get(), blob_.get() + offset, asset_size);
             offset = 0;
         }
@@ -73,7 +72,7 @@ AssetFile::AssetFile(const std::string& path)
         throw Error(ErrorNumber::asset_refused, ExitCode::bad_input, path + ": " + pliant_result_text(result),
                     hint_for(result));
     }
-    for (uint32_t k = 0; k < asset_.pose_count; ++k) {
+    for (std::uint32_t k = 0; k < asset_.pose_count; ++k) {
         const std::string name = pliant_asset_pose_name(&asset_, k);
         pose_names_.push_back(name.empty() ? "pose " + std::to_string(k) : name);
     }
@@ -82,12 +81,11 @@ AssetFile::AssetFile(const std::string& path)
 
 std::vector<std::string> without_common_prefix(const std::vector<std::string>& names)
 {
-    size_t shared = names.front().size();
-    for (const std::string& name : names) {
+    std::size_t shared = names.front().size();
+    for (const std::string& name : names)
         while (name.compare(0, shared, names.front(), 0, shared) != 0) --shared;
-    }
-    const size_t separator = names.front().substr(0, shared).find_last_of("_-. ");
-    const size_t cut = separator == std::string::npos ? 0 : separator + 1;
+    const std::size_t separator = names.front().substr(0, shared).find_last_of("_-. ");
+    const std::size_t cut = separator == std::string::npos ? 0 : separator + 1;
     std::vector<std::string> result;
     for (const std::string& name : names) {
         if (name.size() == cut) return names;

@@ -20,10 +20,10 @@ void CostHistory::add(const BlendCost& cost)
 
 double CostHistory::median(double BlendCost::*field) const
 {
-    const size_t count = std::min(count_, costs_.size());
+    const std::size_t count = std::min(count_, costs_.size());
     if (count == 0) return 0.0;
     std::vector<double> values;
-    for (size_t i = 0; i < count; ++i) values.push_back(costs_[i].*field);
+    for (std::size_t i = 0; i < count; ++i) values.push_back(costs_[i].*field);
     std::nth_element(values.begin(), values.begin() + count / 2, values.end());
     return values[count / 2];
 }
@@ -84,30 +84,30 @@ void Character::show(const std::vector<glm::vec3>& positions)
 
 void Character::set_heat(const std::vector<float>& heat)
 {
-    for (size_t v = 0; v < vertices_.size(); ++v) vertices_[v].heat = heat.empty() ? -1.0f : heat[v];
+    for (std::size_t v = 0; v < vertices_.size(); ++v) vertices_[v].heat = heat.empty() ? -1.0f : heat[v];
 }
 
 Extent extent_of_poses(Character& character)
 {
-    constexpr int kDirections = 96; // about 20 degrees apart: what is missed between two is a hundredth of the size
+    constexpr int direction_count = 96; // about 20 degrees apart: what is missed between two is a hundredth of the size
     std::vector<glm::vec3> directions;
-    for (int i = 0; i < kDirections; ++i) { // evenly over the sphere: a Fibonacci spiral
-        const float up = 1.0f - (2.0f * static_cast<float>(i) + 1.0f) / kDirections, level = std::sqrt(1.0f - up * up);
+    for (int i = 0; i < direction_count; ++i) { // evenly over the sphere: a Fibonacci spiral
+        const float up = 1.0f - (2.0f * static_cast<float>(i) + 1.0f) / direction_count, level = std::sqrt(1.0f - up * up);
         const float angle = static_cast<float>(i) * 2.39996323f;
         directions.emplace_back(level * std::cos(angle), up, level * std::sin(angle));
     }
     Extent extent { glm::vec3(std::numeric_limits<float>::max()), glm::vec3(std::numeric_limits<float>::lowest()), {} };
-    std::vector<float> furthest(kDirections, std::numeric_limits<float>::lowest());
-    extent.outline.resize(kDirections);
-    const uint32_t pose_count = character.file().view().pose_count;
-    for (uint32_t k = 0; k < pose_count; ++k) {
+    std::vector<float> furthest(direction_count, std::numeric_limits<float>::lowest());
+    extent.outline.resize(direction_count);
+    const std::uint32_t pose_count = character.file().view().pose_count;
+    for (std::uint32_t k = 0; k < pose_count; ++k) {
         std::vector<double> weights(pose_count, 0.0);
         weights[k] = 1.0;
         character.blend(weights, BlendMode::linear); // of one pose alone: the pose itself
         for (const Vertex& vertex : character.vertices()) {
             extent.lowest = glm::min(extent.lowest, vertex.position);
             extent.highest = glm::max(extent.highest, vertex.position);
-            for (int i = 0; i < kDirections; ++i) {
+            for (int i = 0; i < direction_count; ++i) {
                 const float reach = glm::dot(directions[i], vertex.position);
                 if (reach <= furthest[i]) continue;
                 furthest[i] = reach;

@@ -39,7 +39,7 @@ public:
 
 private:
     std::array<BlendCost, 60> costs_ {};
-    size_t count_ = 0;
+    std::size_t count_ = 0;
 };
 
 // The asset must outlive the character.

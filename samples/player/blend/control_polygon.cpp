@@ -7,13 +7,12 @@
 #include <limits>
 
 namespace pliant::player {
-
 namespace {
 
-constexpr double kPi = 3.14159265358979323846;
+constexpr double pi = 3.14159265358979323846;
 
 // Weights below this are rounding of the products on the boundary (1e-16 each), far below what float weights can tell apart.
-constexpr double kSmallestWeight = 1e-12;
+constexpr double smallest_weight = 1e-12;
 
 double cross(glm::dvec2 a, glm::dvec2 b) { return a.x * b.y - a.y * b.x; }
 
@@ -26,21 +25,21 @@ glm::dvec2 nearest_on_segment(glm::dvec2 a, glm::dvec2 b, glm::dvec2 point)
 
 } // namespace
 
-ControlPolygon::ControlPolygon(uint32_t corner_count)
+ControlPolygon::ControlPolygon(std::uint32_t corner_count)
 {
     if (corner_count <= 2) {
         corners_ = { { -1.0, 0.0 }, { 1.0, 0.0 } };
         return;
     }
     // Four poses stand as a square, not on its tip: labels find more room beside it.
-    const double first = corner_count == 4 ? 0.75 * kPi : 0.5 * kPi;
-    for (uint32_t k = 0; k < corner_count; ++k) {
-        const double angle = first + 2.0 * kPi * k / corner_count;
+    const double first = corner_count == 4 ? 0.75 * pi : 0.5 * pi;
+    for (std::uint32_t k = 0; k < corner_count; ++k) {
+        const double angle = first + 2.0 * pi * k / corner_count;
         corners_.emplace_back(std::cos(angle), std::sin(angle));
     }
 }
 
-double ControlPolygon::side(uint32_t edge, glm::dvec2 point) const
+double ControlPolygon::side(std::uint32_t edge, glm::dvec2 point) const
 {
     const glm::dvec2 start = corners_[edge];
     return cross(corners_[(edge + 1) % corner_count()] - start, point - start);
@@ -49,20 +48,20 @@ double ControlPolygon::side(uint32_t edge, glm::dvec2 point) const
 std::vector<double> ControlPolygon::weights(glm::dvec2 point) const
 {
     point = nearest_inside(point);
-    const uint32_t count = corner_count();
+    const std::uint32_t count = corner_count();
     if (count == 2) {
         const double t = (point.x + 1.0) / 2.0;
         return { 1.0 - t, t };
     }
     std::vector<double> sides(count), weights(count, 1.0);
     double longest = 0.0;
-    for (uint32_t edge = 0; edge < count; ++edge) {
+    for (std::uint32_t edge = 0; edge < count; ++edge) {
         sides[edge] = std::max(side(edge, point), 0.0);
         longest = std::max(longest, sides[edge]);
     }
     double sum = 0.0;
-    for (uint32_t k = 0; k < count; ++k) {
-        for (uint32_t edge = 0; edge < count; ++edge) {
+    for (std::uint32_t k = 0; k < count; ++k) {
+        for (std::uint32_t edge = 0; edge < count; ++edge) {
             const bool touches_corner = edge == k || (edge + 1) % count == k;
             if (!touches_corner) weights[k] *= sides[edge] / longest; // scaled: 64 small factors must not underflow
         }
@@ -70,7 +69,7 @@ std::vector<double> ControlPolygon::weights(glm::dvec2 point) const
     }
     double kept = 0.0;
     for (double& weight : weights) {
-        if (weight < kSmallestWeight * sum) weight = 0.0;
+        if (weight < smallest_weight * sum) weight = 0.0;
         kept += weight;
     }
     for (double& weight : weights) weight /= kept;
@@ -81,7 +80,7 @@ glm::dvec2 ControlPolygon::point(const std::vector<double>& weights) const
 {
     glm::dvec2 sum { 0.0 };
     double total = 0.0;
-    for (uint32_t k = 0; k < corner_count() && k < weights.size(); ++k) {
+    for (std::uint32_t k = 0; k < corner_count() && k < weights.size(); ++k) {
         sum += weights[k] * corners_[k];
         total += weights[k];
     }
@@ -90,14 +89,14 @@ glm::dvec2 ControlPolygon::point(const std::vector<double>& weights) const
 
 glm::dvec2 ControlPolygon::nearest_inside(glm::dvec2 point) const
 {
-    const uint32_t count = corner_count();
+    const std::uint32_t count = corner_count();
     if (count == 2) return nearest_on_segment(corners_[0], corners_[1], point);
     bool inside = true;
-    for (uint32_t edge = 0; edge < count; ++edge) inside = inside && side(edge, point) >= 0.0;
+    for (std::uint32_t edge = 0; edge < count; ++edge) inside = inside && side(edge, point) >= 0.0;
     if (inside) return point;
     glm::dvec2 best = corners_[0];
     double best_distance = std::numeric_limits<double>::infinity();
-    for (uint32_t edge = 0; edge < count; ++edge) {
+    for (std::uint32_t edge = 0; edge < count; ++edge) {
         const glm::dvec2 candidate = nearest_on_segment(corners_[edge], corners_[(edge + 1) % count], point);
         const double distance = glm::distance(candidate, point);
         if (distance < best_distance) {
@@ -110,16 +109,16 @@ glm::dvec2 ControlPolygon::nearest_inside(glm::dvec2 point) const
 
 glm::dvec2 ControlPolygon::idle_point(double phase) const
 {
-    const uint32_t count = corner_count();
+    const std::uint32_t count = corner_count();
     const double along = (phase - std::floor(phase)) * count;
-    const uint32_t from = std::min(static_cast<uint32_t>(along), count - 1);
+    const std::uint32_t from = std::min(static_cast<std::uint32_t>(along), count - 1);
     const double s = along - from;
     const double t = s * s * s * (s * (s * 6.0 - 15.0) + 10.0); // at rest in the corners, to the second derivative
     // A cubic Bezier curve whose inner control points lie between corner and centre: it stays in their convex hull, so inside.
-    constexpr double kPull = 0.25;
+    constexpr double pull = 0.25;
     const glm::dvec2 a = corners_[from], b = corners_[(from + 1) % count];
     const double u = 1.0 - t;
-    return u * u * u * a + 3.0 * u * u * t * (kPull * a) + 3.0 * u * t * t * (kPull * b) + t * t * t * b;
+    return u * u * u * a + 3.0 * u * u * t * (pull * a) + 3.0 * u * t * t * (pull * b) + t * t * t * b;
 }
 
 double ControlPolygon::idle_phase_near(glm::dvec2 point) const

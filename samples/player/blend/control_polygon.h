@@ -13,9 +13,9 @@ namespace pliant::player {
 class ControlPolygon {
 public:
     // corner_count: at least 2.
-    explicit ControlPolygon(uint32_t corner_count);
+    explicit ControlPolygon(std::uint32_t corner_count);
 
-    uint32_t corner_count() const { return static_cast<uint32_t>(corners_.size()); }
+    std::uint32_t corner_count() const { return static_cast<std::uint32_t>(corners_.size()); }
     const std::vector<glm::dvec2>& corners() const { return corners_; }
 
     // Wachspress coordinates of a point: corner_count weights, >= 0, sum 1. Exactly one weight at a corner, two on an edge, smooth
@@ -36,7 +36,7 @@ public:
     double idle_phase_near(glm::dvec2 point) const;
 
 private:
-    double side(uint32_t edge, glm::dvec2 point) const; // twice the area of edge and point, > 0 inside
+    double side(std::uint32_t edge, glm::dvec2 point) const; // twice the area of edge and point, > 0 inside
 
     std::vector<glm::dvec2> corners_;
 };

@@ -11,17 +11,16 @@
 #include <memory>
 
 namespace pliant::player {
-
 namespace {
 
-constexpr size_t kCacheLine = 64; // solvers start on lines of their own
+constexpr std::size_t cache_line = 64; // solvers start on lines of their own
 
 // How many times wider than deep a crowd stands: about what a picture shows of a floor that is seen from above at a low angle.
-constexpr double kBreadth = 1.5;
+constexpr double breadth = 1.5;
 
 } // namespace
 
-Crowd::Crowd(const AssetFile& file, const glm::mat3& to_world, uint32_t count)
+Crowd::Crowd(const AssetFile& file, const glm::mat3& to_world, std::uint32_t count)
     : file_(file)
     , to_world_(to_world)
     , q_(count, std::vector<float>(file.view().dimension))
@@ -30,12 +29,12 @@ Crowd::Crowd(const AssetFile& file, const glm::mat3& to_world, uint32_t count)
 {
     const pliant_solver_desc desc = pliant_solver_desc_default();
     solver_bytes_ = pliant_solver_memory(&file.view(), &desc);
-    const size_t stride = (solver_bytes_ + kCacheLine - 1) / kCacheLine * kCacheLine;
-    memory_.resize(stride * count + kCacheLine);
+    const std::size_t stride = (solver_bytes_ + cache_line - 1) / cache_line * cache_line;
+    memory_.resize(stride * count + cache_line);
     void* first = memory_.data();
-    size_t room = memory_.size();
-    std::align(kCacheLine, stride * count, first, room);
-    for (uint32_t i = 0; i < count; ++i) {
+    std::size_t room = memory_.size();
+    std::align(cache_line, stride * count, first, room);
+    for (std::uint32_t i = 0; i < count; ++i) {
         pliant_solver* solver = nullptr;
         const pliant_result result
             = pliant_solver_init(&solver, &file.view(), &desc, static_cast<std::byte*>(first) + i * stride, solver_bytes_);
@@ -51,7 +50,7 @@ void Crowd::solve(const std::vector<std::vector<double>>& weights, BlendMode mod
 {
     const Stopwatch watch;
     cost.evaluations = cost.not_converged = 0;
-    for (uint32_t i = 0; i < count(); ++i) {
+    for (std::uint32_t i = 0; i < count(); ++i) {
         if (mode == BlendMode::linear) {
             blend_linearly(file_.view(), weights[i], q_[i]);
             continue;
@@ -73,7 +72,7 @@ void Crowd::reconstruct(CrowdCost& cost)
 {
     cost.reconstruct_us = cost.normals_us = 0.0;
     vertices_.resize(count(), std::vector<Vertex>(file_.view().vertex_count));
-    for (uint32_t i = 0; i < count(); ++i) {
+    for (std::uint32_t i = 0; i < count(); ++i) {
         const Stopwatch reconstruct;
         pliant_reconstruct(&file_.view(), q_[i].data(), 0, file_.view().vertex_count, &positions_[0].x,
                            sizeof positions_[0]);
@@ -85,11 +84,11 @@ void Crowd::reconstruct(CrowdCost& cost)
     }
 }
 
-std::vector<std::vector<double>> crowd_weights(uint32_t count, double phase, const ControlPolygon& polygon,
+std::vector<std::vector<double>> crowd_weights(std::uint32_t count, double phase, const ControlPolygon& polygon,
                                                const std::optional<WeightPath>& path)
 {
     std::vector<std::vector<double>> weights;
-    for (uint32_t i = 0; i < count; ++i) {
+    for (std::uint32_t i = 0; i < count; ++i) {
         const double own = phase + i * 0.6180339887498949; // the golden ratio: starts of neighbours are far apart
         weights.push_back(path ? path->at(own * static_cast<double>(path->count()))
                                : polygon.weights(polygon.idle_point(own)));
@@ -99,17 +98,17 @@ std::vector<std::vector<double>> crowd_weights(uint32_t count, double phase, con
 
 double loop_seconds(const ControlPolygon& polygon, const std::optional<WeightPath>& path, double fps)
 {
-    return path ? static_cast<double>(path->count()) / fps : kSecondsPerEdge * polygon.corner_count();
+    return path ? static_cast<double>(path->count()) / fps : seconds_per_edge * polygon.corner_count();
 }
 
-std::vector<glm::vec3> crowd_places(uint32_t count, glm::vec2 room)
+std::vector<glm::vec3> crowd_places(std::uint32_t count, glm::vec2 room)
 {
-    const double across = std::sqrt(static_cast<double>(count) * kBreadth * room.y / std::max(room.x, 1e-30f));
-    const uint32_t columns = std::clamp(static_cast<uint32_t>(std::lround(across)), 1u, count);
+    const double across = std::sqrt(static_cast<double>(count) * breadth * room.y / std::max(room.x, 1e-30f));
+    const std::uint32_t columns = std::clamp(static_cast<std::uint32_t>(std::lround(across)), 1u, count);
     std::vector<glm::vec3> places;
     glm::vec3 sum(0.0f);
-    for (uint32_t i = 0; i < count; ++i) {
-        const uint32_t row = i / columns;
+    for (std::uint32_t i = 0; i < count; ++i) {
+        const std::uint32_t row = i / columns;
         const float shift = row % 2 == 1 ? 0.5f : 0.0f;
         places.emplace_back((static_cast<float>(i % columns) + shift) * room.x, 0.0f, -static_cast<float>(row) * room.y);
         sum += places.back();
@@ -128,9 +127,8 @@ Extent extent_of_crowd(const Extent& one, const std::vector<glm::vec3>& places)
     // The corners of the box around all places outline whatever stands in it.
     Extent all { one.lowest + nearest, one.highest + farthest, {} };
     for (float x : { nearest.x, farthest.x }) {
-        for (float z : { nearest.z, farthest.z }) {
+        for (float z : { nearest.z, farthest.z })
             for (const glm::vec3& point : one.outline) all.outline.push_back(point + glm::vec3(x, 0.0f, z));
-        }
     }
     return all;
 }

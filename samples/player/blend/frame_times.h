@@ -18,19 +18,19 @@ struct FrameTime {
 // The last 120 frames.
 class FrameTimes {
 public:
-    static constexpr size_t kMost = 120;
+    static constexpr std::size_t capacity = 120;
 
     void add(const FrameTime& time);
-    size_t count() const;
+    std::size_t count() const;
     // age: 0 is the newest; below count().
-    const FrameTime& frame(size_t age) const { return times_[(added_ - 1 - age) % kMost]; }
+    const FrameTime& frame(std::size_t age) const { return times_[(added_ - 1 - age) % capacity]; }
     // Of each part by itself; 0 without frames.
     FrameTime median() const;
     double longest() const; // of whole frames
 
 private:
-    std::array<FrameTime, kMost> times_ {};
-    size_t added_ = 0;
+    std::array<FrameTime, capacity> times_ {};
+    std::size_t added_ = 0;
 };
 
 // The upper end of an axis for values up to `longest`: 1, 2 or 5 times a power of ten, not below it.

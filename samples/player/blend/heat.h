@@ -11,12 +11,12 @@ namespace pliant::player {
 
 // The ends of the scale, as shares of the diagonal of the first pose's bounding box: below the lower one nobody sees a difference
 // (a tenth of a pixel of a picture of a thousand rows), above the upper one the shapes have nothing in common.
-constexpr float kLowestHeat = 1e-4f;
-constexpr float kHighestHeat = 1e-1f;
+constexpr float lowest_heat = 1e-4f;
+constexpr float highest_heat = 1e-1f;
 
 // Colours along the scale, evenly spaced, sRGB: from pale clay to dark violet, darker with every step.
 using HeatColours = std::array<glm::vec3, 6>;
-constexpr HeatColours kHeatColours { { { 0.925f, 0.930f, 0.935f },
+constexpr HeatColours heat_colours { { { 0.925f, 0.930f, 0.935f },
                                        { 0.980f, 0.870f, 0.520f },
                                        { 0.965f, 0.610f, 0.280f },
                                        { 0.850f, 0.280f, 0.240f },
@@ -34,10 +34,10 @@ struct HeatSummary {
 
 // Writes the heat of the first `count` vertices of two shapes: heat[v] is that of the distance between a[v], after the rigid motion that
 // brings a nearest to b, and b[v]: a difference of shape, not of place. heat keeps its size; what lies behind `count` becomes 0.
-HeatSummary measure_heat(const std::vector<glm::vec3>& a, const std::vector<glm::vec3>& b, size_t count, float diagonal,
+HeatSummary measure_heat(const std::vector<glm::vec3>& a, const std::vector<glm::vec3>& b, std::size_t count, float diagonal,
                          std::vector<float>& heat);
 
 // The diagonal of the bounding box of the first `count` positions.
-float diagonal_of(const std::vector<glm::vec3>& positions, size_t count);
+float diagonal_of(const std::vector<glm::vec3>& positions, std::size_t count);
 
 } // namespace pliant::player

@@ -7,10 +7,9 @@
 #include <limits>
 
 namespace pliant::player {
-
 namespace {
 
-constexpr uint32_t kTile = 64; // vertices: ranges that start at its multiples are rebuilt fastest (pliant.h)
+constexpr std::uint32_t tile_size = 64; // vertices: ranges that start at its multiples are rebuilt fastest (pliant.h)
 
 std::vector<glm::vec3> rebuilt(const pliant_asset& asset, const std::vector<float>& q)
 {
@@ -24,12 +23,12 @@ std::vector<glm::vec3> rebuilt(const pliant_asset& asset, const std::vector<floa
 std::vector<float> steps_of(const pliant_asset& asset)
 {
     float farthest = 0.0f; // of all poses in all coordinates: where the asset does not know its limits
-    for (uint32_t k = 0; k < asset.pose_count; ++k) {
+    for (std::uint32_t k = 0; k < asset.pose_count; ++k) {
         const float* pose = pliant_asset_pose_coordinates(&asset, k);
-        for (uint32_t j = 0; j < asset.dimension; ++j) farthest = std::max(farthest, std::abs(pose[j]));
+        for (std::uint32_t j = 0; j < asset.dimension; ++j) farthest = std::max(farthest, std::abs(pose[j]));
     }
     std::vector<float> steps;
-    for (uint32_t j = 0; j < asset.dimension; ++j) {
+    for (std::uint32_t j = 0; j < asset.dimension; ++j) {
         pliant_column column {};
         pliant_asset_column(&asset, j, &column);
         steps.push_back(column.limit > 0.0f ? column.limit : farthest > 0.0f ? farthest : 1.0f);
@@ -39,14 +38,15 @@ std::vector<float> steps_of(const pliant_asset& asset)
 
 } // namespace
 
-Landmarks::Landmarks(const pliant_asset& asset, const glm::mat3& to_world, const std::vector<std::vector<uint32_t>>& groups)
+Landmarks::Landmarks(const pliant_asset& asset, const glm::mat3& to_world,
+                     const std::vector<std::vector<std::uint32_t>>& groups)
     : asset_(asset)
     , up_(to_world[0].y, to_world[1].y, to_world[2].y)
-    , columns_(1 + static_cast<size_t>(asset.dimension))
+    , columns_(1 + static_cast<std::size_t>(asset.dimension))
     , groups_(groups)
     , means_(groups.size() * columns_)
-    , bottoms_((asset.vertex_count + kTile - 1) / kTile)
-    , positions_(kTile)
+    , bottoms_((asset.vertex_count + tile_size - 1) / tile_size)
+    , positions_(tile_size)
 {
     centres_.resize(bottoms_.size() * columns_);
     radii_.resize(bottoms_.size() * columns_);
@@ -54,19 +54,20 @@ Landmarks::Landmarks(const pliant_asset& asset, const glm::mat3& to_world, const
     const std::vector<glm::vec3> origin = rebuilt(asset, q);
     probe(origin, std::vector<glm::vec3>(origin.size(), glm::vec3(0.0f)), 1.0f, 0);
     const std::vector<float> steps = steps_of(asset);
-    for (uint32_t j = 0; j < asset.dimension; ++j) {
+    for (std::uint32_t j = 0; j < asset.dimension; ++j) {
         q[j] = steps[j];
-        probe(rebuilt(asset, q), origin, steps[j], 1 + static_cast<size_t>(j));
+        probe(rebuilt(asset, q), origin, steps[j], 1 + static_cast<std::size_t>(j));
         q[j] = 0.0f;
     }
 }
 
 // What one column does, per unit of its coordinate, to the heights in each tile and to the means.
-void Landmarks::probe(const std::vector<glm::vec3>& shape, const std::vector<glm::vec3>& origin, float step, size_t column)
+void Landmarks::probe(const std::vector<glm::vec3>& shape, const std::vector<glm::vec3>& origin, float step,
+                      std::size_t column)
 {
-    for (size_t tile = 0; tile < bottoms_.size(); ++tile) {
+    for (std::size_t tile = 0; tile < bottoms_.size(); ++tile) {
         float low = std::numeric_limits<float>::max(), high = std::numeric_limits<float>::lowest();
-        for (size_t v = tile * kTile; v < std::min((tile + 1) * kTile, shape.size()); ++v) {
+        for (std::size_t v = tile * tile_size; v < std::min((tile + 1) * tile_size, shape.size()); ++v) {
             const float height = glm::dot(up_, shape[v] - origin[v]) / step;
             low = std::min(low, height);
             high = std::max(high, height);
@@ -74,20 +75,20 @@ void Landmarks::probe(const std::vector<glm::vec3>& shape, const std::vector<glm
         centres_[tile * columns_ + column] = 0.5f * (low + high);
         radii_[tile * columns_ + column] = 0.5f * (high - low);
     }
-    for (size_t g = 0; g < groups_.size(); ++g) {
+    for (std::size_t g = 0; g < groups_.size(); ++g) {
         glm::dvec3 sum(0.0);
-        for (uint32_t v : groups_[g]) sum += glm::dvec3(shape[v] - origin[v]);
+        for (std::uint32_t v : groups_[g]) sum += glm::dvec3(shape[v] - origin[v]);
         means_[g * columns_ + column]
             = glm::vec3(sum / (static_cast<double>(groups_[g].size()) * static_cast<double>(step)));
     }
 }
 
-float Landmarks::lowest_of_tile(const float* q, uint32_t tile)
+float Landmarks::lowest_of_tile(const float* q, std::uint32_t tile)
 {
-    const uint32_t first = tile * kTile, count = std::min(kTile, asset_.vertex_count - first);
+    const std::uint32_t first = tile * tile_size, count = std::min(tile_size, asset_.vertex_count - first);
     pliant_reconstruct(&asset_, q, first, count, &positions_[0].x, sizeof positions_[0]);
     float lowest = std::numeric_limits<float>::max();
-    for (uint32_t i = 0; i < count; ++i) lowest = std::min(lowest, glm::dot(up_, positions_[i]));
+    for (std::uint32_t i = 0; i < count; ++i) lowest = std::min(lowest, glm::dot(up_, positions_[i]));
     return lowest;
 }
 
@@ -95,14 +96,14 @@ float Landmarks::lowest_of_tile(const float* q, uint32_t tile)
 // millionth of the height: a tile that is left out for it would move the floor by no more.
 float Landmarks::lowest(const float* q)
 {
-    for (size_t tile = 0; tile < bottoms_.size(); ++tile) {
+    for (std::size_t tile = 0; tile < bottoms_.size(); ++tile) {
         const float *centres = &centres_[tile * columns_], *radii = &radii_[tile * columns_];
         float centre = centres[0], radius = radii[0];
-        for (size_t j = 1; j < columns_; ++j) {
+        for (std::size_t j = 1; j < columns_; ++j) {
             centre += q[j - 1] * centres[j];
             radius += std::abs(q[j - 1]) * radii[j];
         }
-        bottoms_[tile] = { centre - radius, static_cast<uint32_t>(tile) };
+        bottoms_[tile] = { centre - radius, static_cast<std::uint32_t>(tile) };
     }
     std::sort(bottoms_.begin(), bottoms_.end());
     float lowest = std::numeric_limits<float>::max();
@@ -118,10 +119,10 @@ float Landmarks::lowest(const float* q)
 void Landmarks::means(const float* q, std::vector<glm::vec3>& result) const
 {
     result.resize(groups_.size());
-    for (size_t g = 0; g < groups_.size(); ++g) {
+    for (std::size_t g = 0; g < groups_.size(); ++g) {
         const glm::vec3* columns = &means_[g * columns_];
         result[g] = columns[0];
-        for (size_t j = 1; j < columns_; ++j) result[g] += q[j - 1] * columns[j];
+        for (std::size_t j = 1; j < columns_; ++j) result[g] += q[j - 1] * columns[j];
     }
 }
 

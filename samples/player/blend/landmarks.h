@@ -19,7 +19,7 @@ class Landmarks {
 public:
     // groups: lists of vertices, none of them empty, whose means are wanted. Rebuilds all vertices once for each coordinate. The asset
     // must outlive the landmarks.
-    Landmarks(const pliant_asset& asset, const glm::mat3& to_world, const std::vector<std::vector<uint32_t>>& groups);
+    Landmarks(const pliant_asset& asset, const glm::mat3& to_world, const std::vector<std::vector<std::uint32_t>>& groups);
 
     // The height of the lowest vertex in the world (its y), for coordinates q: rebuilds the few tiles of 64 vertices that may have it. All
     // of them where neighbours in number are no neighbours in space.
@@ -27,22 +27,22 @@ public:
     // The mean of each group, in the asset's axes.
     void means(const float* q, std::vector<glm::vec3>& result) const;
 
-    size_t rebuilt_tiles() const { return rebuilt_tiles_; } // by the last lowest()
-    size_t tile_count() const { return bottoms_.size(); }
+    std::size_t rebuilt_tiles() const { return rebuilt_tiles_; } // by the last lowest()
+    std::size_t tile_count() const { return bottoms_.size(); }
 
 private:
-    void probe(const std::vector<glm::vec3>& shape, const std::vector<glm::vec3>& origin, float step, size_t column);
-    float lowest_of_tile(const float* q, uint32_t tile);
+    void probe(const std::vector<glm::vec3>& shape, const std::vector<glm::vec3>& origin, float step, std::size_t column);
+    float lowest_of_tile(const float* q, std::uint32_t tile);
 
     const pliant_asset& asset_;
-    glm::vec3 up_;   // height in the world: up_ times a position
-    size_t columns_; // 1 + dimension: the constant, then one for each coordinate
-    std::vector<std::vector<uint32_t>> groups_;
-    std::vector<float> centres_, radii_;              // [tile][column] of heights
-    std::vector<glm::vec3> means_;                    // [group][column]
-    std::vector<std::pair<float, uint32_t>> bottoms_; // of the last lowest(): nothing of the tile is below
-    std::vector<glm::vec3> positions_;                // of the tile at work
-    size_t rebuilt_tiles_ = 0;
+    glm::vec3 up_;        // height in the world: up_ times a position
+    std::size_t columns_; // 1 + dimension: the constant, then one for each coordinate
+    std::vector<std::vector<std::uint32_t>> groups_;
+    std::vector<float> centres_, radii_;                   // [tile][column] of heights
+    std::vector<glm::vec3> means_;                         // [group][column]
+    std::vector<std::pair<float, std::uint32_t>> bottoms_; // of the last lowest(): nothing of the tile is below
+    std::vector<glm::vec3> positions_;                     // of the tile at work
+    std::size_t rebuilt_tiles_ = 0;
 };
 
 } // namespace pliant::player

@@ -3,10 +3,9 @@
 #include <algorithm>
 
 namespace pliant::player {
-
 namespace {
 
-constexpr double kTravelSeconds = 0.9;
+constexpr double travel_seconds = 0.9;
 
 } // namespace
 
@@ -23,7 +22,7 @@ void Motion::drag_to(glm::dvec2 point)
     point_ = polygon_.nearest_inside(point);
 }
 
-void Motion::go_to(uint32_t corner) { travel_to(polygon_.corners()[corner], false); }
+void Motion::go_to(std::uint32_t corner) { travel_to(polygon_.corners()[corner], false); }
 
 void Motion::toggle_play()
 {
@@ -52,12 +51,12 @@ void Motion::start_path()
 void Motion::advance(double seconds)
 {
     if (state_ == State::travel) {
-        travelled_ = std::min(travelled_ + seconds, kTravelSeconds);
-        const double s = travelled_ / kTravelSeconds;
+        travelled_ = std::min(travelled_ + seconds, travel_seconds);
+        const double s = travelled_ / travel_seconds;
         point_ = from_ + (s * s * (3.0 - 2.0 * s)) * (target_ - from_);
-        if (travelled_ >= kTravelSeconds) state_ = path_follows_ ? State::path : State::rest;
+        if (travelled_ >= travel_seconds) state_ = path_follows_ ? State::path : State::rest;
     } else if (state_ == State::path) {
-        phase_ += seconds / (kSecondsPerEdge * polygon_.corner_count());
+        phase_ += seconds / (seconds_per_edge * polygon_.corner_count());
         point_ = polygon_.idle_point(phase_);
     }
 }

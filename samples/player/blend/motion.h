@@ -6,7 +6,7 @@
 namespace pliant::player {
 
 // How long the idle path takes from one corner to the next.
-constexpr double kSecondsPerEdge = 2.8;
+constexpr double seconds_per_edge = 2.8;
 
 class Motion {
 public:
@@ -15,7 +15,7 @@ public:
 
     // The user takes over: puts the point somewhere, sends it to a corner, or stops and starts the path.
     void drag_to(glm::dvec2 point);
-    void go_to(uint32_t corner);
+    void go_to(std::uint32_t corner);
     void toggle_play();
 
     // Moves on by so many seconds.

@@ -31,7 +31,7 @@ void Playback::drag_to(glm::dvec2 point)
     motion_.drag_to(point);
 }
 
-void Playback::go_to(uint32_t corner)
+void Playback::go_to(std::uint32_t corner)
 {
     take_over();
     motion_.go_to(corner);

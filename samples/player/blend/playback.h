@@ -18,7 +18,7 @@ public:
 
     // The user takes over with the point, or stops and starts what plays.
     void drag_to(glm::dvec2 point);
-    void go_to(uint32_t corner);
+    void go_to(std::uint32_t corner);
     void toggle_play();
 
     // Moves on by so many seconds.
@@ -29,7 +29,7 @@ public:
     bool plays() const { return source_ == Source::path ? path_plays_ : motion_.plays(); }
     // The path's row and how many it has, while it is what is shown; a file's rows count from 0.
     std::optional<double> path_frame() const;
-    size_t path_count() const { return path_ ? path_->count() : 0; }
+    std::size_t path_count() const { return path_ ? path_->count() : 0; }
 
 private:
     enum class Source { given, path, point };

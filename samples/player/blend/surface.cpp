@@ -7,7 +7,6 @@
 #include <limits>
 
 namespace pliant::player {
-
 namespace {
 
 long long nanoseconds_now()
@@ -29,31 +28,31 @@ void blend_linearly(const pliant_asset& asset, const std::vector<double>& weight
     double sum = 0.0;
     for (double weight : weights) sum += weight;
     std::fill(q.begin(), q.end(), 0.0f);
-    for (uint32_t k = 0; k < weights.size(); ++k) {
+    for (std::uint32_t k = 0; k < weights.size(); ++k) {
         const float* pose = pliant_asset_pose_coordinates(&asset, k);
         const float weight = static_cast<float>(weights[k] / sum);
-        for (size_t j = 0; j < q.size(); ++j) q[j] += weight * pose[j];
+        for (std::size_t j = 0; j < q.size(); ++j) q[j] += weight * pose[j];
     }
 }
 
 void compute_normals(const pliant_asset& asset, const std::vector<glm::vec3>& positions, std::vector<Vertex>& vertices)
 {
     for (Vertex& vertex : vertices) vertex.normal = glm::vec3(0.0f);
-    const uint32_t *triangle = asset.triangles, *group = asset.smoothing_groups;
-    for (uint32_t t = 0; t < asset.triangle_count; ++t, triangle += 3) {
+    const std::uint32_t *triangle = asset.triangles, *group = asset.smoothing_groups;
+    for (std::uint32_t t = 0; t < asset.triangle_count; ++t, triangle += 3) {
         const glm::vec3 corner = positions[triangle[0]];
         const glm::vec3 normal = glm::cross(positions[triangle[1]] - corner, positions[triangle[2]] - corner);
         for (int i = 0; i < 3; ++i) vertices[group ? group[triangle[i]] : triangle[i]].normal += normal;
     }
     if (!group) return;
     // A group's number is its lowest vertex (formats/SPEC.md, SMTH), so it has its sum before another copies it.
-    for (uint32_t v = 0; v < asset.vertex_count; ++v) vertices[v].normal = vertices[group[v]].normal;
+    for (std::uint32_t v = 0; v < asset.vertex_count; ++v) vertices[v].normal = vertices[group[v]].normal;
 }
 
 void stand_on_floor(const glm::mat3& to_world, const std::vector<glm::vec3>& positions, std::vector<Vertex>& vertices)
 {
     float floor = std::numeric_limits<float>::infinity();
-    for (size_t v = 0; v < vertices.size(); ++v) {
+    for (std::size_t v = 0; v < vertices.size(); ++v) {
         vertices[v].position = to_world * positions[v];
         vertices[v].normal = to_world * vertices[v].normal;
         floor = std::min(floor, vertices[v].position.y);

@@ -11,11 +11,10 @@
 #include <system_error>
 
 namespace pliant::player {
-
 namespace {
 
-constexpr size_t kLongestHeader = 4096; // the tool's own have some 250 bytes
-constexpr size_t kVertexBytes = 12;
+constexpr std::size_t header_limit = 4096; // the tool's own have some 250 bytes
+constexpr std::size_t vertex_bytes = 12;
 
 [[noreturn]] void refuse_mesh(const std::string& path, const std::string& reason)
 {
@@ -35,24 +34,23 @@ std::string read_file(const std::string& path)
 }
 
 struct Header {
-    uint64_t vertex_count = 0, face_count = 0;
-    size_t count_bytes = 1; // of the number before each face's corners
-    size_t length = 0;      // of the header
+    std::uint64_t vertex_count = 0, face_count = 0;
+    std::size_t count_bytes = 1; // of the number before each face's corners
+    std::size_t length = 0;      // of the header
 };
 
 // "element vertex 6890": the number behind a word that the line must start with.
-uint64_t count_after(const std::string& path, const std::string& line, const std::string& start)
+std::uint64_t count_after(const std::string& path, const std::string& line, const std::string& start)
 {
     const std::string digits = line.compare(0, start.size(), start) == 0 ? line.substr(start.size()) : "";
-    if (digits.empty() || digits.size() > 10 || digits.find_first_not_of("0123456789") != std::string::npos) {
+    if (digits.empty() || digits.size() > 10 || digits.find_first_not_of("0123456789") != std::string::npos)
         refuse_mesh(path, "its header has '" + line.substr(0, 60) + "' where '" + start + "' and a number belong");
-    }
     return std::stoull(digits);
 }
 
 Header parse_header(const std::string& path, const std::string& bytes)
 {
-    const size_t end = bytes.substr(0, kLongestHeader).find("end_header\n");
+    const std::size_t end = bytes.substr(0, header_limit).find("end_header\n");
     if (end == std::string::npos) refuse_mesh(path, "is not a PLY file of `pliant average`");
     std::istringstream lines(bytes.substr(0, end));
     std::string line;
@@ -62,9 +60,7 @@ Header parse_header(const std::string& path, const std::string& bytes)
     };
     const auto expect = [&](const std::string& wanted) {
         next();
-        if (line != wanted) {
-            refuse_mesh(path, "its header has '" + line.substr(0, 60) + "' where '" + wanted + "' belongs");
-        }
+        if (line != wanted) refuse_mesh(path, "its header has '" + line.substr(0, 60) + "' where '" + wanted + "' belongs");
     };
     Header header;
     header.length = end + std::strlen("end_header\n");
@@ -85,16 +81,16 @@ Header parse_header(const std::string& path, const std::string& bytes)
 }
 
 // The faces fill the rest of the file, to the byte: nothing is cut off and nothing follows.
-void check_faces(const std::string& path, const std::string& bytes, const Header& header, size_t at)
+void check_faces(const std::string& path, const std::string& bytes, const Header& header, std::size_t at)
 {
-    for (uint64_t face = 0; face < header.face_count; ++face) {
-        uint32_t corners = 0;
+    for (std::uint64_t face = 0; face < header.face_count; ++face) {
+        std::uint32_t corners = 0;
         if (bytes.size() - at < header.count_bytes) refuse_mesh(path, "is cut off in face " + std::to_string(face));
         std::memcpy(&corners, &bytes[at], header.count_bytes);
         at += header.count_bytes;
         if (corners < 3) refuse_mesh(path, "face " + std::to_string(face) + " has " + std::to_string(corners) + " corners");
         if ((bytes.size() - at) / 4 < corners) refuse_mesh(path, "is cut off in face " + std::to_string(face));
-        at += 4 * static_cast<size_t>(corners);
+        at += 4 * static_cast<std::size_t>(corners);
     }
     if (at != bytes.size()) refuse_mesh(path, "has " + std::to_string(bytes.size() - at) + " bytes too many");
 }
@@ -105,23 +101,22 @@ std::vector<glm::vec3> read_ply_positions(const std::string& path)
 {
     const std::string bytes = read_file(path);
     const Header header = parse_header(path, bytes);
-    if ((bytes.size() - header.length) / kVertexBytes < header.vertex_count) refuse_mesh(path, "is cut off in its vertices");
+    if ((bytes.size() - header.length) / vertex_bytes < header.vertex_count) refuse_mesh(path, "is cut off in its vertices");
     std::vector<glm::vec3> positions(header.vertex_count);
-    static_assert(sizeof(glm::vec3) == kVertexBytes, "vertices are copied as they lie in the file");
-    if (!positions.empty()) std::memcpy(&positions[0].x, &bytes[header.length], positions.size() * kVertexBytes);
-    for (size_t v = 0; v < positions.size(); ++v) {
-        if (!std::isfinite(positions[v].x) || !std::isfinite(positions[v].y) || !std::isfinite(positions[v].z)) {
+    static_assert(sizeof(glm::vec3) == vertex_bytes, "vertices are copied as they lie in the file");
+    if (!positions.empty()) std::memcpy(&positions[0].x, &bytes[header.length], positions.size() * vertex_bytes);
+    for (std::size_t v = 0; v < positions.size(); ++v) {
+        if (!std::isfinite(positions[v].x) || !std::isfinite(positions[v].y) || !std::isfinite(positions[v].z))
             refuse_mesh(path, "vertex " + std::to_string(v) + " is not finite");
-        }
     }
-    check_faces(path, bytes, header, header.length + positions.size() * kVertexBytes);
+    check_faces(path, bytes, header, header.length + positions.size() * vertex_bytes);
     return positions;
 }
 
 Truth::Truth(const std::string& weights_file, const std::string& pattern, const AssetFile& asset)
     : weights_(weights_file, asset.view().pose_count)
 {
-    for (size_t i = 0; i < weights_.count(); ++i) {
+    for (std::size_t i = 0; i < weights_.count(); ++i) {
         const std::string path = numbered_name("--truth", pattern, i);
         shapes_.push_back(read_ply_positions(path));
         if (shapes_.back().size() != asset.view().boundary_vertex_count) {
@@ -133,13 +128,13 @@ Truth::Truth(const std::string& weights_file, const std::string& pattern, const 
     }
 }
 
-size_t Truth::nearest(const std::vector<double>& weights) const
+std::size_t Truth::nearest(const std::vector<double>& weights) const
 {
-    size_t best = 0;
+    std::size_t best = 0;
     double best_distance = std::numeric_limits<double>::infinity();
-    for (size_t i = 0; i < count(); ++i) {
+    for (std::size_t i = 0; i < count(); ++i) {
         double distance = 0.0;
-        for (size_t k = 0; k < weights.size(); ++k) distance += std::abs(weights[k] - weights_.row(i)[k]);
+        for (std::size_t k = 0; k < weights.size(); ++k) distance += std::abs(weights[k] - weights_.row(i)[k]);
         if (distance >= best_distance) continue;
         best = i;
         best_distance = distance;

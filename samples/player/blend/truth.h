@@ -23,13 +23,13 @@ public:
     // P5913, P5914, P5915 (a mesh of another character), P5941.
     Truth(const std::string& weights_file, const std::string& pattern, const AssetFile& asset);
 
-    size_t count() const { return shapes_.size(); }
-    const std::vector<double>& weights(size_t i) const { return weights_.row(i); }
+    std::size_t count() const { return shapes_.size(); }
+    const std::vector<double>& weights(std::size_t i) const { return weights_.row(i); }
     // In units and place of the asset; as many as the drawn surface has.
-    const std::vector<glm::vec3>& shape(size_t i) const { return shapes_[i]; }
+    const std::vector<glm::vec3>& shape(std::size_t i) const { return shapes_[i]; }
 
     // The line whose weights are nearest, by the sum of absolute differences.
-    size_t nearest(const std::vector<double>& weights) const;
+    std::size_t nearest(const std::vector<double>& weights) const;
 
 private:
     WeightPath weights_;

@@ -27,7 +27,7 @@ void Bodies::take_paint(const pliant_asset& asset, const Painting& painting, con
 
 void Bodies::point_to_vertices(Mesh& mesh) const
 {
-    const auto at = [](size_t offset) { return reinterpret_cast<const void*>(offset); };
+    const auto at = [](std::size_t offset) { return reinterpret_cast<const void*>(offset); };
     glBindBuffer(GL_ARRAY_BUFFER, mesh.vertices.get());
     glEnableVertexAttribArray(0);
     glEnableVertexAttribArray(1);
@@ -55,7 +55,7 @@ void Bodies::place(const std::vector<Actor>& actors)
         if (paint_) paint_->attach();
         meshes_.push_back(std::move(mesh));
     }
-    for (size_t i = 0; i < actors.size(); ++i) {
+    for (std::size_t i = 0; i < actors.size(); ++i) {
         Mesh& mesh = meshes_[i];
         const BuiltShape* built = actors[i].built;
         if (mesh.positions != (built ? built->instance.position_buffer : mesh.vertices.get())) {
@@ -74,15 +74,15 @@ void Bodies::place(const std::vector<Actor>& actors)
     }
 }
 
-void Bodies::draw(size_t actor) const
+void Bodies::draw(std::size_t actor) const
 {
     glBindVertexArray(meshes_[actor].array.get());
     glDrawElements(GL_TRIANGLES, index_count_, GL_UNSIGNED_INT, nullptr);
 }
 
-void Bodies::draw(size_t actor, const PaintedPart& part) const
+void Bodies::draw(std::size_t actor, const PaintedPart& part) const
 {
-    const size_t first = static_cast<size_t>(index_count_) + part.first_index;
+    const std::size_t first = static_cast<std::size_t>(index_count_) + part.first_index;
     glBindVertexArray(meshes_[actor].array.get());
     glDrawElements(GL_TRIANGLES, static_cast<GLsizei>(part.index_count), GL_UNSIGNED_INT,
                    reinterpret_cast<const void*>(first * 4));

@@ -17,8 +17,8 @@ public:
     // Uploads the actors' vertices; those of built shapes are there already.
     void place(const std::vector<Actor>& actors);
     // Of the actor's triangles all, or those of a part.
-    void draw(size_t actor) const;
-    void draw(size_t actor, const PaintedPart& part) const;
+    void draw(std::size_t actor) const;
+    void draw(std::size_t actor, const PaintedPart& part) const;
 
 private:
     struct Mesh {

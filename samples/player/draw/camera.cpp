@@ -9,16 +9,15 @@
 #include <limits>
 
 namespace pliant::player {
-
 namespace {
 
-constexpr float kHomeYaw = 30.0f;
-constexpr float kHomePitch = 12.0f;
-constexpr float kFieldOfView = 26.0f; // degrees, vertical: a portrait lens, little distortion of limbs that point at us
+constexpr float home_yaw = 30.0f;
+constexpr float home_pitch = 12.0f;
+constexpr float field_of_view = 26.0f; // degrees, vertical: a portrait lens, little distortion of limbs that point at us
 
 // Characters side by side are there to be compared, so they must be seen from nearly the same direction: for every one more
 // the lens gets longer by this many times, and a pair is turned by a third as much.
-constexpr float kLongerLens = 2.0f;
+constexpr float longer_lens = 2.0f;
 
 // The outline as a camera with this rotation sees it, from infinitely far away.
 struct Silhouette {
@@ -53,8 +52,8 @@ float fitting_distance(const std::vector<glm::vec3>& outline, const glm::mat3& r
 
 Camera::Camera(const Extent& extent)
     : extent_(extent)
-    , home_yaw_(kHomeYaw)
-    , home_pitch_(kHomePitch)
+    , home_yaw_(home_yaw)
+    , home_pitch_(home_pitch)
 {
     reset();
 }
@@ -101,7 +100,7 @@ glm::vec2 Camera::size() const
 Camera::Matrices Camera::matrices(glm::vec2 picture, const Area& free, float room_beside) const
 {
     // Half the free part in tangents of view angles, with a margin of a twelfth.
-    const float half_height = std::tan(glm::radians(kFieldOfView) * 0.5f) / (1.0f + kLongerLens * (room_beside - 1.0f));
+    const float half_height = std::tan(glm::radians(field_of_view) * 0.5f) / (1.0f + longer_lens * (room_beside - 1.0f));
     const glm::vec2 reach = glm::vec2(free.width / room_beside, free.height) * (0.92f * half_height / picture.y);
     const glm::mat3 turn(rotation());
     const Silhouette seen = silhouette(extent_.outline, turn);

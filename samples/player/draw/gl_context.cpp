@@ -9,15 +9,14 @@
 #include <GLFW/glfw3.h>
 
 namespace pliant::player {
-
 namespace {
 
-constexpr char kContextHint[] = "the player needs OpenGL 3.3; without a display run it as: xvfb-run -a -s \"-screen 0 "
+constexpr char context_hint[] = "the player needs OpenGL 3.3; without a display run it as: xvfb-run -a -s \"-screen 0 "
                                 "1280x1024x24\" pliant-player ... (packages xvfb xauth libgl1-mesa-dri)";
 
 [[noreturn]] void refuse_context(const std::string& reason)
 {
-    throw Error(ErrorNumber::no_context, ExitCode::failed, "no picture can be drawn: " + reason, kContextHint);
+    throw Error(ErrorNumber::no_context, ExitCode::failed, "no picture can be drawn: " + reason, context_hint);
 }
 
 std::string glfw_reason()
@@ -72,9 +71,8 @@ std::unique_ptr<GlContext> try_egl()
         && config_count > 0) {
         const EGLContext context = eglCreateContext(display, config, EGL_NO_CONTEXT, context_wishes);
         if (context != EGL_NO_CONTEXT) {
-            if (eglMakeCurrent(display, EGL_NO_SURFACE, EGL_NO_SURFACE, context)) {
+            if (eglMakeCurrent(display, EGL_NO_SURFACE, EGL_NO_SURFACE, context))
                 return std::make_unique<EglContext>(display, context);
-            }
             eglDestroyContext(display, context);
         }
     }
@@ -89,9 +87,8 @@ std::string GlContext::renderer_name() const { return reinterpret_cast<const cha
 bool GlContext::is_software() const
 {
     const std::string name = renderer_name();
-    for (const char* software : { "llvmpipe", "softpipe", "SwiftShader" }) {
+    for (const char* software : { "llvmpipe", "softpipe", "SwiftShader" })
         if (name.find(software) != std::string::npos) return true;
-    }
     return false;
 }
 

@@ -5,11 +5,10 @@
 #include <algorithm>
 
 namespace pliant::player {
-
 namespace {
 
 // Eight where the driver has them; everybody has four.
-constexpr GLint kWantedSamples = 8;
+constexpr GLint wanted_samples = 8;
 
 [[noreturn]] void refuse(const std::string& what)
 {
@@ -34,9 +33,8 @@ GlName compile(const std::string& name, GLenum stage, const std::string& source)
 
 void check_framebuffer(int width, int height)
 {
-    if (glCheckFramebufferStatus(GL_FRAMEBUFFER) != GL_FRAMEBUFFER_COMPLETE) {
+    if (glCheckFramebufferStatus(GL_FRAMEBUFFER) != GL_FRAMEBUFFER_COMPLETE)
         refuse("a picture of " + std::to_string(width) + " x " + std::to_string(height) + " was refused by the driver");
-    }
 }
 
 GlName storage(GLint samples, GLenum format, int width, int height)
@@ -112,7 +110,7 @@ Canvas::Canvas(int width, int height)
         refuse("a picture of " + std::to_string(width) + " x " + std::to_string(height) + " is above the driver's limit of "
                + std::to_string(most_pixels));
     }
-    const GLint samples = std::min(kWantedSamples, most_samples);
+    const GLint samples = std::min(wanted_samples, most_samples);
     many_colours_ = storage(samples, GL_RGBA8, width, height);
     many_depths_ = storage(samples, GL_DEPTH_COMPONENT24, width, height);
     many_ = make_framebuffer();
@@ -150,18 +148,17 @@ void Canvas::show() const
     glBindFramebuffer(GL_FRAMEBUFFER, 0);
 }
 
-std::vector<uint8_t> Canvas::pixels() const
+std::vector<std::uint8_t> Canvas::pixels() const
 {
-    const size_t row_size = static_cast<size_t>(width_) * 3;
-    std::vector<uint8_t> rows(row_size * height_);
+    const std::size_t row_size = static_cast<std::size_t>(width_) * 3;
+    std::vector<std::uint8_t> rows(row_size * height_);
     glBindFramebuffer(GL_READ_FRAMEBUFFER, one_.get());
     glPixelStorei(GL_PACK_ALIGNMENT, 1);
     glReadPixels(0, 0, width_, height_, GL_RGB, GL_UNSIGNED_BYTE, rows.data());
     const GLenum error = glGetError();
     if (error != GL_NO_ERROR) refuse("the driver reported error " + std::to_string(error) + " while drawing");
-    for (int top = 0, bottom = height_ - 1; top < bottom; ++top, --bottom) {
+    for (int top = 0, bottom = height_ - 1; top < bottom; ++top, --bottom)
         std::swap_ranges(&rows[top * row_size], &rows[top * row_size] + row_size, &rows[bottom * row_size]);
-    }
     return rows;
 }
 

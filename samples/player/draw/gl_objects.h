@@ -96,7 +96,7 @@ public:
     // Copies the resolved picture to the window's.
     void show() const;
     // RGB, top row first.
-    std::vector<uint8_t> pixels() const;
+    std::vector<std::uint8_t> pixels() const;
 
 private:
     int width_, height_;

@@ -8,7 +8,6 @@
 #include <cstddef>
 
 namespace pliant::player {
-
 namespace {
 
 void check(pliant_gl_result result, const pliant_gl& gl)
@@ -24,15 +23,15 @@ void check(pliant_gl_result result, const pliant_gl& gl)
 
 } // namespace
 
-GpuCrowd::GpuCrowd(const AssetFile& file, const glm::mat3& to_world, uint32_t count,
-                   const std::vector<std::vector<uint32_t>>& blended, pliant_gl_loader load)
+GpuCrowd::GpuCrowd(const AssetFile& file, const glm::mat3& to_world, std::uint32_t count,
+                   const std::vector<std::vector<std::uint32_t>>& blended, pliant_gl_loader load)
     : landmarks_(file.view(), to_world, blended)
     , to_world_(to_world)
 {
     upload(file.view(), count, load);
 }
 
-void GpuCrowd::upload(const pliant_asset& asset, uint32_t count, pliant_gl_loader load)
+void GpuCrowd::upload(const pliant_asset& asset, std::uint32_t count, pliant_gl_loader load)
 {
     check(pliant_gl_init(&context_.gl, load, nullptr), context_.gl);
     std::vector<std::byte> memory(pliant_normals_memory(&asset));
@@ -48,7 +47,7 @@ void GpuCrowd::upload(const pliant_asset& asset, uint32_t count, pliant_gl_loade
 void GpuCrowd::rebuild(const Crowd& crowd, CrowdCost& cost)
 {
     const Stopwatch placing;
-    for (uint32_t i = 0; i < crowd.count(); ++i) {
+    for (std::uint32_t i = 0; i < crowd.count(); ++i) {
         BuiltShape& shape = shapes_.list[i];
         const float* q = crowd.coordinates(i).data();
         const float floor = landmarks_.lowest(q);
@@ -57,7 +56,7 @@ void GpuCrowd::rebuild(const Crowd& crowd, CrowdCost& cost)
     }
     cost.placing_us = placing.microseconds();
     const Stopwatch update;
-    for (uint32_t i = 0; i < crowd.count(); ++i)
+    for (std::uint32_t i = 0; i < crowd.count(); ++i)
         check(pliant_gl_update(&shapes_.list[i].instance, crowd.coordinates(i).data()), context_.gl);
     glFinish();
     cost.update_us = update.microseconds();

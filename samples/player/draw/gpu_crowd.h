@@ -13,14 +13,14 @@ class GpuCrowd {
 public:
     // blended: the vertices of each blended part (paint.h). Needs a current GL context, whose functions `load` finds, for as long as it
     // lives. The file must outlive it. Throws Error if the driver cannot.
-    GpuCrowd(const AssetFile& file, const glm::mat3& to_world, uint32_t count,
-             const std::vector<std::vector<uint32_t>>& blended, pliant_gl_loader load);
+    GpuCrowd(const AssetFile& file, const glm::mat3& to_world, std::uint32_t count,
+             const std::vector<std::vector<std::uint32_t>>& blended, pliant_gl_loader load);
 
     // Rebuilds all shapes from what crowd.solve() found, and waits until that is done. Fills in the cost's placing_us and update_us.
     // A complete framebuffer must be bound: transform feedback asks for one.
     void rebuild(const Crowd& crowd, CrowdCost& cost);
 
-    const BuiltShape& shape(uint32_t character) const { return shapes_.list[character]; }
+    const BuiltShape& shape(std::uint32_t character) const { return shapes_.list[character]; }
     const char* path_name() const; // how the driver does it
 
 private:
@@ -41,7 +41,7 @@ private:
         }
     };
 
-    void upload(const pliant_asset& asset, uint32_t count, pliant_gl_loader load);
+    void upload(const pliant_asset& asset, std::uint32_t count, pliant_gl_loader load);
 
     Context context_;
     Mesh mesh_;

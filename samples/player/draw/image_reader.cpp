@@ -1,6 +1,6 @@
-// stb's reader of images, which compiles its implementation into the one file that asks for it; its warnings are not ours.
-#include "draw/painting.h"
+#include "draw/image_reader.h"
 
+// The one file that compiles stb's image reader; its warnings are not ours.
 #if defined(__GNUC__)
 #pragma GCC diagnostic push
 #pragma GCC diagnostic ignored "-Wmissing-field-initializers"
@@ -22,7 +22,7 @@
 
 namespace pliant::player {
 
-Image read_image(const uint8_t* bytes, size_t size)
+Image read_image(const std::uint8_t* bytes, std::size_t size)
 {
     Image image;
     if (size > INT_MAX) return image;
@@ -30,7 +30,8 @@ Image read_image(const uint8_t* bytes, size_t size)
     stbi_uc* pixels
         = stbi_load_from_memory(bytes, static_cast<int>(size), &image.width, &image.height, &channels, STBI_rgb_alpha);
     if (pixels)
-        image.pixels.assign(pixels, pixels + 4 * static_cast<size_t>(image.width) * static_cast<size_t>(image.height));
+        image.pixels.assign(pixels,
+                            pixels + 4 * static_cast<std::size_t>(image.width) * static_cast<std::size_t>(image.height));
     stbi_image_free(pixels);
     return image;
 }

@@ -2,7 +2,7 @@
 
 #include "blend/error.h"
 
-// stb compiles its implementation into the one file that asks for it; its warnings are not ours.
+// The one file that compiles stb's image writer; its warnings are not ours.
 #if defined(__GNUC__)
 #pragma GCC diagnostic push
 #pragma GCC diagnostic ignored "-Wmissing-field-initializers"
@@ -26,7 +26,6 @@
 #include <system_error>
 
 namespace pliant::player {
-
 namespace {
 
 [[noreturn]] void refuse(const std::string& path, const std::string& reason)
@@ -37,22 +36,21 @@ namespace {
 
 void append(void* context, void* data, int size)
 {
-    auto& bytes = *static_cast<std::vector<uint8_t>*>(context);
-    const auto* first = static_cast<const uint8_t*>(data);
+    auto& bytes = *static_cast<std::vector<std::uint8_t>*>(context);
+    const auto* first = static_cast<const std::uint8_t*>(data);
     bytes.insert(bytes.end(), first, first + size);
 }
 
 } // namespace
 
-void write_png(const std::string& path, int width, int height, const std::vector<uint8_t>& pixels)
+void write_png(const std::string& path, int width, int height, const std::vector<std::uint8_t>& pixels)
 {
     std::error_code error;
     const auto kind = std::filesystem::status(path, error).type();
     // The renaming below would replace a device or a pipe by a file.
-    if (kind != std::filesystem::file_type::not_found && kind != std::filesystem::file_type::regular) {
+    if (kind != std::filesystem::file_type::not_found && kind != std::filesystem::file_type::regular)
         refuse(path, "it exists and is not a plain file");
-    }
-    std::vector<uint8_t> png;
+    std::vector<std::uint8_t> png;
     if (!stbi_write_png_to_func(append, &png, width, height, 3, pixels.data(), width * 3)) refuse(path, "out of memory");
 
     const std::string temporary = path + ".part" + std::to_string(getpid());

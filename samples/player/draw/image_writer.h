@@ -9,6 +9,6 @@ namespace pliant::player {
 
 // Writes width x height RGB pixels, top row first, under a temporary name beside `path`, then renames it. Throws Error; then
 // nothing has changed at `path`.
-void write_png(const std::string& path, int width, int height, const std::vector<uint8_t>& pixels);
+void write_png(const std::string& path, int width, int height, const std::vector<std::uint8_t>& pixels);
 
 } // namespace pliant::player

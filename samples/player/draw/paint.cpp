@@ -6,7 +6,6 @@
 #include <cstddef>
 
 namespace pliant::player {
-
 namespace {
 
 GLint gl_wrap(Wrap wrap)
@@ -36,10 +35,10 @@ GlName upload(const Texture& texture, const Image& image)
     return name;
 }
 
-std::vector<uint32_t> vertices_of(const PaintedPart& part, const std::vector<uint32_t>& indices)
+std::vector<std::uint32_t> vertices_of(const PaintedPart& part, const std::vector<std::uint32_t>& indices)
 {
     const auto first = indices.begin() + part.first_index;
-    std::vector<uint32_t> vertices(first, first + part.index_count);
+    std::vector<std::uint32_t> vertices(first, first + part.index_count);
     std::sort(vertices.begin(), vertices.end());
     vertices.erase(std::unique(vertices.begin(), vertices.end()), vertices.end());
     return vertices;

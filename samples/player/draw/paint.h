@@ -19,14 +19,14 @@ public:
     // The blended ones last.
     const std::vector<PaintedPart>& parts() const { return parts_; }
     // For each of these the vertices it draws, each of them once.
-    const std::vector<std::vector<uint32_t>>& blended() const { return blended_; }
+    const std::vector<std::vector<std::uint32_t>>& blended() const { return blended_; }
     bool has(Alpha alpha) const;
     // Binds the texture of a part, or white, to the unit that is active.
     void bind(const PaintedPart& part) const;
 
 private:
     std::vector<PaintedPart> parts_;
-    std::vector<std::vector<uint32_t>> blended_;
+    std::vector<std::vector<std::uint32_t>> blended_;
     GlName vertices_, white_;
     std::vector<GlName> textures_;
 };

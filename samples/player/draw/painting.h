@@ -2,6 +2,7 @@
 #pragma once
 
 #include "blend/asset_file.h"
+#include "draw/image_reader.h"
 
 #include <glm/vec2.hpp>
 #include <glm/vec4.hpp>
@@ -12,16 +13,10 @@
 
 namespace pliant::player {
 
-// RGBA, sRGB, top row first. Without pixels: the bytes are not a PNG or JPEG file that can be read.
-struct Image {
-    int width = 0, height = 0;
-    std::vector<uint8_t> pixels;
-};
-
 enum class Wrap { repeat, mirror, clamp };
 
 struct Texture {
-    size_t image = 0;
+    std::size_t image = 0;
     Wrap wrap_x = Wrap::repeat, wrap_y = Wrap::repeat;
     bool nearest = false; // between its pixels nothing is mixed
 };
@@ -30,9 +25,9 @@ enum class Alpha { opaque, mask, blend };
 
 // A run of the indices, and what glTF says of the base colour there: factor times texture times the vertices' colours, all linear.
 struct PaintedPart {
-    uint32_t first_index = 0, index_count = 0;
+    std::uint32_t first_index = 0, index_count = 0;
     glm::vec4 factor { 1.0f };
-    std::optional<size_t> texture;
+    std::optional<std::size_t> texture;
     Alpha alpha = Alpha::opaque;
     float cutoff = 0.5f; // of a mask: below it nothing is drawn
 };
@@ -44,7 +39,7 @@ struct PaintedVertex {
 
 struct Painting {
     std::vector<PaintedVertex> vertices; // one for each of the asset
-    std::vector<uint32_t> indices;       // triangles, part by part
+    std::vector<std::uint32_t> indices;  // triangles, part by part
     std::vector<PaintedPart> parts;
     std::vector<Texture> textures;
     std::vector<Image> images;
@@ -52,8 +47,5 @@ struct Painting {
 
 // Nothing if the asset has no such chunk, or one without materials and colours. Throws Error (exit code 3) for a damaged one.
 std::optional<Painting> painting_of(const AssetFile& file);
-
-// PNG or JPEG.
-Image read_image(const uint8_t* bytes, size_t size);
 
 } // namespace pliant::player

@@ -11,7 +11,6 @@
 #include <cmath>
 
 namespace pliant::player {
-
 namespace {
 
 // The key light and a dome of lights; each has its shadow map. lowest: the sine of the elevation from which the dome goes up;
@@ -20,13 +19,13 @@ struct Lighting {
     int light_count, shadow_size, key_taps, dome_taps;
     float lowest, floor;
 };
-constexpr Lighting kLow { 1 + 3, 320, 7, 3, 0.82f, 1.5f };
-constexpr Lighting kMedium { 1 + 16, 768, 12, 4, 0.25f, 2.4f };
-constexpr Lighting kHigh { 1 + 24, 768, 24, 8, 0.17f, 2.4f };
+constexpr Lighting low_lighting { 1 + 3, 320, 7, 3, 0.82f, 1.5f };
+constexpr Lighting medium_lighting { 1 + 16, 768, 12, 4, 0.25f, 2.4f };
+constexpr Lighting high_lighting { 1 + 24, 768, 24, 8, 0.17f, 2.4f };
 
 constexpr Lighting lighting(Quality quality)
 {
-    return quality == Quality::low ? kLow : quality == Quality::medium ? kMedium : kHigh;
+    return quality == Quality::low ? low_lighting : quality == Quality::medium ? medium_lighting : high_lighting;
 }
 
 ShaderSources sources_for(Quality quality)
@@ -84,9 +83,9 @@ Scene::Scene(const pliant_asset& asset, const Extent& extent, Quality quality, c
     glTexParameteri(GL_TEXTURE_2D_ARRAY, GL_TEXTURE_COMPARE_MODE, GL_COMPARE_REF_TO_TEXTURE);
 }
 
-std::vector<std::vector<uint32_t>> Scene::blended_parts() const
+std::vector<std::vector<std::uint32_t>> Scene::blended_parts() const
 {
-    return paint_ ? paint_->blended() : std::vector<std::vector<uint32_t>> {};
+    return paint_ ? paint_->blended() : std::vector<std::vector<std::uint32_t>> {};
 }
 
 Scene::Stage Scene::stage_for(const std::vector<Actor>& actors) const
@@ -127,7 +126,7 @@ void Scene::place_lights(const Stage& stage, const glm::vec3& eye)
 }
 
 // Where a part is seen through, it lets light through: all or nothing, the shadow map knows no half.
-void Scene::draw_shadow(size_t actor) const
+void Scene::draw_shadow(std::size_t actor) const
 {
     depth_.set("cutoff", 0.0f);
     if (!paint_ || !shows_paint_ || (!paint_->has(Alpha::mask) && !paint_->has(Alpha::blend))) {
@@ -158,7 +157,7 @@ void Scene::draw_shadow_maps(const std::vector<Actor>& actors)
     for (int light = 0; light < light_count_; ++light) {
         glFramebufferTextureLayer(GL_FRAMEBUFFER, GL_DEPTH_ATTACHMENT, shadow_texture_.get(), 0, light);
         glClear(GL_DEPTH_BUFFER_BIT);
-        for (size_t i = 0; i < actors.size(); ++i) {
+        for (std::size_t i = 0; i < actors.size(); ++i) {
             depth_.set("matrix", light_clips_[light] * model_of(actors[i]));
             draw_shadow(i);
         }
@@ -223,7 +222,7 @@ void Scene::draw_actors(const Camera::Matrices& camera, const std::vector<Actor>
     if (is_painted) {
         draw_painted(camera.view, actors);
     } else {
-        for (size_t i = 0; i < actors.size(); ++i) {
+        for (std::size_t i = 0; i < actors.size(); ++i) {
             body_.set("base_colour", glm::vec4(actors[i].colour, 1.0f));
             body_.set("model", model_of(actors[i]));
             bodies_.draw(i);
@@ -244,10 +243,10 @@ void Scene::use_part(const PaintedPart& part) const
 void Scene::draw_painted(const glm::mat4& view, const std::vector<Actor>& actors) const
 {
     const std::vector<PaintedPart>& parts = paint_->parts();
-    const size_t first_blended = parts.size() - paint_->blended().size();
-    for (size_t p = 0; p < first_blended; ++p) {
+    const std::size_t first_blended = parts.size() - paint_->blended().size();
+    for (std::size_t p = 0; p < first_blended; ++p) {
         use_part(parts[p]);
-        for (size_t i = 0; i < actors.size(); ++i) {
+        for (std::size_t i = 0; i < actors.size(); ++i) {
             body_.set("model", model_of(actors[i]));
             bodies_.draw(i, parts[p]);
         }
@@ -263,7 +262,7 @@ void Scene::draw_painted(const glm::mat4& view, const std::vector<Actor>& actors
 // The farthest first, of all actors.
 void Scene::draw_layers(const glm::mat4& view, const std::vector<Actor>& actors) const
 {
-    const size_t first_blended = paint_->parts().size() - paint_->blended().size();
+    const std::size_t first_blended = paint_->parts().size() - paint_->blended().size();
     for (const Layer& layer : layers_of(view, actors, paint_->blended())) {
         const PaintedPart& part = paint_->parts()[first_blended + layer.blended];
         use_part(part);

@@ -19,10 +19,10 @@ namespace pliant::player {
 enum class Quality { low, medium, high };
 
 // The colours of the blends, everywhere the same.
-inline const glm::vec3 kElasticColour { 0.76f, 0.20f, 0.085f };
-inline const glm::vec3 kLinearColour { 0.20f, 0.29f, 0.42f };
-inline const glm::vec3 kUnreducedColour { 0.105f, 0.30f, 0.20f };
-inline const glm::vec3 kPoseColour { 0.62f, 0.56f, 0.48f };
+inline const glm::vec3 elastic_colour { 0.76f, 0.20f, 0.085f };
+inline const glm::vec3 linear_colour { 0.20f, 0.29f, 0.42f };
+inline const glm::vec3 unreduced_colour { 0.105f, 0.30f, 0.20f };
+inline const glm::vec3 single_pose_colour { 0.62f, 0.56f, 0.48f };
 
 class Scene {
 public:
@@ -34,7 +34,7 @@ public:
     bool has_paint() const { return paint_.has_value(); }
     void show_paint(bool shown) { shows_paint_ = shown; }
     // The vertices of each blended part: built shapes say where their means are.
-    std::vector<std::vector<uint32_t>> blended_parts() const;
+    std::vector<std::vector<std::uint32_t>> blended_parts() const;
 
     // Draws into the part `area` of the canvas, between its begin() and resolve(). glow: the part of the canvas that the
     // characters stand in the middle of.
@@ -54,7 +54,7 @@ private:
     void draw_floor(const Stage& stage, const Camera::Matrices& camera);
     void draw_actors(const Camera::Matrices& camera, const std::vector<Actor>& actors);
     void set_lights(const Program& program) const;
-    void draw_shadow(size_t actor) const;
+    void draw_shadow(std::size_t actor) const;
     void draw_painted(const glm::mat4& view, const std::vector<Actor>& actors) const;
     void draw_layers(const glm::mat4& view, const std::vector<Actor>& actors) const;
     void use_part(const PaintedPart& part) const;

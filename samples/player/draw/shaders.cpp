@@ -3,13 +3,12 @@
 #include "blend/heat.h"
 
 namespace pliant::player {
-
 namespace {
 
-constexpr char kVersion[] = "#version 330 core\n";
+constexpr char version_line[] = "#version 330 core\n";
 
 // One triangle that covers the viewport.
-constexpr char kBackdropVertex[] = R"(
+constexpr char backdrop_vertex_source[] = R"(
 out vec2 place;
 void main()
 {
@@ -19,7 +18,7 @@ void main()
 })";
 
 // A studio wall: brightest behind the character. Less than a grey level of noise hides the steps of eight bits.
-constexpr char kBackdropFragment[] = R"(
+constexpr char backdrop_fragment_source[] = R"(
 in vec2 place;
 out vec4 colour;
 uniform vec2 glow; // where the character stands, 0 to 1
@@ -33,7 +32,7 @@ void main()
     colour = vec4(wall + (noise - 0.5) * 1.6 / 255.0, 1.0);
 })";
 
-constexpr char kDepthVertex[] = R"(
+constexpr char depth_vertex_source[] = R"(
 layout(location = 0) in vec3 position;
 layout(location = 3) in vec2 texture_place;
 layout(location = 4) in vec4 tint;
@@ -48,7 +47,7 @@ void main()
 })";
 
 // What a mask leaves out casts no shadow.
-constexpr char kDepthFragment[] = R"(
+constexpr char depth_fragment_source[] = R"(
 in vec2 place;
 in float tint_alpha;
 uniform sampler2D picture;
@@ -59,7 +58,7 @@ void main()
     if (cutoff > 0.0 && alpha_factor * tint_alpha * texture(picture, place).a < cutoff) discard;
 })";
 
-constexpr char kFloorVertex[] = R"(
+constexpr char floor_vertex_source[] = R"(
 uniform mat4 view_projection;
 uniform vec3 centre;
 uniform float radius;
@@ -71,7 +70,7 @@ void main()
     gl_Position = view_projection * vec4(point, 1.0);
 })";
 
-constexpr char kBodyVertex[] = R"(
+constexpr char body_vertex_source[] = R"(
 layout(location = 0) in vec3 position;
 layout(location = 1) in vec3 face_sum;
 layout(location = 2) in float heat;
@@ -97,7 +96,7 @@ void main()
 })";
 
 // Soft shadows. A light's matrix maps the scene into the unit cube and scales all axes alike, so it also turns directions.
-constexpr char kShadow[] = R"(
+constexpr char shadow_functions[] = R"(
 uniform sampler2DArrayShadow shadows;
 uniform mat4 light_matrices[LIGHTS];
 uniform vec4 lights[LIGHTS]; // direction to the light, share of the dome's brightness (key: 1)
@@ -126,7 +125,7 @@ float visibility(int light, vec3 point, vec3 normal, float softness, int taps)
 )";
 
 // The floor is seen by its shadows alone: it darkens the backdrop.
-constexpr char kFloorFragment[] = R"(
+constexpr char floor_fragment_source[] = R"(
 in vec3 point;
 out vec4 colour;
 uniform vec3 centre;
@@ -150,7 +149,7 @@ void main()
 
 // Key light with a soft terminator, a dome of sky lights with shadows (ambient occlusion comes from those), light from the floor,
 // a broad highlight, and a rim where the surface turns away. Cook-Torrance is not needed for clay; Blinn-Phong serves.
-constexpr char kBodyFragment[] = R"(
+constexpr char body_fragment_source[] = R"(
 in vec3 point;
 in vec3 direction;
 in float warmth; // 0 to 1 along heat_colours; negative: none
@@ -216,19 +215,19 @@ void main()
 
 ShaderSources shader_sources(int light_count, int key_taps, int dome_taps)
 {
-    const std::string version = kVersion;
+    const std::string version = version_line;
     const std::string numbers = "#define LIGHTS " + std::to_string(light_count) + "\n#define KEY_TAPS "
         + std::to_string(key_taps) + "\n#define DOME_TAPS " + std::to_string(dome_taps) + "\n#define HEAT_COLOURS "
-        + std::to_string(kHeatColours.size()) + "\n";
+        + std::to_string(heat_colours.size()) + "\n";
     ShaderSources sources;
-    sources.backdrop_vertex = version + kBackdropVertex;
-    sources.backdrop_fragment = version + kBackdropFragment;
-    sources.depth_vertex = version + kDepthVertex;
-    sources.depth_fragment = version + kDepthFragment;
-    sources.floor_vertex = version + kFloorVertex;
-    sources.floor_fragment = version + numbers + kShadow + kFloorFragment;
-    sources.body_vertex = version + kBodyVertex;
-    sources.body_fragment = version + numbers + kShadow + kBodyFragment;
+    sources.backdrop_vertex = version + backdrop_vertex_source;
+    sources.backdrop_fragment = version + backdrop_fragment_source;
+    sources.depth_vertex = version + depth_vertex_source;
+    sources.depth_fragment = version + depth_fragment_source;
+    sources.floor_vertex = version + floor_vertex_source;
+    sources.floor_fragment = version + numbers + shadow_functions + floor_fragment_source;
+    sources.body_vertex = version + body_vertex_source;
+    sources.body_fragment = version + numbers + shadow_functions + body_fragment_source;
     return sources;
 }
 

@@ -7,10 +7,9 @@
 #include <cstdio>
 
 namespace pliant::player {
-
 namespace {
 
-constexpr float kPolygonHeight = 322.0f;
+constexpr float polygon_height = 322.0f;
 
 const char* status_text(pliant_status status)
 {
@@ -42,14 +41,14 @@ void draw_choices(const Overlay& overlay, const HudModel& model, HudActions& act
     const float count = model.truth ? 4.0f : 3.0f;
     const float button = (ImGui::GetContentRegionAvail().x - (count - 1.0f) * gap) / count;
     ImGui::PushStyleVar(ImGuiStyleVar_FramePadding, { 2.0f * s, 6.0f * s });
-    segment("Elastic", Show::elastic, kElasticInk, model, button, actions);
+    segment("Elastic", Show::elastic, elastic_ink, model, button, actions);
     ImGui::SameLine(0.0f, gap);
-    segment("Linear", Show::linear, kLinearInk, model, button, actions);
+    segment("Linear", Show::linear, linear_ink, model, button, actions);
     ImGui::SameLine(0.0f, gap);
-    segment("Both", Show::both, kInk, model, button, actions);
+    segment("Both", Show::both, ink, model, button, actions);
     if (model.truth) {
         ImGui::SameLine(0.0f, gap);
-        segment("Three", Show::three, kUnreducedInk, model, button, actions);
+        segment("Three", Show::three, unreduced_ink, model, button, actions);
     }
     ImGui::PopStyleVar();
     ImGui::Dummy({ 0.0f, 3.0f * s });
@@ -67,7 +66,7 @@ void draw_sources(const Overlay& overlay, const HudModel& model)
     row(overlay, "unreduced average",
         std::to_string(*model.shown.truth + 1) + " of " + std::to_string(model.truth->count()));
     ImGui::PushFont(overlay.small());
-    ImGui::PushStyleColor(ImGuiCol_Text, kUnreducedInk);
+    ImGui::PushStyleColor(ImGuiCol_Text, unreduced_ink);
     ImGui::TextUnformatted("all are shown at its weights (ring), the\nnearest to the point");
     ImGui::PopStyleColor();
     ImGui::PopFont();
@@ -106,18 +105,17 @@ void handle_polygon_input(const PolygonView& view, float s, HudActions& actions)
     if (!ImGui::IsItemActive()) return;
     const ImVec2 start = ImGui::GetIO().MouseClickedPos[ImGuiMouseButton_Left];
     const bool on_corner = view.corner_at(start, reach).has_value();
-    if (!on_corner || ImGui::IsMouseDragging(ImGuiMouseButton_Left, 6.0f * s)) {
+    if (!on_corner || ImGui::IsMouseDragging(ImGuiMouseButton_Left, 6.0f * s))
         actions.drag_to = view.polygon.nearest_inside(view.point(mouse));
-    }
 }
 
 void draw_polygon_panel(const Overlay& overlay, const HudModel& model, int height, HudActions& actions)
 {
     const float s = overlay.scale();
-    const ImVec2 size { kColumn * s, kPolygonHeight * s };
-    ImGui::SetNextWindowPos({ kMargin * s, static_cast<float>(height) - (kPolygonHeight + kMargin) * s });
+    const ImVec2 size { panel_width * s, polygon_height * s };
+    ImGui::SetNextWindowPos({ panel_margin * s, static_cast<float>(height) - (polygon_height + panel_margin) * s });
     ImGui::SetNextWindowSize(size);
-    ImGui::Begin("polygon", nullptr, kPanel);
+    ImGui::Begin("polygon", nullptr, panel_flags);
     const ImVec2 corner = ImGui::GetWindowPos();
     // Two poses and even numbers hang level; odd ones have a tip above and need their middle a little lower.
     const float drop = model.polygon.corner_count() % 2 == 1 ? 12.0f : 2.0f;

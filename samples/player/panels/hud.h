@@ -22,7 +22,7 @@ struct HudModel {
     const Truth* truth = nullptr;
     glm::dvec2 point { 0.0 };
     std::optional<double> path_frame {}; // while a path is shown
-    size_t path_count = 0;
+    std::size_t path_count = 0;
     bool help = true;
     bool has_paint = false;
     double solve_us = 0.0; // medians
@@ -33,7 +33,7 @@ struct HudModel {
 // What the user did with them.
 struct HudActions {
     std::optional<glm::dvec2> drag_to;
-    std::optional<uint32_t> go_to; // a corner
+    std::optional<std::uint32_t> go_to; // a corner
     std::optional<Show> show;
 };
 

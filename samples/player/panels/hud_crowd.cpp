@@ -4,13 +4,12 @@
 #include <cstdio>
 
 namespace pliant::player {
-
 namespace {
 
-constexpr float kGraphHeight = 268.0f;
-constexpr ImU32 kSolve = kElasticInk, kReconstruct = kLinearInk, kDraw = kSandInk;
+constexpr float graph_height = 268.0f;
+constexpr ImU32 solve_ink = elastic_ink, reconstruct_ink = linear_ink, draw_ink = sand_ink;
 
-std::string kibibytes(size_t bytes)
+std::string kibibytes(std::size_t bytes)
 {
     char text[32];
     std::snprintf(text, sizeof text, bytes < 1024 * 1024 ? "%.0f KiB" : "%.1f MiB",
@@ -21,7 +20,7 @@ std::string kibibytes(size_t bytes)
 void draw_facts(const Overlay& overlay, const CrowdModel& model)
 {
     begin_facts(overlay, model.file);
-    const uint32_t count = model.crowd.count();
+    const std::uint32_t count = model.crowd.count();
     const FrameTime median = model.times.median();
     row(overlay, "characters", grouped(count));
     row(overlay, "blend", model.mode == BlendMode::elastic ? "elastic" : "linear");
@@ -59,15 +58,16 @@ void draw_bars(const Overlay& overlay, const FrameTimes& times, ImVec2 corner, I
         char text[24];
         const bool seconds = end >= 1e4; // many characters on a driver that draws on the processor
         std::snprintf(text, sizeof text, seconds ? "%g s" : "%g ms", share * end * (seconds ? 1e-3 : 1.0));
-        draw_text(list, overlay.small(), { corner.x, y + 2.0f * s }, {}, kFaintInk, text);
+        draw_text(list, overlay.small(), { corner.x, y + 2.0f * s }, {}, faint_ink, text);
     }
-    const float width = size.x / static_cast<float>(FrameTimes::kMost);
-    for (size_t age = 0; age < times.count(); ++age) {
+    const float width = size.x / static_cast<float>(FrameTimes::capacity);
+    for (std::size_t age = 0; age < times.count(); ++age) {
         const FrameTime& time = times.frame(age);
         const float right = corner.x + size.x - width * static_cast<float>(age);
         float y = corner.y + size.y;
-        for (const auto& [value, colour] :
-             { std::pair<double, ImU32> { time.solve, kSolve }, { time.reconstruct, kReconstruct }, { time.draw, kDraw } }) {
+        for (const auto& [value, colour] : { std::pair<double, ImU32> { time.solve, solve_ink },
+                                             { time.reconstruct, reconstruct_ink },
+                                             { time.draw, draw_ink } }) {
             const float high = size.y * static_cast<float>(value / end);
             list->AddRectFilled({ right - 0.82f * width, y - high }, { right, y }, colour);
             y -= high;
@@ -78,22 +78,22 @@ void draw_bars(const Overlay& overlay, const FrameTimes& times, ImVec2 corner, I
 void draw_graph(const Overlay& overlay, const CrowdModel& model, int height)
 {
     const float s = overlay.scale();
-    ImGui::SetNextWindowPos({ kMargin * s, static_cast<float>(height) - (kGraphHeight + kMargin) * s });
-    ImGui::SetNextWindowSize({ kColumn * s, kGraphHeight * s });
-    ImGui::Begin("graph", nullptr, kPanel);
+    ImGui::SetNextWindowPos({ panel_margin * s, static_cast<float>(height) - (graph_height + panel_margin) * s });
+    ImGui::SetNextWindowSize({ panel_width * s, graph_height * s });
+    ImGui::Begin("graph", nullptr, panel_flags);
     const FrameTime median = model.times.median();
     ImGui::TextUnformatted("frame time");
     ImGui::SameLine();
-    ImGui::PushStyleColor(ImGuiCol_Text, kFaintInk);
-    const size_t count = model.times.count();
+    ImGui::PushStyleColor(ImGuiCol_Text, faint_ink);
+    const std::size_t count = model.times.count();
     ImGui::Text(count == 1 ? "%zu frame" : "last %zu frames", count);
     ImGui::PopStyleColor();
     const ImVec2 corner = ImGui::GetCursorScreenPos(), size { ImGui::GetContentRegionAvail().x, 112.0f * s };
     draw_bars(overlay, model.times, { corner.x, corner.y + 2.0f * s }, size);
     ImGui::Dummy({ size.x, size.y + 8.0f * s });
-    legend_row(overlay, kDraw, "draw", median.draw);
-    legend_row(overlay, kReconstruct, model.on_gpu ? "rebuild" : "reconstruct, normals", median.reconstruct);
-    legend_row(overlay, kSolve, "solve", median.solve);
+    legend_row(overlay, draw_ink, "draw", median.draw);
+    legend_row(overlay, reconstruct_ink, model.on_gpu ? "rebuild" : "reconstruct, normals", median.reconstruct);
+    legend_row(overlay, solve_ink, "solve", median.solve);
     ImGui::End();
 }
 

@@ -5,22 +5,21 @@
 #include <cstdio>
 
 namespace pliant::player {
-
 namespace {
 
-constexpr float kHelpHeight = 84.0f; // kept free of characters, whether it is shown or not
+constexpr float help_height = 84.0f; // kept free of characters, whether it is shown or not
 
 } // namespace
 
 Area free_area(float scale, int width, int height)
 {
-    const float left = std::min((kColumn + kMargin) * scale, 0.5f * static_cast<float>(width));
-    return { left, 0.0f, static_cast<float>(width) - left, static_cast<float>(height) - kHelpHeight * scale };
+    const float left = std::min((panel_width + panel_margin) * scale, 0.5f * static_cast<float>(width));
+    return { left, 0.0f, static_cast<float>(width) - left, static_cast<float>(height) - help_height * scale };
 }
 
 void row(const Overlay& overlay, const char* label, const std::string& value)
 {
-    ImGui::PushStyleColor(ImGuiCol_Text, kFaintInk);
+    ImGui::PushStyleColor(ImGuiCol_Text, faint_ink);
     ImGui::TextUnformatted(label);
     ImGui::PopStyleColor();
     const float room = ImGui::GetWindowWidth() - 18.0f * overlay.scale();
@@ -34,7 +33,7 @@ void heading(const Overlay& overlay, const std::string& title, const std::string
     ImGui::TextUnformatted(title.c_str());
     ImGui::PopFont();
     ImGui::PushFont(overlay.small());
-    ImGui::PushStyleColor(ImGuiCol_Text, kFaintInk);
+    ImGui::PushStyleColor(ImGuiCol_Text, faint_ink);
     ImGui::TextUnformatted(facts.c_str());
     ImGui::PopStyleColor();
     ImGui::PopFont();
@@ -44,9 +43,9 @@ void heading(const Overlay& overlay, const std::string& title, const std::string
 void begin_facts(const Overlay& overlay, const AssetFile& file)
 {
     const float s = overlay.scale();
-    ImGui::SetNextWindowPos({ kMargin * s, kMargin * s });
-    ImGui::SetNextWindowSize({ kColumn * s, 0.0f });
-    ImGui::Begin("facts", nullptr, kPanel | ImGuiWindowFlags_AlwaysAutoResize);
+    ImGui::SetNextWindowPos({ panel_margin * s, panel_margin * s });
+    ImGui::SetNextWindowSize({ panel_width * s, 0.0f });
+    ImGui::Begin("facts", nullptr, panel_flags | ImGuiWindowFlags_AlwaysAutoResize);
     const pliant_asset& asset = file.view();
     heading(overlay, file.title(),
             std::to_string(asset.pose_count) + " poses · " + grouped(asset.vertex_count)
@@ -85,11 +84,11 @@ void draw_keys(const Overlay& overlay, const std::vector<Key>& keys, bool shown,
 {
     const float s = overlay.scale();
     const Area free = free_area(s, width, height);
-    const float room = free.width - 2.0f * kMargin * s;
-    ImGui::SetNextWindowPos({ free.x + free.width - kMargin * s, static_cast<float>(height) - kMargin * s }, 0,
+    const float room = free.width - 2.0f * panel_margin * s;
+    ImGui::SetNextWindowPos({ free.x + free.width - panel_margin * s, static_cast<float>(height) - panel_margin * s }, 0,
                             { 1.0f, 1.0f });
     ImGui::PushStyleVar(ImGuiStyleVar_WindowPadding, { 14.0f * s, 9.0f * s });
-    ImGui::Begin("help", nullptr, kPanel | ImGuiWindowFlags_AlwaysAutoResize | ImGuiWindowFlags_NoInputs);
+    ImGui::Begin("help", nullptr, panel_flags | ImGuiWindowFlags_AlwaysAutoResize | ImGuiWindowFlags_NoInputs);
     ImGui::PushFont(overlay.small());
     if (shown) {
         const float gap = 18.0f * s, between = 6.0f * s;
@@ -101,7 +100,7 @@ void draw_keys(const Overlay& overlay, const std::vector<Key>& keys, bool shown,
             x = same_line ? x + gap + needed : needed;
             ImGui::TextUnformatted(key);
             ImGui::SameLine(0.0f, between);
-            ImGui::PushStyleColor(ImGuiCol_Text, kFaintInk);
+            ImGui::PushStyleColor(ImGuiCol_Text, faint_ink);
             ImGui::TextUnformatted(meaning);
             ImGui::PopStyleColor();
         }
@@ -118,13 +117,13 @@ void draw_notice(const Overlay& overlay, const Notice& notice, int width, int he
     if (notice.text.empty()) return;
     const float s = overlay.scale();
     const Area free = free_area(s, width, height);
-    const float room = std::min(free.width - 2.0f * kMargin * s, 760.0f * s);
+    const float room = std::min(free.width - 2.0f * panel_margin * s, 760.0f * s);
     const float needed = ImGui::CalcTextSize(notice.text.c_str(), nullptr, false, room - 36.0f * s).x + 36.0f * s;
-    ImGui::SetNextWindowPos({ free.x + 0.5f * free.width, free.y + kMargin * s }, 0, { 0.5f, 0.0f });
+    ImGui::SetNextWindowPos({ free.x + 0.5f * free.width, free.y + panel_margin * s }, 0, { 0.5f, 0.0f });
     ImGui::SetNextWindowSize({ std::min(room, needed + 2.0f * s), 0.0f });
     ImGui::PushStyleColor(ImGuiCol_WindowBg, notice.is_error ? IM_COL32(255, 236, 230, 240) : IM_COL32(255, 255, 255, 225));
-    ImGui::Begin("notice", nullptr, kPanel | ImGuiWindowFlags_NoInputs);
-    ImGui::PushStyleColor(ImGuiCol_Text, notice.is_error ? IM_COL32(160, 44, 24, 255) : kInk);
+    ImGui::Begin("notice", nullptr, panel_flags | ImGuiWindowFlags_NoInputs);
+    ImGui::PushStyleColor(ImGuiCol_Text, notice.is_error ? IM_COL32(160, 44, 24, 255) : ink);
     ImGui::TextWrapped("%s", notice.text.c_str());
     ImGui::PopStyleColor(2);
     ImGui::End();

@@ -7,27 +7,25 @@
 #include <filesystem>
 
 namespace pliant::player {
-
 namespace {
 
-constexpr float kTextSize = 17.0f, kSmallSize = 14.0f, kTitleSize = 23.0f;
+constexpr float text_size = 17.0f, small_size = 14.0f, title_size = 23.0f;
 
 // Where Debian, Fedora and Arch keep a plain sans-serif; the bold one has the same name with "-Bold".
-constexpr const char* kFontFolders[]
+constexpr const char* font_folders[]
     = { "/usr/share/fonts/truetype/dejavu/", "/usr/share/fonts/dejavu-sans-fonts/", "/usr/share/fonts/TTF/" };
 
 // Latin, Greek, Cyrillic, and the punctuation that our texts use.
-const ImWchar kGlyphs[] = { 0x20, 0x24F, 0x370, 0x52F, 0x2010, 0x2027, 0x2190, 0x2193, 0x2264, 0x2265, 0 };
+const ImWchar glyph_ranges[] = { 0x20, 0x24F, 0x370, 0x52F, 0x2010, 0x2027, 0x2190, 0x2193, 0x2264, 0x2265, 0 };
 
 ImFont* load_font(const char* name, float size)
 {
     ImFontAtlas* fonts = ImGui::GetIO().Fonts;
-    for (const char* folder : kFontFolders) {
+    for (const char* folder : font_folders) {
         const std::string path = std::string(folder) + name;
         std::error_code error;
-        if (std::filesystem::is_regular_file(path, error)) {
-            if (ImFont* font = fonts->AddFontFromFileTTF(path.c_str(), size, nullptr, kGlyphs)) return font;
-        }
+        if (std::filesystem::is_regular_file(path, error))
+            if (ImFont* font = fonts->AddFontFromFileTTF(path.c_str(), size, nullptr, glyph_ranges)) return font;
     }
     ImFontConfig built_in;
     built_in.SizePixels = size;
@@ -62,9 +60,9 @@ Overlay::~Overlay()
 
 void Overlay::load_fonts()
 {
-    text_ = load_font("DejaVuSans.ttf", kTextSize * scale_);
-    small_ = load_font("DejaVuSans.ttf", kSmallSize * scale_);
-    title_ = load_font("DejaVuSans-Bold.ttf", kTitleSize * scale_);
+    text_ = load_font("DejaVuSans.ttf", text_size * scale_);
+    small_ = load_font("DejaVuSans.ttf", small_size * scale_);
+    title_ = load_font("DejaVuSans-Bold.ttf", title_size * scale_);
 }
 
 void Overlay::set_style()
@@ -78,7 +76,7 @@ void Overlay::set_style()
     style.FramePadding = { 10.0f, 6.0f };
     style.ItemSpacing = { 8.0f, 7.0f };
     style.AntiAliasedFill = style.AntiAliasedLines = true;
-    style.Colors[ImGuiCol_Text] = ImGui::ColorConvertU32ToFloat4(kInk);
+    style.Colors[ImGuiCol_Text] = ImGui::ColorConvertU32ToFloat4(ink);
     style.Colors[ImGuiCol_WindowBg] = colour(255, 255, 255, 0.66f);
     style.Colors[ImGuiCol_Border] = colour(255, 255, 255, 0.85f);
     style.Colors[ImGuiCol_Button] = colour(40, 52, 76, 0.07f);
@@ -122,10 +120,10 @@ ImVec2 draw_text(ImDrawList* list, ImFont* font, ImVec2 place, ImVec2 anchor, Im
     return size;
 }
 
-std::string grouped(uint64_t number)
+std::string grouped(std::uint64_t number)
 {
     std::string digits = std::to_string(number);
-    for (int i = static_cast<int>(digits.size()) - 3; i > 0; i -= 3) digits.insert(static_cast<size_t>(i), ",");
+    for (int i = static_cast<int>(digits.size()) - 3; i > 0; i -= 3) digits.insert(static_cast<std::size_t>(i), ",");
     return digits;
 }
 

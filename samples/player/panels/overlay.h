@@ -42,17 +42,17 @@ private:
 };
 
 // The palette of panels and captions.
-inline constexpr ImU32 kInk = IM_COL32(34, 42, 56, 255);
-inline constexpr ImU32 kFaintInk = IM_COL32(104, 116, 136, 255);
-inline constexpr ImU32 kElasticInk = IM_COL32(206, 92, 58, 255);
-inline constexpr ImU32 kLinearInk = IM_COL32(88, 108, 142, 255);
-inline constexpr ImU32 kUnreducedInk = IM_COL32(58, 128, 96, 255);
-inline constexpr ImU32 kSandInk = IM_COL32(206, 184, 142, 255);
+inline constexpr ImU32 ink = IM_COL32(34, 42, 56, 255);
+inline constexpr ImU32 faint_ink = IM_COL32(104, 116, 136, 255);
+inline constexpr ImU32 elastic_ink = IM_COL32(206, 92, 58, 255);
+inline constexpr ImU32 linear_ink = IM_COL32(88, 108, 142, 255);
+inline constexpr ImU32 unreduced_ink = IM_COL32(58, 128, 96, 255);
+inline constexpr ImU32 sand_ink = IM_COL32(206, 184, 142, 255);
 
 // Draws text with its anchor (0..1 in both directions) at a place, in the given font; returns its size.
 ImVec2 draw_text(ImDrawList* list, ImFont* font, ImVec2 place, ImVec2 anchor, ImU32 colour, const std::string& text);
 
 // 18439 as "18,439".
-std::string grouped(uint64_t number);
+std::string grouped(std::uint64_t number);
 
 } // namespace pliant::player

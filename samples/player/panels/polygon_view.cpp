@@ -7,17 +7,16 @@
 #include <numeric>
 
 namespace pliant::player {
-
 namespace {
 
 // Labels stand around up to 5 corners, beside up to 8 in two lines and up to 16 in one; above that beside the largest weights.
-constexpr uint32_t kMostAround = 5, kMostTwoLines = 8, kMostLabels = 16;
-constexpr size_t kMostOfMany = 4;
-constexpr double kSmallestLabelled = 0.005; // smaller weights are shown as 0 %, and not in one line
-constexpr double kLargeOfMany = 2.0;        // means: above 16 poses smaller weights have no label
-constexpr float kTint = 0.55f;
+constexpr std::uint32_t max_corners_around = 5, max_corners_two_lines = 8, max_corners_labelled = 16;
+constexpr std::size_t max_labels_of_many = 4;
+constexpr double smallest_labelled_weight = 0.005; // smaller weights are shown as 0 %, and not in one line
+constexpr double large_weight_ratio = 2.0;         // means: above 16 poses smaller weights have no label
+constexpr float tint_alpha = 0.55f;
 
-ImVec4 pose_tint(uint32_t pose, uint32_t pose_count)
+ImVec4 pose_tint(std::uint32_t pose, std::uint32_t pose_count)
 {
     ImVec4 colour { 0.0f, 0.0f, 0.0f, 1.0f };
     const float hue = std::fmod(0.03f + static_cast<float>(pose) / static_cast<float>(pose_count), 1.0f);
@@ -29,8 +28,8 @@ ImVec4 pose_tint(uint32_t pose, uint32_t pose_count)
 ImU32 mixed_colour(const std::vector<double>& weights, float alpha)
 {
     ImVec4 sum { 0.0f, 0.0f, 0.0f, alpha };
-    for (uint32_t k = 0; k < weights.size(); ++k) {
-        const ImVec4 tint = pose_tint(k, static_cast<uint32_t>(weights.size()));
+    for (std::uint32_t k = 0; k < weights.size(); ++k) {
+        const ImVec4 tint = pose_tint(k, static_cast<std::uint32_t>(weights.size()));
         const auto weight = static_cast<float>(weights[k]);
         sum.x += weight * tint.x;
         sum.y += weight * tint.y;
@@ -42,10 +41,10 @@ ImU32 mixed_colour(const std::vector<double>& weights, float alpha)
 // Fills the polygon with the mixed colours: rings of quads around the centre, colours exact at their corners.
 void draw_tint(ImDrawList* list, const PolygonView& view)
 {
-    const uint32_t corners = view.polygon.corner_count();
-    const uint32_t steps = std::max(1u, 40u / corners), segments = corners * steps, rings = 9;
-    const auto at = [&](uint32_t ring, uint32_t segment) {
-        const uint32_t edge = segment / steps % corners;
+    const std::uint32_t corners = view.polygon.corner_count();
+    const std::uint32_t steps = std::max(1u, 40u / corners), segments = corners * steps, rings = 9;
+    const auto at = [&](std::uint32_t ring, std::uint32_t segment) {
+        const std::uint32_t edge = segment / steps % corners;
         const double along = static_cast<double>(segment % steps) / steps;
         const auto& c = view.polygon.corners();
         const glm::dvec2 outside = (1.0 - along) * c[edge] + along * c[(edge + 1) % corners];
@@ -54,32 +53,31 @@ void draw_tint(ImDrawList* list, const PolygonView& view)
     list->PrimReserve(static_cast<int>(6 * rings * segments), static_cast<int>((rings + 1) * segments));
     const unsigned first = list->_VtxCurrentIdx;
     const ImVec2 white = ImGui::GetFontTexUvWhitePixel();
-    for (uint32_t ring = 0; ring <= rings; ++ring) {
-        for (uint32_t segment = 0; segment < segments; ++segment) {
+    for (std::uint32_t ring = 0; ring <= rings; ++ring) {
+        for (std::uint32_t segment = 0; segment < segments; ++segment) {
             const glm::dvec2 point = at(ring, segment);
-            list->PrimWriteVtx(view.place(point), white, mixed_colour(view.polygon.weights(point), kTint));
+            list->PrimWriteVtx(view.place(point), white, mixed_colour(view.polygon.weights(point), tint_alpha));
         }
     }
-    for (uint32_t ring = 0; ring < rings; ++ring) {
-        for (uint32_t segment = 0; segment < segments; ++segment) {
+    for (std::uint32_t ring = 0; ring < rings; ++ring) {
+        for (std::uint32_t segment = 0; segment < segments; ++segment) {
             const unsigned a = first + ring * segments + segment, b = first + ring * segments + (segment + 1) % segments;
-            for (unsigned index : { a, b, b + segments, a, b + segments, a + segments }) {
+            for (unsigned index : { a, b, b + segments, a, b + segments, a + segments })
                 list->PrimWriteIdx(static_cast<ImDrawIdx>(index));
-            }
         }
     }
 }
 
 void draw_truth_marks(ImDrawList* list, const PolygonView& view, const std::vector<double>& weights, float s)
 {
-    for (size_t i = 0; i < view.truth->count(); ++i) {
+    for (std::size_t i = 0; i < view.truth->count(); ++i) {
         const ImVec2 at = view.place(view.polygon.point(view.truth->weights(i)));
         list->AddCircleFilled(at, 2.6f * s, IM_COL32(255, 255, 255, 230), 12);
-        list->AddCircleFilled(at, 1.5f * s, kUnreducedInk, 12);
+        list->AddCircleFilled(at, 1.5f * s, unreduced_ink, 12);
     }
     const ImVec2 shown = view.place(view.polygon.point(weights));
     list->AddCircle(shown, 14.5f * s, IM_COL32(255, 255, 255, 255), 32, 5.0f * s);
-    list->AddCircle(shown, 14.5f * s, kUnreducedInk, 32, 2.6f * s);
+    list->AddCircle(shown, 14.5f * s, unreduced_ink, 32, 2.6f * s);
 }
 
 std::string percentage(double weight)
@@ -90,7 +88,7 @@ std::string percentage(double weight)
 }
 
 // Labels grow away from the centre, and stay inside the panel by shortening.
-void draw_label(ImDrawList* list, const Overlay& overlay, const PolygonView& view, uint32_t corner, double weight)
+void draw_label(ImDrawList* list, const Overlay& overlay, const PolygonView& view, std::uint32_t corner, double weight)
 {
     const glm::dvec2 outward = view.polygon.corners()[corner];
     const float s = overlay.scale();
@@ -111,8 +109,8 @@ void draw_label(ImDrawList* list, const Overlay& overlay, const PolygonView& vie
         place.y += 14.0f * s;
         place.x = at.x;
     }
-    draw_text(list, overlay.text(), place, { anchor, 0.0f }, kInk, name);
-    draw_text(list, overlay.small(), { place.x, place.y + line }, { anchor, 0.0f }, kFaintInk, percentage(weight));
+    draw_text(list, overlay.text(), place, { anchor, 0.0f }, ink, name);
+    draw_text(list, overlay.small(), { place.x, place.y + line }, { anchor, 0.0f }, faint_ink, percentage(weight));
 }
 
 // Without its last letters if it is wider than that many pixels.
@@ -133,7 +131,7 @@ std::string shortened(ImFont* font, const std::string& text, float room)
 // A label that begins beside its corner and grows outwards, and must end where the panel does; above or below the middle corners.
 class SideLabel {
 public:
-    SideLabel(const Overlay& overlay, const PolygonView& view, uint32_t corner, double weight, bool two_lines)
+    SideLabel(const Overlay& overlay, const PolygonView& view, std::uint32_t corner, double weight, bool two_lines)
         : overlay_(overlay)
         , second_(two_lines ? percentage(weight) : "")
     {
@@ -142,7 +140,7 @@ public:
         const ImVec2 at = view.place(outward);
         const float side = std::abs(outward.x) < 0.2 ? 0.0f : outward.x > 0.0 ? 1.0f : -1.0f;
         const float room = side == 0.0f ? 2.0f * view.room : view.room - std::abs(at.x - view.centre.x) - gap;
-        const std::string tail = two_lines || weight < kSmallestLabelled ? "" : " · " + percentage(weight);
+        const std::string tail = two_lines || weight < smallest_labelled_weight ? "" : " · " + percentage(weight);
         const float tail_width = overlay.small()->CalcTextSizeA(line, FLT_MAX, 0.0f, tail.c_str()).x;
         first_ = shortened(overlay.small(), view.names[corner], room - tail_width) + tail;
         anchor_ = 0.5f - 0.5f * side;
@@ -161,10 +159,11 @@ public:
 
     void draw(ImDrawList* list, double weight) const
     {
-        draw_text(list, overlay_.small(), place_, { anchor_, 0.0f }, weight < kSmallestLabelled ? kFaintInk : kInk, first_);
+        draw_text(list, overlay_.small(), place_, { anchor_, 0.0f }, weight < smallest_labelled_weight ? faint_ink : ink,
+                  first_);
         if (second_.empty()) return;
         const ImVec2 below { place_.x, place_.y + 0.5f * size_.y };
-        draw_text(list, overlay_.small(), below, { anchor_, 0.0f }, kFaintInk, second_);
+        draw_text(list, overlay_.small(), below, { anchor_, 0.0f }, faint_ink, second_);
     }
 
 private:
@@ -178,12 +177,13 @@ private:
 void draw_largest_labels(ImDrawList* list, const Overlay& overlay, const PolygonView& view,
                          const std::vector<double>& weights)
 {
-    std::vector<uint32_t> order(weights.size());
+    std::vector<std::uint32_t> order(weights.size());
     std::iota(order.begin(), order.end(), 0u);
-    std::stable_sort(order.begin(), order.end(), [&](uint32_t a, uint32_t b) { return weights[a] > weights[b]; });
+    std::stable_sort(order.begin(), order.end(), [&](std::uint32_t a, std::uint32_t b) { return weights[a] > weights[b]; });
     std::vector<SideLabel> drawn;
-    for (uint32_t k : order) {
-        if (weights[k] * static_cast<double>(weights.size()) < kLargeOfMany || drawn.size() == kMostOfMany) break;
+    for (std::uint32_t k : order) {
+        if (weights[k] * static_cast<double>(weights.size()) < large_weight_ratio || drawn.size() == max_labels_of_many)
+            break;
         const SideLabel label(overlay, view, k, weights[k], false);
         bool is_free = true;
         for (const SideLabel& other : drawn) is_free = is_free && !label.overlaps(other);
@@ -195,25 +195,25 @@ void draw_largest_labels(ImDrawList* list, const Overlay& overlay, const Polygon
 
 void draw_labels(ImDrawList* list, const Overlay& overlay, const PolygonView& view, const std::vector<double>& weights)
 {
-    const uint32_t count = view.polygon.corner_count();
-    if (count > kMostLabels) {
+    const std::uint32_t count = view.polygon.corner_count();
+    if (count > max_corners_labelled) {
         draw_largest_labels(list, overlay, view, weights);
         return;
     }
-    for (uint32_t k = 0; k < count; ++k) {
-        if (count <= kMostAround) {
+    for (std::uint32_t k = 0; k < count; ++k) {
+        if (count <= max_corners_around) {
             draw_label(list, overlay, view, k, weights[k]);
         } else {
-            SideLabel(overlay, view, k, weights[k], count <= kMostTwoLines).draw(list, weights[k]);
+            SideLabel(overlay, view, k, weights[k], count <= max_corners_two_lines).draw(list, weights[k]);
         }
     }
 }
 
 } // namespace
 
-float polygon_radius(uint32_t pose_count) { return pose_count <= kMostAround ? 96.0f : 78.0f; }
+float polygon_radius(std::uint32_t pose_count) { return pose_count <= max_corners_around ? 96.0f : 78.0f; }
 
-ImU32 pose_colour(uint32_t pose, uint32_t pose_count, float alpha)
+ImU32 pose_colour(std::uint32_t pose, std::uint32_t pose_count, float alpha)
 {
     ImVec4 tint = pose_tint(pose, pose_count);
     tint.w = alpha;
@@ -230,9 +230,9 @@ glm::dvec2 PolygonView::point(ImVec2 place) const
     return { (place.x - centre.x) / radius, (centre.y - place.y) / radius };
 }
 
-std::optional<uint32_t> PolygonView::corner_at(ImVec2 place_on_screen, float reach) const
+std::optional<std::uint32_t> PolygonView::corner_at(ImVec2 place_on_screen, float reach) const
 {
-    for (uint32_t k = 0; k < polygon.corner_count(); ++k) {
+    for (std::uint32_t k = 0; k < polygon.corner_count(); ++k) {
         const ImVec2 corner = place(polygon.corners()[k]);
         if (std::hypot(corner.x - place_on_screen.x, corner.y - place_on_screen.y) <= reach) return k;
     }
@@ -243,20 +243,20 @@ void draw_polygon(ImDrawList* list, const Overlay& overlay, const PolygonView& v
                   glm::dvec2 point, bool with_labels)
 {
     const float s = overlay.scale() * std::min(1.0f, view.radius / (90.0f * overlay.scale()));
-    const uint32_t count = view.polygon.corner_count();
+    const std::uint32_t count = view.polygon.corner_count();
     std::vector<ImVec2> outline;
     for (const glm::dvec2& corner : view.polygon.corners()) outline.push_back(view.place(corner));
     if (count > 2) draw_tint(list, view);
     list->AddPolyline(outline.data(), static_cast<int>(count), IM_COL32(255, 255, 255, 255), ImDrawFlags_Closed, 4.0f * s);
     list->AddPolyline(outline.data(), static_cast<int>(count), IM_COL32(60, 72, 96, 150), ImDrawFlags_Closed, 1.6f * s);
-    for (uint32_t k = 0; k < count; ++k) {
+    for (std::uint32_t k = 0; k < count; ++k) {
         const ImVec2 corner = view.place(view.polygon.corners()[k]);
         const float share = static_cast<float>(weights[k]);
         list->AddLine(view.place(point), corner, IM_COL32(60, 72, 96, static_cast<int>(25 + 150 * share)),
                       (1.0f + 2.0f * share) * s);
     }
-    const float dot = s * (count <= kMostLabels ? 5.5f : 3.0f); // 64 corners still stand apart
-    for (uint32_t k = 0; k < count; ++k) {
+    const float dot = s * (count <= max_corners_labelled ? 5.5f : 3.0f); // 64 corners still stand apart
+    for (std::uint32_t k = 0; k < count; ++k) {
         const ImVec2 corner = view.place(view.polygon.corners()[k]);
         list->AddCircleFilled(corner, dot * 1.36f, IM_COL32(255, 255, 255, 255), 24);
         list->AddCircleFilled(corner, dot, pose_colour(k, count, 1.0f), 24);
@@ -265,7 +265,7 @@ void draw_polygon(ImDrawList* list, const Overlay& overlay, const PolygonView& v
     const ImVec2 handle = view.place(point);
     list->AddCircleFilled({ handle.x, handle.y + 1.5f * s }, 12.5f * s, IM_COL32(20, 28, 44, 50), 32);
     list->AddCircleFilled(handle, 11.0f * s, IM_COL32(255, 255, 255, 255), 32);
-    list->AddCircleFilled(handle, 8.0f * s, kInk, 32);
+    list->AddCircleFilled(handle, 8.0f * s, ink, 32);
     if (with_labels) draw_labels(list, overlay, view, weights);
 }
 

@@ -23,7 +23,7 @@ struct PolygonView {
     ImVec2 place(glm::dvec2 point) const;
     glm::dvec2 point(ImVec2 place) const;
     // The corner within `reach` pixels of a place.
-    std::optional<uint32_t> corner_at(ImVec2 place, float reach) const;
+    std::optional<std::uint32_t> corner_at(ImVec2 place, float reach) const;
 };
 
 // With labels and weights at the corners: two lines each up to 8 poses, one up to 16; of more poses the few largest weights.
@@ -31,9 +31,9 @@ void draw_polygon(ImDrawList* list, const Overlay& overlay, const PolygonView& v
                   glm::dvec2 point, bool with_labels);
 
 // The radius that leaves room for the labels of so many poses, in pixels of the design.
-float polygon_radius(uint32_t pose_count);
+float polygon_radius(std::uint32_t pose_count);
 
 // One colour per pose, spread over the hues.
-ImU32 pose_colour(uint32_t pose, uint32_t pose_count, float alpha);
+ImU32 pose_colour(std::uint32_t pose, std::uint32_t pose_count, float alpha);
 
 } // namespace pliant::player

@@ -19,7 +19,7 @@ struct Shown {
     std::vector<double>
         weights;       // of every blend: those asked for or, with unreduced averages at hand, the nearest of theirs
     BlendCost cost {}; // of the elastic blend if there is one, else of the linear one
-    std::optional<size_t> truth;                 // number of the unreduced average
+    std::optional<std::size_t> truth;            // number of the unreduced average
     HeatSummary linear_heat {}, elastic_heat {}; // with `heat`: distances from the truth, without a truth from each other
 };
 

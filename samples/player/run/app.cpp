@@ -14,14 +14,13 @@
 #include <utility>
 
 namespace pliant::player {
-
 namespace {
 
-constexpr int kWidth = 1280, kHeight = 800;
-constexpr double kDegreesPerPixel = 0.35;
-constexpr double kZoomPerNotch = 0.9;
-constexpr double kLongestStep = 0.1; // seconds: after a hitch the motion goes on where it was, it does not leap
-constexpr double kNoticeSeconds = 5.0;
+constexpr int default_width = 1280, default_height = 800;
+constexpr double degrees_per_pixel = 0.35;
+constexpr double zoom_per_notch = 0.9;
+constexpr double longest_step = 0.1; // seconds: after a hitch the motion goes on where it was, it does not leap
+constexpr double notice_seconds = 5.0;
 
 class App {
 public:
@@ -61,7 +60,8 @@ float content_scale(GLFWwindow* window)
 
 App::App(const Options& options, AssetFile file)
     : options_(options)
-    , context_("Pliant", options.width > 0 ? options.width : kWidth, options.height > 0 ? options.height : kHeight, true)
+    , context_("Pliant", options.width > 0 ? options.width : default_width,
+               options.height > 0 ? options.height : default_height, true)
     , quality_(context_.is_software() ? Quality::low : Quality::medium)
     , session_(open_session(options, std::move(file), quality_, context_))
     , overlay_(content_scale(context_.window()), context_.window())
@@ -92,10 +92,10 @@ void App::open_dropped_file()
     try {
         session_ = open_session(options, AssetFile(options.asset), quality_, context_);
         glfwSetWindowTitle(context_.window(), (session_->title() + " · Pliant").c_str());
-        say("opened " + options.asset, false, kNoticeSeconds);
+        say("opened " + options.asset, false, notice_seconds);
     } catch (const Error& error) {
         say("P" + std::to_string(static_cast<int>(error.number)) + ": " + error.what() + "\n" + error.hint, true,
-            2.0 * kNoticeSeconds);
+            2.0 * notice_seconds);
     }
 }
 
@@ -113,17 +113,16 @@ void App::read_scene_mouse()
     const ImGuiIO& io = ImGui::GetIO();
     if (io.WantCaptureMouse) return;
     if (ImGui::IsMouseDown(ImGuiMouseButton_Left)) {
-        const double yaw = -kDegreesPerPixel * io.MouseDelta.x, pitch = kDegreesPerPixel * io.MouseDelta.y;
+        const double yaw = -degrees_per_pixel * io.MouseDelta.x, pitch = degrees_per_pixel * io.MouseDelta.y;
         session_->camera().orbit(static_cast<float>(yaw), static_cast<float>(pitch));
     }
-    if (io.MouseWheel != 0.0f) session_->camera().zoom(static_cast<float>(std::pow(kZoomPerNotch, io.MouseWheel)));
+    if (io.MouseWheel != 0.0f) session_->camera().zoom(static_cast<float>(std::pow(zoom_per_notch, io.MouseWheel)));
 }
 
 void App::draw_frame(int width, int height)
 {
-    if (!canvas_ || canvas_->width() != width || canvas_->height() != height) {
+    if (!canvas_ || canvas_->width() != width || canvas_->height() != height)
         canvas_ = std::make_unique<Canvas>(width, height);
-    }
     // Panels are laid out in the window's units, the scene in pixels; they differ on screens of high density.
     const ImVec2 window = ImGui::GetIO().DisplaySize;
     const Area panels_leave = free_area(overlay_.scale(), static_cast<int>(window.x), static_cast<int>(window.y));
@@ -134,9 +133,7 @@ void App::draw_frame(int width, int height)
     canvas_->resolve();
     canvas_->show();
     session_->draw_panels(overlay_, static_cast<int>(window.x), static_cast<int>(window.y), help_);
-    if (glfwGetTime() < notice_ends_) {
-        draw_notice(overlay_, notice_, static_cast<int>(window.x), static_cast<int>(window.y));
-    }
+    if (glfwGetTime() < notice_ends_) draw_notice(overlay_, notice_, static_cast<int>(window.x), static_cast<int>(window.y));
 }
 
 void App::run()
@@ -147,14 +144,14 @@ void App::run()
         glfwPollEvents();
         open_dropped_file();
         const double now = glfwGetTime();
-        session_->advance(std::min(now - last, kLongestStep));
+        session_->advance(std::min(now - last, longest_step));
         last = now;
         if (options_.exit_after > 0.0 && now - start >= options_.exit_after) ends_ = true;
 
         int width = 0, height = 0;
         glfwGetFramebufferSize(context_.window(), &width, &height);
         if (width == 0 || height == 0) { // minimised: nothing to draw until an event brings the window back
-            glfwWaitEventsTimeout(kLongestStep);
+            glfwWaitEventsTimeout(longest_step);
             continue;
         }
         overlay_.begin_frame(width, height);

@@ -15,7 +15,6 @@
 #include <vector>
 
 namespace pliant::player {
-
 namespace {
 
 struct Spread {
@@ -43,7 +42,7 @@ public:
     GpuBench(const AssetFile& file, const Options& options)
         : context_(make_offscreen_context())
         , canvas_(16, 16)
-        , crowd_(file, options.to_world(), static_cast<uint32_t>(options.crowd), {}, context_->loader())
+        , crowd_(file, options.to_world(), static_cast<std::uint32_t>(options.crowd), {}, context_->loader())
     {
     }
     void rebuild(const Crowd& crowd, CrowdCost& cost) { crowd_.rebuild(crowd, cost); }
@@ -75,12 +74,12 @@ void run_crowd(const Options& options, const AssetFile& file)
     const ControlPolygon polygon(asset.pose_count);
     const std::optional<WeightPath> path = path_for(options, file);
     const BlendMode mode = options.linear ? BlendMode::linear : BlendMode::elastic;
-    Crowd crowd(file, options.to_world(), static_cast<uint32_t>(options.crowd));
+    Crowd crowd(file, options.to_world(), static_cast<std::uint32_t>(options.crowd));
     std::optional<GpuBench> gpu;
     if (options.rebuild == Rebuild::gpu) gpu.emplace(file, options);
     const double step = 1.0 / (60.0 * loop_seconds(polygon, path, options.fps));
     std::vector<CrowdCost> costs;
-    uint64_t not_converged = 0;
+    std::uint64_t not_converged = 0;
     for (int frame = 0; frame < options.benchmark_frames; ++frame) {
         CrowdCost cost;
         crowd.solve(crowd_weights(crowd.count(), frame * step, polygon, path), mode, cost);

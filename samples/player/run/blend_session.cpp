@@ -42,9 +42,8 @@ void BlendSession::read_keys()
     if (pressed(GLFW_KEY_E)) heat_ = !heat_;
     if (pressed(GLFW_KEY_M)) stage_.show_paint(paint_ = !paint_);
     if (pressed(GLFW_KEY_SPACE)) playback_.toggle_play();
-    for (uint32_t k = 0; k < std::min(stage_.polygon().corner_count(), 9u); ++k) {
+    for (std::uint32_t k = 0; k < std::min(stage_.polygon().corner_count(), 9u); ++k)
         if (pressed(GLFW_KEY_1 + static_cast<int>(k))) playback_.go_to(k);
-    }
 }
 
 void BlendSession::draw_scene(const Canvas& canvas, const Area& area, const Area& free)

@@ -5,11 +5,10 @@
 #include <cstdio>
 
 namespace pliant::player {
-
 namespace {
 
 // Seen from higher up than a single character, so that those behind are not hidden.
-constexpr float kYaw = 14.0f, kPitch = 30.0f;
+constexpr float crowd_yaw = 14.0f, crowd_pitch = 30.0f;
 
 Extent extent_of_one(const AssetFile& file, const glm::mat3& to_world)
 {
@@ -33,13 +32,13 @@ CrowdStage::CrowdStage(const Options& options, const AssetFile& file, Quality qu
     , polygon_(file.view().pose_count)
     , path_(path_for(options, file))
     , loop_seconds_(player::loop_seconds(polygon_, path_, options.fps))
-    , crowd_(file, options.to_world(), static_cast<uint32_t>(options.crowd))
+    , crowd_(file, options.to_world(), static_cast<std::uint32_t>(options.crowd))
     , one_(extent_of_one(file, options.to_world()))
     , places_(crowd_places(crowd_.count(), room_of(one_)))
     , camera_(extent_of_crowd(one_, places_))
     , scene_(file, one_, quality, !options.plain)
 {
-    camera_.set_home(kYaw, kPitch);
+    camera_.set_home(crowd_yaw, crowd_pitch);
     if (options.view) camera_.set_view(options.view->x, options.view->y);
     if (options.rebuild == Rebuild::gpu) {
         make_gpu();
@@ -83,8 +82,8 @@ void CrowdStage::draw(const Canvas& canvas, const Area& area, const Area& free)
 {
     const Stopwatch watch;
     std::vector<Actor> actors;
-    const glm::vec3 colour = mode_ == BlendMode::elastic ? kElasticColour : kLinearColour;
-    for (uint32_t i = 0; i < crowd_.count(); ++i) {
+    const glm::vec3 colour = mode_ == BlendMode::elastic ? elastic_colour : linear_colour;
+    for (std::uint32_t i = 0; i < crowd_.count(); ++i) {
         if (on_gpu_)
             actors.push_back({ nullptr, places_[i], colour, &gpu_->shape(i) });
         else

@@ -8,12 +8,11 @@
 #include <iostream>
 
 namespace pliant::player {
-
 namespace {
 
-constexpr int kLargestSide = 16384;
+constexpr int largest_side = 16384;
 
-constexpr char kFooter[] = R"(
+constexpr char help_footer[] = R"(
 A window
   pliant-player creature.pliant
       Drag the point inside the control polygon: each corner is a pose, the point mixes them. The shape is the elastic
@@ -55,7 +54,7 @@ void parse_size(const std::string& text, Options& options)
 {
     const std::vector<double> sides = parse_numbers(text, 'x');
     bool good = sides.size() == 2;
-    for (double side : sides) good = good && side >= 16 && side <= kLargestSide && side == std::floor(side);
+    for (double side : sides) good = good && side >= 16 && side <= largest_side && side == std::floor(side);
     if (!good) refuse("--size: '" + text + "' is not a size", "give pixels, 16 to 16384 each way: --size 1280x800");
     options.width = static_cast<int>(sides[0]);
     options.height = static_cast<int>(sides[1]);
@@ -77,22 +76,18 @@ void check_path_and_sequence(const Options& options, bool fps_given)
 {
     if (!options.sequence.empty()) {
         numbered_name("--sequence", options.sequence, 0);
-        if (options.path.empty() && options.count == 0) {
+        if (options.path.empty() && options.count == 0)
             refuse_together("--sequence needs --path or --count", "--count 120 goes once along the idle path");
-        }
     } else if (options.count > 0) {
         refuse_together("--count belongs to --sequence", "add --sequence frame_%04d.png");
     }
     if (fps_given && options.path.empty()) refuse_together("--fps belongs to --path", "it is how many lines play a second");
-    if (!options.path.empty() && !options.weights.empty()) {
+    if (!options.path.empty() && !options.weights.empty())
         refuse_together("--path and --weights exclude each other", "the path has its own weights");
-    }
-    if (!options.path.empty() && (!options.screenshot.empty() || !options.sheet.empty())) {
+    if (!options.path.empty() && (!options.screenshot.empty() || !options.sheet.empty()))
         refuse_together("--path is not for single pictures", "use --sequence frame_%04d.png");
-    }
-    if (!options.sequence.empty() && !options.weights.empty()) {
+    if (!options.sequence.empty() && !options.weights.empty())
         refuse_together("--sequence chooses its own weights", "use --screenshot --weights ... for one blend");
-    }
 }
 
 void check_truth_heat_and_crowd(const Options& options)
@@ -102,9 +97,8 @@ void check_truth_heat_and_crowd(const Options& options)
         numbered_name("--truth", options.truth_pattern, 0);
         if (!draws_blends) refuse_together("--truth is not for --sheet and --frames", "use --screenshot or the window");
     }
-    if (options.heat && !draws_blends) {
+    if (options.heat && !draws_blends)
         refuse_together("--heat is not for --sheet and --frames", "use --screenshot or the window");
-    }
     if (options.crowd == 0) {
         if (options.rebuild != Rebuild::automatic)
             refuse_together("--rebuild belongs to --crowd", "add --crowd 100, or leave it out");
@@ -121,15 +115,13 @@ void check_combination(const Options& options, bool fps_given)
 {
     const int modes
         = !options.screenshot.empty() + !options.sheet.empty() + !options.sequence.empty() + (options.benchmark_frames > 0);
-    if (modes > 1) {
+    if (modes > 1)
         refuse("--screenshot, --sheet, --sequence and --frames exclude each other", "run the player once for each");
-    }
     if (options.json && options.benchmark_frames == 0) refuse("--json belongs to --frames", "add --frames 1000");
     if (options.linear && options.both)
         refuse("--linear and --both exclude each other", "--both shows linear beside elastic");
-    if (!options.sheet.empty() && !options.weights.empty()) {
+    if (!options.sheet.empty() && !options.weights.empty())
         refuse("--sheet chooses its own weights", "use --screenshot --both --weights ... for one blend");
-    }
     check_path_and_sequence(options, fps_given);
     check_truth_heat_and_crowd(options);
 }
@@ -149,9 +141,9 @@ ParsedLine parse_command_line(int argc, char** argv)
     bool no_hud = false;
     CLI::App app("Plays a .pliant asset: blends whole shapes elastically, by dragging a point in a polygon of poses.",
                  "pliant-player");
-    app.footer(kFooter);
+    app.footer(help_footer);
     app.set_version_flag("--version", [] {
-        const uint32_t v = pliant_version();
+        const std::uint32_t v = pliant_version();
         return "pliant-player " + std::to_string(v / 10000) + "." + std::to_string(v / 100 % 100) + "."
             + std::to_string(v % 100);
     });
@@ -233,7 +225,7 @@ std::optional<WeightPath> path_for(const Options& options, const AssetFile& file
 
 std::vector<double> weights_for(const Options& options, const AssetFile& file)
 {
-    const uint32_t pose_count = file.view().pose_count;
+    const std::uint32_t pose_count = file.view().pose_count;
     std::vector<double> weights = options.weights;
     if (weights.empty()) weights.assign(pose_count, 1.0);
     if (weights.size() != pose_count) {

@@ -16,15 +16,14 @@
 #include <functional>
 
 namespace pliant::player {
-
 namespace {
 
-constexpr int kWidth = 1280, kHeight = 800;
-constexpr double kSecondsBetweenReports = 5.0; // on a terminal one line is drawn over, every picture
+constexpr int default_width = 1280, default_height = 800;
+constexpr double seconds_between_reports = 5.0; // on a terminal one line is drawn over, every picture
 
 // Where panels show medians, a single picture is measured this often; a crowd's drawing may take long, so it ends after some seconds.
-constexpr int kMeasuredBlends = 60;
-constexpr double kMeasuredSeconds = 6.0;
+constexpr int measured_blends = 60;
+constexpr double measured_seconds = 6.0;
 
 // Panels are designed for a picture of 900 rows.
 float design_scale(int height) { return std::clamp(static_cast<float>(height) / 900.0f, 0.6f, 3.0f); }
@@ -38,8 +37,8 @@ struct Easel {
     bool hud;
 
     explicit Easel(const Options& options)
-        : width(options.width > 0 ? options.width : kWidth)
-        , height(options.height > 0 ? options.height : kHeight)
+        : width(options.width > 0 ? options.width : default_width)
+        , height(options.height > 0 ? options.height : default_height)
         , context(make_offscreen_context())
         , canvas(width, height)
         , overlay(design_scale(options.hud ? height : std::max(height, width * 3 / 5)), nullptr) // captions suit wide strips
@@ -85,7 +84,7 @@ public:
     {
         const std::vector<double> weights = weights_at(phase);
         // A single picture shows medians, as the window does; each solve starts afresh.
-        const int repeats = easel.hud && !moves_ ? kMeasuredBlends : 1;
+        const int repeats = easel.hud && !moves_ ? measured_blends : 1;
         for (int i = 0; i < repeats; ++i) {
             if (!moves_) stage_.forget();
             history_.add(stage_.blend(weights, show_, heat_).cost);
@@ -149,8 +148,8 @@ public:
     {
         // A single picture's graph shows the frames of a window that led there, each a sixtieth of a second before the next.
         const Stopwatch watch;
-        const int frames = easel.hud && !moves_ ? static_cast<int>(FrameTimes::kMost) : 1;
-        for (int i = 0; i < frames && watch.microseconds() < kMeasuredSeconds * 1e6; ++i) {
+        const int frames = easel.hud && !moves_ ? static_cast<int>(FrameTimes::capacity) : 1;
+        for (int i = 0; i < frames && watch.microseconds() < measured_seconds * 1e6; ++i) {
             stage_.blend(phase + i / (60.0 * stage_.loop_seconds()), mode_);
             easel.canvas.begin();
             stage_.draw(easel.canvas, easel.whole(), easel.free());
@@ -175,7 +174,7 @@ private:
 // How far a sequence is, with a guess of how long the rest takes.
 class Report {
 public:
-    explicit Report(size_t count)
+    explicit Report(std::size_t count)
         : count_(count)
         , is_terminal_(isatty(STDERR_FILENO) != 0)
     {
@@ -184,7 +183,7 @@ public:
     {
         ++done_;
         const double seconds = watch_.microseconds() * 1e-6;
-        if (!is_terminal_ && seconds - last_ < kSecondsBetweenReports) return;
+        if (!is_terminal_ && seconds - last_ < seconds_between_reports) return;
         last_ = seconds;
         const double left = seconds / static_cast<double>(done_) * static_cast<double>(count_ - done_);
         std::fprintf(stderr, "%spliant-player: %zu of %zu pictures, %.0f s left%s", is_terminal_ ? "\r" : "", done_, count_,
@@ -194,7 +193,7 @@ public:
 
 private:
     Stopwatch watch_;
-    size_t count_, done_ = 0;
+    std::size_t count_, done_ = 0;
     double last_ = 0.0;
     bool is_terminal_;
 };
@@ -221,11 +220,11 @@ void write_sequence(const Options& options, const AssetFile& file)
 {
     const std::optional<WeightPath> path = path_for(options, file);
     const std::optional<Truth> truth = truth_for(options, file);
-    const size_t count = options.count > 0 ? static_cast<size_t>(options.count) : path->count();
+    const std::size_t count = options.count > 0 ? static_cast<std::size_t>(options.count) : path->count();
     Easel easel(options);
     const std::unique_ptr<Subject> subject = subject_for(options, file, truth ? &*truth : nullptr, easel);
     Report report(count);
-    for (size_t i = 0; i < count; ++i) {
+    for (std::size_t i = 0; i < count; ++i) {
         subject->draw(easel, static_cast<double>(i) / static_cast<double>(count));
         write_png(numbered_name("--sequence", options.sequence, i), easel.width, easel.height, easel.canvas.pixels());
         report.add();

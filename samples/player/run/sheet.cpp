@@ -10,11 +10,10 @@
 #include <cmath>
 
 namespace pliant::player {
-
 namespace {
 
-constexpr int kCellWidth = 400;
-constexpr uint32_t kMostEdges = 5, kMostPoses = 8;
+constexpr int default_cell_width = 400;
+constexpr std::uint32_t max_edges = 5, max_poses = 8;
 
 struct Blend {
     std::vector<double> weights;
@@ -24,12 +23,12 @@ struct Blend {
 // The middles of the polygon's edges, then its centre.
 std::vector<Blend> chosen_blends(const AssetFile& file)
 {
-    const uint32_t count = file.view().pose_count;
+    const std::uint32_t count = file.view().pose_count;
     const std::vector<std::string>& names = file.short_names();
     std::vector<Blend> blends;
-    const uint32_t edges = count == 2 ? 1 : std::min(count, kMostEdges);
-    for (uint32_t edge = 0; edge < edges; ++edge) {
-        const uint32_t next = (edge + 1) % count;
+    const std::uint32_t edges = count == 2 ? 1 : std::min(count, max_edges);
+    for (std::uint32_t edge = 0; edge < edges; ++edge) {
+        const std::uint32_t next = (edge + 1) % count;
         Blend blend { std::vector<double>(count, 0.0), names[edge] + "\n+ " + names[next] };
         blend.weights[edge] = blend.weights[next] = 0.5;
         blends.push_back(blend);
@@ -46,20 +45,20 @@ std::vector<Blend> chosen_blends(const AssetFile& file)
 // The sheet's measures, in pixels.
 struct Layout {
     float s, margin, gap, cell_width, cell_height, caption_width, pose_width, pose_height, head;
-    uint32_t pose_count, block_columns, block_rows;
+    std::uint32_t pose_count, block_columns, block_rows;
     int width, height;
 
     // look: how wide and high the character looks; cells are made for it unless --size says otherwise.
-    Layout(const Options& options, uint32_t poses, size_t blends, glm::vec2 look)
-        : s(static_cast<float>(options.width > 0 ? options.width : kCellWidth) / kCellWidth)
+    Layout(const Options& options, std::uint32_t poses, std::size_t blends, glm::vec2 look)
+        : s(static_cast<float>(options.width > 0 ? options.width : default_cell_width) / default_cell_width)
         , margin(28.0f * s)
         , gap(6.0f * s)
-        , cell_width(static_cast<float>(options.width > 0 ? options.width : kCellWidth))
+        , cell_width(static_cast<float>(options.width > 0 ? options.width : default_cell_width))
         , cell_height(options.height > 0 ? static_cast<float>(options.height) : fitting_height(look))
         , caption_width(150.0f * s)
-        , pose_count(std::min(poses, kMostPoses))
+        , pose_count(std::min(poses, max_poses))
         , block_columns(blends > 3 ? 2 : 1)
-        , block_rows(static_cast<uint32_t>((blends + block_columns - 1) / block_columns))
+        , block_rows(static_cast<std::uint32_t>((blends + block_columns - 1) / block_columns))
     {
         const float block = block_width();
         const float inside = block * static_cast<float>(block_columns) + margin * static_cast<float>(block_columns - 1);
@@ -76,13 +75,13 @@ struct Layout {
         return std::floor(cell_width * std::clamp(0.18f + 1.08f * look.y / std::max(look.x, 1e-6f), 0.55f, 1.25f));
     }
     float block_width() const { return caption_width + 2.0f * cell_width + gap; }
-    Area pose(uint32_t k) const
+    Area pose(std::uint32_t k) const
     {
         return { std::floor(margin + (pose_width + gap) * static_cast<float>(k)), std::floor(margin + 66.0f * s), pose_width,
                  pose_height };
     }
     // column: 0 caption, 1 linear, 2 elastic.
-    Area cell(size_t blend, int column) const
+    Area cell(std::size_t blend, int column) const
     {
         const auto block_column = static_cast<float>(blend / block_rows), row = static_cast<float>(blend % block_rows);
         const float x = margin + block_column * (block_width() + margin) + (column > 0 ? caption_width : 0.0f)
@@ -100,7 +99,7 @@ void clear_paper(const Canvas& canvas)
     glClear(GL_COLOR_BUFFER_BIT | GL_DEPTH_BUFFER_BIT);
 }
 
-std::vector<double> single_pose(uint32_t pose, uint32_t count)
+std::vector<double> single_pose(std::uint32_t pose, std::uint32_t count)
 {
     std::vector<double> weights(count, 0.0);
     weights[pose] = 1.0;
@@ -115,29 +114,29 @@ void draw_captions(const Overlay& overlay, const Layout& layout, const AssetFile
     const pliant_asset& asset = file.view();
     const std::string facts = std::to_string(asset.pose_count) + " poses · " + grouped(asset.vertex_count)
         + " vertices · d = " + std::to_string(asset.dimension);
-    const ImVec2 title = draw_text(list, overlay.title(), { layout.margin, layout.margin }, {}, kInk, file.title());
-    draw_text(list, overlay.text(), { layout.margin + title.x + 16.0f * s, layout.margin + 5.0f * s }, {}, kFaintInk, facts);
-    for (uint32_t k = 0; k < layout.pose_count; ++k) {
+    const ImVec2 title = draw_text(list, overlay.title(), { layout.margin, layout.margin }, {}, ink, file.title());
+    draw_text(list, overlay.text(), { layout.margin + title.x + 16.0f * s, layout.margin + 5.0f * s }, {}, faint_ink, facts);
+    for (std::uint32_t k = 0; k < layout.pose_count; ++k) {
         const Area area = layout.pose(k);
         const ImVec2 dot { area.x + 16.0f * s, area.y + 18.0f * s };
         list->AddCircleFilled(dot, 5.5f * s, pose_colour(k, asset.pose_count, 1.0f), 24);
-        draw_text(list, overlay.small(), { dot.x + 12.0f * s, dot.y }, { 0.0f, 0.5f }, kInk, file.short_names()[k]);
+        draw_text(list, overlay.small(), { dot.x + 12.0f * s, dot.y }, { 0.0f, 0.5f }, ink, file.short_names()[k]);
     }
-    for (size_t i = 0; i < blends.size(); ++i) {
+    for (std::size_t i = 0; i < blends.size(); ++i) {
         const Area area = layout.cell(i, 0);
         const float middle = area.x + 0.5f * area.width - 6.0f * s;
         const PolygonView view { polygon, file.short_names(), { middle, area.y + 0.42f * area.height }, 46.0f * s, 0.0f };
         draw_polygon(list, overlay, view, blends[i].weights, polygon.point(blends[i].weights), false);
         float y = area.y + 0.42f * area.height + 66.0f * s;
-        size_t start = 0;
-        for (size_t end = 0; end != std::string::npos; start = end + 1, y += 22.0f * s) {
+        std::size_t start = 0;
+        for (std::size_t end = 0; end != std::string::npos; start = end + 1, y += 22.0f * s) {
             end = blends[i].caption.find('\n', start);
-            draw_text(list, overlay.text(), { middle, y }, { 0.5f, 0.0f }, kInk,
+            draw_text(list, overlay.text(), { middle, y }, { 0.5f, 0.0f }, ink,
                       blends[i].caption.substr(start, end - start));
         }
         const Area linear = layout.cell(i, 1), elastic = layout.cell(i, 2);
-        draw_text(list, overlay.text(), { linear.x + 14.0f * s, linear.y + 12.0f * s }, {}, kLinearInk, "linear");
-        draw_text(list, overlay.text(), { elastic.x + 14.0f * s, elastic.y + 12.0f * s }, {}, kElasticInk, "elastic");
+        draw_text(list, overlay.text(), { linear.x + 14.0f * s, linear.y + 12.0f * s }, {}, linear_ink, "linear");
+        draw_text(list, overlay.text(), { elastic.x + 14.0f * s, elastic.y + 12.0f * s }, {}, elastic_ink, "elastic");
     }
 }
 
@@ -151,11 +150,11 @@ void write_sheet(const Options& options, const AssetFile& file)
     const Layout layout(options, file.view().pose_count, blends.size(), stage.camera().size());
     const Canvas canvas(layout.width, layout.height);
     clear_paper(canvas);
-    for (uint32_t k = 0; k < layout.pose_count; ++k) {
+    for (std::uint32_t k = 0; k < layout.pose_count; ++k) {
         stage.blend(single_pose(k, file.view().pose_count), Show::linear);
         stage.draw_pose(canvas, layout.pose(k));
     }
-    for (size_t i = 0; i < blends.size(); ++i) {
+    for (std::size_t i = 0; i < blends.size(); ++i) {
         stage.forget(); // each cell is its own answer, not a step of an animation
         for (int column : { 1, 2 }) {
             const Area cell = layout.cell(i, column);

@@ -1,11 +1,10 @@
 #include "run/stage.h"
 
 namespace pliant::player {
-
 namespace {
 
 // Side by side, the characters' middles are this many widths apart.
-constexpr float kSeparation = 1.04f;
+constexpr float separation = 1.04f;
 
 float diagonal_of_first_pose(Character& character)
 {
@@ -17,26 +16,12 @@ float diagonal_of_first_pose(Character& character)
 
 bool needs(Kind kind, Show show)
 {
-    for (Kind one : kinds_of(show)) {
+    for (Kind one : kinds_of(show))
         if (one == kind) return true;
-    }
     return false;
 }
 
 } // namespace
-
-std::vector<Kind> kinds_of(Show show)
-{
-    switch (show) {
-    case Show::elastic: return { Kind::elastic };
-    case Show::linear: return { Kind::linear };
-    case Show::both: return { Kind::linear, Kind::elastic };
-    case Show::three: break;
-    }
-    return { Kind::linear, Kind::elastic, Kind::unreduced };
-}
-
-const char* name_of(Kind kind) { return kind == Kind::linear ? "linear" : kind == Kind::elastic ? "elastic" : "unreduced"; }
 
 Stage::Stage(const Options& options, const AssetFile& file, const Truth* truth, Quality quality)
     : truth_(truth)
@@ -80,7 +65,7 @@ const Shown& Stage::blend(const std::vector<double>& weights, Show show, bool he
 
 void Stage::colour_by_distance()
 {
-    const size_t count = linear_.file().view().boundary_vertex_count;
+    const std::size_t count = linear_.file().view().boundary_vertex_count;
     if (!truth_) {
         shown_.linear_heat = shown_.elastic_heat
             = measure_heat(linear_.positions(), elastic_.positions(), count, diagonal_, heat_);
@@ -99,11 +84,11 @@ void Stage::colour_by_distance()
 Actor Stage::actor(Kind kind, glm::vec3 offset) const
 {
     switch (kind) {
-    case Kind::linear: return { &linear_.vertices(), offset, kLinearColour };
-    case Kind::elastic: return { &elastic_.vertices(), offset, kElasticColour };
+    case Kind::linear: return { &linear_.vertices(), offset, linear_colour };
+    case Kind::elastic: return { &elastic_.vertices(), offset, elastic_colour };
     case Kind::unreduced: break;
     }
-    return { &unreduced_.vertices(), offset, kUnreducedColour };
+    return { &unreduced_.vertices(), offset, unreduced_colour };
 }
 
 void Stage::draw(const Canvas& canvas, const Area& area, const Area& free)
@@ -112,19 +97,18 @@ void Stage::draw(const Canvas& canvas, const Area& area, const Area& free)
     const Area free_in_area { free.x - area.x, free.y - area.y, free.width, free.height };
     const std::vector<Kind> kinds = kinds_of(shown_.show);
     const float last = static_cast<float>(kinds.size()) - 1.0f;
-    const glm::vec3 step = camera_.right() * (kSeparation * camera_.size().x);
+    const glm::vec3 step = camera_.right() * (separation * camera_.size().x);
     std::vector<Actor> actors;
-    for (size_t i = 0; i < kinds.size(); ++i) {
+    for (std::size_t i = 0; i < kinds.size(); ++i)
         actors.push_back(actor(kinds[i], step * (static_cast<float>(i) - 0.5f * last)));
-    }
-    scene_.draw(canvas, area, free, camera_.matrices(picture, free_in_area, 1.0f + kSeparation * last), actors);
+    scene_.draw(canvas, area, free, camera_.matrices(picture, free_in_area, 1.0f + separation * last), actors);
 }
 
 void Stage::draw_pose(const Canvas& canvas, const Area& area)
 {
     const Area whole { 0.0f, 0.0f, area.width, area.height };
     scene_.draw(canvas, area, area, camera_.matrices({ area.width, area.height }, whole),
-                { { &linear_.vertices(), {}, kPoseColour } });
+                { { &linear_.vertices(), {}, single_pose_colour } });
 }
 
 } // namespace pliant::player
