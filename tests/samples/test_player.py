@@ -432,8 +432,8 @@ def case_window(folder):
 def case_error_numbers(folder):
     """The table in the player's README lists the numbers of error.h and main.cpp, no more and no fewer."""
     player = ROOT / "samples" / "player"
-    enumeration = re.search(r"enum class ErrorNumber[^}]*}", (player / "error.h").read_text()).group()
-    used = set(re.findall(r"= (\d{4})", enumeration)) | set(re.findall(r"error P(\d{4})", (player / "main.cpp").read_text()))
+    enumeration = re.search(r"enum class ErrorNumber[^}]*}", (player / "blend" / "error.h").read_text()).group()
+    used = set(re.findall(r"= (\d{4})", enumeration)) | set(re.findall(r"error P(\d{4})", (player / "run" / "main.cpp").read_text()))
     listed = set(re.findall(r"^\| P(\d{4}) \|", (player / "README.md").read_text(), re.MULTILINE))
     assert used == listed, f"only in the code: {used - listed}, only in the table: {listed - used}"
 
