@@ -10,7 +10,7 @@ namespace {
 
 using Matrix4 = std::array<std::array<double, 4>, 4>;
 
-// Turns the plane of axes p and q so that a[p][q] vanishes (Jacobi); `vectors` collects the turns in its columns.
+// One Jacobi rotation in the plane of axes p and q, after which a[p][q] is zero; `vectors` accumulates the rotations.
 void turn_plane(Matrix4& a, Matrix4& vectors, int p, int q)
 {
     if (a[p][q] == 0.0) return;
@@ -32,10 +32,10 @@ void turn_plane(Matrix4& a, Matrix4& vectors, int p, int q)
     }
 }
 
-// The eigenvector of the largest eigenvalue.
+// The eigenvector of the largest eigenvalue, by cyclic Jacobi sweeps.
 std::array<double, 4> top_eigenvector(Matrix4 a)
 {
-    constexpr int sweep_count = 12; // convergence is quadratic: six sweeps reach double precision, even of equal eigenvalues
+    constexpr int sweep_count = 12; // converges quadratically: six reach double precision, also with equal eigenvalues
     Matrix4 vectors {};
     for (int i = 0; i < 4; ++i) vectors[i][i] = 1.0;
     for (int sweep = 0; sweep < sweep_count; ++sweep) {
@@ -66,7 +66,7 @@ RigidMotion best_motion(const std::vector<glm::vec3>& from, const std::vector<gl
         for (int i = 0; i < 3; ++i)
             for (int j = 0; j < 3; ++j) s[i][j] += a[i] * b[j];
     }
-    // Horn's matrix: its top eigenvector is the quaternion w, x, y, z of the rotation.
+    // Horn's matrix: its top eigenvector is the rotation as a quaternion (w, x, y, z).
     const Matrix4 n { { { s[0][0] + s[1][1] + s[2][2], s[1][2] - s[2][1], s[2][0] - s[0][2], s[0][1] - s[1][0] },
                         { s[1][2] - s[2][1], s[0][0] - s[1][1] - s[2][2], s[0][1] + s[1][0], s[2][0] + s[0][2] },
                         { s[2][0] - s[0][2], s[0][1] + s[1][0], s[1][1] - s[0][0] - s[2][2], s[1][2] + s[2][1] },

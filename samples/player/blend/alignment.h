@@ -1,4 +1,4 @@
-// Rigid motions between shapes. No graphics in here.
+// Rigid alignment of two shapes.
 #pragma once
 
 #include <glm/mat3x3.hpp>
@@ -18,8 +18,8 @@ struct RigidMotion {
     glm::dvec3 operator()(glm::dvec3 x) const { return rotation * (x - centre) + target; }
 };
 
-// The rotation and translation that bring the first `count` points of `from` nearest to those of `onto`, by the sum of squared
-// distances (Horn 1987). Reflections are none. Cost: two passes over the points.
+// The rotation and translation that bring the first `count` points of `from` closest to those of `onto`, by the sum of
+// squared distances (Horn 1987). Never a reflection. Cost: two passes over the points.
 RigidMotion best_motion(const std::vector<glm::vec3>& from, const std::vector<glm::vec3>& onto, std::size_t count);
 
 } // namespace pliant::player

@@ -12,7 +12,7 @@
 namespace pliant::player {
 namespace {
 
-// A cache line: what the runtime's inner loops like best, and a multiple of the 16 that it insists on.
+// A cache line: fastest for the runtime's inner loops, and a multiple of the 16 bytes that it requires.
 constexpr std::align_val_t blob_alignment { 64 };
 
 constexpr char bake_hint[] = "make an asset with: pliant bake rest.ply pose1.ply ... -o character.pliant";
@@ -33,7 +33,7 @@ std::string hint_for(pliant_result result)
     }
 }
 
-// The place of the asset in a file: the whole of it, or what a GLB file holds.
+// Finds the asset in a file: the whole file, or the part embedded in a GLB file.
 pliant_result find_asset(const std::byte* bytes, std::size_t size, std::size_t& offset, std::size_t& asset_size)
 {
     offset = 0;
@@ -61,7 +61,7 @@ AssetFile::AssetFile(const std::string& path)
     std::size_t offset = 0, asset_size = 0;
     pliant_result result = find_asset(blob_.get(), size, offset, asset_size);
     if (result == PLIANT_OK) {
-        // Our own files have it at a page; another writer may have put it anywhere.
+        // `pliant export` aligns the asset to a page; another writer may have put it anywhere.
         if (offset % static_cast<std::size_t>(blob_alignment) != 0) {
             std::memmove(blob_.get(), blob_.get() + offset, asset_size);
             offset = 0;

@@ -13,16 +13,16 @@ namespace pliant::player {
 // Owns the bytes and the view into them. Moving it leaves the bytes where they are.
 class AssetFile {
 public:
-    // Reads and checks the file, checksums included. What begins like a GLB file is searched for the asset that `pliant export --embed`
-    // put there. Throws Error (exit code 3).
+    // Reads and checks the file, including its checksums. A GLB file is searched for the asset that `pliant export --embed`
+    // put into it. Throws Error (exit code 3).
     explicit AssetFile(const std::string& path);
 
     const pliant_asset& view() const { return asset_; }
     const std::string& path() const { return path_; }
     const std::vector<std::string>& pose_names() const { return pose_names_; }
-    // The names without the beginning that all share up to a separator ("creature_"), for labels.
+    // pose_names() without their common prefix up to a separator ("creature_"), for labels.
     const std::vector<std::string>& short_names() const { return short_names_; }
-    std::string title() const; // the file's name without folder and ending
+    std::string title() const; // the file's name without folder and extension
 
 private:
     struct AlignedDelete {
@@ -36,7 +36,7 @@ private:
     std::vector<std::string> short_names_;
 };
 
-// What short_names() shows for these names. Nothing is cut if a name would become empty.
+// Removes the common prefix, up to its last separator, from all names. Returns them unchanged if one would become empty.
 std::vector<std::string> without_common_prefix(const std::vector<std::string>& names);
 
 } // namespace pliant::player

@@ -89,7 +89,7 @@ void Character::set_heat(const std::vector<float>& heat)
 
 Extent extent_of_poses(Character& character)
 {
-    constexpr int direction_count = 96; // about 20 degrees apart: what is missed between two is a hundredth of the size
+    constexpr int direction_count = 96; // about 20 degrees apart: what lies between them is missed by about 1 % of the size
     std::vector<glm::vec3> directions;
     for (int i = 0; i < direction_count; ++i) { // evenly over the sphere: a Fibonacci spiral
         const float up = 1.0f - (2.0f * static_cast<float>(i) + 1.0f) / direction_count, level = std::sqrt(1.0f - up * up);
@@ -103,7 +103,7 @@ Extent extent_of_poses(Character& character)
     for (std::uint32_t k = 0; k < pose_count; ++k) {
         std::vector<double> weights(pose_count, 0.0);
         weights[k] = 1.0;
-        character.blend(weights, BlendMode::linear); // of one pose alone: the pose itself
+        character.blend(weights, BlendMode::linear); // one weight of 1 gives the pose itself
         for (const Vertex& vertex : character.vertices()) {
             extent.lowest = glm::min(extent.lowest, vertex.position);
             extent.highest = glm::max(extent.highest, vertex.position);

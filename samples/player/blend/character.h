@@ -1,4 +1,4 @@
-// One character: weights in, positions and normals out, with the time that each step took. No graphics in here.
+// One character: weights in, positions and normals out, with the time of each step.
 #pragma once
 
 #include "blend/asset_file.h"
@@ -15,15 +15,15 @@ namespace pliant::player {
 
 enum class BlendMode { elastic, linear };
 
-// How much room the poses take, each standing on the floor: a box around them, and the points that stick out furthest in many
-// directions, which outline them for a camera.
+// The space that all poses take, each standing on the floor: their bounding box, and the farthest points in many directions,
+// to which a camera fits its view.
 struct Extent {
     glm::vec3 lowest { 0.0f };
     glm::vec3 highest { 0.0f };
     std::vector<glm::vec3> outline;
 };
 
-// What one blend cost. The linear blend has no iterations; its solve time is that of the weighted sum.
+// Cost of one blend. The linear blend has no iterations; its solve time is the time of the weighted sum.
 struct BlendCost {
     pliant_solve_info info {};
     double solve_us = 0.0;
@@ -31,7 +31,7 @@ struct BlendCost {
     double normals_us = 0.0;
 };
 
-// Medians of the costs of the last 60 blends.
+// Medians over the last 60 blends.
 class CostHistory {
 public:
     void add(const BlendCost& cost);
@@ -45,24 +45,24 @@ private:
 // The asset must outlive the character.
 class Character {
 public:
-    // to_world turns the asset's axes into the world's (y up).
+    // to_world: rotation from the asset's axes to the world's (y up).
     Character(const AssetFile& file, const glm::mat3& to_world);
 
-    // Blends and stands the result on the floor (y = 0). weights: pose_count numbers >= 0 with a positive sum. Throws Error.
+    // Blends and sets the result on the floor (y = 0). weights: pose_count numbers >= 0 with a positive sum. Throws Error.
     BlendCost blend(const std::vector<double>& weights, BlendMode mode);
 
-    // Shows a shape that was made elsewhere: positions of the drawn surface in the asset's units. What it does not draw lies with its
-    // first vertex.
+    // Takes a shape that was computed elsewhere: positions of the drawn vertices, in the asset's units. All other
+    // vertices are put at the first one.
     void show(const std::vector<glm::vec3>& positions);
 
-    // Colours the vertices from now on (heat.h), one number each; empty: in the actor's own colour.
+    // Colours the vertices from now on (heat.h), one number for each; empty: in the actor's own colour.
     void set_heat(const std::vector<float>& heat);
 
-    // The next elastic blend starts afresh instead of from the last one.
+    // Lets the next elastic blend start cold instead of from the last one.
     void forget();
 
     const std::vector<Vertex>& vertices() const { return vertices_; }
-    // In the asset's units and axes, where the blend put them.
+    // In the asset's units and axes, before they are set on the floor.
     const std::vector<glm::vec3>& positions() const { return positions_; }
     const AssetFile& file() const { return file_; }
 

@@ -11,7 +11,7 @@ namespace {
 
 constexpr double pi = 3.14159265358979323846;
 
-// Weights below this are rounding of the products on the boundary (1e-16 each), far below what float weights can tell apart.
+// Smaller weights are rounding errors of the products on the boundary (1e-16 each), far below the resolution of a float.
 constexpr double smallest_weight = 1e-12;
 
 double cross(glm::dvec2 a, glm::dvec2 b) { return a.x * b.y - a.y * b.x; }
@@ -31,7 +31,7 @@ ControlPolygon::ControlPolygon(std::uint32_t corner_count)
         corners_ = { { -1.0, 0.0 }, { 1.0, 0.0 } };
         return;
     }
-    // Four poses stand as a square, not on its tip: labels find more room beside it.
+    // Four corners form an upright square, not a diamond: it leaves more room for labels.
     const double first = corner_count == 4 ? 0.75 * pi : 0.5 * pi;
     for (std::uint32_t k = 0; k < corner_count; ++k) {
         const double angle = first + 2.0 * pi * k / corner_count;
@@ -63,7 +63,7 @@ std::vector<double> ControlPolygon::weights(glm::dvec2 point) const
     for (std::uint32_t k = 0; k < count; ++k) {
         for (std::uint32_t edge = 0; edge < count; ++edge) {
             const bool touches_corner = edge == k || (edge + 1) % count == k;
-            if (!touches_corner) weights[k] *= sides[edge] / longest; // scaled: 64 small factors must not underflow
+            if (!touches_corner) weights[k] *= sides[edge] / longest; // scaled, so that 64 small factors do not underflow
         }
         sum += weights[k];
     }
@@ -113,8 +113,9 @@ glm::dvec2 ControlPolygon::idle_point(double phase) const
     const double along = (phase - std::floor(phase)) * count;
     const std::uint32_t from = std::min(static_cast<std::uint32_t>(along), count - 1);
     const double s = along - from;
-    const double t = s * s * s * (s * (s * 6.0 - 15.0) + 10.0); // at rest in the corners, to the second derivative
-    // A cubic Bezier curve whose inner control points lie between corner and centre: it stays in their convex hull, so inside.
+    const double t = s * s * s * (s * (s * 6.0 - 15.0) + 10.0); // first and second derivatives vanish at the corners
+    // A cubic Bezier curve whose inner control points lie between corner and centre. It stays in the convex hull of its
+    // control points, so inside the polygon.
     constexpr double pull = 0.25;
     const glm::dvec2 a = corners_[from], b = corners_[(from + 1) % count];
     const double u = 1.0 - t;
@@ -123,7 +124,7 @@ glm::dvec2 ControlPolygon::idle_point(double phase) const
 
 double ControlPolygon::idle_phase_near(glm::dvec2 point) const
 {
-    const int samples = 64 * static_cast<int>(corner_count()); // the eye does not see finer
+    const int samples = 64 * static_cast<int>(corner_count()); // a finer step is not visible
     double best = 0.0, best_distance = std::numeric_limits<double>::infinity();
     for (int i = 0; i < samples; ++i) {
         const double phase = static_cast<double>(i) / samples;

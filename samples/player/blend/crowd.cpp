@@ -13,9 +13,9 @@
 namespace pliant::player {
 namespace {
 
-constexpr std::size_t cache_line = 64; // solvers start on lines of their own
+constexpr std::size_t cache_line = 64; // each solver starts on its own line
 
-// How many times wider than deep a crowd stands: about what a picture shows of a floor that is seen from above at a low angle.
+// Width of the crowd over its depth: about the proportions of the floor in a picture from a low angle.
 constexpr double breadth = 1.5;
 
 } // namespace
@@ -89,7 +89,7 @@ std::vector<std::vector<double>> crowd_weights(std::uint32_t count, double phase
 {
     std::vector<std::vector<double>> weights;
     for (std::uint32_t i = 0; i < count; ++i) {
-        const double own = phase + i * 0.6180339887498949; // the golden ratio: starts of neighbours are far apart
+        const double own = phase + i * 0.6180339887498949; // the golden ratio: neighbours start far apart
         weights.push_back(path ? path->at(own * static_cast<double>(path->count()))
                                : polygon.weights(polygon.idle_point(own)));
     }

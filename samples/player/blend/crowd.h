@@ -1,4 +1,4 @@
-// Many characters of one asset, each with a solver of its own. No graphics in here.
+// Many characters of one asset, each with its own solver.
 #pragma once
 
 #include "blend/character.h"
@@ -13,13 +13,13 @@
 
 namespace pliant::player {
 
-// What one frame of the whole crowd cost.
+// Cost of one frame, summed over the whole crowd.
 struct CrowdCost {
     double solve_us = 0.0;
     double reconstruct_us = 0.0;
     double normals_us = 0.0;
-    double placing_us = 0.0; // by GpuCrowd instead: where on the processor floor and parts are,
-    double update_us = 0.0;  // and positions and normals, until the driver says that they are done
+    double placing_us = 0.0; // GpuCrowd: floor heights and part centres, on the processor
+    double update_us = 0.0;  // GpuCrowd: positions and normals, until the driver reports completion
     std::uint32_t evaluations = 0;
     std::uint32_t not_converged = 0;
 
@@ -28,13 +28,14 @@ struct CrowdCost {
 
 class Crowd {
 public:
-    // count: at least 1. All solvers lie in one block of memory. The file must outlive the crowd. Throws Error.
+    // count: at least 1. All solvers share one block of memory. The file must outlive the crowd. Throws Error.
     Crowd(const AssetFile& file, const glm::mat3& to_world, std::uint32_t count);
 
-    // Solves all characters, one after the other on this thread: one row of pose_count weights each. Fills in the first, fourth and
-    // fifth number of the cost.
+    // Solves all characters one after the other on this thread; weights: one row of pose_count weights per character.
+    // Sets the cost's solve_us, evaluations and not_converged.
     void solve(const std::vector<std::vector<double>>& weights, BlendMode mode, CrowdCost& cost);
-    // Makes the vertices of all characters from what solve() found. GpuCrowd replaces this call and vertices(); it takes coordinates().
+    // Computes vertices() of all characters from the result of solve(), and sets reconstruct_us and normals_us. Not
+    // needed with GpuCrowd, which starts from coordinates().
     void reconstruct(CrowdCost& cost);
 
     std::uint32_t count() const { return static_cast<std::uint32_t>(solvers_.size()); }
@@ -50,20 +51,20 @@ private:
     std::vector<pliant_solver*> solvers_;
     std::vector<std::vector<float>> q_;
     std::vector<float> weights_;
-    std::vector<glm::vec3> positions_;          // of the character at work
-    std::vector<std::vector<Vertex>> vertices_; // none before the first reconstruct()
+    std::vector<glm::vec3> positions_;          // of the current character
+    std::vector<std::vector<Vertex>> vertices_; // empty before the first reconstruct()
 };
 
-// Weights of all characters at a phase (any number, period 1): each goes along the same loop, `path` or the idle path of the polygon,
-// and starts elsewhere on it. The starts are spread evenly whatever the count.
+// Weights of all characters at a phase (any number, period 1). All follow the same loop, `path` or the polygon's idle
+// path, from different starts, which are evenly spread for any count.
 std::vector<std::vector<double>> crowd_weights(std::uint32_t count, double phase, const ControlPolygon& polygon,
                                                const std::optional<WeightPath>& path);
 
-// Seconds that one round of the loop takes.
+// Duration of one round of the loop, in seconds.
 double loop_seconds(const ControlPolygon& polygon, const std::optional<WeightPath>& path, double fps);
 
-// Where characters stand that need `room` (their width and depth) each: rows one behind the other, away from +z, every second row
-// shifted by half a place, the middle of all at the origin. More columns than rows.
+// Places for `count` characters, each of which needs `room` (width and depth): rows one behind the other, away from +z,
+// every second row shifted by half a place, all centred at the origin. More columns than rows.
 std::vector<glm::vec3> crowd_places(std::uint32_t count, glm::vec2 room);
 
 // The extent of copies of `one` at all places.

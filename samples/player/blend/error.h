@@ -1,4 +1,4 @@
-// What ends the player early: a number for people and scripts, one line that names the thing, one line that helps.
+// An error that ends the player: a number for people and scripts, one line that says what failed, one line that helps.
 #pragma once
 
 #include <stdexcept>
@@ -10,7 +10,7 @@ namespace pliant::player {
 // Exit codes of the process, the same as those of the `pliant` tool.
 enum class ExitCode : int { done = 0, failed = 1, usage = 2, bad_input = 3 };
 
-// Numbers are listed in README.md and never change meaning.
+// README.md lists the numbers. A number never changes its meaning.
 enum class ErrorNumber : int {
     usage = 5901,
     weights = 5902,

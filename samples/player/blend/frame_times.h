@@ -1,4 +1,4 @@
-// How long the last frames took, and on what. No graphics in here.
+// The durations of the last frames, by stage.
 #pragma once
 
 #include <array>
@@ -10,7 +10,7 @@ namespace pliant::player {
 struct FrameTime {
     double solve = 0.0;
     double reconstruct = 0.0; // positions and normals
-    double draw = 0.0;        // until the graphics driver says that it is done
+    double draw = 0.0;        // until the graphics driver reports completion
 
     double sum() const { return solve + reconstruct + draw; }
 };
@@ -24,7 +24,7 @@ public:
     std::size_t count() const;
     // age: 0 is the newest; below count().
     const FrameTime& frame(std::size_t age) const { return times_[(added_ - 1 - age) % capacity]; }
-    // Of each part by itself; 0 without frames.
+    // Of each stage separately; 0 without frames.
     FrameTime median() const;
     double longest() const; // of whole frames
 
@@ -33,7 +33,7 @@ private:
     std::size_t added_ = 0;
 };
 
-// The upper end of an axis for values up to `longest`: 1, 2 or 5 times a power of ten, not below it.
+// The upper end of an axis for values up to `longest`: the next 1, 2 or 5 times a power of ten.
 double axis_end(double longest);
 
 } // namespace pliant::player

@@ -49,7 +49,7 @@ float diagonal_of(const std::vector<glm::vec3>& positions, std::size_t count)
         lowest = glm::min(lowest, positions[v]);
         highest = glm::max(highest, positions[v]);
     }
-    return std::max(glm::distance(lowest, highest), 1e-30f); // a shape of no size is divided by, too
+    return std::max(glm::distance(lowest, highest), 1e-30f); // callers divide by it, also for a shape of zero size
 }
 
 } // namespace pliant::player

@@ -1,4 +1,4 @@
-// Distances between two shapes, as colours on a logarithmic scale. No graphics in here.
+// Distances between two shapes, as colours on a logarithmic scale.
 #pragma once
 
 #include <glm/vec3.hpp>
@@ -9,8 +9,8 @@
 
 namespace pliant::player {
 
-// The ends of the scale, as shares of the diagonal of the first pose's bounding box: below the lower one nobody sees a difference
-// (a tenth of a pixel of a picture of a thousand rows), above the upper one the shapes have nothing in common.
+// The ends of the scale, as shares of the diagonal of the first pose's bounding box. Below the lower end a difference is not
+// visible (a tenth of a pixel in a picture of a thousand rows); above the upper end the shapes have nothing in common.
 constexpr float lowest_heat = 1e-4f;
 constexpr float highest_heat = 1e-1f;
 
@@ -22,9 +22,9 @@ constexpr HeatColours heat_colours { { { 0.925f, 0.930f, 0.935f },
                                        { 0.850f, 0.280f, 0.240f },
                                        { 0.560f, 0.110f, 0.310f },
                                        { 0.240f, 0.050f, 0.260f } } };
-HeatColours linear_heat_colours(); // the same as light, not sRGB
+HeatColours linear_heat_colours(); // the same, linear instead of sRGB
 
-// Where a share of the diagonal stands on the scale: 0 at its lower end and below, 1 at its upper end and above.
+// Position of a share of the diagonal on the scale: 0 at its lower end and below, 1 at its upper end and above.
 float heat_of_share(float share);
 
 // Distances of all vertices as shares of the diagonal.
@@ -32,8 +32,8 @@ struct HeatSummary {
     float mean = 0.0f, largest = 0.0f;
 };
 
-// Writes the heat of the first `count` vertices of two shapes: heat[v] is that of the distance between a[v], after the rigid motion that
-// brings a nearest to b, and b[v]: a difference of shape, not of place. heat keeps its size; what lies behind `count` becomes 0.
+// Moves `a` rigidly to where it is closest to `b`, so that only a difference in shape remains, and writes the heat of the
+// distance between a[v] and b[v] to heat[v], for the first `count` vertices. heat keeps its size; further entries become 0.
 HeatSummary measure_heat(const std::vector<glm::vec3>& a, const std::vector<glm::vec3>& b, std::size_t count, float diagonal,
                          std::vector<float>& heat);
 

@@ -9,7 +9,7 @@
 namespace pliant::player {
 namespace {
 
-constexpr std::uint32_t tile_size = 64; // vertices: ranges that start at its multiples are rebuilt fastest (pliant.h)
+constexpr std::uint32_t tile_size = 64; // vertices; pliant_reconstruct() is fastest for ranges that start at multiples of 64
 
 std::vector<glm::vec3> rebuilt(const pliant_asset& asset, const std::vector<float>& q)
 {
@@ -18,11 +18,11 @@ std::vector<glm::vec3> rebuilt(const pliant_asset& asset, const std::vector<floa
     return positions;
 }
 
-// How far to go along each coordinate to see what it does: as far as blends go. A smaller step would show rounding instead, a larger
-// one lose digits of the others.
+// The step along each coordinate with which its column is measured: as large as blends make the coordinate. A smaller
+// step would measure rounding, a larger one would lose digits of the other coordinates.
 std::vector<float> steps_of(const pliant_asset& asset)
 {
-    float farthest = 0.0f; // of all poses in all coordinates: where the asset does not know its limits
+    float farthest = 0.0f; // over all poses and coordinates, for assets that store no limits
     for (std::uint32_t k = 0; k < asset.pose_count; ++k) {
         const float* pose = pliant_asset_pose_coordinates(&asset, k);
         for (std::uint32_t j = 0; j < asset.dimension; ++j) farthest = std::max(farthest, std::abs(pose[j]));
@@ -61,7 +61,7 @@ Landmarks::Landmarks(const pliant_asset& asset, const glm::mat3& to_world,
     }
 }
 
-// What one column does, per unit of its coordinate, to the heights in each tile and to the means.
+// The effect of one column, per unit of its coordinate, on the heights in each tile and on the means.
 void Landmarks::probe(const std::vector<glm::vec3>& shape, const std::vector<glm::vec3>& origin, float step,
                       std::size_t column)
 {
@@ -92,8 +92,8 @@ float Landmarks::lowest_of_tile(const float* q, std::uint32_t tile)
     return lowest;
 }
 
-// Tiles in the order of how low they may reach, until none may reach below what was found. What rounds the bounds is about a
-// millionth of the height: a tile that is left out for it would move the floor by no more.
+// Visits tiles in the order of their lower bounds, until no bound is below the lowest height found. The bounds are
+// rounded by about a millionth of the height, so a tile that is skipped wrongly moves the floor by no more than that.
 float Landmarks::lowest(const float* q)
 {
     for (std::size_t tile = 0; tile < bottoms_.size(); ++tile) {

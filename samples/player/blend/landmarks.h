@@ -1,5 +1,5 @@
-// Where a few places of a shape are, from its coordinates and without its vertices: for shapes that only the graphics card has. No
-// graphics in here.
+// The floor height and a few mean points of a shape, from its coordinates q alone: for shapes whose vertices are on the
+// graphics card only.
 #pragma once
 
 #include <pliant.h>
@@ -13,16 +13,16 @@
 
 namespace pliant::player {
 
-// Positions are a constant and a sum of the coordinates times vectors (formats/SPEC.md): so are means of vertices, and so heights lie
-// between a constant and a sum of the coordinates times intervals.
+// Positions are affine in the coordinates (formats/SPEC.md). So are means of vertices, and the heights in a tile lie in
+// an interval whose ends follow from one interval per coordinate.
 class Landmarks {
 public:
-    // groups: lists of vertices, none of them empty, whose means are wanted. Rebuilds all vertices once for each coordinate. The asset
-    // must outlive the landmarks.
+    // groups: non-empty lists of vertices, whose means are wanted. Cost: reconstructs all vertices once for each
+    // coordinate. The asset must outlive the landmarks.
     Landmarks(const pliant_asset& asset, const glm::mat3& to_world, const std::vector<std::vector<std::uint32_t>>& groups);
 
-    // The height of the lowest vertex in the world (its y), for coordinates q: rebuilds the few tiles of 64 vertices that may have it. All
-    // of them where neighbours in number are no neighbours in space.
+    // The height (world y) of the lowest vertex, for coordinates q. Reconstructs only the tiles of 64 vertices that may
+    // contain it: few, unless vertices with neighbouring numbers lie far apart.
     float lowest(const float* q);
     // The mean of each group, in the asset's axes.
     void means(const float* q, std::vector<glm::vec3>& result) const;
@@ -35,13 +35,13 @@ private:
     float lowest_of_tile(const float* q, std::uint32_t tile);
 
     const pliant_asset& asset_;
-    glm::vec3 up_;        // height in the world: up_ times a position
+    glm::vec3 up_;        // height in the world: dot(up_, position)
     std::size_t columns_; // 1 + dimension: the constant, then one for each coordinate
     std::vector<std::vector<std::uint32_t>> groups_;
     std::vector<float> centres_, radii_;                   // [tile][column] of heights
     std::vector<glm::vec3> means_;                         // [group][column]
-    std::vector<std::pair<float, std::uint32_t>> bottoms_; // of the last lowest(): nothing of the tile is below
-    std::vector<glm::vec3> positions_;                     // of the tile at work
+    std::vector<std::pair<float, std::uint32_t>> bottoms_; // of the last lowest(): a lower bound of the tile's heights
+    std::vector<glm::vec3> positions_;                     // of the current tile
     std::size_t rebuilt_tiles_ = 0;
 };
 

@@ -1,24 +1,24 @@
-// How the point in the control polygon moves: along the idle path, by hand, or travelling to a corner. No graphics in here.
+// Moves the point in the control polygon: along the idle path, by hand, or to a corner.
 #pragma once
 
 #include "blend/control_polygon.h"
 
 namespace pliant::player {
 
-// How long the idle path takes from one corner to the next.
+// Duration of the idle path from one corner to the next.
 constexpr double seconds_per_edge = 2.8;
 
 class Motion {
 public:
-    // Starts at `point`; plays: whether it sets out along the idle path.
+    // Starts at `point`; plays: whether to start along the idle path.
     Motion(const ControlPolygon& polygon, glm::dvec2 point, bool plays);
 
-    // The user takes over: puts the point somewhere, sends it to a corner, or stops and starts the path.
+    // User input: places the point, sends it to a corner, or starts and stops the path.
     void drag_to(glm::dvec2 point);
     void go_to(std::uint32_t corner);
     void toggle_play();
 
-    // Moves on by so many seconds.
+    // Advances the motion by a time step.
     void advance(double seconds);
 
     glm::dvec2 point() const { return point_; }

@@ -18,7 +18,7 @@ Playback::Playback(const ControlPolygon& polygon, std::vector<double> start, boo
 {
 }
 
-// The point goes on from where it is seen.
+// The point continues from where it is shown.
 void Playback::take_over()
 {
     if (source_ != Source::point) motion_.drag_to(point());

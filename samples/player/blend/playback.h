@@ -1,4 +1,4 @@
-// What a window blends now: weights that were given, a path of weights that plays, or the weights of the point. No graphics in here.
+// Chooses the weights that a window blends: given weights, a path of weights, or the weights of the point.
 #pragma once
 
 #include "blend/motion.h"
@@ -11,23 +11,23 @@ namespace pliant::player {
 
 class Playback {
 public:
-    // Shows `start` (sum 1) until the point is moved or the path plays. path: plays at once, `fps` rows a second; without one the point
-    // sets out along the idle path of the polygon if `plays`.
+    // Shows `start` (sum 1) until the point is moved or the path plays. path: plays at once, `fps` rows per second.
+    // Without a path and if `plays`, the point starts along the polygon's idle path.
     Playback(const ControlPolygon& polygon, std::vector<double> start, bool plays, std::optional<WeightPath> path,
              double fps);
 
-    // The user takes over with the point, or stops and starts what plays.
+    // User input: moves the point, or starts and stops the playback.
     void drag_to(glm::dvec2 point);
     void go_to(std::uint32_t corner);
     void toggle_play();
 
-    // Moves on by so many seconds.
+    // Advances the playback by a time step.
     void advance(double seconds);
 
     std::vector<double> weights() const;
     glm::dvec2 point() const;
     bool plays() const { return source_ == Source::path ? path_plays_ : motion_.plays(); }
-    // The path's row and how many it has, while it is what is shown; a file's rows count from 0.
+    // While the path is shown: the current row, counted from 0. path_count(): the number of rows.
     std::optional<double> path_frame() const;
     std::size_t path_count() const { return path_ ? path_->count() : 0; }
 

@@ -45,7 +45,7 @@ void compute_normals(const pliant_asset& asset, const std::vector<glm::vec3>& po
         for (int i = 0; i < 3; ++i) vertices[group ? group[triangle[i]] : triangle[i]].normal += normal;
     }
     if (!group) return;
-    // A group's number is its lowest vertex (formats/SPEC.md, SMTH), so it has its sum before another copies it.
+    // A group's number is its lowest vertex (formats/SPEC.md, SMTH), so the sum is at that vertex before others copy it.
     for (std::uint32_t v = 0; v < asset.vertex_count; ++v) vertices[v].normal = vertices[group[v]].normal;
 }
 

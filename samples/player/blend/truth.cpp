@@ -13,7 +13,7 @@
 namespace pliant::player {
 namespace {
 
-constexpr std::size_t header_limit = 4096; // the tool's own have some 250 bytes
+constexpr std::size_t header_limit = 4096; // the tool writes about 250 bytes
 constexpr std::size_t vertex_bytes = 12;
 
 [[noreturn]] void refuse_mesh(const std::string& path, const std::string& reason)
@@ -35,11 +35,11 @@ std::string read_file(const std::string& path)
 
 struct Header {
     std::uint64_t vertex_count = 0, face_count = 0;
-    std::size_t count_bytes = 1; // of the number before each face's corners
+    std::size_t count_bytes = 1; // of the corner count before each face
     std::size_t length = 0;      // of the header
 };
 
-// "element vertex 6890": the number behind a word that the line must start with.
+// The number in a line such as "element vertex 6890", which must begin with `start`.
 std::uint64_t count_after(const std::string& path, const std::string& line, const std::string& start)
 {
     const std::string digits = line.compare(0, start.size(), start) == 0 ? line.substr(start.size()) : "";
@@ -80,7 +80,7 @@ Header parse_header(const std::string& path, const std::string& bytes)
     return header;
 }
 
-// The faces fill the rest of the file, to the byte: nothing is cut off and nothing follows.
+// The faces must fill the rest of the file exactly.
 void check_faces(const std::string& path, const std::string& bytes, const Header& header, std::size_t at)
 {
     for (std::uint64_t face = 0; face < header.face_count; ++face) {

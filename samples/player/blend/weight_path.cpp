@@ -49,7 +49,7 @@ bool normalise_weights(std::vector<double>& weights)
     }
     if (!(largest > 0.0)) return false;
     double sum = 0.0;
-    for (double& weight : weights) sum += weight /= largest; // first, so that the sum of very large ones does not overflow
+    for (double& weight : weights) sum += weight /= largest; // scaled first: the sum of very large weights must not overflow
     for (double& weight : weights) weight /= sum;
     return true;
 }
@@ -82,7 +82,7 @@ std::vector<double> WeightPath::at(double frame) const
     const auto count = static_cast<double>(rows_.size());
     const double in_loop = frame - std::floor(frame / count) * count;
     const double whole = std::floor(in_loop), share = in_loop - whole;
-    const std::size_t first = static_cast<std::size_t>(whole) % rows_.size(); // rounding may give `count` itself
+    const std::size_t first = static_cast<std::size_t>(whole) % rows_.size(); // rounding can give `count` itself
     const std::vector<double>&from = rows_[first], &to = rows_[(first + 1) % rows_.size()];
     std::vector<double> weights(from.size());
     for (std::size_t k = 0; k < weights.size(); ++k) weights[k] = (1.0 - share) * from[k] + share * to[k];

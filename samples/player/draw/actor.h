@@ -1,4 +1,4 @@
-// What a scene is told to draw.
+// The input of a scene: one actor for each character.
 #pragma once
 
 #include "blend/surface.h"
@@ -13,18 +13,18 @@
 
 namespace pliant::player {
 
-// A shape that pliant::gl has put into buffers, in the asset's axes.
+// A shape in buffers of pliant::gl, in the asset's axes.
 struct BuiltShape {
     pliant_gl_instance instance {};
-    glm::mat4 placing { 1.0f };             // turns it into the world and sets it down on the floor; no scale
-    std::vector<glm::vec3> blended_centres; // for each blended part (paint.h) the mean of its vertices
+    glm::mat4 placing { 1.0f };             // rotates it into the world and sets it on the floor; no scale
+    std::vector<glm::vec3> blended_centres; // the mean of the vertices of each blended part (paint.h)
 };
 
 struct Actor {
     const std::vector<Vertex>* vertices = nullptr; // in the world, on the floor
     glm::vec3 offset { 0.0f };
-    glm::vec3 colour { 0.5f };         // linear, not sRGB; of vertices that have no heat, and are not painted
-    const BuiltShape* built = nullptr; // instead of vertices
+    glm::vec3 colour { 0.5f };         // linear, not sRGB; for vertices without heat and paint
+    const BuiltShape* built = nullptr; // if set, drawn instead of vertices
 };
 
 inline glm::mat4 model_of(const Actor& actor)

@@ -4,7 +4,7 @@
 
 namespace pliant::player {
 
-// Element buffers belong to vertex arrays; where none is at hand, indices go through another binding.
+// The element buffer binding belongs to a vertex array, and none exists yet: upload through another binding.
 Bodies::Bodies(const pliant_asset& asset)
     : index_count_(static_cast<GLsizei>(asset.triangle_count * 3))
     , indices_(make_buffer())
@@ -13,7 +13,7 @@ Bodies::Bodies(const pliant_asset& asset)
     glBufferData(GL_COPY_WRITE_BUFFER, static_cast<GLsizeiptr>(index_count_) * 4, asset.triangles, GL_STATIC_DRAW);
 }
 
-// The painting's indices go behind the asset's own, in the one buffer that all vertex arrays know.
+// The painting's indices follow the asset's own in the one index buffer that all vertex arrays use.
 void Bodies::take_paint(const pliant_asset& asset, const Painting& painting, const Paint& paint)
 {
     paint_ = &paint;
@@ -38,7 +38,7 @@ void Bodies::point_to_vertices(Mesh& mesh) const
     mesh.positions = mesh.vertices.get();
 }
 
-// No heat: attribute 2 is what glVertexAttrib1f says in place().
+// Attribute 2, the heat, has the constant value that place() sets.
 void Bodies::point_to_shape(Mesh& mesh, const BuiltShape& shape) const
 {
     glDisableVertexAttribArray(2);
@@ -64,7 +64,7 @@ void Bodies::place(const std::vector<Actor>& actors)
                 point_to_shape(mesh, *built);
             else
                 point_to_vertices(mesh);
-            glBindBuffer(GL_ELEMENT_ARRAY_BUFFER, indices_.get()); // not pliant::gl's, which has no parts
+            glBindBuffer(GL_ELEMENT_ARRAY_BUFFER, indices_.get()); // replaces pliant::gl's index buffer, which has no parts
         }
         if (built) continue;
         const std::vector<Vertex>& vertices = *actors[i].vertices;

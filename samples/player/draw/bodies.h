@@ -1,4 +1,4 @@
-// The actors of a scene on the graphics card: one index buffer, and for each actor a vertex array.
+// The actors of a scene on the graphics card: one index buffer, and one vertex array for each actor.
 #pragma once
 
 #include "draw/actor.h"
@@ -11,19 +11,20 @@ class Bodies {
 public:
     explicit Bodies(const pliant_asset& asset);
 
-    // From now on vertex arrays have places and colours, and parts can be drawn. Before the first place(); the paint must outlive this.
+    // Adds texture coordinates and colours to the vertex arrays, and lets parts be drawn. Call it before the first
+    // place(). The paint must outlive the bodies.
     void take_paint(const pliant_asset& asset, const Painting& painting, const Paint& paint);
 
-    // Uploads the actors' vertices; those of built shapes are there already.
+    // Uploads the actors' vertices; built shapes are in buffers already.
     void place(const std::vector<Actor>& actors);
-    // Of the actor's triangles all, or those of a part.
+    // Draws all triangles of an actor, or those of one part.
     void draw(std::size_t actor) const;
     void draw(std::size_t actor, const PaintedPart& part) const;
 
 private:
     struct Mesh {
         GlName vertices, array;
-        GLuint positions = 0; // the buffer that the array's attributes point to
+        GLuint positions = 0; // the buffer that the array's attributes read
     };
 
     void point_to_vertices(Mesh& mesh) const;

@@ -13,13 +13,14 @@ namespace {
 
 constexpr float home_yaw = 30.0f;
 constexpr float home_pitch = 12.0f;
-constexpr float field_of_view = 26.0f; // degrees, vertical: a portrait lens, little distortion of limbs that point at us
+constexpr float field_of_view
+    = 26.0f; // degrees, vertical: a portrait lens, which distorts limbs that point at the camera little
 
-// Characters side by side are there to be compared, so they must be seen from nearly the same direction: for every one more
-// the lens gets longer by this many times, and a pair is turned by a third as much.
+// Characters side by side are compared, so they must be seen from nearly the same direction. Each additional character
+// makes the focal length longer by this many times that of one character.
 constexpr float longer_lens = 2.0f;
 
-// The outline as a camera with this rotation sees it, from infinitely far away.
+// The bounding box of the outline in the axes of a camera with this rotation.
 struct Silhouette {
     glm::vec3 lowest { std::numeric_limits<float>::max() };
     glm::vec3 highest { std::numeric_limits<float>::lowest() };
@@ -35,11 +36,11 @@ Silhouette silhouette(const std::vector<glm::vec3>& outline, const glm::mat3& ro
     return result;
 }
 
-// The smallest distance from `centre` at which the outline appears inside half angles of the given tangents.
+// The smallest distance from `centre` at which the outline fits into half angles of the given tangents.
 float fitting_distance(const std::vector<glm::vec3>& outline, const glm::mat3& rotation, glm::vec3 centre,
                        glm::vec2 tangents)
 {
-    float distance = 1e-6f; // an outline of no size still needs a valid frustum
+    float distance = 1e-6f; // an outline of zero size still needs a valid frustum
     for (const glm::vec3& point : outline) {
         const glm::vec3 seen = rotation * point - centre;
         distance = std::max(distance, seen.z + std::abs(seen.x) / tangents.x);
@@ -99,7 +100,7 @@ glm::vec2 Camera::size() const
 
 Camera::Matrices Camera::matrices(glm::vec2 picture, const Area& free, float room_beside) const
 {
-    // Half the free part in tangents of view angles, with a margin of a twelfth.
+    // Half the free part, as tangents of view angles, with a margin of a twelfth.
     const float half_height = std::tan(glm::radians(field_of_view) * 0.5f) / (1.0f + longer_lens * (room_beside - 1.0f));
     const glm::vec2 reach = glm::vec2(free.width / room_beside, free.height) * (0.92f * half_height / picture.y);
     const glm::mat3 turn(rotation());
@@ -111,14 +112,14 @@ Camera::Matrices Camera::matrices(glm::vec2 picture, const Area& free, float roo
     result.view = glm::translate(glm::mat4(1.0f), -centre - glm::vec3(0.0f, 0.0f, distance)) * rotation();
     result.eye = glm::vec3(glm::inverse(result.view)[3]);
 
-    // Near and far planes hug the scene and its floor.
+    // Near and far planes close to the scene and its floor.
     const float radius = glm::length(extent_.highest - extent_.lowest) * 0.5f;
     const float nearest = std::max(distance - room_beside * 2.0f * radius, 0.02f * distance);
     const float farthest = distance + 8.0f * radius;
     const float half_width = half_height * picture.x / picture.y;
     result.projection = glm::frustum(-half_width * nearest, half_width * nearest, -half_height * nearest,
                                      half_height * nearest, nearest, farthest);
-    // The middle of the free rectangle becomes the middle of the view: a shift of the picture, not a turn of the camera.
+    // Centres the view in the free rectangle by shifting the picture, not by turning the camera.
     const glm::vec2 middle { free.x + 0.5f * free.width, free.y + 0.5f * free.height };
     const glm::vec2 shift { 2.0f * middle.x / picture.x - 1.0f, 1.0f - 2.0f * middle.y / picture.y };
     result.projection = glm::translate(glm::mat4(1.0f), { shift, 0.0f }) * result.projection;

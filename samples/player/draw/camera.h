@@ -1,4 +1,4 @@
-// An orbit camera that frames a character, and where in the picture it puts it.
+// An orbit camera that fits all poses into a part of the picture.
 #pragma once
 
 #include "blend/character.h"
@@ -16,16 +16,16 @@ struct Area {
 
 class Camera {
 public:
-    // Looks at the middle of what the poses fill, from a distance at which all of it is seen.
+    // Looks at the centre of the extent, from a distance at which all of it is visible.
     explicit Camera(const Extent& extent);
 
-    // Degrees. yaw turns around the up axis (0: from +z), pitch looks down from above; it stays within -5 and 89.
+    // In degrees. yaw: around the up axis, 0 looks from +z. pitch: positive looks down; clamped to -5 to 89.
     void set_view(float yaw, float pitch);
     void orbit(float yaw, float pitch) { set_view(yaw_ + yaw, pitch_ + pitch); }
-    // factor < 1 comes closer.
+    // factor < 1 moves closer.
     void zoom(float factor);
     void reset();
-    // The view that reset() goes back to; goes there.
+    // Sets the view that reset() returns to, and resets.
     void set_home(float yaw, float pitch);
 
     struct Matrices {
@@ -34,13 +34,13 @@ public:
         glm::vec3 eye { 0.0f };
     };
 
-    // Fits the poses into `free`, a part of the `picture` (its width and height), the rest of the picture being covered by panels.
-    // room_beside: how many times its own width a character needs (two side by side: 2).
+    // Fits the poses into `free`, the part of the picture that panels do not cover. picture: width and height in pixels.
+    // room_beside: width needed, in widths of a character (two side by side: 2).
     Matrices matrices(glm::vec2 picture, const Area& free, float room_beside = 1.0f) const;
 
-    // The direction to the right in the picture, level with the floor.
+    // The direction to the right in the picture, parallel to the floor.
     glm::vec3 right() const;
-    // How wide and how high the poses look together, in units of the asset.
+    // Width and height of all poses together as seen from here, in the asset's units.
     glm::vec2 size() const;
 
 private:

@@ -1,4 +1,4 @@
-// An OpenGL 3.3 core context: with a window, or without any display.
+// An OpenGL 3.3 core context: of a window, or without a display.
 #pragma once
 
 #include <pliant_gl.h>
@@ -10,15 +10,15 @@ struct GLFWwindow;
 
 namespace pliant::player {
 
-// Current on the thread that made it, for as long as it lives. One at a time.
+// Current on the thread that created it, for its lifetime. One at a time.
 class GlContext {
 public:
     virtual ~GlContext() = default;
-    // What finds GL's functions.
+    // Loads GL functions.
     virtual pliant_gl_loader loader() const = 0;
-    // What the driver calls itself.
+    // The driver's name for its renderer.
     std::string renderer_name() const;
-    // Whether the driver draws on the processor: then the scene is lit more simply, to stay interactive.
+    // Whether the driver renders on the processor. The window then uses fewer lights, to stay interactive.
     bool is_software() const;
 };
 
@@ -36,7 +36,7 @@ private:
     GLFWwindow* window_ = nullptr;
 };
 
-// For pictures: EGL without a surface (needs no display), else an invisible window.
+// For pictures: EGL without a surface (needs no display) or, where that fails, an invisible window.
 std::unique_ptr<GlContext> make_offscreen_context();
 
 } // namespace pliant::player

@@ -7,7 +7,7 @@
 namespace pliant::player {
 namespace {
 
-// Eight where the driver has them; everybody has four.
+// If the driver has them; every driver has four.
 constexpr GLint wanted_samples = 8;
 
 [[noreturn]] void refuse(const std::string& what)

@@ -1,4 +1,4 @@
-// The few OpenGL objects that the player needs, owned.
+// Owning wrappers of the OpenGL objects that the player needs.
 #pragma once
 
 #include <epoxy/gl.h>
@@ -82,10 +82,10 @@ private:
     GlName program_;
 };
 
-// A picture to draw into, with many samples a pixel, and the same with one.
+// A multisampled picture to draw into, and the same picture resolved.
 class Canvas {
 public:
-    // Throws Error if the driver cannot make it that large.
+    // Throws Error if the driver refuses that size.
     Canvas(int width, int height);
 
     int width() const { return width_; }
@@ -93,7 +93,7 @@ public:
     // Draw the scene between begin and resolve, overlays after resolve.
     void begin() const;
     void resolve() const;
-    // Copies the resolved picture to the window's.
+    // Copies the resolved picture to the window.
     void show() const;
     // RGB, top row first.
     std::vector<std::uint8_t> pixels() const;

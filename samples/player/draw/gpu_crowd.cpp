@@ -13,7 +13,7 @@ namespace {
 void check(pliant_gl_result result, const pliant_gl& gl)
 {
     if (result == PLIANT_GL_OK) return;
-    std::string words = gl.message; // the driver's, which may be many lines
+    std::string words = gl.message; // from the driver, possibly many lines
     std::replace(words.begin(), words.end(), '\n', ' ');
     words.erase(words.find_last_not_of(' ') + 1);
     std::string what = std::string("the graphics driver cannot rebuild the shapes: ") + pliant_gl_result_text(result);

@@ -1,4 +1,4 @@
-// The shapes of a crowd, rebuilt by pliant::gl: one mesh on the graphics card, and two buffers for each character.
+// The shapes of a crowd, reconstructed by pliant::gl: one mesh on the graphics card, and two buffers for each character.
 #pragma once
 
 #include "blend/crowd.h"
@@ -11,20 +11,21 @@ namespace pliant::player {
 
 class GpuCrowd {
 public:
-    // blended: the vertices of each blended part (paint.h). Needs a current GL context, whose functions `load` finds, for as long as it
-    // lives. The file must outlive it. Throws Error if the driver cannot.
+    // blended: the vertices of each blended part (paint.h). load: finds the functions of the current GL context, which
+    // must stay current for the lifetime of the crowd. The file must outlive it. Throws Error if the driver cannot
+    // reconstruct shapes.
     GpuCrowd(const AssetFile& file, const glm::mat3& to_world, std::uint32_t count,
              const std::vector<std::vector<std::uint32_t>>& blended, pliant_gl_loader load);
 
-    // Rebuilds all shapes from what crowd.solve() found, and waits until that is done. Fills in the cost's placing_us and update_us.
-    // A complete framebuffer must be bound: transform feedback asks for one.
+    // Reconstructs all shapes from the result of crowd.solve(), waits for completion, and sets the cost's placing_us and
+    // update_us. A complete framebuffer must be bound: transform feedback requires one.
     void rebuild(const Crowd& crowd, CrowdCost& cost);
 
     const BuiltShape& shape(std::uint32_t character) const { return shapes_.list[character]; }
-    const char* path_name() const; // how the driver does it
+    const char* path_name() const; // "OpenGL, compute" or "OpenGL, feedback"
 
 private:
-    // Released in the order of pliant_gl.h, also when the constructor throws: mesh and instances may be missing then.
+    // Freed in the order that pliant_gl.h requires, also when the constructor throws before mesh and instances exist.
     struct Context {
         pliant_gl gl {};
         ~Context() { pliant_gl_free(&gl); }

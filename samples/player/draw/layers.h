@@ -1,4 +1,4 @@
-// In which order blended parts are drawn. No graphics in here.
+// The order in which blended parts are drawn. Needs no OpenGL.
 #pragma once
 
 #include "draw/actor.h"
@@ -14,9 +14,10 @@ struct Layer {
     std::size_t actor = 0, blended = 0;
 };
 
-// All layers, the farthest first; equally far ones in the order of parts, then of actors. A layer is where the mean of its vertices is:
-// right for parts that lie apart, as lenses, panes and layers of hair do. Parts that cut or surround each other, and a part's own faces,
-// would have to be sorted by the face. blended: the vertices of each blended part.
+// All layers, the farthest first; at equal depth in the order of parts, then of actors. The depth of a layer is that of
+// the mean of its vertices. That is right for separate parts, such as lenses, panes and layers of hair; parts that
+// intersect or enclose each other, and the faces within a part, would need sorting by face. blended: the vertices of each
+// blended part.
 std::vector<Layer> layers_of(const glm::mat4& view, const std::vector<Actor>& actors,
                              const std::vector<std::vector<std::uint32_t>>& blended);
 

@@ -1,4 +1,4 @@
-// A painting on the graphics card: its textures, and the numbers of its vertices.
+// A painting on the graphics card: its textures and vertex attributes.
 #pragma once
 
 #include "draw/gl_objects.h"
@@ -10,18 +10,18 @@ namespace pliant::player {
 
 class Paint {
 public:
-    // Throws Error if the driver refuses a picture of that size.
+    // Throws Error if the driver refuses the size of a texture.
     explicit Paint(const Painting& painting);
 
-    // Adds places and colours to the vertex array that is bound, as attributes 3 and 4.
+    // Adds texture coordinates and colours to the bound vertex array, as attributes 3 and 4.
     void attach() const;
 
-    // The blended ones last.
+    // The blended parts are last.
     const std::vector<PaintedPart>& parts() const { return parts_; }
-    // For each of these the vertices it draws, each of them once.
+    // For each blended part its vertices, each once.
     const std::vector<std::vector<std::uint32_t>>& blended() const { return blended_; }
     bool has(Alpha alpha) const;
-    // Binds the texture of a part, or white, to the unit that is active.
+    // Binds the texture of a part, or a white one, to the active unit.
     void bind(const PaintedPart& part) const;
 
 private:
@@ -31,7 +31,7 @@ private:
     std::vector<GlName> textures_;
 };
 
-// One white pixel, for what has no texture.
+// One white pixel, for parts without a texture.
 GlName make_white_texture();
 
 } // namespace pliant::player

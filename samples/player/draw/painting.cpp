@@ -35,7 +35,7 @@ const Json& member(const Json& object, const char* name)
     return found == object.end() ? none() : *found;
 }
 
-// An element of a list that must have it.
+// An element of a list; throws if the list has no such element.
 const Json& element(const Json& list, std::uint64_t i, const char* what)
 {
     if (!list.is_array() || i >= list.size()) refuse(std::string("there is no such ") + what);
@@ -84,7 +84,7 @@ struct Bytes {
     }
 };
 
-// The binary glTF file that the chunk is.
+// The chunk, which is a binary glTF file.
 struct Document {
     Json json;
     Bytes binary;
@@ -108,7 +108,7 @@ struct Document {
         return { binary.data + offset, size };
     }
 
-    // The numbers of an accessor, without gaps, as SPEC.md says; `width` numbers of `bytes` bytes each.
+    // The data of an accessor: `count` elements of `width` numbers of `bytes` bytes each, without gaps (SPEC.md).
     Bytes numbers(const Json& accessor, std::uint64_t count, std::uint64_t width, std::uint64_t bytes) const
     {
         const Bytes all = view(whole(accessor, "bufferView"));
@@ -139,7 +139,7 @@ Wrap wrap_of(const Json& sampler, const char* name)
     }
 }
 
-// One for each of the file; those without an image that can be read keep the number of images.
+// One for each texture of the file. A texture without a readable image gets the number of images as its index.
 void read_textures(const Document& document, Painting& painting)
 {
     for (const Json& texture : member(document.json, "textures")) {
@@ -160,7 +160,7 @@ void read_textures(const Document& document, Painting& painting)
     }
 }
 
-// How texture coordinates become places: KHR_texture_transform, turned clockwise in the texture, as it says.
+// The transform of texture coordinates by KHR_texture_transform; its rotation is clockwise in the texture.
 struct Placing {
     glm::vec2 offset { 0.0f }, scale { 1.0f };
     float angle = 0.0f;
@@ -174,7 +174,7 @@ struct Placing {
 
 struct Material {
     PaintedPart part;
-    std::string places = "TEXCOORD_0"; // the attribute that its texture goes by
+    std::string places = "TEXCOORD_0"; // the attribute with its texture coordinates
     Placing placing;
 };
 
@@ -202,7 +202,8 @@ Material material_of(const Document& document, const Json& primitive, const Pain
     return result;
 }
 
-// Calls use(v, values of vertex v) for an attribute of floats, if the primitive has it. `width`: as the attribute must have, 0: 3 or 4.
+// Calls use(v, value) for each vertex v of a float attribute; returns false if the primitive does not have it. width: the
+// required number of components; 0 accepts 3 or 4.
 template <class Use>
 bool read_attribute(const Document& document, const Json& primitive, const std::string& name, std::uint64_t count,
                     std::uint64_t width, Use&& use)
@@ -240,7 +241,7 @@ void read_indices(const Document& document, const Json& primitive, std::uint32_t
     }
 }
 
-// Returns whether anything but grey is to be seen.
+// Returns whether the part has a material or colours.
 bool read_part(const Document& document, const Json& primitive, std::uint32_t first, std::uint64_t count, Painting& painting)
 {
     const Material material = material_of(document, primitive, painting);

@@ -13,8 +13,8 @@
 namespace pliant::player {
 namespace {
 
-// The key light and a dome of lights; each has its shadow map. lowest: the sine of the elevation from which the dome goes up;
-// few lights with hard shadows keep theirs near the feet, where they overlap. floor: its radius in radii of the scene.
+// The key light and a dome of lights, each with a shadow map. lowest: sine of the lowest elevation in the dome; with few
+// lights it is high, so that their shadows overlap near the feet. floor: its radius, in radii of the scene.
 struct Lighting {
     int light_count, shadow_size, key_taps, dome_taps;
     float lowest, floor;
@@ -97,7 +97,7 @@ Scene::Stage Scene::stage_for(const std::vector<Actor>& actors) const
     }
     Stage stage;
     stage.centre = (lowest + highest) * 0.5f;
-    stage.radius = std::max(glm::length(highest - lowest) * 0.5f, 1e-6f); // a scene of no size still needs valid matrices
+    stage.radius = std::max(glm::length(highest - lowest) * 0.5f, 1e-6f); // a scene of zero size still needs valid matrices
     return stage;
 }
 
@@ -125,7 +125,7 @@ void Scene::place_lights(const Stage& stage, const glm::vec3& eye)
     }
 }
 
-// Where a part is seen through, it lets light through: all or nothing, the shadow map knows no half.
+// Transparent places cast no shadow. A shadow map has no partial light, so alpha is thresholded.
 void Scene::draw_shadow(std::size_t actor) const
 {
     depth_.set("cutoff", 0.0f);
@@ -188,7 +188,7 @@ void Scene::draw_backdrop(const Area& area, const Area& glow)
 
 void Scene::draw_floor(const Stage& stage, const Camera::Matrices& camera)
 {
-    if (camera.eye.y <= 0.0f) return; // seen from below there is no floor
+    if (camera.eye.y <= 0.0f) return; // invisible from below
     floor_.use();
     set_lights(floor_);
     floor_.set("view_projection", camera.projection * camera.view);
@@ -196,7 +196,7 @@ void Scene::draw_floor(const Stage& stage, const Camera::Matrices& camera)
     floor_.set("radius", floor_radius_ * stage.radius);
     glEnable(GL_BLEND);
     glBlendFunc(GL_SRC_ALPHA, GL_ONE_MINUS_SRC_ALPHA);
-    glDepthMask(GL_FALSE); // the soles lie in the floor: they are drawn over it
+    glDepthMask(GL_FALSE); // soles lie in the floor plane and are drawn over it
     glBindVertexArray(empty_array_.get());
     glDrawArrays(GL_TRIANGLE_STRIP, 0, 4);
     glDepthMask(GL_TRUE);
@@ -239,7 +239,7 @@ void Scene::use_part(const PaintedPart& part) const
     body_.set("is_blended", part.alpha == Alpha::blend ? 1 : 0);
 }
 
-// Part by part, the blended ones last: then whatever lies behind them is there.
+// Part by part, blended parts last, when everything behind them has been drawn.
 void Scene::draw_painted(const glm::mat4& view, const std::vector<Actor>& actors) const
 {
     const std::vector<PaintedPart>& parts = paint_->parts();
@@ -259,7 +259,7 @@ void Scene::draw_painted(const glm::mat4& view, const std::vector<Actor>& actors
     glDisable(GL_BLEND);
 }
 
-// The farthest first, of all actors.
+// Blended parts of all actors, the farthest first.
 void Scene::draw_layers(const glm::mat4& view, const std::vector<Actor>& actors) const
 {
     const std::size_t first_blended = paint_->parts().size() - paint_->blended().size();

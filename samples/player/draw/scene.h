@@ -1,4 +1,4 @@
-// Draws characters in a studio: backdrop, floor with soft shadows, lights that turn with the camera.
+// Draws characters in a studio: a backdrop, a floor with soft shadows, and lights that turn with the camera.
 #pragma once
 
 #include "blend/character.h"
@@ -15,10 +15,10 @@
 
 namespace pliant::player {
 
-// low: windows of drivers that draw on the processor. medium: windows. high: pictures.
+// low: windows with a driver that renders on the processor. medium: other windows. high: pictures.
 enum class Quality { low, medium, high };
 
-// The colours of the blends, everywhere the same.
+// The colours of the kinds of blend.
 inline const glm::vec3 elastic_colour { 0.76f, 0.20f, 0.085f };
 inline const glm::vec3 linear_colour { 0.20f, 0.29f, 0.42f };
 inline const glm::vec3 unreduced_colour { 0.105f, 0.30f, 0.20f };
@@ -26,18 +26,18 @@ inline const glm::vec3 single_pose_colour { 0.62f, 0.56f, 0.48f };
 
 class Scene {
 public:
-    // All actors are blends of the file's asset; `extent` holds every pose. with_paint: reads the asset's materials, if it has any.
+    // All actors must be blends of the file's asset. extent: of all poses. with_paint: also reads the asset's materials.
     // Throws Error.
     Scene(const AssetFile& file, const Extent& extent, Quality quality, bool with_paint);
 
-    // Whether there are materials, and whether to show them instead of the actors' colours (at first: yes).
+    // Whether there are materials, and whether to show them instead of the actors' colours (default: yes).
     bool has_paint() const { return paint_.has_value(); }
     void show_paint(bool shown) { shows_paint_ = shown; }
-    // The vertices of each blended part: built shapes say where their means are.
+    // The vertices of each blended part, whose means built shapes must provide.
     std::vector<std::vector<std::uint32_t>> blended_parts() const;
 
-    // Draws into the part `area` of the canvas, between its begin() and resolve(). glow: the part of the canvas that the
-    // characters stand in the middle of.
+    // Draws into the part `area` of the canvas, between its begin() and resolve(). glow: the part of the canvas in whose
+    // centre the characters stand.
     void draw(const Canvas& canvas, const Area& area, const Area& glow, const Camera::Matrices& camera,
               const std::vector<Actor>& actors);
 

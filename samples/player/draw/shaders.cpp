@@ -17,7 +17,7 @@ void main()
     gl_Position = vec4(corner * 2.0 - 1.0, 0.0, 1.0);
 })";
 
-// A studio wall: brightest behind the character. Less than a grey level of noise hides the steps of eight bits.
+// A studio wall, brightest behind the character. Noise of less than one grey level hides banding.
 constexpr char backdrop_fragment_source[] = R"(
 in vec2 place;
 out vec4 colour;
@@ -46,7 +46,7 @@ void main()
     gl_Position = matrix * vec4(position, 1.0);
 })";
 
-// What a mask leaves out casts no shadow.
+// Places that an alpha mask removes cast no shadow.
 constexpr char depth_fragment_source[] = R"(
 in vec2 place;
 in float tint_alpha;
@@ -95,7 +95,8 @@ void main()
     gl_Position = view_projection * world;
 })";
 
-// Soft shadows. A light's matrix maps the scene into the unit cube and scales all axes alike, so it also turns directions.
+// Soft shadows. A light's matrix maps the scene into the unit cube with one scale for all axes, so it also rotates
+// directions.
 constexpr char shadow_functions[] = R"(
 uniform sampler2DArrayShadow shadows;
 uniform mat4 light_matrices[LIGHTS];
@@ -107,8 +108,8 @@ vec2 disc(int i, int count) // evenly over the unit disc (Vogel's spiral)
     return sqrt((float(i) + 0.5) / float(count)) * vec2(cos(angle), sin(angle));
 }
 
-// How much of a light of angular size `softness` reaches a point with the given normal. Each look-up is compared with the depth
-// of the point's tangent plane there, so a wide disc does not shadow the very surface it stands on.
+// How much of a light of angular size `softness` reaches a point with the given normal. Each look-up is compared with the
+// depth of the point's tangent plane there, so a wide disc does not shadow the very surface it stands on.
 float visibility(int light, vec3 point, vec3 normal, float softness, int taps)
 {
     vec3 at = (light_matrices[light] * vec4(point, 1.0)).xyz;
@@ -124,7 +125,7 @@ float visibility(int light, vec3 point, vec3 normal, float softness, int taps)
 }
 )";
 
-// The floor is seen by its shadows alone: it darkens the backdrop.
+// The floor shows only its shadows, which darken the backdrop.
 constexpr char floor_fragment_source[] = R"(
 in vec3 point;
 out vec4 colour;
@@ -147,8 +148,8 @@ void main()
     colour = vec4(0.16, 0.19, 0.27, 0.80 * shade * fade);
 })";
 
-// Key light with a soft terminator, a dome of sky lights with shadows (ambient occlusion comes from those), light from the floor,
-// a broad highlight, and a rim where the surface turns away. Cook-Torrance is not needed for clay; Blinn-Phong serves.
+// A key light with a soft terminator, a dome of sky lights whose shadows give ambient occlusion, light reflected by the
+// floor, a broad Blinn-Phong highlight, which is enough for clay, and a rim light at grazing angles.
 constexpr char body_fragment_source[] = R"(
 in vec3 point;
 in vec3 direction;
@@ -195,8 +196,8 @@ void main()
     float near_floor = smoothstep(0.0, 0.35, point.y / height);
     float bounce = (0.5 - 0.5 * normal.y) * mix(0.35, 1.0, near_floor);
 
-    vec3 light = vec3(1.00, 0.95, 0.88) * 1.62 * lit + vec3(0.80, 0.90, 1.06) * 0.50 * sky + vec3(0.95, 0.97, 1.0) * 0.30 * bounce
-        + vec3(0.055);
+    vec3 light = vec3(1.00, 0.95, 0.88) * 1.62 * lit + vec3(0.80, 0.90, 1.06) * 0.50 * sky
+        + vec3(0.95, 0.97, 1.0) * 0.30 * bounce + vec3(0.055);
     vec3 shaded = base * light;
 
     vec3 halfway = normalize(key_direction + view);

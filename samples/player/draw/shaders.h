@@ -5,7 +5,7 @@
 
 namespace pliant::player {
 
-// Source text with the number of lights and of samples per soft shadow filled in.
+// Sources with the numbers of lights and of samples per shadow filled in.
 struct ShaderSources {
     std::string backdrop_vertex, backdrop_fragment;
     std::string depth_vertex, depth_fragment;
@@ -13,7 +13,7 @@ struct ShaderSources {
     std::string body_vertex, body_fragment;
 };
 
-// light_count: the key light and those of the dome. key_taps, dome_taps: look-ups per shadow.
+// light_count: the key light and the lights of the dome. key_taps, dome_taps: samples per shadow.
 ShaderSources shader_sources(int light_count, int key_taps, int dome_taps);
 
 } // namespace pliant::player

@@ -34,7 +34,7 @@ void segment(const char* label, Show show, ImU32 colour, const HudModel& model, 
     if (chosen) ImGui::PopStyleColor(4);
 }
 
-// What to show, and whether to colour it by distance.
+// Buttons for the kind of blend.
 void draw_choices(const Overlay& overlay, const HudModel& model, HudActions& actions)
 {
     const float s = overlay.scale(), gap = 5.0f * s;
@@ -54,7 +54,7 @@ void draw_choices(const Overlay& overlay, const HudModel& model, HudActions& act
     ImGui::Dummy({ 0.0f, 3.0f * s });
 }
 
-// Where the weights come from, if not from the point alone.
+// The source of the weights, unless it is the point.
 void draw_sources(const Overlay& overlay, const HudModel& model)
 {
     if (model.path_frame) {
@@ -92,8 +92,8 @@ void draw_facts(const Overlay& overlay, const HudModel& model, HudActions& actio
     ImGui::End();
 }
 
-// Which drag is a grab: one that starts anywhere but on a corner, or leaves the corner that it started on. A click on a corner
-// must not move the point, or a double click could not travel there.
+// A drag moves the point if it starts off the corners or has left the corner where it started. A click on a corner must
+// not move the point, because a double click there travels to the corner.
 void handle_polygon_input(const PolygonView& view, float s, HudActions& actions)
 {
     const ImVec2 mouse = ImGui::GetIO().MousePos;
@@ -117,7 +117,7 @@ void draw_polygon_panel(const Overlay& overlay, const HudModel& model, int heigh
     ImGui::SetNextWindowSize(size);
     ImGui::Begin("polygon", nullptr, panel_flags);
     const ImVec2 corner = ImGui::GetWindowPos();
-    // Two poses and even numbers hang level; odd ones have a tip above and need their middle a little lower.
+    // Polygons with an odd number of corners have a tip on top, so their centre is a little lower.
     const float drop = model.polygon.corner_count() % 2 == 1 ? 12.0f : 2.0f;
     const PolygonView view { model.polygon,
                              model.file.short_names(),

@@ -1,4 +1,4 @@
-// The panels over the scene: what is shown, what it costs, the control polygon, the keys.
+// The panels over a single character: the kind of blend, its cost, the control polygon, the keys.
 #pragma once
 
 #include "blend/character.h"
@@ -14,14 +14,14 @@
 
 namespace pliant::player {
 
-// What the panels tell. References outlive the call.
+// The contents of the panels. References must outlive the call of draw_hud().
 struct HudModel {
     const AssetFile& file;
     const ControlPolygon& polygon;
     const Shown& shown;
     const Truth* truth = nullptr;
     glm::dvec2 point { 0.0 };
-    std::optional<double> path_frame {}; // while a path is shown
+    std::optional<double> path_frame {}; // set while a path is shown
     std::size_t path_count = 0;
     bool help = true;
     bool has_paint = false;
@@ -30,7 +30,7 @@ struct HudModel {
     double normals_us = 0.0;
 };
 
-// What the user did with them.
+// The user's input in the panels.
 struct HudActions {
     std::optional<glm::dvec2> drag_to;
     std::optional<std::uint32_t> go_to; // a corner

@@ -45,7 +45,7 @@ void legend_row(const Overlay& overlay, ImU32 colour, const char* label, double 
     row(overlay, label, milliseconds(value));
 }
 
-// Bars from the right, the newest last, each stacked from solve to draw; lines at a half and the whole of the axis.
+// Stacked bars (solve, reconstruct, draw), the newest on the right; lines at half and full axis length.
 void draw_bars(const Overlay& overlay, const FrameTimes& times, ImVec2 corner, ImVec2 size)
 {
     const float s = overlay.scale();
@@ -56,7 +56,7 @@ void draw_bars(const Overlay& overlay, const FrameTimes& times, ImVec2 corner, I
         list->AddLine({ corner.x, y }, { corner.x + size.x, y }, IM_COL32(60, 72, 96, share > 0.0 ? 46 : 120), 1.0f * s);
         if (share == 0.0) continue;
         char text[24];
-        const bool seconds = end >= 1e4; // many characters on a driver that draws on the processor
+        const bool seconds = end >= 1e4; // happens with many characters if the driver renders on the processor
         std::snprintf(text, sizeof text, seconds ? "%g s" : "%g ms", share * end * (seconds ? 1e-3 : 1.0));
         draw_text(list, overlay.small(), { corner.x, y + 2.0f * s }, {}, faint_ink, text);
     }

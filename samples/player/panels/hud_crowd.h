@@ -1,4 +1,4 @@
-// The panels over a crowd: what it is, and the graph of its frames' times.
+// The panels over a crowd: facts, and a graph of frame times.
 #pragma once
 
 #include "blend/crowd.h"
@@ -12,7 +12,7 @@ struct CrowdModel {
     const Crowd& crowd;
     const FrameTimes& times;
     const CrowdCost& cost;      // of the last frame
-    const char* rebuilder = ""; // in words
+    const char* rebuilder = ""; // its name, for people
     bool on_gpu = false;
     BlendMode mode = BlendMode::elastic;
     bool help = true;

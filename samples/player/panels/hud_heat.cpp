@@ -56,7 +56,7 @@ void draw_heat_legend(const Overlay& overlay, const Shown& shown, const Area& fr
         list->AddRectFilledMultiColor({ left, corner.y }, { left + step, corner.y + height }, from, to, to, from);
     }
     list->AddRect(corner, { corner.x + width, corner.y + height }, IM_COL32(60, 72, 96, 130), 0.0f, 0, 1.0f * s);
-    // A mark at every power of ten; the ends of the scale are such.
+    // A mark at every power of ten; the ends of the scale are powers of ten.
     const int decades = static_cast<int>(std::lround(std::log10(highest_heat / lowest_heat)));
     for (int i = 0; i <= decades; ++i) {
         const double share = static_cast<double>(lowest_heat) * std::pow(10.0, i);

@@ -1,4 +1,4 @@
-// What stands over the scene itself: names below the characters, the scale of the distances.
+// Captions in the scene: names below the characters, and the colour scale of the distances.
 #pragma once
 
 #include "draw/camera.h"
@@ -7,10 +7,10 @@
 
 namespace pliant::player {
 
-// Below each of several characters its name, with heat also its distances.
+// The name below each character if there are several, and with heat its distances.
 void draw_side_captions(const Overlay& overlay, const Shown& shown, const Area& free);
 
-// The colours and the distances that they stand for, at the top of the free area. Draws nothing without heat.
+// The colour scale of the distances, at the top of the free area. Draws nothing without heat.
 void draw_heat_legend(const Overlay& overlay, const Shown& shown, const Area& free);
 
 } // namespace pliant::player

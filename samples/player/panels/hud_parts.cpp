@@ -7,7 +7,7 @@
 namespace pliant::player {
 namespace {
 
-constexpr float help_height = 84.0f; // kept free of characters, whether it is shown or not
+constexpr float help_height = 84.0f; // kept free of characters, whether help is shown or not
 
 } // namespace
 
@@ -79,7 +79,7 @@ std::string percent(double share)
     return text;
 }
 
-// One strip along the bottom, as many lines as it needs.
+// One strip at the bottom, with as many lines as it needs.
 void draw_keys(const Overlay& overlay, const std::vector<Key>& keys, bool shown, int width, int height)
 {
     const float s = overlay.scale();

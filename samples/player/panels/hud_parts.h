@@ -1,4 +1,4 @@
-// Pieces that the panels of all sessions are made of.
+// Parts that the panels of all sessions share.
 #pragma once
 
 #include "blend/asset_file.h"
@@ -11,7 +11,7 @@
 
 namespace pliant::player {
 
-// Measures of the design, in its pixels.
+// Layout, in pixels of the design.
 constexpr float panel_margin = 18.0f, panel_width = 316.0f;
 
 constexpr ImGuiWindowFlags panel_flags = ImGuiWindowFlags_NoTitleBar | ImGuiWindowFlags_NoResize | ImGuiWindowFlags_NoMove
@@ -21,24 +21,24 @@ constexpr ImGuiWindowFlags panel_flags = ImGuiWindowFlags_NoTitleBar | ImGuiWind
 // The part of the picture that the panels leave free.
 Area free_area(float scale, int width, int height);
 
-// Label on the left, value on the right of the panel.
+// A label on the left and a value on the right of the panel.
 void row(const Overlay& overlay, const char* label, const std::string& value);
-// The title and a line of facts below it.
+// A title and one line of facts below it.
 void heading(const Overlay& overlay, const std::string& title, const std::string& facts);
 
-// Begins the panel at the top left with the asset's title and size. ImGui::End() ends it.
+// Begins the panel at the top left, with the asset's title and size. End it with ImGui::End().
 void begin_facts(const Overlay& overlay, const AssetFile& file);
 
 std::string microseconds(double value);
 std::string milliseconds(double value);
-// A share as a percentage with two digits that count: "0.034 %".
+// A share as a percentage with two significant digits: "0.034 %".
 std::string percent(double share);
 
-// A key and what it does, for the strip along the bottom.
+// A key and its effect, for the strip at the bottom.
 using Key = std::pair<const char*, const char*>;
 void draw_keys(const Overlay& overlay, const std::vector<Key>& keys, bool shown, int width, int height);
 
-// A message over the scene: something was loaded, or was not.
+// A message over the scene: a file was opened, or was refused.
 struct Notice {
     std::string text; // empty: none
     bool is_error = false;

@@ -11,11 +11,11 @@ namespace {
 
 constexpr float text_size = 17.0f, small_size = 14.0f, title_size = 23.0f;
 
-// Where Debian, Fedora and Arch keep a plain sans-serif; the bold one has the same name with "-Bold".
+// Where Debian, Fedora and Arch install DejaVu Sans.
 constexpr const char* font_folders[]
     = { "/usr/share/fonts/truetype/dejavu/", "/usr/share/fonts/dejavu-sans-fonts/", "/usr/share/fonts/TTF/" };
 
-// Latin, Greek, Cyrillic, and the punctuation that our texts use.
+// Latin, Greek, Cyrillic, and the punctuation in the player's texts.
 const ImWchar glyph_ranges[] = { 0x20, 0x24F, 0x370, 0x52F, 0x2010, 0x2027, 0x2190, 0x2193, 0x2264, 0x2265, 0 };
 
 ImFont* load_font(const char* name, float size)
@@ -44,7 +44,7 @@ Overlay::Overlay(float scale, GLFWwindow* window)
     , window_(window)
 {
     ImGui::CreateContext();
-    ImGui::GetIO().IniFilename = nullptr; // panels stand where the layout puts them; nothing to remember
+    ImGui::GetIO().IniFilename = nullptr; // the layout places all panels: no settings to save
     if (window_) ImGui_ImplGlfw_InitForOpenGL(window_, true);
     ImGui_ImplOpenGL3_Init("#version 330 core");
     load_fonts();

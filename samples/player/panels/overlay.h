@@ -1,4 +1,4 @@
-// Dear ImGui, set up to look like this program: fonts, colours, frames with and without a window.
+// Dear ImGui with the player's fonts and colours; frames with and without a window.
 #pragma once
 
 #include "draw/gl_objects.h"
@@ -14,13 +14,13 @@ namespace pliant::player {
 // One at a time; needs a current GL context.
 class Overlay {
 public:
-    // scale: how many pixels of the framebuffer a pixel of the design has. window: null for pictures.
+    // scale: pixels of the framebuffer per pixel of the design. window: null for pictures.
     Overlay(float scale, GLFWwindow* window);
     ~Overlay();
     Overlay(const Overlay&) = delete;
     Overlay& operator=(const Overlay&) = delete;
 
-    // Between the two, ImGui calls. Without a window the picture's size must be given.
+    // Make ImGui calls between begin_frame() and end_frame(). width, height: of the picture; ignored with a window.
     void begin_frame(int width, int height);
     void end_frame();     // draws into the bound framebuffer
     void discard_frame(); // draws nothing
@@ -49,7 +49,7 @@ inline constexpr ImU32 linear_ink = IM_COL32(88, 108, 142, 255);
 inline constexpr ImU32 unreduced_ink = IM_COL32(58, 128, 96, 255);
 inline constexpr ImU32 sand_ink = IM_COL32(206, 184, 142, 255);
 
-// Draws text with its anchor (0..1 in both directions) at a place, in the given font; returns its size.
+// Draws text with its anchor (0 to 1 in both directions) at `place`; returns the size of the text.
 ImVec2 draw_text(ImDrawList* list, ImFont* font, ImVec2 place, ImVec2 anchor, ImU32 colour, const std::string& text);
 
 // 18439 as "18,439".

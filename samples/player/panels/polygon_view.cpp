@@ -9,11 +9,12 @@
 namespace pliant::player {
 namespace {
 
-// Labels stand around up to 5 corners, beside up to 8 in two lines and up to 16 in one; above that beside the largest weights.
+// Label placement: around the polygon for up to 5 corners; beside it, on two lines for up to 8 and on one line for up to
+// 16; above that only for the largest weights.
 constexpr std::uint32_t max_corners_around = 5, max_corners_two_lines = 8, max_corners_labelled = 16;
 constexpr std::size_t max_labels_of_many = 4;
-constexpr double smallest_labelled_weight = 0.005; // smaller weights are shown as 0 %, and not in one line
-constexpr double large_weight_ratio = 2.0;         // means: above 16 poses smaller weights have no label
+constexpr double smallest_labelled_weight = 0.005; // smaller weights are shown as 0 %, or omitted on one line
+constexpr double large_weight_ratio = 2.0; // in multiples of the mean weight: above 16 poses, smaller weights have no label
 constexpr float tint_alpha = 0.55f;
 
 ImVec4 pose_tint(std::uint32_t pose, std::uint32_t pose_count)
@@ -24,7 +25,7 @@ ImVec4 pose_tint(std::uint32_t pose, std::uint32_t pose_count)
     return colour;
 }
 
-// The poses' colours, mixed by weights.
+// The poses' colours, mixed by the weights.
 ImU32 mixed_colour(const std::vector<double>& weights, float alpha)
 {
     ImVec4 sum { 0.0f, 0.0f, 0.0f, alpha };
@@ -38,7 +39,7 @@ ImU32 mixed_colour(const std::vector<double>& weights, float alpha)
     return ImGui::ColorConvertFloat4ToU32(sum);
 }
 
-// Fills the polygon with the mixed colours: rings of quads around the centre, colours exact at their corners.
+// Fills the polygon with the mixed colours: rings of quads around the centre, with exact colours at their corners.
 void draw_tint(ImDrawList* list, const PolygonView& view)
 {
     const std::uint32_t corners = view.polygon.corner_count();
@@ -87,7 +88,7 @@ std::string percentage(double weight)
     return text;
 }
 
-// Labels grow away from the centre, and stay inside the panel by shortening.
+// A label that grows away from the centre; a long name is shortened.
 void draw_label(ImDrawList* list, const Overlay& overlay, const PolygonView& view, std::uint32_t corner, double weight)
 {
     const glm::dvec2 outward = view.polygon.corners()[corner];
@@ -99,8 +100,8 @@ void draw_label(ImDrawList* list, const Overlay& overlay, const PolygonView& vie
     const float line = 17.0f * s;
     ImVec2 place { at.x + static_cast<float>(outward.x) * 14.0f * s, at.y - static_cast<float>(outward.y) * 16.0f * s };
     float anchor = 0.5f;
-    if (beside && outward.y > -0.45) { // not the lower corners of a triangle, which are at -0.5
-        // Beside the polygon there is little room: the two lines stand above or below the corner, growing inwards if need be.
+    if (beside && outward.y > -0.45) { // excludes the lower corners of a triangle, at -0.5
+        // There is little room beside the polygon: the two lines stand above the corner and are shifted inwards.
         anchor = outward.x > 0.0 ? 0.62f : 0.38f;
         place.y = at.y - 48.0f * s;
     } else if (outward.y > 0.5) {
@@ -113,7 +114,7 @@ void draw_label(ImDrawList* list, const Overlay& overlay, const PolygonView& vie
     draw_text(list, overlay.small(), { place.x, place.y + line }, { anchor, 0.0f }, faint_ink, percentage(weight));
 }
 
-// Without its last letters if it is wider than that many pixels.
+// Cuts letters off the end of a text that is wider than `room` pixels.
 std::string shortened(ImFont* font, const std::string& text, float room)
 {
     const auto width = [&](const std::string& t) { return font->CalcTextSizeA(font->FontSize, FLT_MAX, 0.0f, t.c_str()).x; };
@@ -123,12 +124,12 @@ std::string shortened(ImFont* font, const std::string& text, float room)
         do {
             start.pop_back();
         } while (!start.empty()
-                 && (static_cast<unsigned char>(start.back()) & 0xC0) == 0x80); // not within a letter of UTF-8
+                 && (static_cast<unsigned char>(start.back()) & 0xC0) == 0x80); // never inside a UTF-8 sequence
     }
     return start + "…";
 }
 
-// A label that begins beside its corner and grows outwards, and must end where the panel does; above or below the middle corners.
+// A label beside its corner that grows outwards to the edge of the panel; above or below corners in the middle.
 class SideLabel {
 public:
     SideLabel(const Overlay& overlay, const PolygonView& view, std::uint32_t corner, double weight, bool two_lines)
@@ -173,7 +174,7 @@ private:
     float anchor_;
 };
 
-// Of many poses: the largest weights, as long as their labels find room.
+// For many poses: labels of the largest weights, as long as they do not overlap.
 void draw_largest_labels(ImDrawList* list, const Overlay& overlay, const PolygonView& view,
                          const std::vector<double>& weights)
 {
@@ -255,7 +256,7 @@ void draw_polygon(ImDrawList* list, const Overlay& overlay, const PolygonView& v
         list->AddLine(view.place(point), corner, IM_COL32(60, 72, 96, static_cast<int>(25 + 150 * share)),
                       (1.0f + 2.0f * share) * s);
     }
-    const float dot = s * (count <= max_corners_labelled ? 5.5f : 3.0f); // 64 corners still stand apart
+    const float dot = s * (count <= max_corners_labelled ? 5.5f : 3.0f); // small enough for 64 separate corners
     for (std::uint32_t k = 0; k < count; ++k) {
         const ImVec2 corner = view.place(view.polygon.corners()[k]);
         list->AddCircleFilled(corner, dot * 1.36f, IM_COL32(255, 255, 255, 255), 24);

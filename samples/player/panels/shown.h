@@ -1,4 +1,4 @@
-// What is on the screen: which blends, at which weights, and how far apart they are.
+// The state on the screen: kinds of blend, weights, cost and distances.
 #pragma once
 
 #include "blend/character.h"
@@ -10,20 +10,19 @@
 
 namespace pliant::player {
 
-// both: linear beside elastic; three: these beside the unreduced average.
+// both: linear beside elastic. three: linear, elastic and the unreduced average.
 enum class Show { elastic, linear, both, three };
 
 struct Shown {
     Show show = Show::elastic;
     bool heat = false;
-    std::vector<double>
-        weights;       // of every blend: those asked for or, with unreduced averages at hand, the nearest of theirs
-    BlendCost cost {}; // of the elastic blend if there is one, else of the linear one
-    std::optional<std::size_t> truth;            // number of the unreduced average
-    HeatSummary linear_heat {}, elastic_heat {}; // with `heat`: distances from the truth, without a truth from each other
+    std::vector<double> weights;                 // as requested or, with unreduced averages, the nearest of theirs
+    BlendCost cost {};                           // of the elastic blend if it is shown, else of the linear one
+    std::optional<std::size_t> truth;            // index of the unreduced average
+    HeatSummary linear_heat {}, elastic_heat {}; // with `heat`: distances from the truth or, without one, from each other
 };
 
-// Which characters stand side by side, from the left.
+// The characters side by side, from left to right.
 enum class Kind { linear, elastic, unreduced };
 std::vector<Kind> kinds_of(Show show);
 const char* name_of(Kind kind);

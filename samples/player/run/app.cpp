@@ -19,7 +19,7 @@ namespace {
 constexpr int default_width = 1280, default_height = 800;
 constexpr double degrees_per_pixel = 0.35;
 constexpr double zoom_per_notch = 0.9;
-constexpr double longest_step = 0.1; // seconds: after a hitch the motion goes on where it was, it does not leap
+constexpr double longest_step = 0.1; // seconds: after a slow frame the motion must not jump
 constexpr double notice_seconds = 5.0;
 
 class App {
@@ -40,9 +40,9 @@ private:
     std::unique_ptr<Session> session_;
     Overlay overlay_;
     std::unique_ptr<Canvas> canvas_;
-    std::string dropped_; // path of a file that waits to be opened
+    std::string dropped_; // path of a dropped file that is not opened yet
     Notice notice_;
-    double notice_ends_ = 0.0; // GLFW's time
+    double notice_ends_ = 0.0; // in GLFW's time
     bool help_ = true;
     bool ends_ = false;
 };
@@ -54,7 +54,7 @@ float content_scale(GLFWwindow* window)
     int framebuffer = 1, points = 1, unused = 0;
     glfwGetFramebufferSize(window, &framebuffer, &unused);
     glfwGetWindowSize(window, &points, &unused);
-    // Where windows are measured in points (macOS, Wayland) ImGui's back end already scales.
+    // Where window sizes are in points (macOS, Wayland), ImGui's back end scales already.
     return framebuffer > points ? 1.0f : std::max(1.0f, y);
 }
 
@@ -79,13 +79,13 @@ void App::say(const std::string& text, bool is_error, double seconds)
     notice_ends_ = glfwGetTime() + seconds;
 }
 
-// The new session is whole before the old one goes: if the file is refused, nothing changes.
+// Completes the new session before it drops the old one: if the file is refused, nothing changes.
 void App::open_dropped_file()
 {
     if (dropped_.empty()) return;
     Options options = options_;
     options.asset = std::exchange(dropped_, "");
-    // These belong to the character that they were given for.
+    // These options belong to the character on the command line.
     options.weights.clear();
     options.path.clear();
     options.truth_weights.clear();
@@ -123,7 +123,7 @@ void App::draw_frame(int width, int height)
 {
     if (!canvas_ || canvas_->width() != width || canvas_->height() != height)
         canvas_ = std::make_unique<Canvas>(width, height);
-    // Panels are laid out in the window's units, the scene in pixels; they differ on screens of high density.
+    // Panels are laid out in window units, the scene in pixels; the two differ on high-density screens.
     const ImVec2 window = ImGui::GetIO().DisplaySize;
     const Area panels_leave = free_area(overlay_.scale(), static_cast<int>(window.x), static_cast<int>(window.y));
     const float x = static_cast<float>(width) / window.x, y = static_cast<float>(height) / window.y;

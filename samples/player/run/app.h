@@ -6,7 +6,7 @@
 
 namespace pliant::player {
 
-// Runs until the user quits. Throws Error if there is no display or OpenGL is too old.
+// Runs until the user quits. Throws Error if there is no display or no OpenGL 3.3.
 void run_window(const Options& options, AssetFile file);
 
 } // namespace pliant::player

@@ -18,7 +18,7 @@ namespace pliant::player {
 namespace {
 
 struct Spread {
-    double median = 0.0, high = 0.0; // high: 95 of 100 are below
+    double median = 0.0, high = 0.0; // high: the 95th percentile
 };
 
 template <typename Cost, typename Field> Spread spread(const std::vector<Cost>& costs, Field field)
@@ -36,7 +36,7 @@ void print_json_row(const char* name, const Spread& s)
 
 void print_text_row(const char* name, const Spread& s) { std::printf("%-11s %8.1f   %8.1f  us\n", name, s.median, s.high); }
 
-// Rebuilds crowds on the graphics card where that is asked for.
+// Reconstructs crowds on the graphics card, with an offscreen context.
 class GpuBench {
 public:
     GpuBench(const AssetFile& file, const Options& options)
@@ -51,13 +51,13 @@ public:
 
 private:
     std::unique_ptr<GlContext> context_;
-    Canvas canvas_; // transform feedback asks for something to draw into
+    Canvas canvas_; // transform feedback requires a framebuffer
     GpuCrowd crowd_;
 };
 
 using Row = std::pair<const char*, Spread>;
 
-// What was measured besides the solves: who rebuilds takes other steps.
+// The measured steps besides the solves; they differ between graphics card and processor.
 std::vector<Row> rebuild_rows(const std::vector<CrowdCost>& costs, bool on_gpu)
 {
     const auto row = [&](const char* name, double CrowdCost::*field) {
@@ -67,7 +67,7 @@ std::vector<Row> rebuild_rows(const std::vector<CrowdCost>& costs, bool on_gpu)
     return { row("reconstruct", &CrowdCost::reconstruct_us), row("normals", &CrowdCost::normals_us) };
 }
 
-// A whole crowd a frame, each character a little further on its loop, as far as a window of 60 frames a second would take it.
+// Each frame blends the whole crowd and advances every character on its loop as in a window with 60 frames per second.
 void run_crowd(const Options& options, const AssetFile& file)
 {
     const pliant_asset& asset = file.view();

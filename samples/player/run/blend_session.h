@@ -1,4 +1,4 @@
-// One character, blended by the point in the control polygon or along a path, in all its kinds.
+// The session of one character, blended by the point in the control polygon or along a path, with all kinds of blend.
 #pragma once
 
 #include "blend/playback.h"
@@ -10,10 +10,10 @@
 
 namespace pliant::player {
 
-// The unreduced averages that the options name, if they do. Throws Error.
+// The unreduced averages that the options name, if any. Throws Error.
 std::optional<Truth> truth_for(const Options& options, const AssetFile& file);
 
-// What the options want shown at first.
+// The kinds of blend to show at the start.
 Show first_show(const Options& options);
 
 class BlendSession final : public Session {

@@ -1,4 +1,4 @@
-// A crowd in the window.
+// The session of a crowd.
 #pragma once
 
 #include "run/crowd_stage.h"

@@ -7,7 +7,7 @@
 namespace pliant::player {
 namespace {
 
-// Seen from higher up than a single character, so that those behind are not hidden.
+// From higher up than a single character, so that the rows behind are visible.
 constexpr float crowd_yaw = 14.0f, crowd_pitch = 30.0f;
 
 Extent extent_of_one(const AssetFile& file, const glm::mat3& to_world)
@@ -16,7 +16,7 @@ Extent extent_of_one(const AssetFile& file, const glm::mat3& to_world)
     return extent_of_poses(character);
 }
 
-// A little more than the poses need: arms do not touch.
+// A little more than the poses need, so that neighbours do not touch.
 glm::vec2 room_of(const Extent& one)
 {
     const glm::vec3 size = one.highest - one.lowest;
@@ -57,7 +57,7 @@ bool CrowdStage::rebuild_on_gpu(bool on)
 {
     try {
         if (on) make_gpu();
-        if (on_gpu_ != on) times_ = {}; // medians are of one or the other
+        if (on_gpu_ != on) times_ = {}; // medians must not mix the two
         on_gpu_ = on;
     } catch (const Error& error) {
         std::fprintf(stderr, "pliant-player: warning P%d: %s; the processor does it\n", static_cast<int>(error.number),
@@ -68,7 +68,7 @@ bool CrowdStage::rebuild_on_gpu(bool on)
 
 void CrowdStage::blend(double phase, BlendMode mode)
 {
-    glFinish(); // what the frame before left to do is not this frame's
+    glFinish(); // work left over from the previous frame must not count here
     mode_ = mode;
     cost_ = {};
     crowd_.solve(crowd_weights(crowd_.count(), phase, polygon_, path_), mode, cost_);

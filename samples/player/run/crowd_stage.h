@@ -1,4 +1,4 @@
-// A crowd with camera and scene: what window and pictures show with --crowd.
+// A crowd with camera and scene, for windows and pictures with --crowd.
 #pragma once
 
 #include "blend/control_polygon.h"
@@ -17,19 +17,20 @@ namespace pliant::player {
 // Needs a current GL context. File and context must outlive the stage.
 class CrowdStage {
 public:
-    // Throws Error. Where the options leave it open who rebuilds the shapes: pliant::gl, unless the driver draws on the processor, too, or
-    // refuses, which a line on standard error tells.
+    // Throws Error. With Rebuild::automatic, pliant::gl reconstructs the shapes, unless the driver renders on the
+    // processor or cannot do it; in the latter case a line on standard error says so.
     CrowdStage(const Options& options, const AssetFile& file, Quality quality, const GlContext& context);
 
-    // One frame: blends all characters at a phase of their loops, then draws them into a part of the canvas, in the middle of `free`,
-    // waits until that is done, and adds the frame's times.
+    // One frame: blend() blends all characters at a phase of their loops; draw() draws them into a part of the canvas, in
+    // the centre of `free`, waits for completion, and adds the frame's times to times().
     void blend(double phase, BlendMode mode);
     void draw(const Canvas& canvas, const Area& area, const Area& free);
 
     bool has_paint() const { return scene_.has_paint(); }
     void show_paint(bool shown) { scene_.show_paint(shown); }
 
-    // Who rebuilds the shapes from now on. False, and a line on standard error: the driver cannot, the processor goes on.
+    // Chooses between pliant::gl and the processor. If the driver cannot reconstruct shapes, returns false, prints a line on
+    // standard error, and the processor continues.
     bool rebuild_on_gpu(bool on);
     bool rebuilds_on_gpu() const { return on_gpu_; }
     const char* rebuilder() const { return on_gpu_ ? gpu_->path_name() : "processor"; }
@@ -54,7 +55,7 @@ private:
     std::vector<glm::vec3> places_;
     Camera camera_;
     Scene scene_;
-    std::unique_ptr<GpuCrowd> gpu_; // made when first asked for, then kept
+    std::unique_ptr<GpuCrowd> gpu_; // created on first use, then kept
     bool on_gpu_ = false;
     FrameTimes times_;
     CrowdCost cost_;

@@ -1,4 +1,4 @@
-// pliant-player: shows what an asset does. See README.md in this folder, or --help.
+// pliant-player: plays an asset. See samples/player/README.md, or --help.
 #include "blend/error.h"
 #include "run/app.h"
 #include "run/benchmark.h"

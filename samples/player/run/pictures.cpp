@@ -19,16 +19,17 @@ namespace pliant::player {
 namespace {
 
 constexpr int default_width = 1280, default_height = 800;
-constexpr double seconds_between_reports = 5.0; // on a terminal one line is drawn over, every picture
+constexpr double seconds_between_reports = 5.0; // not on a terminal; there one line is updated for every picture
 
-// Where panels show medians, a single picture is measured this often; a crowd's drawing may take long, so it ends after some seconds.
+// For the medians in the panels of a single picture, this many blends are measured. The frames of a crowd can take long, so
+// measuring them stops after some seconds.
 constexpr int measured_blends = 60;
 constexpr double measured_seconds = 6.0;
 
-// Panels are designed for a picture of 900 rows.
+// Panels are designed for pictures of 900 rows.
 float design_scale(int height) { return std::clamp(static_cast<float>(height) / 900.0f, 0.6f, 3.0f); }
 
-// Everything that a picture needs besides what it shows.
+// Everything that a picture needs except its contents.
 struct Easel {
     int width, height;
     std::unique_ptr<GlContext> context;
@@ -41,14 +42,15 @@ struct Easel {
         , height(options.height > 0 ? options.height : default_height)
         , context(make_offscreen_context())
         , canvas(width, height)
-        , overlay(design_scale(options.hud ? height : std::max(height, width * 3 / 5)), nullptr) // captions suit wide strips
+        , overlay(design_scale(options.hud ? height : std::max(height, width * 3 / 5)),
+                  nullptr) // wide strips get larger captions
         , hud(options.hud)
     {
     }
     Area whole() const { return { 0.0f, 0.0f, static_cast<float>(width), static_cast<float>(height) }; }
     Area free() const { return hud ? free_area(overlay.scale(), width, height) : whole(); }
 
-    // Runs ImGui calls. Panels that fit their contents know their size after the first frame, which is not drawn.
+    // Runs ImGui calls twice: panels that fit their contents have the right size only in the second frame, which is drawn.
     void draw_over(const std::function<void()>& panels)
     {
         overlay.begin_frame(width, height);
@@ -60,7 +62,7 @@ struct Easel {
     }
 };
 
-// What a sequence repeats: a picture at a phase of the loop (0 to 1).
+// The contents of pictures: draws one at a phase of the loop (0 to 1).
 class Subject {
 public:
     virtual ~Subject() = default;
@@ -83,7 +85,7 @@ public:
     void draw(Easel& easel, double phase) override
     {
         const std::vector<double> weights = weights_at(phase);
-        // A single picture shows medians, as the window does; each solve starts afresh.
+        // A single picture shows medians, as a window does, but with cold solves.
         const int repeats = easel.hud && !moves_ ? measured_blends : 1;
         for (int i = 0; i < repeats; ++i) {
             if (!moves_) stage_.forget();
@@ -131,7 +133,7 @@ private:
 
 class CrowdSubject final : public Subject {
 public:
-    // With panels a crowd is lit as in a window, or its graph would show what no window takes.
+    // With panels a crowd is lit as in a window, so that the graph shows the times of a window.
     CrowdSubject(const Options& options, const AssetFile& file, const GlContext& context)
         : file_(file)
         , stage_(options, file,
@@ -146,7 +148,7 @@ public:
 
     void draw(Easel& easel, double phase) override
     {
-        // A single picture's graph shows the frames of a window that led there, each a sixtieth of a second before the next.
+        // The graph of a single picture shows the frames of a window from this phase on, at 60 frames per second.
         const Stopwatch watch;
         const int frames = easel.hud && !moves_ ? static_cast<int>(FrameTimes::capacity) : 1;
         for (int i = 0; i < frames && watch.microseconds() < measured_seconds * 1e6; ++i) {
@@ -171,7 +173,7 @@ private:
     bool moves_;
 };
 
-// How far a sequence is, with a guess of how long the rest takes.
+// Reports the progress of a sequence and estimates the remaining time.
 class Report {
 public:
     explicit Report(std::size_t count)
@@ -208,7 +210,7 @@ std::unique_ptr<Subject> subject_for(const Options& options, const AssetFile& fi
 
 void write_screenshot(const Options& options, const AssetFile& file)
 {
-    weights_for(options, file); // wrong weights and files are wrong with or without graphics
+    weights_for(options, file); // report wrong weights and files before a missing driver
     const std::optional<Truth> truth = truth_for(options, file);
     Easel easel(options);
     const std::unique_ptr<Subject> subject = subject_for(options, file, truth ? &*truth : nullptr, easel);

@@ -6,11 +6,11 @@
 
 namespace pliant::player {
 
-// Writes options.screenshot: a blend or, with options.crowd, a crowd. Throws Error; then no file was changed.
+// Writes options.screenshot: a blend or, with options.crowd, a crowd. If it throws Error, no file was changed.
 void write_screenshot(const Options& options, const AssetFile& file);
 
-// Writes the pictures of options.sequence along the path, one after the other, each whole or not at all; says on standard error how
-// far it is. Throws Error; the pictures before stay.
+// Writes the pictures of options.sequence along the path, one after the other, each completely or not at all. Reports
+// progress on standard error. If it throws Error, the pictures already written stay.
 void write_sequence(const Options& options, const AssetFile& file);
 
 } // namespace pliant::player

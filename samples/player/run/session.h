@@ -1,4 +1,4 @@
-// What a window shows of one file. The window asks it for everything that depends on the file.
+// The contents of a window for one file: everything in the window that depends on the file.
 #pragma once
 
 #include "draw/camera.h"
@@ -13,24 +13,24 @@
 
 namespace pliant::player {
 
-// Needs its GL context to be current for as long as it lives.
+// Its GL context must be current for its lifetime.
 class Session {
 public:
     virtual ~Session() = default;
 
-    // Moves on by so many seconds.
+    // Advances the animation by a time step.
     virtual void advance(double seconds) = 0;
-    // Looks at the keys that ImGui has seen in this frame.
+    // Handles the keys that ImGui received in this frame.
     virtual void read_keys() = 0;
-    // Blends and draws the scene: `area` is the whole canvas, the characters stand in the middle of `free`.
+    // Blends and draws the scene. area: the whole canvas. free: the part in whose centre the characters stand.
     virtual void draw_scene(const Canvas& canvas, const Area& area, const Area& free) = 0;
-    // Draws panels and captions, and does what the user did with them. width, height: of the window in ImGui's units.
+    // Draws panels and captions, and handles input in them. width, height: of the window, in ImGui's units.
     virtual void draw_panels(const Overlay& overlay, int width, int height, bool with_help) = 0;
     virtual Camera& camera() = 0;
     virtual std::string title() const = 0;
 };
 
-// As one character or a crowd, with what else the options name. Throws Error.
+// A session for one character or a crowd, depending on the options. Throws Error.
 std::unique_ptr<Session> open_session(const Options& options, AssetFile file, Quality quality, const GlContext& context);
 
 } // namespace pliant::player

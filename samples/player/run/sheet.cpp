@@ -20,7 +20,7 @@ struct Blend {
     std::string caption;
 };
 
-// The middles of the polygon's edges, then its centre.
+// Blends at the midpoints of the polygon's edges, then at its centre.
 std::vector<Blend> chosen_blends(const AssetFile& file)
 {
     const std::uint32_t count = file.view().pose_count;
@@ -42,13 +42,13 @@ std::vector<Blend> chosen_blends(const AssetFile& file)
     return blends;
 }
 
-// The sheet's measures, in pixels.
+// The layout of the sheet, in pixels.
 struct Layout {
     float s, margin, gap, cell_width, cell_height, caption_width, pose_width, pose_height, head;
     std::uint32_t pose_count, block_columns, block_rows;
     int width, height;
 
-    // look: how wide and high the character looks; cells are made for it unless --size says otherwise.
+    // look: width and height of the character as seen; cells fit it unless --size is given.
     Layout(const Options& options, std::uint32_t poses, std::size_t blends, glm::vec2 look)
         : s(static_cast<float>(options.width > 0 ? options.width : default_cell_width) / default_cell_width)
         , margin(28.0f * s)
@@ -69,7 +69,7 @@ struct Layout {
         height = static_cast<int>(head + (cell_height + gap) * static_cast<float>(block_rows) + margin);
     }
 
-    // Room above for the caption and below for the shadow; neither slits nor towers.
+    // With room for the caption above and the shadow below; the aspect ratio is bounded.
     float fitting_height(glm::vec2 look) const
     {
         return std::floor(cell_width * std::clamp(0.18f + 1.08f * look.y / std::max(look.x, 1e-6f), 0.55f, 1.25f));
@@ -155,7 +155,7 @@ void write_sheet(const Options& options, const AssetFile& file)
         stage.draw_pose(canvas, layout.pose(k));
     }
     for (std::size_t i = 0; i < blends.size(); ++i) {
-        stage.forget(); // each cell is its own answer, not a step of an animation
+        stage.forget(); // each cell is a cold solve, not a step of an animation
         for (int column : { 1, 2 }) {
             const Area cell = layout.cell(i, column);
             stage.blend(blends[i].weights, column == 1 ? Show::linear : Show::elastic);

@@ -1,4 +1,4 @@
-// The contact sheet: all poses, and blends of them, linear beside elastic.
+// The contact sheet: the poses, and blends of them, linear beside elastic.
 #pragma once
 
 #include "blend/asset_file.h"
@@ -6,7 +6,7 @@
 
 namespace pliant::player {
 
-// Writes options.sheet, with or without a display. Throws Error; then no file was changed.
+// Writes options.sheet; needs no display. If it throws Error, no file was changed.
 void write_sheet(const Options& options, const AssetFile& file);
 
 } // namespace pliant::player

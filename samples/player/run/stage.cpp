@@ -3,14 +3,14 @@
 namespace pliant::player {
 namespace {
 
-// Side by side, the characters' middles are this many widths apart.
+// Distance of the centres of characters side by side, in widths.
 constexpr float separation = 1.04f;
 
 float diagonal_of_first_pose(Character& character)
 {
     std::vector<double> weights(character.file().view().pose_count, 0.0);
     weights[0] = 1.0;
-    character.blend(weights, BlendMode::linear); // of one pose alone: the pose itself
+    character.blend(weights, BlendMode::linear); // one weight of 1 gives the pose itself
     return diagonal_of(character.positions(), character.file().view().boundary_vertex_count);
 }
 
@@ -47,7 +47,7 @@ const Shown& Stage::blend(const std::vector<double>& weights, Show show, bool he
         shown_.truth = truth_->nearest(weights);
         shown_.weights = truth_->weights(*shown_.truth);
     }
-    // Without a truth the distance is that of the two blends from each other: it takes both.
+    // Without a truth, heat shows the distance between the two blends and needs both.
     const bool difference = heat && !truth_;
     if (difference || needs(Kind::linear, show)) shown_.cost = linear_.blend(shown_.weights, BlendMode::linear);
     if (difference || needs(Kind::elastic, show)) {

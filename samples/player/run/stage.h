@@ -1,4 +1,4 @@
-// What window and pictures share: characters for the blends to show, camera and scene for them.
+// One character in all kinds of blend, with camera and scene; shared by windows and pictures.
 #pragma once
 
 #include "blend/control_polygon.h"
@@ -13,19 +13,19 @@ namespace pliant::player {
 // Needs a current GL context.
 class Stage {
 public:
-    // truth: may be null; with it all characters are shown at its weights alone. File and truth must outlive the stage.
+    // truth: may be null; if given, characters are shown only at its weights. File and truth must outlive the stage.
     Stage(const Options& options, const AssetFile& file, const Truth* truth, Quality quality);
 
-    // Blends what is shown. heat: colours by distance.
+    // Blends the kinds that `show` contains. heat: colours them by distance.
     const Shown& blend(const std::vector<double>& weights, Show show, bool heat = false);
     const Shown& shown() const { return shown_; }
 
-    // Draws what was blended last into a part of the canvas, its characters in the middle of `free`.
+    // Draws the last blend into a part of the canvas, with the characters in the centre of `free`.
     void draw(const Canvas& canvas, const Area& area, const Area& free);
-    // Draws the linear blend in a neutral colour: for single poses, where the two blends are one.
+    // Draws the linear blend in a neutral colour: for single poses, where both blends are equal.
     void draw_pose(const Canvas& canvas, const Area& area);
 
-    // The next elastic blend starts afresh: for jumps.
+    // Lets the next elastic blend start cold, after a jump in the weights.
     void forget() { elastic_.forget(); }
 
     bool has_paint() const { return scene_.has_paint(); }
