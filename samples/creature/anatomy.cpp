@@ -16,8 +16,8 @@ Axis moved(Axis axis, const Vec3& origin)
     return axis;
 }
 
-// An axis from `origin` along `tangent` whose up direction is as close to `up` as can be and whose side direction is as
-// close to `side`: left-handed where the two ask for it.
+// An axis from `origin` along `tangent` with an up direction close to `up` and a side direction on the side of `side`;
+// its frame may be left-handed.
 Axis axis_towards(const Vec3& origin, const Vec3& tangent, const Vec3& side, const Vec3& up)
 {
     Axis axis;
@@ -46,7 +46,7 @@ Shape crest()
     std::vector<Shape> plates;
     for (double s = 2.5; s > -6.15;) {
         const double h = spine_height(s);
-        const double size = s > 1.0 ? 0.085 + 0.17 * h : 0.09 + 0.21 * h; // the neck bends most, so less stands out of it
+        const double size = s > 1.0 ? 0.085 + 0.17 * h : 0.09 + 0.21 * h; // lower on the neck, which bends most
         Axis axis = axis_towards(spine_axis.at(s, 0.0, h + 0.1 * size), { 1.0, 0.0, 0.45 }, Vec3::UnitY(), Vec3::UnitZ());
         plates.push_back(ellipsoid(axis, { 1.05 * size, 0.66 * size, 0.9 * size }));
         s -= 2.65 * size;
@@ -56,7 +56,7 @@ Shape crest()
 
 // Head. ---------------------------------------------------------------------------------------------------------------
 
-// The head's parts are placed relative to this point of the spine.
+// The parts of the head are placed relative to this x, on the spine.
 const double head_x = 3.55;
 
 Shape head()
@@ -73,7 +73,7 @@ Shape head()
     return smooth_union(std::move(shapes), 0.25);
 }
 
-// Eyeballs stand out of the brows with a tight seam, so that they read as eyes.
+// Eyeballs protrude from the brows with a sharp seam, which makes them look like eyes.
 Shape eyes()
 {
     std::vector<Shape> shapes;
@@ -81,7 +81,7 @@ Shape eyes()
     return smooth_union(std::move(shapes), 0.02);
 }
 
-// What is cut away: mouth line, nostrils, pupils.
+// The shapes to cut away: mouth line, nostrils, pupils.
 Shape face_cuts(const Shape& solid_head)
 {
     std::vector<Shape> cuts;

@@ -92,7 +92,7 @@ void CornerMesh::split(int h, const Vec3& p)
 bool CornerMesh::can_collapse(int h) const
 {
     const int a = origin(h), b = target(h), c = origin(previous(h)), d = origin(previous(twin_[h]));
-    // Link condition: the ends share exactly the two opposite vertices, and neither of those is left with two neighbours.
+    // Link condition: both ends share exactly the two opposite vertices, and each of those keeps at least three neighbours.
     int common = 0;
     for_each_out(a, [&](int g) { common += adjacent(b, target(g)); });
     return common == 2 && valence(c) > 3 && valence(d) > 3 && valence(a) + valence(b) > 6;

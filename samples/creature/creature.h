@@ -1,4 +1,4 @@
-// The whole generator as one function.
+// The generator as one function.
 #pragma once
 
 #include "types.h"

@@ -70,7 +70,7 @@ int main(int argc, char** argv)
         std::fputs(help_text, stdout);
         return 0;
     }
-    // Building takes seconds; a wrong folder should not have to wait for it.
+    // Checked first: building takes seconds.
     std::error_code ignored;
     if (!std::filesystem::is_directory(options.folder, ignored)) {
         std::fprintf(stderr, "creature: error: %s is not a folder\nhint: create it first\n", options.folder.c_str());

@@ -55,7 +55,7 @@ void write_file(const std::string& path, const std::string& bytes)
     fail(path, "write", error);
 }
 
-// Removes the temporary files that are left when it goes out of scope.
+// Removes the remaining temporary files when it goes out of scope.
 struct Temporaries {
     std::vector<std::string> paths;
     ~Temporaries()

@@ -80,14 +80,15 @@ private:
         }
     }
 
-    // In Kuhn's triangulation the bits of the first corner of an edge are contained in those of the second, so the first
-    // corner and the difference of the bits name the edge.
+    // In Kuhn's triangulation the bits of an edge's first corner are a subset of the bits of its second corner, so the first
+    // corner and the differing bits identify the edge.
     std::int32_t vertex_on_edge(int x, int y, int z, int a, int b)
     {
         std::int32_t& slot = edge_vertex_[index(x + (a & 1), y + (a >> 1 & 1), z + (a >> 2)) * 8 + (a ^ b)];
         if (slot < 0) {
             const double va = corner_value(x, y, z, a), vb = corner_value(x, y, z, b);
-            // Kept off the corners so that no triangle is degenerate; projection onto the surface follows anyway.
+            // Kept away from the corners, so that no triangle is degenerate; the remesher projects vertices onto the
+            // surface.
             const double t = std::clamp(va / (va - vb), 0.1, 0.9);
             slot = std::int32_t(mesh_.points.size());
             mesh_.points.push_back((1.0 - t) * corner_position(x, y, z, a) + t * corner_position(x, y, z, b));
@@ -98,7 +99,7 @@ private:
     void add_face(std::int32_t a, std::int32_t b, std::int32_t c, const Vec3& outward)
     {
         const auto& p = mesh_.points;
-        // The plane of the cut separates inside from outside corners, so this sign is never in doubt.
+        // The cut separates inner from outer corners, so this sign is never ambiguous.
         if ((p[b] - p[a]).cross(p[c] - p[a]).dot(outward) < 0.0) std::swap(b, c);
         mesh_.faces.push_back({ a, b, c });
     }

@@ -3,7 +3,7 @@
 namespace pliant::creature {
 namespace {
 
-// The gills' natural curve, alike on both sides; `flare` raises them.
+// The natural curve of the gills, symmetric; `flare` raises them.
 void add_gills(std::vector<Bend>& bends, double flare)
 {
     for (const char* side : { ".left", ".right" }) {

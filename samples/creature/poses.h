@@ -1,4 +1,4 @@
-// The five poses of the character, as data.
+// Poses of the character, as data.
 #pragma once
 
 #include <string>
@@ -6,10 +6,10 @@
 
 namespace pliant::creature {
 
-// One bend of a part: between the parameters `from` and `to` of its axis the axis turns, along a rounded arc, by `side`
-// degrees towards its side direction and by `up` degrees towards its up direction, and the cross-sections turn by `twist`
-// degrees about the axis, counted from side to up, on the way from `from` to `to`. Directions are those of the untwisted,
-// rotation-minimising frame, so twist does not deflect the bends behind it.
+// One bend of a part. From parameter `from` to parameter `to`, the axis follows a rounded arc that turns it by `side`
+// degrees towards its side direction and by `up` degrees towards its up direction, and the cross-sections rotate by
+// `twist` degrees about the axis, from side towards up. Directions are those of the untwisted, rotation-minimising frame,
+// so a twist does not change the direction of later bends.
 struct Bend {
     std::string part;
     double from, to;

@@ -6,14 +6,14 @@
 
 namespace pliant::creature {
 
-// Where one part goes: a map of space that carries each cross-section of the bind axis rigidly onto the bent axis. Lengths
-// along the axis are kept exactly.
+// The deformation of one part: maps each cross-section of the bind axis rigidly onto the bent axis. Lengths along the
+// axis are kept exactly.
 class BentAxis {
 public:
-    // `root` and `root_frame` (columns tangent, side, up) are where the axis' parameter 0 goes.
+    // root, root_frame (columns tangent, side, up): position and frame of the bent axis at parameter 0.
     BentAxis(const Part& part, const std::vector<Bend>& bends, const Vec3& root, const Mat3& root_frame);
     Vec3 map(const Vec3& bind_point) const;
-    // How directions at parameter s of the bind axis turn.
+    // The rotation of directions at parameter s of the bind axis.
     Mat3 rotation(double s) const;
 
 private:
@@ -29,10 +29,10 @@ private:
     std::vector<Sample> samples_;
 };
 
-// Per vertex and part: how much the part carries the vertex. Weights are smooth over the mesh, non-negative, and sum to 1.
+// Skinning weights, a row per vertex and a column per part: smooth over the mesh, non-negative, with sum 1.
 Eigen::MatrixXd skin_weights(const Mesh& bind, const Anatomy& anatomy);
 
-// The bind shape's vertices in a pose.
+// The vertices of the bind shape in a pose.
 std::vector<Vec3> pose_points(const Mesh& bind, const Anatomy& anatomy, const Eigen::MatrixXd& weights, const Pose& pose);
 
 } // namespace pliant::creature

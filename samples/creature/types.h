@@ -1,4 +1,4 @@
-// The two plain types that every stage of the generator passes on.
+// The types that all stages of the generator share.
 #pragma once
 
 #include <Eigen/Core>

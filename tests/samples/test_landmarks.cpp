@@ -1,4 +1,4 @@
-// What the player knows of shapes without their vertices, against all vertices; and the order of blended parts.
+// Compares Landmarks with computations on all vertices, and checks the order of blended parts.
 #include "blend/asset_file.h"
 #include "blend/landmarks.h"
 #include "draw/layers.h"
@@ -79,7 +79,7 @@ TEST_CASE("floor and means of parts without rebuilding all vertices")
 
 TEST_CASE("tiles that cannot have the lowest vertex are not rebuilt")
 {
-    // Tubes in five layers one above the other, z up: only those of the lowest layer count.
+    // Tubes in five layers, one above the other, z up: only tiles of the lowest layer are rebuilt.
     const AssetFile file(PLIANT_LARGE_ASSET);
     Landmarks landmarks(file.view(), z_up, {});
     landmarks.lowest(pliant_asset_pose_coordinates(&file.view(), 1));
@@ -90,7 +90,7 @@ TEST_CASE("tiles that cannot have the lowest vertex are not rebuilt")
 
 TEST_CASE("blended parts from back to front, of all actors")
 {
-    // The camera looks along -z: what has the larger z is nearer.
+    // The camera looks along -z: a larger z is nearer.
     const std::vector<Vertex> vertices { { { 0, 0, 0 } }, { { 0, 0, 1 } }, { { 0, 0, 3 } }, { { 9, 9, 5 } } };
     const std::vector<Actor> actors { actor_at(vertices, 0.0f), actor_at(vertices, -10.0f) };
     const std::vector<std::vector<std::uint32_t>> parts { { 1, 2 }, { 0 } }; // means at z = 2 and 0
@@ -104,7 +104,7 @@ TEST_CASE("blended parts from back to front, of all actors")
     }
     CHECK(layers[0].depth == 10.0f);
 
-    // A built shape says where its parts are, in its own axes.
+    // A built shape provides the centres of its parts, in its own axes.
     BuiltShape built;
     built.placing[3] = { 0.0f, 0.0f, -20.0f, 1.0f };
     built.blended_centres = { { 0, 0, 1 }, { 0, 0, 2 } };

@@ -1,4 +1,4 @@
-// The parts of the player that need no graphics: paths of weights, unreduced averages, distances, playback, crowds' places.
+// The parts of the player that need no OpenGL: weight paths, unreduced averages, distances, playback, places of a crowd.
 #include "blend/alignment.h"
 #include "blend/crowd.h"
 #include "blend/error.h"
@@ -26,7 +26,7 @@ using namespace pliant::player;
 
 namespace {
 
-// A file that is there as long as the object lives.
+// A file that exists as long as the object.
 class TemporaryFile {
 public:
     explicit TemporaryFile(const std::string& bytes)
@@ -202,7 +202,7 @@ TEST_CASE("rigid motions are found again, and never mirror")
     for (std::size_t i = 0; i < from.size(); ++i) CHECK(glm::distance(motion(from[i]), glm::dvec3(onto[i])) < 1e-6);
     CHECK(glm::determinant(best_motion(from, mirrored, from.size()).rotation) == doctest::Approx(1.0));
     CHECK(glm::length(best_motion(from, from, 1)(from[0]) - glm::dvec3(from[0]))
-          < 1e-6); // one point: no direction to turn to
+          < 1e-6); // a single point has no orientation
     CHECK(best_motion({}, {}, 0)(glm::dvec3(1.0)) == glm::dvec3(1.0));
 }
 
@@ -230,7 +230,7 @@ TEST_CASE("the path plays, pauses, and gives way to the point")
     for (double weight : playback.weights()) CHECK(weight == doctest::Approx(1.0 / 3.0));
     playback.toggle_play();
     CHECK(playback.plays());
-    CHECK(playback.weights() == path.at(0.5)); // goes on where it was
+    CHECK(playback.weights() == path.at(0.5)); // continues where it was
 }
 
 TEST_CASE("given weights stay until the point moves")

@@ -36,7 +36,7 @@ bool pierces(const Vec3& p, const Vec3& q, const Vec3& a, const Vec3& b, const V
 {
     const Vec3 d = q - p, e1 = b - a, e2 = c - a, h = d.cross(e2);
     const double det = e1.dot(h);
-    if (det == 0.0) return false; // parallel: a crossing shows at another edge
+    if (det == 0.0) return false; // parallel: another edge shows the crossing
     const Vec3 s = p - a, k = s.cross(e1);
     const double u = s.dot(h) / det, v = d.dot(k) / det, t = e2.dot(k) / det;
     return u >= 0.0 && v >= 0.0 && u + v <= 1.0 && t > 0.0 && t < 1.0;
@@ -101,7 +101,7 @@ TopologyReport check_topology(int vertex_count, const std::vector<Face>& faces)
     report.all_vertices_used = std::all_of(degree.begin(), degree.end(), [](int d) { return d > 0; });
     for (int v = 0; v < vertex_count; ++v) report.components += root(v) == v;
     report.euler_characteristic = vertex_count - int(edges.size() / 2) + int(faces.size());
-    // One fan per vertex: walking around it meets all its half-edges.
+    // Each vertex has one fan: a walk around it visits all its half-edges.
     for (int v = 0; v < vertex_count && report.closed_manifold; ++v) {
         int steps = 0;
         for (int u = leaving[v].first; u >= 0 && (steps == 0 || u != leaving[v].first) && steps <= degree[v]; ++steps)
@@ -150,7 +150,7 @@ StretchReport check_stretch(const std::vector<Vec3>& from, const std::vector<Vec
     StretchReport report { 0.0, 1e300, 0.0 };
     std::size_t outside = 0;
     for (const Face& f : faces)
-        for (int i = 0; i < 3; ++i) { // every edge comes twice: no share changes
+        for (int i = 0; i < 3; ++i) { // every edge is counted twice, which does not change the share
             const int u = f[i], v = f[(i + 1) % 3];
             const double ratio = (to[u] - to[v]).norm() / (from[u] - from[v]).norm();
             outside += ratio < 0.6 || ratio > 1.7;

@@ -1,4 +1,4 @@
-// The order in which blended parts are drawn. Needs no OpenGL.
+// The order in which blended parts are drawn. No OpenGL.
 #pragma once
 
 #include "draw/actor.h"

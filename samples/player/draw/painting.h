@@ -1,4 +1,4 @@
-// Parts, materials, textures and vertex colours of a character, from the asset's chunk GLTF (formats/SPEC.md). Needs no OpenGL.
+// Materials, textures and vertex colours of a character, from the asset's chunk GLTF (formats/SPEC.md). No OpenGL.
 #pragma once
 
 #include "blend/asset_file.h"
