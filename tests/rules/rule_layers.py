@@ -10,7 +10,7 @@ from tree import C_SUFFIXES, Plant
 
 # The folder of a layered room, and the README with its table.
 LAYERED = {"baker": "baker/README.md", "samples/player": "samples/player/README.md"}
-HEADING = "## Rooms"
+HEADINGS = ("## Rooms", "## How it is built")
 ROW = re.compile(r"^\| `([\w/]+)/` \|")
 
 ROOMS_WITH_RUNTIME = ("baker/output/", "baker/cli/", "baker/python/")
@@ -25,7 +25,7 @@ def table_of(tree, readme):
     in_section = False
     for _, line in tree.lines(readme):
         if line.startswith("## "):
-            in_section = line.strip() == HEADING
+            in_section = line.strip() in HEADINGS
         match = in_section and ROW.match(line)
         if match:
             rows.append(match.group(1))
@@ -52,7 +52,7 @@ def judge_room(tree, base, readme):
     rooms = table_of(tree, readme)
     faults = [f"{readme}:1: `{room}/` is in the table and not in {base}/" for room in rooms if not tree.files(f"{base}/{room}")]
     if not rooms:
-        return [f"{readme}:1: no table of rooms below '{HEADING}'"]
+        return [f"{readme}:1: no table of rooms below {' or '.join(HEADINGS)}"]
     for path in tree.files(base, C_SUFFIXES):
         room = room_of(path, base, rooms)
         if room is None:

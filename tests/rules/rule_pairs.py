@@ -19,8 +19,6 @@ SHARED = [
     (r"baker/output/page/render_camera\.cpp", "baker/output/page/render.h"),
     (r"baker/pipeline/summary\.cpp", "baker/pipeline/batch.h"),
     (r"baker/reduced/surrogate/nn_htp\.cpp", "baker/reduced/surrogate/nnls.h"),
-    (r"samples/creature/poses\.cpp", "samples/creature/rig.h"),
-    (r"samples/player/(?:\w+/)?image_reader\.cpp", "painting.h"),
 ]
 MAIN = re.compile(r"(?:^|/)(?:main|module|\w+_test)\.cpp$|/test/")
 

@@ -1,6 +1,7 @@
 #include "input/poses/check_connectivity.h"
 
 #include "base/common/union_find.h"
+#include "input/poses/check_surface.h"
 
 #include <algorithm>
 #include <fmt/format.h>
