@@ -1,9 +1,9 @@
 // pose_solid: poses a solid of tetrahedra by dragging groups of its vertices, and writes the deformed mesh.
 #include "base/common/parallel.h"
-#include "drag.h"
+#include "elastic/pose/drag.h"
+#include "elastic/pose/rest_pose.h"
 #include "input/io/encode_msh.h"
 #include "input/io/write_file.h"
-#include "rest_pose.h"
 
 #include <CLI/CLI.hpp>
 #include <cstdio>

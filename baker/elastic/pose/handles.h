@@ -1,7 +1,7 @@
 // Which vertices a script takes hold of, and where they are at every moment of the motion.
 #pragma once
 
-#include "script.h"
+#include "elastic/pose/script.h"
 
 namespace pliant {
 

@@ -1,4 +1,4 @@
-#include "script.h"
+#include "elastic/pose/script.h"
 
 #include "input/io/source_file.h"
 

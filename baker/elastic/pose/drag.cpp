@@ -1,4 +1,4 @@
-#include "drag.h"
+#include "elastic/pose/drag.h"
 
 #include "base/mesh/tets.h"
 #include "elastic/average/newton.h"

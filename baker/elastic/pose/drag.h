@@ -2,7 +2,7 @@
 #pragma once
 
 #include "elastic/energy/solid.h"
-#include "handles.h"
+#include "elastic/pose/handles.h"
 
 #include <functional>
 

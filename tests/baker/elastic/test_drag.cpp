@@ -1,10 +1,10 @@
 // Drags a small bar: handles where they were asked for, nothing turned over, an equilibrium of less energy than where it began.
-#include "../baker/twisted_bar.h"
+#include "../twisted_bar.h"
 
 #include "base/mesh/tets.h"
-#include "drag.h"
+#include "elastic/pose/drag.h"
+#include "elastic/pose/rest_pose.h"
 #include "input/io/encode_msh.h"
-#include "rest_pose.h"
 
 #include <cmath>
 #include <doctest/doctest.h>

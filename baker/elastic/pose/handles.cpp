@@ -1,4 +1,4 @@
-#include "handles.h"
+#include "elastic/pose/handles.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,10 +1,10 @@
-#include "rest_pose.h"
+#include "elastic/pose/rest_pose.h"
 
 #include "base/mesh/solid.h"
+#include "elastic/pose/script.h"
 #include "input/io/encode_ply.h"
 #include "input/io/read_mesh.h"
 #include "input/poses/check_solid.h"
-#include "script.h"
 
 namespace pliant {
 

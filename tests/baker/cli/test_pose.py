@@ -6,8 +6,8 @@ import sys
 import tempfile
 from pathlib import Path
 
-ROOT = Path(__file__).resolve().parents[2]
-SCRIPTS = ROOT / "samples" / "pose_solid"
+ROOT = Path(__file__).resolve().parents[3]
+SCRIPTS = ROOT / "samples" / "pose_scripts"
 DATA = Path(os.environ.get("PLIANT_DATA") or ROOT.parent / "shared" / "data") / "tet_mid"
 CASE, PROGRAM, TOOL = sys.argv[1:4]
 BEND = "box 0 0 0  1 1 0.1  hold\nbox 0 0 0.9  1 1 1  turn 0.5 0.5 0.5  1 0 0  60\n"
