@@ -1,4 +1,4 @@
-// Drags the handles of a solid to their targets and lets the elastic energy of the rest pose find the rest, step by step.
+// Moves the handles of a solid to their targets in steps; after each step the free vertices minimise the elastic energy.
 #pragma once
 
 #include "elastic/energy/solid.h"
@@ -8,31 +8,31 @@
 
 namespace pliant {
 
-// One step that was taken.
+// One accepted step.
 struct DragStep {
-    double time = 0;         // part of the motion that is done
-    double start_energy = 0; // where Newton's method began, in units of Young's modulus times the volume of the body
+    double time = 0;         // fraction of the motion that is done
+    double start_energy = 0; // at the start of Newton's method, in units of Young's modulus times the volume of the body
     double energy = 0;
-    double smallest_j = 0; // of all tetrahedra: volume over that at rest
+    double smallest_j = 0; // of all tetrahedra: volume over volume at rest
     int iterations = 0;
-    int halvings = 0; // how often the step was too long
+    int halvings = 0; // number of times the step was too long
 };
 
 struct DragResult {
-    Positions positions; // input units, order of the file; handles lie exactly at Handles::at(1)
+    Positions positions; // input units, order of the file; those of the handles are Handles::at(1) to the bit
     DragStep last;
     int steps = 0;
     int iterations = 0;
 };
 
-// Called behind every step.
+// Called after every step.
 using DragReport = std::function<void(const DragStep&)>;
 
-// `rest` is what normalise() makes of the rest pose alone, with handles.vertices() as its fixed vertices. Throws Failure (failed) where
-// no step is short enough to keep every tetrahedron from turning over.
+// `rest`: to_shape_set() of the rest pose, with handles.vertices() as its fixed vertices. Throws Failure (failed, P4304) if no step is
+// short enough to keep every tetrahedron from turning over. Cost: a factorisation per step and some Newton iterations.
 DragResult drag(const ShapeSet& rest, const Handles& handles, const SolidOptions& material, const DragReport& report = {});
 
-// The smallest ratio of a tetrahedron's volume to that at rest, and whose it is.
+// The smallest ratio of a tetrahedron's volume to its volume at rest, and the tetrahedron.
 struct SmallestJ {
     double value = 0;
     std::size_t tet = 0;
