@@ -45,6 +45,6 @@ case("pose_noise", random.Random(4).randbytes(1 << 20))
 case("pose_overflow", HOLD + "box 0 0 0.9  1 1 1  move 0 0 1e308\n")
 for stuck in ("pose_stuck", "pose_stuck_stvk"):
     case(stuck, HOLD + "box 0 0 0.9  1 1 1  move 0 0 -2\n")
-for good_script in ("pose_surface", "pose_rest_missing", "pose_script_missing", "pose_output_kind", "pose_ply_kind", "pose_over_rest",
-                    "pose_folder_missing", "pose_no_script", "pose_poisson"):
+for good_script in ("pose_surface", "pose_rest_missing", "pose_script_missing", "pose_output_kind", "pose_ply_kind",
+                    "pose_over_rest", "pose_folder_missing", "pose_no_script", "pose_poisson"):
     case(good_script)

@@ -68,8 +68,8 @@ void Dragger::linearise()
     solver_.factorize_equilibrium(weights_, y_);
 }
 
-// Moves the handles to their positions at `time` and the other vertices as the linearised body does. If only the handles moved, the
-// tetrahedra beside them would turn over after a step of their own height.
+// Moves the handles to their positions at `time` and the other vertices as the linearised body does. If only the handles
+// moved, the tetrahedra beside them would turn over after a step of their own height.
 Shape Dragger::start_of(double time) const
 {
     const Positions places = handles_.at(time);

@@ -7,17 +7,17 @@ namespace pliant {
 
 class Handles {
 public:
-    // `rest`: as read, in the units and the order of the file. A vertex in several regions belongs to the first line that names it.
-    // Adds errors to `findings` (P2812 to P2817): a vertex that the mesh does not have, a region without vertices, too few vertices to
-    // hold the body, none that is free, none that moves.
+    // `rest`: as read, in the units and the order of the file. A vertex in several regions belongs to the first line that
+    // names it. Adds errors to `findings` (P2812 to P2817): a vertex that the mesh does not have, a region without vertices,
+    // too few vertices to hold the body, none that is free, none that moves.
     Handles(const Script& script, const Positions& rest, FindingList& findings);
 
     const std::vector<std::uint32_t>& vertices() const { return vertices_; } // ascending
     std::size_t count(std::size_t handle) const { return handles_[handle].count; }
     std::size_t size() const { return handles_.size(); }
 
-    // Positions of vertices(), in input units, when the fraction `time` (0 to 1) of every motion is done. Held vertices keep their
-    // coordinates to the bit.
+    // Positions of vertices(), in input units, when the fraction `time` (0 to 1) of every motion is done. Held vertices keep
+    // their coordinates to the bit.
     Positions at(double time) const;
 
     // Number of steps of ten degrees or a tenth of the diagonal in the longest motion, at least 1.

@@ -4,9 +4,9 @@
 //     vertices i j k ...          MOTION...
 // where MOTION is one of the following; several are applied in order:
 //     hold | move dx dy dz | turn px py pz ax ay az degrees
-// Points are fractions of the bounding box of the rest pose (0 0 0 its lower corner, 1 1 1 its upper one); lengths (r, dx dy dz) are
-// fractions of its diagonal. So a script does not depend on the unit of the mesh. Axes are those of the file, angles are in degrees.
-// # starts a comment.
+// Points are fractions of the bounding box of the rest pose (0 0 0 its lower corner, 1 1 1 its upper one); lengths
+// (r, dx dy dz) are fractions of its diagonal. So a script does not depend on the unit of the mesh. Axes are those of the
+// file, angles are in degrees. # starts a comment.
 #pragma once
 
 #include "base/common/diagnostics.h"
@@ -45,7 +45,8 @@ struct Script {
     std::string where(const ScriptLine& line) const { return path + ":" + std::to_string(line.number); }
 };
 
-// Reads a script. Adds an error (P2001, P2002, P2801 to P2811) with file and line to `findings` for each bad line, and leaves it out.
+// Reads a script. Leaves out bad lines and adds an error with file and line for each to `findings` (P2801 to P2811; P2001,
+// P2002, P2008 if the file cannot be read).
 Script read_script(const std::string& path, FindingList& findings);
 
 } // namespace pliant

@@ -119,7 +119,8 @@ def case_over_script(folder):
 
 def case_help(folder):
     out, _ = run("--help")
-    for word in ("box", "sphere", "vertices", "hold", "move", "turn", "fractions", "--ply", "--material", "Example", "pliant bake"):
+    for word in ("box", "sphere", "vertices", "hold", "move", "turn", "fractions", "--ply", "--material", "Example",
+                 "pliant bake"):
         assert word in out, f"--help does not explain {word}"
 
 

@@ -1,4 +1,4 @@
-// Drags a small bar: handles reach their targets, no tetrahedron turns over, each step ends at an equilibrium of less energy.
+// Drags a small bar: handles reach their targets, no tetrahedron turns over, every step ends in an equilibrium.
 #include "../twisted_bar.h"
 
 #include "base/mesh/tets.h"
