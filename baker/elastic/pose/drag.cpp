@@ -1,4 +1,4 @@
-#include "drag.h"
+#include "elastic/pose/drag.h"
 
 #include "base/mesh/tets.h"
 #include "elastic/average/newton.h"
@@ -12,13 +12,13 @@ namespace pliant {
 
 namespace {
 
-// A start in which a tetrahedron has lost more than this part of its volume says nothing about where the minimum is.
+// A start where some tetrahedron keeps less than this fraction of its volume is no useful guess of the minimum.
 constexpr double least_shrink = 0.2;
 
-// Steps are given up when they are this part of the nominal one.
+// Below this fraction of the nominal step there is no way on.
 constexpr double shortest_step = 1.0 / 256;
 
-// On the way a rough equilibrium is good enough to go on from, the last one is what is written.
+// A rough equilibrium suffices to start the next step; the last one is written.
 constexpr double rough = 1e-5, precise = 1e-10;
 
 NewtonOptions newton_options(bool is_last)
@@ -56,10 +56,10 @@ private:
     const Handles& handles_;
     Solid energy_;
     NewtonSolver solver_;
-    HessianAssembler tangent_; // at y_, not pinned: what handles do to their neighbours
+    HessianAssembler tangent_; // at y_, handles not fixed: the forces of the handles on their neighbours
     Weights weights_;
     Shape y_;
-    std::size_t bad_tet_ = 0; // of the last step that was too long
+    std::size_t bad_tet_ = 0; // of the last rejected step
 };
 
 void Dragger::linearise()
@@ -68,8 +68,8 @@ void Dragger::linearise()
     solver_.factorize_equilibrium(weights_, y_);
 }
 
-// The handles go to where they are at `time`; the others follow as the linearised body does. Where nothing but the handles moved, the
-// tetrahedra beside them would turn over after a step of their own height.
+// Moves the handles to their positions at `time` and the other vertices as the linearised body does. If only the handles
+// moved, the tetrahedra beside them would turn over after a step of their own height.
 Shape Dragger::start_of(double time) const
 {
     const Positions places = handles_.at(time);
@@ -83,7 +83,7 @@ Shape Dragger::start_of(double time) const
     return y_ + way + solver_.solve_equilibrium(load);
 }
 
-// The tetrahedron that shrinks too much on the way to a start, the worst of them; their number if there is none.
+// The tetrahedron that shrinks most, if any shrinks too much; otherwise the number of tetrahedra.
 std::size_t Dragger::worst_tet(const Shape& start) const
 {
     std::size_t worst = rest_.tets.size();
@@ -115,23 +115,23 @@ bool Dragger::try_step(double time, DragStep& step)
 
 void Dragger::give_up(double time) const
 {
-    // St. Venant-Kirchhoff resists compression less and less: beyond some there is no equilibrium but collapsed tetrahedra.
+    // St. Venant-Kirchhoff softens under compression: beyond some point the only equilibrium has collapsed tetrahedra.
     const std::string hint = std::string(energy_.law() == SolidLaw::stvk ? "try --material mooney-rivlin, or " : "")
         + "turn or move by less, make the regions smaller so that more of the body can give way, or add one that guides it";
     const std::string how_far = fmt::format("stuck at {:.1f} % of the motion", 100 * time);
     if (bad_tet_ >= rest_.tets.size())
-        throw Failure(ExitCode::failed, complaint("", how_far + ": Newton's method finds no equilibrium", hint));
+        throw Failure(ExitCode::failed, error_at(4304, "", how_far + ": Newton's method finds no equilibrium", hint));
     Eigen::Vector3d centre = Eigen::Vector3d::Zero();
     for (const std::uint32_t v : rest_.tets[bad_tet_]) centre += point(rest_.shapes[0], v) / 4;
     centre = rest_.length * centre + rest_.origin;
     throw Failure(ExitCode::failed,
-                  complaint("",
-                            fmt::format("{}: tetrahedron {} (at rest near {:.4g} {:.4g} {:.4g}) would turn over", how_far,
-                                        bad_tet_, centre[0], centre[1], centre[2]),
-                            hint));
+                  error_at(4304, "",
+                           fmt::format("{}: tetrahedron {} (at rest near {:.4g} {:.4g} {:.4g}) would turn over", how_far,
+                                       bad_tet_, centre[0], centre[1], centre[2]),
+                           hint));
 }
 
-// The solver works in units of the body, which rounds: the handles get the coordinates that were asked for.
+// Conversion from solver units rounds, so the handles get their exact coordinates.
 Positions Dragger::final_positions() const
 {
     Positions positions = to_input_units(rest_, y_);
@@ -151,7 +151,7 @@ DragResult Dragger::run(const DragReport& report)
         DragStep step;
         for (;; length /= 2) {
             if (length < shortest_step * nominal) give_up(time);
-            // A rest that is hardly longer than a step belongs to it.
+            // Do not leave a last step of a hundredth of a step.
             const double next = time + 1.01 * length >= 1 ? 1 : time + length;
             if (try_step(next, step)) break;
             ++step.halvings;

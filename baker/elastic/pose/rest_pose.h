@@ -1,4 +1,4 @@
-// The rest pose of a solid, read and checked as the baker does it.
+// The rest pose of a solid, read and checked as `pliant check` does.
 #pragma once
 
 #include "base/common/diagnostics.h"
@@ -10,11 +10,11 @@ namespace pliant {
 
 struct RestPose {
     MeshFile mesh;                    // its tetrahedra have positive volumes
-    std::vector<Tetrahedron> as_read; // the corners as the file had them: what is written must look like the rest pose
+    std::vector<Tetrahedron> as_read; // corners in the order of the file, for writing
     std::vector<Triangle> boundary;
 };
 
-// Everything wrong with the file is added to `findings`; then the result may be empty.
+// Adds all errors and warnings about the file to `findings` (P2001 to P2218, P2609). Empty if no solid could be read.
 std::optional<RestPose> read_rest_pose(const std::string& path, FindingList& findings);
 
 // The rest pose in the units of the solver, with these vertices fixed.

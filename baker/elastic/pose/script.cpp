@@ -1,4 +1,4 @@
-#include "script.h"
+#include "elastic/pose/script.h"
 
 #include "input/io/source_file.h"
 
@@ -12,7 +12,9 @@ namespace pliant {
 namespace {
 
 constexpr char shapes_hint[] = "a line begins with box x0 y0 z0 x1 y1 z1, sphere x y z r or vertices i j k ...";
-constexpr char motions_hint[] = "behind the region stands hold, move dx dy dz or turn px py pz ax ay az degrees";
+constexpr char motions_hint[] = "after the region write hold, move dx dy dz or turn px py pz ax ay az degrees";
+
+constexpr double degrees_limit = 3600; // a typing error rather than a pose
 
 bool is_motion(std::string_view word) { return word == "hold" || word == "move" || word == "turn"; }
 
@@ -33,9 +35,9 @@ public:
 
 private:
     void advance() { word_ = next_word(rest_, '#'); }
-    bool fail(std::string what, std::string hint)
+    bool fail(int number, std::string what, std::string hint)
     {
-        findings_.add(complaint(where_, std::move(what), std::move(hint)));
+        findings_.add(error_at(number, where_, std::move(what), std::move(hint)));
         return false;
     }
     bool read_numbers(const char* name, const char* form, double* values, int count);
@@ -63,9 +65,10 @@ bool LineParser::read_numbers(const char* name, const char* form, double* values
 {
     const std::string hint = fmt::format("write {} {}", name, form);
     for (int i = 0; i < count; ++i) {
-        if (word_.empty() || is_motion(word_)) return fail(fmt::format("{} has {} of {} numbers", name, i, count), hint);
+        if (word_.empty() || is_motion(word_))
+            return fail(2804, fmt::format("{} has {} of {} numbers", name, i, count), hint);
         const std::optional<double> value = parse_number(word_);
-        if (!value) return fail(fmt::format("{}: {} is not a number", name, excerpt(word_)), hint);
+        if (!value) return fail(2805, fmt::format("{}: {} is not a number", name, excerpt(word_)), hint);
         values[i] = *value;
         advance();
     }
@@ -80,7 +83,7 @@ bool LineParser::read_box(Region& region)
     region.lower = Eigen::Vector3d(v[0], v[1], v[2]);
     region.upper = Eigen::Vector3d(v[3], v[4], v[5]);
     if ((region.lower.array() > region.upper.array()).any())
-        return fail("the first corner of the box lies above the second one", "give the lower corner first");
+        return fail(2806, "the first corner of the box lies above the second one", "give the lower corner first");
     return true;
 }
 
@@ -92,7 +95,7 @@ bool LineParser::read_sphere(Region& region)
     region.lower = Eigen::Vector3d(v[0], v[1], v[2]);
     region.radius = v[3];
     if (!(region.radius > 0))
-        return fail(fmt::format("the radius {} is not positive", v[3]),
+        return fail(2807, fmt::format("the radius {} is not positive", v[3]),
                     "it is a fraction of the diagonal of the bounding box");
     return true;
 }
@@ -103,11 +106,11 @@ bool LineParser::read_vertices(Region& region)
     for (; !word_.empty() && !is_motion(word_); advance()) {
         const std::optional<std::int64_t> vertex = parse_integer(word_);
         if (!vertex || *vertex < 0 || *vertex >= std::int64_t(vertex_count_limit))
-            return fail(fmt::format("{} is not the number of a vertex", excerpt(word_)),
-                        "vertices count from 0 in the order of the file; behind them stands hold, move or turn");
+            return fail(2808, fmt::format("{} is not the number of a vertex", excerpt(word_)),
+                        "vertices count from 0 in the order of the mesh file; hold, move or turn follows them");
         region.vertices.push_back(std::uint32_t(*vertex));
     }
-    if (region.vertices.empty()) return fail("no vertex is named", "write vertices i j k ..., counted from 0");
+    if (region.vertices.empty()) return fail(2808, "no vertex is named", "write vertices i j k ..., counted from 0");
     return true;
 }
 
@@ -118,7 +121,7 @@ bool LineParser::read_region(Region& region)
     if (name == "box") return read_box(region);
     if (name == "sphere") return read_sphere(region);
     if (name == "vertices") return read_vertices(region);
-    return fail(fmt::format("region {} not understood", excerpt(name)), shapes_hint);
+    return fail(2802, fmt::format("region {} not understood", excerpt(name)), shapes_hint);
 }
 
 bool LineParser::read_move(Motion& motion)
@@ -140,15 +143,17 @@ bool LineParser::read_turn(Motion& motion)
     motion.degrees = v[6];
     const double length = motion.axis.stableNorm();
     if (!(length > 0) || !std::isfinite(length))
-        return fail("the axis has no direction", "for example 0 1 0 to turn about the y axis");
+        return fail(2809, "the axis has no direction", "for example 0 1 0 to turn about the y axis");
     motion.axis /= length;
-    if (std::abs(motion.degrees) > 3600) return fail("more than ten turns", "angles are in degrees");
+    if (std::abs(motion.degrees) > degrees_limit)
+        return fail(2810, fmt::format("turns by {} degrees, the limit is {}", motion.degrees, degrees_limit),
+                    "ten turns at most; angles are in degrees");
     return true;
 }
 
 bool LineParser::read_motions(std::vector<Motion>& motions)
 {
-    if (word_.empty()) return fail("nothing is said about what happens to the region", motions_hint);
+    if (word_.empty()) return fail(2803, "no motion follows the region", motions_hint);
     bool is_held = false;
     while (!word_.empty()) {
         const std::string_view name = word_;
@@ -158,24 +163,15 @@ bool LineParser::read_motions(std::vector<Motion>& motions)
             is_held = true;
             continue;
         }
-        if (!is_motion(name)) return fail(fmt::format("motion {} not understood", excerpt(name)), motions_hint);
+        if (!is_motion(name)) return fail(2803, fmt::format("motion {} not understood", excerpt(name)), motions_hint);
         if (!(name == "move" ? read_move(motion) : read_turn(motion))) return false;
         motions.push_back(motion);
     }
-    if (is_held && !motions.empty()) return fail("the region is held and moved", "leave one of both away");
+    if (is_held && !motions.empty()) return fail(2811, "the region is held and moved", "leave out hold or the motion");
     return true;
 }
 
 } // namespace
-
-Finding complaint(std::string where, std::string what, std::string hint)
-{
-    Finding finding;
-    finding.where = std::move(where);
-    finding.what = std::move(what);
-    finding.hint = std::move(hint);
-    return finding;
-}
 
 Script read_script(const std::string& path, FindingList& findings)
 {
@@ -194,7 +190,7 @@ Script read_script(const std::string& path, FindingList& findings)
         if (parser.read_region(line.region) && parser.read_motions(line.motions)) script.lines.push_back(std::move(line));
     }
     if (script.lines.empty() && findings.error_count() == errors_before)
-        findings.add(complaint(path, "the script has no line with a handle", shapes_hint));
+        findings.add(error_at(2801, path, "has no line with a region", shapes_hint));
     return script;
 }
 

@@ -1,12 +1,12 @@
-// The script of pose_solid: plain text, one handle a line, a region of vertices and what happens to it.
+// The script of `pliant pose`: plain text, one handle per line: a region of vertices and its motion.
 //     box    x0 y0 z0 x1 y1 z1    MOTION...
 //     sphere x y z r              MOTION...
 //     vertices i j k ...          MOTION...
-// with the motions, one behind the other,
+// where MOTION is one of the following; several are applied in order:
 //     hold | move dx dy dz | turn px py pz ax ay az degrees
-// Points are fractions of the bounding box of the rest pose (0 0 0 its lower corner, 1 1 1 its upper one), lengths (r, dx dy dz)
-// fractions of its diagonal: a script does not depend on the unit of the mesh. Axes and angles are those of the file. # starts a
-// comment.
+// Points are fractions of the bounding box of the rest pose (0 0 0 its lower corner, 1 1 1 its upper one); lengths
+// (r, dx dy dz) are fractions of its diagonal. So a script does not depend on the unit of the mesh. Axes are those of the
+// file, angles are in degrees. # starts a comment.
 #pragma once
 
 #include "base/common/diagnostics.h"
@@ -45,10 +45,8 @@ struct Script {
     std::string where(const ScriptLine& line) const { return path + ":" + std::to_string(line.number); }
 };
 
-// Reads a script. Everything wrong with it is added to `findings`, with file, line and remedy; such lines are left out.
+// Reads a script. Leaves out bad lines and adds an error with file and line for each to `findings` (P2801 to P2811; P2001,
+// P2002, P2008 if the file cannot be read).
 Script read_script(const std::string& path, FindingList& findings);
-
-// A complaint of this program: samples have no numbers of their own.
-Finding complaint(std::string where, std::string what, std::string hint);
 
 } // namespace pliant

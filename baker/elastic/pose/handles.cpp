@@ -1,4 +1,4 @@
-#include "handles.h"
+#include "elastic/pose/handles.h"
 
 #include <algorithm>
 #include <cmath>
@@ -17,7 +17,7 @@ Eigen::Vector3d moved(const Motion& motion, double time, const Eigen::Vector3d& 
     return motion.pivot + Eigen::AngleAxisd(time * motion.degrees * degree, motion.axis) * (p - motion.pivot);
 }
 
-// Whether points determine how a body lies: they do not if all are on a line.
+// Points on one line leave a body free to turn about it.
 bool are_on_a_line(const Positions& points, double tolerance)
 {
     Eigen::RowVector3d axis = Eigen::RowVector3d::Zero();
@@ -43,7 +43,7 @@ Handles::Handles(const Script& script, const Positions& rest, FindingList& findi
     , owners_(std::size_t(rest.rows()), -1)
 {
     const std::size_t errors_before = findings.error_count();
-    for (std::size_t line = 0; line < script.lines.size(); ++line) claim(script, line, rest, findings);
+    for (std::size_t line = 0; line < script.lines.size(); ++line) add_handle(script, line, rest, findings);
     for (std::size_t v = 0; v < owners_.size(); ++v) {
         if (owners_[v] < 0) continue;
         vertices_.push_back(std::uint32_t(v));
@@ -54,47 +54,51 @@ Handles::Handles(const Script& script, const Positions& rest, FindingList& findi
     if (findings.error_count() == errors_before) check_grip(script, findings);
 }
 
-// Looks up the vertices of one line and makes a handle of those that no earlier line has.
-void Handles::claim(const Script& script, std::size_t line, const Positions& rest, FindingList& findings)
+void Handles::claim(std::size_t vertex, std::size_t line, Claim& claim)
+{
+    std::int32_t& owner = owners_[vertex];
+    if (owner >= 0 && owner != std::int32_t(line)) ++claim.taken;
+    if (owner >= 0) return;
+    owner = std::int32_t(line);
+    ++claim.count;
+}
+
+// Whether a point in input units lies in a box or a sphere.
+bool Handles::contains(const Region& region, const Eigen::Vector3d& point) const
+{
+    const Eigen::Vector3d offset = point - lower_;
+    if (region.kind == Region::Kind::sphere)
+        return (offset - region.lower.cwiseProduct(extent_)).norm() <= region.radius * diagonal_;
+    const Eigen::Vector3d part = offset.cwiseQuotient(extent_.cwiseMax(1e-300)); // a flat body is reported elsewhere
+    return (part.array() >= region.lower.array()).all() && (part.array() <= region.upper.array()).all();
+}
+
+// Makes a handle of the vertices in the region of one line that no earlier line has.
+void Handles::add_handle(const Script& script, std::size_t line, const Positions& rest, FindingList& findings)
 {
     const Region& region = script.lines[line].region;
     const std::string where = script.where(script.lines[line]);
-    Handle handle;
-    std::size_t taken = 0;
-    const auto take = [&](std::size_t v) {
-        if (owners_[v] >= 0 && owners_[v] != std::int32_t(line)) ++taken;
-        if (owners_[v] >= 0) return;
-        owners_[v] = std::int32_t(line);
-        ++handle.count;
-    };
-    if (region.kind == Region::Kind::vertices) {
-        for (const std::uint32_t v : region.vertices) {
-            if (v < owners_.size())
-                take(v);
-            else
-                findings.add(complaint(where, fmt::format("vertex {} is not there, the mesh has {}", v, owners_.size()),
-                                       "count from 0, in the order of the file"));
-        }
-    } else {
-        const Eigen::Vector3d safe_extent = extent_.cwiseMax(1e-300); // a flat body is found out elsewhere
-        for (Eigen::Index v = 0; v < rest.rows(); ++v) {
-            const Eigen::Vector3d offset = rest.row(v).transpose() - lower_, part = offset.cwiseQuotient(safe_extent);
-            const bool is_inside = region.kind == Region::Kind::box
-                ? (part.array() >= region.lower.array()).all() && (part.array() <= region.upper.array()).all()
-                : (offset - region.lower.cwiseProduct(extent_)).norm() <= region.radius * diagonal_;
-            if (is_inside) take(std::size_t(v));
-        }
+    const bool is_list = region.kind == Region::Kind::vertices;
+    Claim found;
+    for (const std::uint32_t v : region.vertices) {
+        if (v < owners_.size())
+            claim(v, line, found);
+        else
+            findings.add(error_at(2812, where, fmt::format("uses vertex {}, the mesh has {}", v, owners_.size()),
+                                  "count from 0, in the order of the mesh file"));
     }
-    if (handle.count == 0 && taken > 0)
-        findings.add(complaint(where, fmt::format("all {} vertices of the region belong to earlier lines", taken),
-                               "a vertex belongs to the first line that names it: put the smaller region first"));
-    else if (handle.count == 0 && region.kind != Region::Kind::vertices)
-        findings.add(complaint(where, "no vertex lies in the region",
-                               "points are fractions of the bounding box of the rest pose, radii of its diagonal"));
-    for (Motion motion : script.lines[line].motions) {
+    for (Eigen::Index v = 0; v < rest.rows() && !is_list; ++v)
+        if (contains(region, rest.row(v).transpose())) claim(std::size_t(v), line, found);
+    if (found.count == 0 && found.taken > 0)
+        findings.add(error_at(2814, where, fmt::format("all {} vertices of the region belong to earlier lines", found.taken),
+                              "a vertex belongs to the first line that names it: put the smaller region first"));
+    else if (found.count == 0 && !is_list)
+        findings.add(error_at(2813, where, "no vertex lies in the region",
+                              "points are fractions of the bounding box of the rest pose, radii of its diagonal"));
+    Handle handle { script.lines[line].motions, found.count };
+    for (Motion& motion : handle.motions) {
         motion.by *= diagonal_;
         motion.pivot = lower_ + motion.pivot.cwiseProduct(extent_);
-        handle.motions.push_back(motion);
     }
     handles_.push_back(std::move(handle));
 }
@@ -104,18 +108,19 @@ void Handles::check_grip(const Script& script, FindingList& findings) const
 {
     if (script.lines.empty()) return;
     if (vertices_.size() < 3 || are_on_a_line(rest_, 1e-6 * diagonal_))
-        findings.add(complaint(script.path,
-                               fmt::format("{} vertices are held or moved{}: the body could still turn", vertices_.size(),
-                                           vertices_.size() < 3 ? "" : ", all on a line"),
-                               "let the regions hold three or more that do not lie on a line"));
+        findings.add(error_at(2815, script.path,
+                              fmt::format("{} vertices are held or moved{}: the body could still turn", vertices_.size(),
+                                          vertices_.size() < 3 ? "" : ", all on a line"),
+                              "let the regions contain three or more that do not lie on a line"));
     else if (vertices_.size() == owners_.size())
-        findings.add(complaint(script.path, "all vertices are held or moved: nothing is left to the energy",
-                               "let the regions leave the parts out that are to bend"));
+        findings.add(error_at(2816, script.path,
+                              fmt::format("all {} vertices are held or moved: none is free to follow", owners_.size()),
+                              "leave the parts that are to bend out of the regions"));
     const bool is_moved
         = std::any_of(handles_.begin(), handles_.end(), [](const Handle& handle) { return !handle.motions.empty(); });
     if (!is_moved)
-        findings.add(complaint(script.path, "every region is held: the rest pose would come out",
-                               "move or turn at least one of them"));
+        findings.add(error_at(2817, script.path, "every region is held: the result would be the rest pose",
+                              "move or turn at least one of them"));
 }
 
 Positions Handles::at(double time) const

@@ -1,10 +1,9 @@
-#include "rest_pose.h"
+#include "elastic/pose/rest_pose.h"
 
 #include "base/mesh/solid.h"
 #include "input/io/encode_ply.h"
 #include "input/io/read_mesh.h"
 #include "input/poses/check_solid.h"
-#include "script.h"
 
 namespace pliant {
 
@@ -13,8 +12,8 @@ std::optional<RestPose> read_rest_pose(const std::string& path, FindingList& fin
     std::optional<MeshFile> mesh = read_mesh(path, findings);
     if (!mesh) return std::nullopt;
     if (mesh->tets.empty()) {
-        findings.add(complaint(path, "is a surface, not a solid of tetrahedra",
-                               "give a .msh, .mesh, .veg or .vtk file; TetGen, fTetWild or Gmsh fill a surface"));
+        findings.add(error_at(2609, path, "is a surface: a solid of tetrahedra is wanted here",
+                              "give a .msh, .mesh, .veg or .vtk file; TetGen, fTetWild or Gmsh fill a surface"));
         return std::nullopt;
     }
     RestPose rest;
