@@ -26,7 +26,8 @@ BYTES_ALLOWED = 3_000_000  # both pictures together
 
 
 def stop(code, reason, hint):
-    sys.exit((print(f"make_moving_pictures.py: error: {reason}\nhint: {hint}", file=sys.stderr), code)[1])
+    print(f"make_moving_pictures.py: error: {reason}\nhint: {hint}", file=sys.stderr)
+    sys.exit(code)
 
 
 def run(*command):
