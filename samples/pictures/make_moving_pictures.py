@@ -19,7 +19,7 @@ ROOT = Path(__file__).resolve().parents[2]
 TOOLS = {"pliant": "baker/pliant", "creature": "samples/creature/creature", "player": "samples/player/pliant-player"}
 KINDS = {"linear": (84, 110, 146), "elastic": (204, 90, 56)}  # in the colours of the player
 CREATURE_POSES = ["rest", "reach", "curl", "leap", "twist"]
-FRAMES_THERE, FRAMES_PER_SECOND, FRAMES_HELD = 46, 25, 5  # a loop goes there and back, and rests a moment at both ends
+FRAMES_PER_SECOND, FRAMES_HELD = 25, 5  # a loop goes there and back, and rests a moment at both ends
 QUALITY = 88  # of WebP; at 60 traces of earlier frames stay
 GAP = 4  # columns of white between the halves
 BYTES_ALLOWED = 3_000_000  # both pictures together
@@ -123,28 +123,28 @@ def bake(tools, poses, asset, *options):
     return asset
 
 
-def eased_path(stops):
-    """Weights of the frames from the first stop over the others to the last, slow at both ends."""
-    path = []
-    for frame in range(FRAMES_THERE):
-        eased = 0.5 - 0.5 * math.cos(math.pi * frame / (FRAMES_THERE - 1))
-        place = eased * (len(stops) - 1)
-        i = min(int(place), len(stops) - 2)
-        path.append([a + (b - a) * (place - i) for a, b in zip(stops[i], stops[i + 1])])
+def eased_path(stops, count):
+    """Weights of `count` frames from the first stop over the others to the last, slow at each."""
+    path, last = [], len(stops) - 1
+    for frame in range(count):
+        place = last * frame / (count - 1)
+        i = min(int(place), last - 1)
+        eased = 0.5 - 0.5 * math.cos(math.pi * (place - i))
+        path.append([a + (b - a) * eased for a, b in zip(stops[i], stops[i + 1])])
     return path
 
 
-def draw_frames(tools, asset, stops, size, view):
+def draw_frames(tools, asset, path, size, view):
     """Pictures of both kinds of blend, from one camera: {kind: [PNG file]}."""
     weights = asset.with_suffix(".csv")
-    weights.write_text("".join(",".join(f"{w:.5f}" for w in line) + "\n" for line in eased_path(stops)))
+    weights.write_text("".join(",".join(f"{w:.5f}" for w in line) + "\n" for line in path))
     frames = {}
     for kind, option in (("linear", ["--linear"]), ("elastic", [])):
         folder = asset.with_name(f"{asset.stem}_{kind}")
         folder.mkdir(exist_ok=True)
         run("xvfb-run", "-a", "-s", "-screen 0 1280x1024x24", tools["player"], asset, "--up", "z", f"--view={view}",
             "--size", size, "--path", weights, "--sequence", folder / "%03d.png", *option)
-        frames[kind] = [folder / f"{i:03d}.png" for i in range(FRAMES_THERE)]
+        frames[kind] = [folder / f"{i:03d}.png" for i in range(len(path))]
     return frames
 
 
@@ -177,14 +177,14 @@ def main():
     pillow, tools, work = load_pillow(), find_tools(options.build.resolve()), ROOT / "build/demo"
     work.mkdir(parents=True, exist_ok=True)
     pictures = [
-        (bake_bar, [(1, 0), (0, 1)], "420x460", "30,16"),
-        (bake_creature, [(0, 0, 1, 0, 0), (0, 0, 0, 0, 1)], "460x320", "30,12"),
+        (bake_bar, eased_path([(1, 0), (0, 1)], 46), "420x460", "30,16"),
+        (bake_creature, eased_path([(0, 1, 0, 0, 0), (0, 0, 1, 0, 0), (0, 0, 0, 0, 1)], 59), "440x290", "30,12"),
     ]
     written = []
-    for bake_asset, stops, size, view in pictures:
+    for bake_asset, path, size, view in pictures:
         asset = bake_asset(tools, work)
         written.append(options.out / f"{asset.stem}.webp")
-        write_loop(pillow, draw_frames(tools, asset, stops, size, view), written[-1])
+        write_loop(pillow, draw_frames(tools, asset, path, size, view), written[-1])
     if sum(path.stat().st_size for path in written) > BYTES_ALLOWED:
         stop(1, f"the pictures are larger than {BYTES_ALLOWED} bytes together", "draw fewer or smaller frames")
 
