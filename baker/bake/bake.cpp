@@ -13,6 +13,7 @@
 #include "elastic/energy/arap.h"
 #include "elastic/energy/solid.h"
 #include "elastic/parts/calibrate_ties.h"
+#include "elastic/parts/find_ties.h"
 #include "elastic/parts/tied_energy.h"
 #include "output/asset/asset_writer.h"
 #include "output/asset/runtime_blender.h"

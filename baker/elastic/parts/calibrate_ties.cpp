@@ -3,6 +3,7 @@
 #include "base/common/parallel.h"
 #include "elastic/average/family.h"
 #include "elastic/average/rigid_modes.h"
+#include "elastic/parts/drift.h"
 
 #include <Eigen/Geometry>
 #include <algorithm>

@@ -11,7 +11,7 @@ namespace pliant {
 constexpr double drift_limit = 0.005;
 
 // Looks at the averages of all poses and of any two of them. A part that has a joint (elastic/parts/joints.h) gets it or its ties, whatever keeps its
-// place better; ties of parts that drift (elastic/parts/ties.h) are made stiffer, as far as that helps, or softer where that does; if some part still
+// place better; ties of parts that drift (elastic/parts/drift.h) are made stiffer, as far as that helps, or softer where that does; if some part still
 // drifts farther than twice drift_limit then, all ties are as stiff as they were. Depends on nothing but energy and set, so that everyone who makes an energy of them means the same one. Costs one
 // average for each of those weights and a few steps of Newton's method more for each round; nothing without ties.
 void settle_ties(TiedEnergy& energy, const ShapeSet& set, SolverKind solver, Progress* progress);

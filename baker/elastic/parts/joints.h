@@ -1,20 +1,9 @@
 // Joints: what holds a rigid part that turns far against the part that it hangs on. Why, and how they are chosen: baker/THEORY.md, "Ties".
 #pragma once
 
-#include "elastic/parts/ties.h"
+#include "elastic/parts/tie_set.h"
 
 namespace pliant {
-
-// The turn of a cloud of points, columns of `from`, that brings it closest to another one (Kabsch 1976), centroids aside.
-Eigen::Matrix3d turn_between(const Eigen::Matrix3Xd& from, const Eigen::Matrix3Xd& to);
-
-// The rotation nearest to a matrix: of a mean of rotations their mean.
-Eigen::Matrix3d nearest_rotation(const Eigen::Matrix3d& matrix);
-
-// The point of a body that moves least over its poses, where it is attached: the j that minimises the variance of turns_k j + centres_k
-// (turns of the poses, and where the body's origin is in them). Where the body hardly turns, below some 10 degrees, all points move alike
-// and it is drawn to the origin; there it matters little. No farther than `reach` from there.
-Eigen::Vector3d steadiest_point(const std::vector<Eigen::Matrix3d>& turns, const Eigen::Matrix3Xd& centres, double reach);
 
 // Where a part that these ties (all of the part, one at least) hold is rigid there and turns far, and what it hangs on is rigid there, too:
 // pulls that can take the place of its ties. Else none.

@@ -17,6 +17,18 @@ void add(const TieDrift& drift, const Eigen::VectorXd& weights, WorstDrift& wors
     if (drift.largest > worst.drift.largest) worst = { drift, weights };
 }
 
+std::vector<TiePart> describe_parts(const TieSet& ties, const ShapeSet& set)
+{
+    std::vector<TiePart> out;
+    for (std::size_t p = 0; p < ties.parts.count(); ++p) {
+        const std::size_t host = ties.tree.hosts[p] == no_part ? p : ties.tree.hosts[p];
+        out.push_back({ ties.parts.vertices[p][0], ties.parts.vertices[host][0], ties.parts.vertices[p].size(), 0,
+                        ties.distances[p] / set.diagonal });
+    }
+    for (std::size_t i = 0; i + ties.seam_count < ties.ties.size(); ++i) ++out[ties.ties[i].part].tie_count;
+    return out;
+}
+
 } // namespace
 
 TieReport start_tie_report(const TieSet& ties, const ShapeSet& set)

@@ -2,11 +2,18 @@
 #pragma once
 
 #include "base/common/progress.h"
-#include "elastic/parts/ties.h"
+#include "elastic/parts/drift.h"
 
 namespace pliant {
 
-// The largest drift (elastic/parts/ties.h) over some shapes, and where.
+// A part for people: a vertex of it, and one of the part that it hangs on.
+struct TiePart {
+    std::uint32_t vertex, host_vertex;
+    std::size_t vertex_count, tie_count;
+    double distance; // of the nearest vertex of either from the other (root mean square over the poses), per diagonal
+};
+
+// The largest drift (elastic/parts/drift.h) over some shapes, and where.
 struct WorstDrift {
     TieDrift drift;
     Eigen::VectorXd weights;

@@ -1,10 +1,10 @@
 // An elastic energy of several parts and what ties them together:
 //     W_k(y) = inner_k(y) + sum_ties kappa |place(y) - place in pose k|^2,
-// the place of a vertex among its anchors as elastic/parts/ties.h measures it. Polynomial in y, zero at pose k, and the same for every rigid motion.
+// the place of a vertex among its anchors as elastic/parts/tie_set.h measures it. Polynomial in y, zero at pose k, and the same for every rigid motion.
 #pragma once
 
 #include "elastic/energy/energy.h"
-#include "elastic/parts/ties.h"
+#include "elastic/parts/tie_set.h"
 
 #include <memory>
 #include <vector>

@@ -6,6 +6,7 @@
 #include "elastic/average/newton.h"
 #include "elastic/average/rigid_modes.h"
 #include "elastic/energy/discrete_shells.h"
+#include "elastic/parts/find_ties.h"
 #include "elastic/parts/tied_energy.h"
 #include "output/asset/runtime_blender.h"
 
