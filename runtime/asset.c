@@ -50,18 +50,6 @@ static int is_known_tag(uint32_t tag)
     }
 }
 
-static const pliant_format_chunk* find_chunk(const pliant_format_chunk* chunks, uint32_t count, uint32_t tag)
-{
-    for (uint32_t i = 0; i < count; ++i)
-        if (chunks[i].tag == tag) return &chunks[i];
-    return NULL;
-}
-
-const pliant_format_chunk* pliant_open_find(const pliant_open_context* context, uint32_t tag)
-{
-    return find_chunk(context->chunks, context->header.chunk_count, tag);
-}
-
 /* R06, R07, and R14 of the table. */
 static pliant_result check_chunk_table(pliant_open_context* context)
 {
@@ -76,7 +64,7 @@ static pliant_result check_chunk_table(pliant_open_context* context)
             = chunk->tag == PLIANT_CHUNK_BASIS ? PLIANT_FORMAT_BASIS_ALIGNMENT : PLIANT_FORMAT_CHUNK_ALIGNMENT;
         if (chunk->offset % alignment != 0 || chunk->offset < end) return PLIANT_ERROR_LAYOUT;
         if (!pliant_fits(chunk->offset, chunk->size, 1, context->blob_size, &end)) return PLIANT_ERROR_LAYOUT;
-        if (find_chunk(context->chunks, i, chunk->tag)) return PLIANT_ERROR_LAYOUT;
+        if (pliant_open_search(context->chunks, i, chunk->tag)) return PLIANT_ERROR_LAYOUT;
         if (chunk->reserved != 0 || (chunk->flags & ~PLIANT_CHUNK_FLAG_REQUIRED) != 0) return PLIANT_ERROR_LAYOUT;
     }
     for (uint32_t i = 0; i < count; ++i)
@@ -137,18 +125,6 @@ static pliant_result check_checksums(const pliant_open_context* context)
 }
 
 /* --------------------------------------------------------------------------------------------------- single chunks ---- */
-
-pliant_result pliant_open_count(const pliant_open_context* context, const pliant_format_chunk* chunk, uint32_t limit,
-                                uint32_t* count)
-{
-    pliant_format_count head;
-    if (chunk->size < sizeof head) return PLIANT_ERROR_LAYOUT;
-    memcpy(&head, context->blob + chunk->offset, sizeof head);
-    if (head.count < 1 || head.count > limit) return PLIANT_ERROR_LIMIT;
-    if (!pliant_is_zero(head.reserved, sizeof head.reserved)) return PLIANT_ERROR_LAYOUT;
-    *count = head.count;
-    return PLIANT_OK;
-}
 
 static pliant_result open_solver(const pliant_open_context* context, pliant_asset* asset)
 {
@@ -323,7 +299,7 @@ const void* pliant_asset_chunk(const pliant_asset* asset, uint32_t tag, size_t* 
     pliant_format_header header;
     memcpy(&header, asset->blob, sizeof header);
     const pliant_format_chunk* chunks = (const pliant_format_chunk*)(const void*)(asset->blob + sizeof header);
-    const pliant_format_chunk* chunk = find_chunk(chunks, header.chunk_count, tag);
+    const pliant_format_chunk* chunk = pliant_open_search(chunks, header.chunk_count, tag);
     if (!chunk) return NULL;
     if (size) *size = (size_t)chunk->size;
     return asset->blob + chunk->offset;

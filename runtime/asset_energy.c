@@ -1,5 +1,5 @@
-/* Opening what a frame reads: the stand-in energy, the start and the dead load. formats/SPEC.md section 4, ELEM, QUAR, PRED and
-   LOAD. */
+/* Opening what a frame reads: the stand-in energy, the start and the dead load. formats/SPEC.md section 4, ELEM, QUAR, PRED
+   and LOAD. */
 #include "open.h"
 
 /* `count` rows of `lanes` floats at `offset` of the chunk: inside it, aligned, finite. */
@@ -66,8 +66,8 @@ static pliant_result open_elements(const pliant_open_context* context, pliant_as
     return PLIANT_OK;
 }
 
-/* Of a table of QUAR: what is before and behind the tails of the rows and behind the last row, and the constant term, which is its
-   first number. */
+/* Of a table of QUAR: what is before and behind the tails of the rows and behind the last row, and the constant term, which
+   is its first number. */
 static int has_zero_padding(const float* table, uint32_t dimension)
 {
     const uint32_t pairs = pliant_format_quartic_pair(dimension, dimension + 1);

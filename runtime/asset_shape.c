@@ -6,7 +6,8 @@ static uint64_t rest_tiles(const pliant_open_context* context)
     return ((uint64_t)context->header.vertex_count + PLIANT_FORMAT_TILE_VERTICES - 1) / PLIANT_FORMAT_TILE_VERTICES;
 }
 
-/* BASI is read by reconstruction alone, as REST is: their numbers move vertices and no pointers, so only sizes are checked. */
+/* BASI is read by reconstruction alone, as REST is: their numbers move vertices and no pointers, so only
+   sizes are checked. */
 static pliant_result open_floats(const pliant_open_context* context, const pliant_format_chunk* basis, pliant_asset* asset)
 {
     const uint64_t tile_size = PLIANT_FORMAT_TILE_FLOATS * sizeof(float);

@@ -51,9 +51,10 @@ static void include(box* b, int c, double lowest, double highest)
     if (b->is_empty || highest > b->highest[c]) b->highest[c] = highest;
 }
 
-/* `row` has the cluster's 1 + d intervals. The sums that reconstruction rounds have at most d + 4 terms (bases, fields, rest, factor,
-   origin), some of them products of three rounded numbers, and none of their partial sums exceeds `size`: so 2 (d + 8) roundings of
-   it cover theirs. In a compact basis a number is a base plus a field, each of them at most twice the column's reach. */
+/* `row` has the cluster's 1 + d intervals. The sums that reconstruction rounds have at most d + 4 terms (bases, fields,
+   rest, factor, origin), some of them products of three rounded numbers, and none of their partial sums exceeds `size`: so 2
+   (d + 8) roundings of it cover theirs. In a compact basis a number is a base plus a field, each of them at most twice the
+   column's reach. */
 static void include_cluster(box* b, const pliant_asset* asset, const pliant_format_interval* row, const float* q)
 {
     const double roundings = 2.0 * ((double)asset->dimension + 8.0) * EPSILON;

@@ -151,14 +151,16 @@ static void evaluate_group(const pliant_kernels* kernels, uint32_t kind, const p
                            const pliant_arap_poses* poses, float* force, float* energy)
 {
     switch (kind) {
-    case PLIANT_ELEMENT_HINGE: kernels->hinge(group, force, energy); break;
-    case PLIANT_ELEMENT_FACE_NEO_HOOKEAN: kernels->face_neo_hookean(group, force, energy); break;
-    case PLIANT_ELEMENT_FACE_STVK: kernels->face_stvk(group, force, energy); break;
-    case PLIANT_ELEMENT_FACE_EDGE: kernels->face_edge(group, force, energy); break;
-    case PLIANT_ELEMENT_TET_STVK: kernels->tet_stvk(group, force, energy); break;
-    case PLIANT_ELEMENT_TET_MOONEY_RIVLIN: kernels->tet_mooney_rivlin(group, force, energy); break;
-    case PLIANT_ELEMENT_TIE: kernels->tie(group, force, energy); break;
-    default: /* ARAP; pliant_asset_open lets no other kind pass */ kernels->arap_cell(group, poses, force, energy); break;
+    case PLIANT_ELEMENT_HINGE: kernels->evaluate_hinge(group, force, energy); break;
+    case PLIANT_ELEMENT_FACE_NEO_HOOKEAN: kernels->evaluate_face_neo_hookean(group, force, energy); break;
+    case PLIANT_ELEMENT_FACE_STVK: kernels->evaluate_face_stvk(group, force, energy); break;
+    case PLIANT_ELEMENT_FACE_EDGE: kernels->evaluate_face_edge(group, force, energy); break;
+    case PLIANT_ELEMENT_TET_STVK: kernels->evaluate_tet_stvk(group, force, energy); break;
+    case PLIANT_ELEMENT_TET_MOONEY_RIVLIN: kernels->evaluate_tet_mooney_rivlin(group, force, energy); break;
+    case PLIANT_ELEMENT_TIE: kernels->evaluate_tie(group, force, energy); break;
+    default: /* ARAP; pliant_asset_open lets no other kind pass */
+        kernels->evaluate_arap_cell(group, poses, force, energy);
+        break;
     }
 }
 

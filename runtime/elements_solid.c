@@ -1,8 +1,8 @@
 /* Elements of solids: two materials on linear tetrahedra, 16 at a time. Formulas: formats/SPEC.md, kinds 6 and 7.
 
    The rows are the deformation gradient F = I + D relative to z = 0, so that `change` is D and rows[0] is known: all that
-   is the same for every shape at z = 0 is a constant here and no number of the file. Every term is formed from D and not from F:
-   near z = 0, where blends are compared, nothing of the size of 1 is subtracted from its like.
+   is the same for every shape at z = 0 is a constant here and no number of the file. Every term is formed from D and not
+   from F: near z = 0, where blends are compared, nothing of the size of 1 is subtracted from its like.
 
    Loops are as in elements_shell.c: no branch, all values of a lane are scalars of the loop body. */
 #include "internal.h"
@@ -172,8 +172,8 @@ static PLIANT_INLINE powers_t raise_powers(float u)
     return p;
 }
 
-/* Mooney-Rivlin with a volume term: s^(-2/3) A:G + s^(-4/3) B:cof G + C s^2 - 2 (C - c) s for G = F^T F, s = det F, which every
-   sum over poses of such energies is. Source: Ogden, "Non-linear Elastic Deformations", section 7.2; Bonet, Wood,
+/* Mooney-Rivlin with a volume term: s^(-2/3) A:G + s^(-4/3) B:cof G + C s^2 - 2 (C - c) s for G = F^T F, s = det F, which
+   every sum over poses of such energies is. Source: Ogden, "Non-linear Elastic Deformations", section 7.2; Bonet, Wood,
    "Nonlinear Continuum Mechanics for Finite Element Analysis", section 6.5, for the split into shape and volume. */
 static PLIANT_INLINE void evaluate_tet_mooney_rivlin(const pliant_element_group* group, float* PLIANT_RESTRICT force,
                                                      float* PLIANT_RESTRICT energy)

@@ -1,8 +1,9 @@
 /* Ties between the parts of a character, 16 at a time. Formula: formats/SPEC.md, kind 8.
 
-   A tie is quadratic in the place of a vertex among its anchors, (r.e1, r.e2, r.(e1 x e2)), so that all poses together are one: see
-   the combination of hinges in elements.c. As there, the place's change since z = 0 is formed from the changes of r, e1, e2 and
-   nothing cancels. Loops are as in elements_shell.c: no branch, all values of a lane are scalars of the loop body. */
+   A tie is quadratic in the place of a vertex among its anchors, (r.e1, r.e2, r.(e1 x e2)), so that all poses together are
+   one: see the combination of hinges in elements.c. As there, the place's change since z = 0 is formed from the changes of
+   r, e1, e2 and nothing cancels. Loops are as in elements_shell.c: no branch, all values of a lane are scalars of the loop
+   body. */
 #include "internal.h"
 
 #include <string.h>

@@ -4,7 +4,7 @@
 
 #include "pliant.h"
 
-#include "../formats/pliant_format.h"
+#include "pliant_format.h"
 
 #include <string.h>
 
@@ -12,29 +12,31 @@
    width: 16 lanes are four SSE registers, two of AVX, one of AVX-512. */
 #define PLIANT_LANES PLIANT_FORMAT_LANES
 
-#if defined(__GNUC__) || defined(__clang__) || (defined(__STDC_VERSION__) && __STDC_VERSION__ >= 199901L)
+#if defined(__GNUC__) || defined(_MSC_VER)
+#define PLIANT_RESTRICT __restrict /* in C++, too */
+#elif defined(__STDC_VERSION__) && __STDC_VERSION__ >= 199901L
 #define PLIANT_RESTRICT restrict
 #else
 #define PLIANT_RESTRICT
 #endif
 
-/* Vector code that counts is compiled twice where that can be: for the compiler's default and for AVX2; what unpacks a compact
-   basis a third time, for AVX-512, where it gains a quarter (single precision waits for memory, the solver was not tried). The
-   processor is asked when a solver is made and in every reconstruction. All do the same operations in the same order, hence the
-   same bits; FMA, which rounds once where they round twice, stays off. No copies where all is compiled for AVX2 anyway, for MSVC,
-   whose library cannot be asked, and where PLIANT_NO_DISPATCH is defined. */
+/* Vector code that counts is compiled twice where that can be: for the compiler's default and for AVX2; what unpacks a
+   compact basis a third time, for AVX-512, where it gains a quarter (single precision waits for memory, the solver was not
+   tried). The processor is asked when a solver is made and in every reconstruction. All do the same operations in the same
+   order, hence the same bits; FMA, which rounds once where they round twice, stays off. No copies where all is compiled for
+   AVX2 anyway, for MSVC, whose library cannot be asked, and where PLIANT_NO_DISPATCH is defined. */
 #if defined(__x86_64__) && defined(__GNUC__) && !defined(_MSC_VER) && !defined(__AVX2__) && !defined(PLIANT_NO_DISPATCH)
 #define PLIANT_HAS_AVX2_COPY 1
-#define PLIANT_AVX2 __attribute__((target("avx2")))
-#define PLIANT_AVX512 __attribute__((target("avx512f,avx512bw,avx512dq,avx512vl")))
+#define PLIANT_TARGET_avx2 __attribute__((target("avx2")))
+#define PLIANT_TARGET_avx512 __attribute__((target("avx512f,avx512bw,avx512dq,avx512vl")))
 /* Makes the kernel pliant_NAME out of the function NAME, and pliant_NAME_avx2 out of the same. */
 #define PLIANT_KERNEL(name, parameters, arguments)    \
     void pliant_##name parameters { name arguments; } \
-    PLIANT_AVX2 void pliant_##name##_avx2 parameters { name arguments; }
+    PLIANT_TARGET_avx2 void pliant_##name##_avx2 parameters { name arguments; }
 /* The same, and pliant_NAME_avx512. */
 #define PLIANT_WIDE_KERNEL(name, parameters, arguments) \
     PLIANT_KERNEL(name, parameters, arguments)          \
-    PLIANT_AVX512 void pliant_##name##_avx512 parameters { name arguments; }
+    PLIANT_TARGET_avx512 void pliant_##name##_avx512 parameters { name arguments; }
 #else
 #define PLIANT_HAS_AVX2_COPY 0
 #define PLIANT_KERNEL(name, parameters, arguments) \
@@ -145,29 +147,41 @@ typedef void pliant_tile_kernel(const pliant_asset* asset, const pliant_frame* f
 typedef void pliant_compact_kernel(const pliant_asset* asset, const pliant_frame* frame, size_t tile, size_t first,
                                    size_t end, float* PLIANT_RESTRICT out);
 
+/* In pliant_normals.neighbours, on the first index of a run; indices are below 2^26. */
+#define PLIANT_RUN_START 0x80000000u
+
 /* The normals of `count` vertices (at most PLIANT_LANES) from `first` on: x y z each, PLIANT_LANES of them are written. */
 typedef void pliant_normals_kernel(const pliant_normals* normals, const unsigned char* positions, size_t stride,
                                    size_t first, size_t count, float* PLIANT_RESTRICT out);
 
+/* Every kernel, X(TYPE, NAME, WIDEST): pliant_NAME is of type pliant_TYPE_kernel, and WIDEST is the widest instruction set
+   that has a copy of it, where there are copies. */
+/* clang-format off */
+#define PLIANT_KERNELS(X)                        \
+    X(combine, combine_columns, avx2)            \
+    X(symmetric, add_symmetric, avx2)            \
+    X(forward, pass_forward, avx2)               \
+    X(backward, pass_backward, avx2)             \
+    X(element, evaluate_hinge, avx2)             \
+    X(element, evaluate_face_neo_hookean, avx2)  \
+    X(element, evaluate_face_stvk, avx2)         \
+    X(element, evaluate_face_edge, avx2)         \
+    X(arap, evaluate_arap_cell, avx2)            \
+    X(element, evaluate_tet_stvk, avx2)          \
+    X(element, evaluate_tet_mooney_rivlin, avx2) \
+    X(element, evaluate_tie, avx2)               \
+    X(quartic, evaluate_quartic, avx2)           \
+    X(tile, rebuild_tile, avx2)                  \
+    X(compact, rebuild_compact, avx512)          \
+    X(normals, normals_of_block, avx2)
+/* clang-format on */
+
 /* One instruction set's. */
+#define PLIANT_KERNEL_MEMBER(type, name, widest) pliant_##type##_kernel* name;
 typedef struct pliant_kernels {
-    pliant_combine_kernel* combine_columns;
-    pliant_symmetric_kernel* add_symmetric;
-    pliant_forward_kernel* pass_forward;
-    pliant_backward_kernel* pass_backward;
-    pliant_element_kernel* hinge;
-    pliant_element_kernel* face_neo_hookean;
-    pliant_element_kernel* face_stvk;
-    pliant_element_kernel* face_edge;
-    pliant_arap_kernel* arap_cell;
-    pliant_element_kernel* tet_stvk;
-    pliant_element_kernel* tet_mooney_rivlin;
-    pliant_element_kernel* tie;
-    pliant_quartic_kernel* quartic;
-    pliant_tile_kernel* rebuild_tile;
-    pliant_compact_kernel* rebuild_compact;
-    pliant_normals_kernel* normals_of_block;
+    PLIANT_KERNELS(PLIANT_KERNEL_MEMBER)
 } pliant_kernels;
+#undef PLIANT_KERNEL_MEMBER
 
 /* Those for the compiler's default, and the best for this processor. */
 extern const pliant_kernels pliant_kernels_plain;
@@ -176,37 +190,21 @@ extern const pliant_kernels pliant_kernels_avx2, pliant_kernels_avx512;
 #endif
 const pliant_kernels* pliant_kernels_choose(void);
 
-/* What the tables name. */
-pliant_combine_kernel pliant_combine_columns;
-pliant_symmetric_kernel pliant_add_symmetric;
-pliant_forward_kernel pliant_pass_forward;
-pliant_backward_kernel pliant_pass_backward;
-pliant_element_kernel pliant_evaluate_hinge, pliant_evaluate_face_neo_hookean, pliant_evaluate_face_stvk,
-    pliant_evaluate_face_edge, pliant_evaluate_tet_stvk, pliant_evaluate_tet_mooney_rivlin, pliant_evaluate_tie;
-pliant_arap_kernel pliant_evaluate_arap_cell;
-pliant_quartic_kernel pliant_evaluate_quartic;
-pliant_tile_kernel pliant_rebuild_tile;
-pliant_compact_kernel pliant_rebuild_compact;
-pliant_normals_kernel pliant_normals_of_block;
+/* The functions; a copy for AVX2 is declared twice where that is the widest. */
 #if PLIANT_HAS_AVX2_COPY
-PLIANT_AVX2 pliant_combine_kernel pliant_combine_columns_avx2;
-PLIANT_AVX2 pliant_symmetric_kernel pliant_add_symmetric_avx2;
-PLIANT_AVX2 pliant_forward_kernel pliant_pass_forward_avx2;
-PLIANT_AVX2 pliant_backward_kernel pliant_pass_backward_avx2;
-PLIANT_AVX2 pliant_element_kernel pliant_evaluate_hinge_avx2, pliant_evaluate_face_neo_hookean_avx2,
-    pliant_evaluate_face_stvk_avx2, pliant_evaluate_face_edge_avx2, pliant_evaluate_tet_stvk_avx2,
-    pliant_evaluate_tet_mooney_rivlin_avx2, pliant_evaluate_tie_avx2;
-PLIANT_AVX2 pliant_arap_kernel pliant_evaluate_arap_cell_avx2;
-PLIANT_AVX2 pliant_quartic_kernel pliant_evaluate_quartic_avx2;
-PLIANT_AVX2 pliant_tile_kernel pliant_rebuild_tile_avx2;
-PLIANT_AVX2 pliant_compact_kernel pliant_rebuild_compact_avx2;
-PLIANT_AVX2 pliant_normals_kernel pliant_normals_of_block_avx2;
-PLIANT_AVX512 pliant_compact_kernel pliant_rebuild_compact_avx512;
+#define PLIANT_KERNEL_DECLARE(type, name, widest)                   \
+    pliant_##type##_kernel pliant_##name;                           \
+    PLIANT_TARGET_avx2 pliant_##type##_kernel pliant_##name##_avx2; \
+    PLIANT_TARGET_##widest pliant_##type##_kernel pliant_##name##_##widest;
+#else
+#define PLIANT_KERNEL_DECLARE(type, name, widest) pliant_##type##_kernel pliant_##name;
 #endif
+PLIANT_KERNELS(PLIANT_KERNEL_DECLARE)
+#undef PLIANT_KERNEL_DECLARE
 
 /* --------------------------------------------------------------------------------------------- stand-in energy ---- */
 
-/* An asset has elements or a quartic polynomial: solver.c decides which three functions to call. */
+/* An asset has elements or a quartic polynomial: objective.c decides which three functions to call. */
 
 /* Memory that an evaluation needs, in floats; every array starts at a multiple of 64 bytes. */
 typedef struct pliant_energy_layout {
@@ -233,9 +231,9 @@ double pliant_quartic_evaluate(const pliant_kernels* kernels, const pliant_asset
 
 /* ----------------------------------------------------------------------------------------- functions of the weights ---- */
 
-/* The start z0(w) and the dead load c(w) for normalised weights, padded_dimension floats each, padding zero; 0 where the asset
-   has none. Either may be null: not wanted. `load` must be null if the asset has none. Together they share one pass over the
-   centres and cost centre_count * (pose_count + dimension for each) multiply-adds. */
+/* The start z0(w) and the dead load c(w) for normalised weights, padded_dimension floats each, padding zero; 0 where the
+   asset has none. Either may be null: not wanted. `load` must be null if the asset has none. Together they share one pass
+   over the centres and cost centre_count * (pose_count + dimension for each) multiply-adds. */
 void pliant_radial_evaluate(const pliant_asset* asset, const float* weights, float* start, float* load);
 
 /* ------------------------------------------------------------------------------------------------------- solver ---- */
@@ -280,10 +278,14 @@ struct pliant_solver {
     uint32_t evaluation_limit; /* at which a descent ends: desc.max_evaluations, or the share of it that it may use */
 };
 
+/* Memory that the asset's stand-in needs. */
+pliant_energy_layout pliant_solver_measure_energy(const pliant_asset* asset);
+
 /* Makes `combined` that of solver->weights, if it is not that already: a function of them alone. */
 void pliant_solver_combine(pliant_solver* solver);
 
-/* Evaluates the stand-in and the load at `z` and counts it. 1 if value and gradient are finite, 0 otherwise: such a point counts as +infinity. */
+/* Evaluates the stand-in and the load at `z` and counts it. 1 if value and gradient are finite, 0 otherwise: such a point
+   counts as +infinity. */
 int pliant_solver_evaluate(pliant_solver* solver, const float* z, double* energy, float* gradient);
 
 /* Minimises from solver->z, where energy and gradient are known. LIMIT at desc.max_iterations or at evaluation_limit. */

@@ -2,8 +2,8 @@
 #include "internal.h"
 #include "linalg.h"
 
-/* So much of a product at a time that it stays in the first-level cache while the columns stream through: those of a quartic are
-   hundreds of kilobytes long. */
+/* So much of a product at a time that it stays in the first-level cache while the columns stream through: those of a quartic
+   are hundreds of kilobytes long. */
 #define COMBINED_FLOATS 1024u
 
 static PLIANT_INLINE void combine_columns(float* PLIANT_RESTRICT y, const float* PLIANT_RESTRICT matrix,
@@ -38,47 +38,15 @@ PLIANT_KERNEL(add_symmetric,
               (float* PLIANT_RESTRICT matrix, const float* PLIANT_RESTRICT u, const float* PLIANT_RESTRICT v, size_t count),
               (matrix, u, v, count))
 
-const pliant_kernels pliant_kernels_plain = {
-    pliant_combine_columns,
-    pliant_add_symmetric,
-    pliant_pass_forward,
-    pliant_pass_backward,
-    pliant_evaluate_hinge,
-    pliant_evaluate_face_neo_hookean,
-    pliant_evaluate_face_stvk,
-    pliant_evaluate_face_edge,
-    pliant_evaluate_arap_cell,
-    pliant_evaluate_tet_stvk,
-    pliant_evaluate_tet_mooney_rivlin,
-    pliant_evaluate_tie,
-    pliant_evaluate_quartic,
-    pliant_rebuild_tile,
-    pliant_rebuild_compact,
-    pliant_normals_of_block,
-};
+#define PLAIN(type, name, widest) pliant_##name,
+const pliant_kernels pliant_kernels_plain = { PLIANT_KERNELS(PLAIN) };
 
 #if PLIANT_HAS_AVX2_COPY
 
-/* All but what rebuilds vertices. */
-#define SOLVER_AVX2                                                                                              \
-    pliant_combine_columns_avx2, pliant_add_symmetric_avx2, pliant_pass_forward_avx2, pliant_pass_backward_avx2, \
-        pliant_evaluate_hinge_avx2, pliant_evaluate_face_neo_hookean_avx2, pliant_evaluate_face_stvk_avx2,       \
-        pliant_evaluate_face_edge_avx2, pliant_evaluate_arap_cell_avx2, pliant_evaluate_tet_stvk_avx2,           \
-        pliant_evaluate_tet_mooney_rivlin_avx2, pliant_evaluate_tie_avx2, pliant_evaluate_quartic_avx2
-
-const pliant_kernels pliant_kernels_avx2 = {
-    SOLVER_AVX2,
-    pliant_rebuild_tile_avx2,
-    pliant_rebuild_compact_avx2,
-    pliant_normals_of_block_avx2,
-};
-
-const pliant_kernels pliant_kernels_avx512 = {
-    SOLVER_AVX2,
-    pliant_rebuild_tile_avx2,
-    pliant_rebuild_compact_avx512,
-    pliant_normals_of_block_avx2,
-};
+#define AVX2(type, name, widest) pliant_##name##_avx2,
+#define WIDEST(type, name, widest) pliant_##name##_##widest,
+const pliant_kernels pliant_kernels_avx2 = { PLIANT_KERNELS(AVX2) };
+const pliant_kernels pliant_kernels_avx512 = { PLIANT_KERNELS(WIDEST) };
 
 const pliant_kernels* pliant_kernels_choose(void)
 {

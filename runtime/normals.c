@@ -1,17 +1,15 @@
 /* Normals of vertices, recomputed from the deformed positions.
 
-   A normal is the direction of the sum of (b - v) x (c - v) over the corners (v, b, c) of triangles at vertex v, that is of the
-   triangles' normals weighted by their areas: no division, no arc cosine per face, so no face needs care before its sum, and what
-   most engines and three.js compute. Around a vertex neighbours follow each other (the c of one corner is the b of the next), so
-   what is stored are runs of them: a vertex inside a surface has one run of valence + 1 indices, the first one repeated at the end.
-   Compared with the corners of triangles that is half the memory, and one position is read for a triangle and not two or three. */
+   A normal is the direction of the sum of (b - v) x (c - v) over the corners (v, b, c) of triangles at vertex v, that is of
+   the triangles' normals weighted by their areas: no division, no arc cosine per face, so no face needs care before its sum,
+   and what most engines and three.js compute. Around a vertex neighbours follow each other (the c of one corner is the b of
+   the next), so what is stored are runs of them: a vertex inside a surface has one run of valence + 1 indices, the first one
+   repeated at the end. Compared with the corners of triangles that is half the memory, and one position is read for a
+   triangle and not two or three. */
 #include "internal.h"
 
-#include <math.h>
-
-#define RUN_START 0x80000000u /* on the first index of a run; indices are below 2^26 */
-#define INDEX_MASK 0x7FFFFFFFu
-/* Corners that are put in order together: no vertex of a usual mesh has more, and the time for one that has is still linear. */
+/* Corners that are put in order together: no vertex of a usual mesh has more, and the time for one that has is still
+   linear. */
 #define CHAINED_CORNERS 64u
 
 typedef struct corner {
@@ -72,7 +70,7 @@ static uint64_t find_heads(const corner* corners, uint32_t count)
 /* Writes the run that starts with corner i, and takes its corners out of *left. */
 static uint32_t* write_run(const corner* corners, uint32_t count, uint32_t i, uint64_t* left, uint32_t* out)
 {
-    *out++ = corners[i].b | RUN_START;
+    *out++ = corners[i].b | PLIANT_RUN_START;
     while (i < count) {
         const uint32_t end = corners[i].c;
         *left &= ~((uint64_t)1 << i);
@@ -138,84 +136,6 @@ pliant_result pliant_normals_init(pliant_normals* out, const pliant_asset* asset
 }
 
 /* --------------------------------------------------------------------------------------------------------- normals ---- */
-
-typedef struct vector {
-    float x, y, z;
-} vector;
-
-static PLIANT_INLINE vector position_at(const unsigned char* positions, size_t stride, size_t vertex)
-{
-    vector p;
-    memcpy(&p, positions + vertex * stride, sizeof p);
-    return p;
-}
-
-static PLIANT_INLINE vector difference(vector a, vector b)
-{
-    const vector d = { a.x - b.x, a.y - b.y, a.z - b.z };
-    return d;
-}
-
-static PLIANT_INLINE vector sum_of_corners(const pliant_normals* normals, const unsigned char* positions, size_t stride,
-                                           size_t vertex)
-{
-    const size_t group = normals->groups ? normals->groups[vertex] : vertex;
-    const size_t end = normals->starts[group + 1];
-    const vector centre = position_at(positions, stride, vertex);
-    vector sum = { 0.0f, 0.0f, 0.0f }, a = { 0.0f, 0.0f, 0.0f };
-    for (size_t i = normals->starts[group]; i < end; ++i) {
-        const uint32_t word = normals->neighbours[i];
-        const vector b = difference(position_at(positions, stride, word & INDEX_MASK), centre);
-        if (!(word & RUN_START)) {
-            sum.x += a.y * b.z - a.z * b.y;
-            sum.y += a.z * b.x - a.x * b.z;
-            sum.z += a.x * b.y - a.y * b.x;
-        }
-        a = b;
-    }
-    return sum;
-}
-
-static PLIANT_INLINE float larger(float a, float b) { return a > b ? a : b; }
-
-/* Divided by its largest component first, so that squares neither vanish nor overflow. After that the squared length is from 1
-   to 3, or not a number if the sum was zero, infinite or not a number itself: then the normal is +z. */
-static PLIANT_INLINE void normalise_lanes(float* PLIANT_RESTRICT x, float* PLIANT_RESTRICT y, float* PLIANT_RESTRICT z)
-{
-    for (size_t i = 0; i < PLIANT_LANES; ++i) {
-        const float largest = larger(fabsf(x[i]), larger(fabsf(y[i]), fabsf(z[i])));
-        const float u = x[i] / largest, v = y[i] / largest, w = z[i] / largest;
-        const float squared = u * u + v * v + w * w;
-        const float factor = 1.0f / sqrtf(squared);
-        const int is_direction = squared >= 0.5f;
-        x[i] = is_direction ? u * factor : 0.0f;
-        y[i] = is_direction ? v * factor : 0.0f;
-        z[i] = is_direction ? w * factor : 1.0f;
-    }
-}
-
-static PLIANT_INLINE void normals_of_block(const pliant_normals* normals, const unsigned char* positions, size_t stride,
-                                           size_t first, size_t count, float* PLIANT_RESTRICT out)
-{
-    float x[PLIANT_LANES] = { 0 }, y[PLIANT_LANES] = { 0 }, z[PLIANT_LANES] = { 0 };
-    for (size_t i = 0; i < count; ++i) {
-        const vector sum = sum_of_corners(normals, positions, stride, first + i);
-        x[i] = sum.x;
-        y[i] = sum.y;
-        z[i] = sum.z;
-    }
-    normalise_lanes(x, y, z);
-    for (size_t i = 0; i < PLIANT_LANES; ++i) {
-        out[3 * i] = x[i];
-        out[3 * i + 1] = y[i];
-        out[3 * i + 2] = z[i];
-    }
-}
-
-PLIANT_KERNEL(normals_of_block,
-              (const pliant_normals* normals, const unsigned char* positions, size_t stride, size_t first, size_t count,
-               float* PLIANT_RESTRICT out),
-              (normals, positions, stride, first, count, out))
 
 void pliant_normals_compute(const pliant_normals* normals, const float* positions, size_t stride, uint32_t first,
                             uint32_t count, float* out, size_t out_stride)

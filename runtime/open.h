@@ -1,5 +1,5 @@
-/* What the files that open an asset share. Hostile bytes are the normal case here: sizes go through pliant_fits() before anything
-   is multiplied or added, and nothing is read before its range was checked. */
+/* What the files that open an asset share. Hostile bytes are the normal case here: sizes go through pliant_fits() before
+   anything is multiplied or added, and nothing is read before its range was checked. */
 #ifndef PLIANT_OPEN_H
 #define PLIANT_OPEN_H
 
@@ -39,7 +39,10 @@ static inline int pliant_all_finite(const void* bytes, uint64_t count)
     return bad == 0;
 }
 
-/* The chunk with this tag, or null. */
+/* The first of `count` chunks with this tag, or null. */
+const pliant_format_chunk* pliant_open_search(const pliant_format_chunk* chunks, uint32_t count, uint32_t tag);
+
+/* The asset's chunk with this tag, or null. */
 const pliant_format_chunk* pliant_open_find(const pliant_open_context* context, uint32_t tag);
 
 /* The count that starts ELEM, QUAR, PRED, LOAD, VERT and ANSW and its range, and the reserved words behind it. */

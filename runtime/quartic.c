@@ -1,10 +1,11 @@
-/* The stand-in as a quartic polynomial per pose, formats/SPEC.md section 4, QUAR: what St. Venant-Kirchhoff solids are exactly, in
-   O(d^4) for any number of tetrahedra.
+/* The stand-in as a quartic polynomial per pose, formats/SPEC.md section 4, QUAR: what St. Venant-Kirchhoff solids are
+   exactly, in O(d^4) for any number of tetrahedra.
 
-   The polynomial is a quadratic form in the products phi_t = x_a x_b of pairs t of x = (1, z), which is evaluated by its rows: row
-   (i, j) holds what x_i x_j is multiplied with, for the pairs that do not come before (j, j). One pass over the table gives
-   both the sums <row, phi> and psi, the derivatives by phi. Source of the idea: Barbic, James, "Real-Time Subspace Integration for
-   St. Venant-Kirchhoff Deformable Models", SIGGRAPH 2005, section 4, who store the gradient's cubic polynomials. */
+   The polynomial is a quadratic form in the products phi_t = x_a x_b of pairs t of x = (1, z), which is evaluated by its
+   rows: row (i, j) holds what x_i x_j is multiplied with, for the pairs that do not come before (j, j). One pass over the
+   table gives both the sums <row, phi> and psi, the derivatives by phi. Source of the idea: Barbic, James, "Real-Time
+   Subspace Integration for St. Venant-Kirchhoff Deformable Models", SIGGRAPH 2005, section 4, who store the gradient's cubic
+   polynomials. */
 #include "internal.h"
 #include "linalg.h"
 
@@ -76,8 +77,8 @@ static PLIANT_INLINE void multiply_pairs(const quartic_view* v)
     memset(phi, 0, (size_t)(v->phi + v->pair_end - phi) * sizeof *phi);
 }
 
-/* slope += factor * s. All is read before anything is written: a compiler that cannot rule out that they overlap makes vector code of
-   that, too. */
+/* slope += factor * s. All is read before anything is written: a compiler that cannot rule out that they overlap makes
+   vector code of that, too. */
 static PLIANT_INLINE void add_to_slope(float* slope, float factor, const float* s)
 {
     sums_t sum;
@@ -129,8 +130,8 @@ static PLIANT_INLINE void pass_rows(const float* PLIANT_RESTRICT row, const floa
     add_to_slope(slopes + 3 * SUM_LANES, xj, s3);
 }
 
-/* The rows (0, j) .. (j, j), `count` floats each: psi, what they add to the slopes, and their part of the value, which is added up
-   in double as that of a batch of elements is. */
+/* The rows (0, j) .. (j, j), `count` floats each: psi, what they add to the slopes, and their part of the value, which is
+   added up in double as that of a batch of elements is. */
 static PLIANT_INLINE double pass_block(const quartic_view* v, const float* row, size_t j, size_t count)
 {
     const float* phi = v->phi + (v->pair_end - count);
@@ -158,8 +159,8 @@ static PLIANT_INLINE float finish_slope(const float* PLIANT_RESTRICT a, const fl
     return add_lanes(sum);
 }
 
-/* The gradient by the product rule, from psi: pair (a, b) adds psi x_b to the derivative by x_a and psi x_a to that by x_b. That by
-   x_0 = 1 is nobody's. */
+/* The gradient by the product rule, from psi: pair (a, b) adds psi x_b to the derivative by x_a and psi x_a to that by x_b.
+   That by x_0 = 1 is nobody's. */
 static PLIANT_INLINE void add_pair_slopes(const quartic_view* v, float* gradient)
 {
     const float* psi = v->psi;
@@ -203,6 +204,6 @@ double pliant_quartic_evaluate(const pliant_kernels* kernels, const pliant_asset
                                const float* z, float* gradient, float* scratch)
 {
     double energy;
-    kernels->quartic(asset->dimension, combined, z, gradient, scratch, &energy);
+    kernels->evaluate_quartic(asset->dimension, combined, z, gradient, scratch, &energy);
     return energy;
 }

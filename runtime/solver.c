@@ -1,7 +1,6 @@
 /* One character's solver: carving its memory, judging weights, choosing where a frame starts, turning z into q. The
    minimisation itself is in bfgs.c. */
 #include "internal.h"
-#include "linalg.h"
 
 #include <float.h>
 #include <math.h>
@@ -11,8 +10,8 @@
 /* Vectors and matrices start at multiples of this: a cache line, and what the widest vectors like. */
 #define ALIGNMENT 64u
 
-/* A jump keeps this part of its evaluations for a second descent, from z = 0: enough for one that starts well, and too few
-   to be missed by a first one that is on a good way (tests/bench/jumps.c counts both). */
+/* A jump keeps this part of its evaluations for a second descent, from z = 0: enough for one that starts well, and few
+   enough not to starve a first descent that is making progress (tests/bench/jumps.c counts both). */
 #define SECOND_DESCENT_SHARE 4u
 
 /* With fewer evaluations than this a second descent gets nowhere. */
@@ -56,16 +55,11 @@ static void* carve(carver* c, uint64_t size)
 
 static float* carve_floats(carver* c, uint64_t count) { return (float*)carve(c, count * sizeof(float)); }
 
-static pliant_energy_layout measure_energy(const pliant_asset* asset)
-{
-    return asset->quartic ? pliant_quartic_measure(asset) : pliant_elements_measure(asset);
-}
-
 /* The one layout: counts (solver null) and carves. */
 static void lay_out(carver* c, const pliant_asset* asset, pliant_solver* solver)
 {
     const uint64_t d = asset->padded_dimension, m = pliant_pad_lanes(asset->pose_count);
-    const pliant_energy_layout energy = measure_energy(asset);
+    const pliant_energy_layout energy = pliant_solver_measure_energy(asset);
     pliant_solver counted;
     pliant_solver* s = solver ? solver : &counted;
     s->weights = carve_floats(c, m);
@@ -166,41 +160,6 @@ static float distance_of_weights(const float* a, const float* b, uint32_t count)
 }
 
 /* -------------------------------------------------------------------------------------------------------- start ---- */
-
-void pliant_solver_combine(pliant_solver* solver)
-{
-    const pliant_asset* asset = &solver->asset;
-    const size_t size = asset->pose_count * sizeof(float);
-    if (solver->is_combined && memcmp(solver->combined_weights, solver->weights, size) == 0) return;
-    if (asset->quartic)
-        pliant_quartic_combine(solver->kernels, asset, solver->weights, solver->combined);
-    else
-        pliant_elements_combine(solver->kernels, asset, solver->weights, solver->combined);
-    memcpy(solver->combined_weights, solver->weights, size);
-    solver->is_combined = 1;
-}
-
-static double evaluate_energy(const pliant_solver* solver, const float* z, float* gradient)
-{
-    const pliant_asset* asset = &solver->asset;
-    if (asset->quartic)
-        return pliant_quartic_evaluate(solver->kernels, asset, solver->combined, z, gradient, solver->scratch);
-    return pliant_elements_evaluate(solver->kernels, asset, solver->weights, solver->combined, z, gradient, solver->scratch);
-}
-
-int pliant_solver_evaluate(pliant_solver* solver, const float* z, double* energy, float* gradient)
-{
-    const size_t d = solver->asset.padded_dimension;
-    ++solver->evaluations;
-    *energy = evaluate_energy(solver, z, gradient);
-    if (solver->load) {
-        *energy += (double)pliant_dot(solver->load, z, d);
-        pliant_add_scaled(gradient, 1.0f, solver->load, d);
-    }
-    /* A sum of squares in single precision overflows before anything computed from this point can. */
-    const float square = pliant_dot(gradient, gradient, d);
-    return fabs(*energy) <= (double)FLT_MAX && pliant_is_finite(square);
-}
 
 /* Makes the point `z` the current one if it can be evaluated. */
 static int try_start(pliant_solver* solver, const float* z)

@@ -28,78 +28,44 @@ template <class Enum> Enum parse_name(const std::string& name, std::initializer_
 
 } // namespace
 
-const char* name_of(Material material)
-{
-    switch (material) {
-    case Material::arap: return "arap";
-    case Material::stvk: return "stvk";
-    case Material::mooney_rivlin: return "mooney-rivlin";
-    default: return "discrete-shells";
-    }
-}
-
-const char* name_of(Membrane membrane)
-{
-    switch (membrane) {
-    case Membrane::stvk: return "stvk";
-    case Membrane::edge: return "edge";
-    default: return "neo-hookean";
-    }
-}
-
-const char* name_of(SubspaceKind kind)
-{
-    return kind == SubspaceKind::krylov ? "krylov" : kind == SubspaceKind::barbic ? "barbic" : "adaptive";
-}
-const char* name_of(StandInKind kind)
-{
-    switch (kind) {
-    case StandInKind::quartic: return "quartic";
-    case StandInKind::cubature: return "cubature";
-    case StandInKind::ghost: return "ghost";
-    default: return "auto";
-    }
-}
-const char* name_of(SolverKind kind) { return kind == SolverKind::eigen ? "eigen" : "cholmod"; }
-
 namespace {
 
 Json subspace_of(const BakeReport& report, const BakeOptions& options)
 {
-    Json subspace = { { "kind", name_of(options.subspace) }, { "dimension", report.dimension } };
+    Json subspace = { { "kind", name_of(options.subspace) }, { "dimension", report.fit.dimension } };
     if (options.subspace == SubspaceKind::krylov) subspace["ritz"] = options.ritz_count;
     if (options.subspace == SubspaceKind::adaptive) {
-        subspace["snapshots"] = report.adaptive.snapshot_count;
-        subspace["unconverged_averages"] = report.adaptive.unconverged_count;
+        subspace["snapshots"] = report.snapshot_count;
+        subspace["unconverged_averages"] = report.unconverged_snapshot_count;
     }
-    subspace["mean_error"] = report.subspace_error.mean;
-    subspace["largest_error"] = report.subspace_error.largest;
+    subspace["mean_error"] = report.fit.subspace_error.mean;
+    subspace["largest_error"] = report.fit.subspace_error.largest;
     return subspace;
 }
 
 Json basis_of(const BakeReport& report, const BakeOptions& options)
 {
-    return { { "compact", report.basis.is_compact },
+    return { { "compact", report.check.basis.is_compact },
              { "position_error", options.position_error },
-             { "largest_difference", report.basis.largest_difference },
-             { "bytes_per_number", report.basis.bytes_per_number } };
+             { "largest_difference", report.check.basis.largest_difference },
+             { "bytes_per_number", report.check.basis.bytes_per_number } };
 }
 
 Json stand_in_of(const BakeReport& report, const BakeOptions& options)
 {
-    const StandInReport& r = report.stand_in;
-    Json stand_in = { { "kind", name_of(report.stand_in_kind) },
-                      { "elements", report.element_count },
-                      { "training_weights", report.training_count },
-                      { "unconverged_training_weights", report.unconverged_training_count },
+    const StandInReport& r = report.fit.stand_in;
+    Json stand_in = { { "kind", name_of(report.fit.kind) },
+                      { "elements", report.fit.element_count },
+                      { "training_weights", report.fit.training_count },
+                      { "unconverged_training_weights", report.fit.unconverged_training_count },
                       { "lowest_curvature", r.curvature.lowest },
                       { "highest_curvature", r.curvature.highest },
                       { "dead_load", r.has_load },
                       { "mean_error_without_load", r.plain.mean },
                       { "largest_error_without_load", r.plain.largest } };
-    if (report.stand_in_kind == StandInKind::cubature)
+    if (report.fit.kind == StandInKind::cubature)
         stand_in["cubature"] = options.cubature_solver == CubatureSolver::nn_htp ? "nn-htp" : "nnls";
-    if (!report.stand_in_reason.empty()) stand_in["reason"] = report.stand_in_reason;
+    if (!report.fit.reason.empty()) stand_in["reason"] = report.fit.reason;
     if (r.loaded.mean > 0) {
         stand_in["mean_error_with_load"] = r.loaded.mean;
         stand_in["largest_error_with_load"] = r.loaded.largest;
@@ -110,7 +76,7 @@ Json stand_in_of(const BakeReport& report, const BakeOptions& options)
 Json findings_of(const BakeReport& report, const std::vector<std::string>& pose_names)
 {
     Json findings = Json::array();
-    for (const BranchFinding& finding : report.findings)
+    for (const BranchFinding& finding : report.branches)
         findings.push_back({ { "kind",
                                finding.kind == BranchFinding::Kind::other_mean ? "other mean"
                                    : finding.kind == BranchFinding::Kind::jump ? "jump"
@@ -124,10 +90,10 @@ Json findings_of(const BakeReport& report, const std::vector<std::string>& pose_
 
 Json measured_of(const BakeReport& report)
 {
-    const char* const cell = report.tet_count ? "smallest_j" : "smallest_triangle_ratio";
+    const char* const cell = report.input.tet_count ? "smallest_j" : "smallest_triangle_ratio";
     Json checks = Json::array();
     int unconverged = 0;
-    for (const AssetCheck& check : report.checks) {
+    for (const BlendCheck& check : report.check.blends) {
         Json json = json_of(check.error);
         json[cell] = check.cell_ratio;
         json["fresh"] = check.is_fresh;
@@ -136,12 +102,12 @@ Json measured_of(const BakeReport& report)
         unconverged += !check.has_converged;
         checks.push_back(json);
     }
-    Json measured = { { "mean_error", report.mean_error },
-                      { "largest_error", report.largest_error },
-                      { "largest_distance", report.largest_distance },
-                      { cell, report.cell_ratio },
-                      { "worst_weights", json_of(report.worst_weights) },
-                      { "runtime_against_double", report.runtime_error },
+    Json measured = { { "mean_error", report.check.mean_error },
+                      { "largest_error", report.check.largest_error },
+                      { "largest_distance", report.check.largest_distance },
+                      { cell, report.check.cell_ratio },
+                      { "worst_weights", json_of(report.check.worst_weights) },
+                      { "runtime_against_double", report.check.runtime_error },
                       { "unconverged_checks", unconverged },
                       { "checks", checks } };
     return measured;
@@ -170,9 +136,9 @@ Json ties_of(const TieReport& report)
 // How the mesh of the energy differs from the one of the files, which is drawn.
 Json elastic_of(const BakeReport& report)
 {
-    const SurfaceRepairs& r = report.repairs;
-    return { { "drawn_vertices", report.drawn_vertex_count },
-             { "drawn_triangles", report.drawn_triangle_count },
+    const SurfaceRepairs& r = report.input.repairs;
+    return { { "drawn_vertices", report.input.drawn_vertex_count },
+             { "drawn_triangles", report.input.drawn_triangle_count },
              { "welded_vertices", r.welded_count },
              { "repeated_vertex_triangles", r.repeated_count },
              { "flat_triangles", r.flat_count },
@@ -195,10 +161,10 @@ Json drawn_of(const BakeReport& report, const DrawnSurface& surface)
                    { "outside", surface.outside_count },
                    { "farthest_outside", surface.farthest_outside },
                    { "largest_weight", surface.largest_weight } };
-    if (report.drawn && !report.checks.empty()) {
-        drawn["mean_error"] = report.drawn->mean;
-        drawn["largest_error"] = report.drawn->largest;
-        drawn["largest_distance"] = report.drawn->largest_distance;
+    if (report.check.drawn && !report.check.blends.empty()) {
+        drawn["mean_error"] = report.check.drawn->mean;
+        drawn["largest_error"] = report.check.drawn->largest;
+        drawn["largest_distance"] = report.check.drawn->largest_distance;
     }
     return drawn;
 }
@@ -211,7 +177,7 @@ std::string write_certificate(const BakeReport& report, const BakeOptions& optio
     const ShellOptions& shell = options.energy.shell;
     const Material material = options.energy.material.value_or(Material::discrete_shells);
     Json energy = { { "material", name_of(material) } };
-    if (report.tet_count && options.energy.poisson >= 0) energy["poisson"] = options.energy.poisson;
+    if (report.input.tet_count && options.energy.poisson >= 0) energy["poisson"] = options.energy.poisson;
     if (material == Material::discrete_shells) {
         energy["membrane"] = name_of(shell.membrane);
         energy["thickness"] = shell.thickness;
@@ -219,27 +185,28 @@ std::string write_certificate(const BakeReport& report, const BakeOptions& optio
     }
     energy["aligned"] = !options.energy.keep_placement;
     energy["solver"] = name_of(options.energy.solver);
-    if (report.repairs.welded_count > 0) energy["weld"] = options.energy.weld_tolerance;
-    if (!report.fixed_vertices.empty()) energy["fixed_vertices"] = report.fixed_vertices;
+    if (report.input.repairs.welded_count > 0) energy["weld"] = options.energy.weld_tolerance;
+    if (!report.input.fixed_vertices.empty()) energy["fixed_vertices"] = report.input.fixed_vertices;
 
-    Json certificate
-        = { { "certificate", 1 }, { "baker", baker_version }, { "poses", pose_names }, { "vertices", report.vertex_count } };
-    if (report.tet_count) certificate["tetrahedra"] = report.tet_count;
-    if (report.drawn_vertex_count > 0) certificate["elastic"] = elastic_of(report);
-    if (report.repairs.is_irregular()) certificate["irregular"] = irregular_of(report.repairs);
+    Json certificate = {
+        { "certificate", 1 }, { "baker", baker_version }, { "poses", pose_names }, { "vertices", report.input.vertex_count }
+    };
+    if (report.input.tet_count) certificate["tetrahedra"] = report.input.tet_count;
+    if (report.input.drawn_vertex_count > 0) certificate["elastic"] = elastic_of(report);
+    if (report.input.repairs.is_irregular()) certificate["irregular"] = irregular_of(report.input.repairs);
     if (options.drawn) certificate["surface"] = drawn_of(report, *options.drawn);
     certificate["energy"] = energy;
-    if (report.ties) certificate["ties"] = ties_of(*report.ties);
+    if (report.check.ties) certificate["ties"] = ties_of(*report.check.ties);
     certificate["tolerance"] = options.tolerance;
     if (options.tolerance_max > 0) certificate["tolerance_max"] = options.tolerance_max;
-    certificate["meets_tolerance"] = report.meets_tolerance;
+    certificate["meets_tolerance"] = report.check.meets_tolerance;
     certificate["subspace"] = subspace_of(report, options);
     certificate["basis"] = basis_of(report, options);
     certificate["stand_in"] = stand_in_of(report, options);
     certificate["measured"] = measured_of(report);
     certificate["mean_from_pose"] = report.start_pose;
     certificate["branches"] = findings_of(report, pose_names);
-    certificate["foldover_hinges"] = report.foldover_count;
+    certificate["foldover_hinges"] = report.input.foldover_count;
     certificate["factorizations"] = report.factorization_count;
     certificate["seed"] = options.seed;
     // Names of poses are those of files, whose bytes need not be UTF-8.
@@ -308,7 +275,7 @@ std::string write_report(const BakeReport& report, const std::string& asset, con
     Json stages = Json::object();
     for (const StageTime& stage : report.stages) stages[stage.stage] = stage.seconds;
     json["seconds"] = stages;
-    json["cubature_residual"] = report.stand_in.residual;
+    json["cubature_residual"] = report.fit.stand_in.residual;
     if (!asset.empty()) json["asset"] = asset;
     json["warnings"] = warnings_of(warnings);
     return json.dump(1, ' ', false, Json::error_handler_t::replace) + "\n"; // file names may be anything

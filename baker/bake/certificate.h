@@ -1,7 +1,8 @@
 // The certificate: JSON inside every asset that says how it was baked and what was measured (chunk CERT).
 #pragma once
 
-#include "bake/bake.h"
+#include "bake/options.h"
+#include "bake/report.h"
 
 #include <optional>
 
@@ -26,12 +27,5 @@ std::optional<std::size_t> read_start_pose(const std::string& certificate);
 // The report for people and build systems (`--report`): the certificate plus times, the name of the asset (relative to the report's
 // folder) and the warnings with the elements that they are about.
 std::string write_report(const BakeReport& report, const std::string& asset = {}, const std::vector<Finding>& warnings = {});
-
-// Names used on the command line and in JSON.
-const char* name_of(Material material);
-const char* name_of(Membrane membrane);
-const char* name_of(SubspaceKind kind);
-const char* name_of(StandInKind kind);
-const char* name_of(SolverKind kind);
 
 } // namespace pliant

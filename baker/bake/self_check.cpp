@@ -1,15 +1,14 @@
 #include "bake/self_check.h"
 
-#include "elastic/parts/tied_energy.h"
-
 #include "base/common/parallel.h"
 #include "base/mesh/tets.h"
+#include "base/weights/sampling.h"
 #include "elastic/average/rigid_modes.h"
+#include "elastic/parts/tied_energy.h"
+#include "output/asset/asset_facts.h"
 #include "output/asset/runtime_blender.h"
-#include "pliant_format.h"
 
 #include <algorithm>
-#include <cmath>
 #include <fmt/core.h>
 #include <iterator>
 
@@ -17,40 +16,75 @@ namespace pliant {
 
 namespace {
 
+// Added to the seed, so that fresh weights are neither training weights nor checks.
+constexpr std::uint64_t fresh_seed = 2000003;
+
+constexpr std::size_t answer_count = 8;
+
 std::vector<float> to_floats(const Weights& w)
 {
     const Eigen::VectorXf f = w.cast<float>();
     return std::vector<float>(f.data(), f.data() + f.size());
 }
 
-} // namespace
-
-void collect_answers(AssetModel& asset, const BlendModel& model, const TrainingSet& training, BakeReport& report)
+Eigen::VectorXf to_vector(const std::vector<float>& q)
 {
-    // A first encoding to let the real runtime answer.
-    asset.answers = { { training.weights[0], asset.stored->frame.stored(asset.mean).cast<float>() } };
-    RuntimeBlender blender(encode_asset(asset), "the asset just baked"),
-        tight = RuntimeBlender(encode_asset(asset), "the same");
-    asset.answers.clear();
-    pliant_solver_desc desc = pliant_solver_desc_default();
-    desc.tolerance = 1e-5f; // to compare the arithmetic, not the stopping rule
-    tight.configure(desc);
-    const std::size_t count = std::min<std::size_t>(training.weights.size(), 8);
-    for (std::size_t t = 0; t < count; ++t) {
-        const std::vector<float> w = to_floats(training.weights[t]), q = blender.solve(w, false),
-                                 fine = tight.solve(w, false);
-        asset.answers.push_back(
-            { training.weights[t], Eigen::Map<const Eigen::VectorXf>(q.data(), Eigen::Index(q.size())) });
-        const Eigen::VectorXd exact = model.solve(training.weights[t]).q;
-        const Eigen::VectorXd found = asset.stored->frame.coordinates(
-            Eigen::Map<const Eigen::VectorXf>(fine.data(), Eigen::Index(fine.size())).cast<double>());
-        // U is mass-orthonormal and the mass is 1: distances in q are distances of shapes.
-        const double size = mass_norm(asset.subspace->shape(exact), asset.set->masses);
-        report.runtime_error = std::max(report.runtime_error, (found - exact).norm() / size);
-    }
+    return Eigen::Map<const Eigen::VectorXf>(q.data(), Eigen::Index(q.size()));
 }
 
-namespace {
+// An asset opened by the runtime. Blends are those of a new solver.
+class OpenedAsset {
+public:
+    OpenedAsset(const AssetModel& asset, const TrainingSet& training)
+        : asset_(asset)
+        , blender_(encode_asset(asset, provisional_record(asset, training)), "the asset just baked")
+    {
+    }
+
+    RuntimeBlender& blender() { return blender_; }
+    Eigen::VectorXf solve(const Weights& w) { return to_vector(blender_.solve(to_floats(w), false)); }
+    Shape blend(const Weights& w)
+    {
+        return from_input_units(asset_.set, blender_.positions(blender_.solve(to_floats(w), false)));
+    }
+
+private:
+    // The format wants an answer; nothing here asks for it.
+    static AssetRecord provisional_record(const AssetModel& asset, const TrainingSet& training)
+    {
+        AssetRecord record;
+        record.answers = { { training.weights[0], asset.shape.frame.stored(asset.model.mean).cast<float>() } };
+        return record;
+    }
+
+    const AssetModel& asset_;
+    RuntimeBlender blender_;
+};
+
+// The runtime's answers at the mean, at edge mid-points and between. They go into the asset as its own test.
+std::vector<Answer> collect_answers(OpenedAsset& opened, const TrainingSet& training)
+{
+    std::vector<Answer> answers;
+    for (std::size_t t = 0; t < std::min(training.weights.size(), answer_count); ++t)
+        answers.push_back({ training.weights[t], opened.solve(training.weights[t]) });
+    return answers;
+}
+
+// The largest distance of the runtime from the model in double precision at the weights of the answers, relative L2. The solver is
+// left tight.
+double compare_with_model(OpenedAsset& opened, const AssetModel& asset, const std::vector<Answer>& answers)
+{
+    opened.blender().solve_tightly(); // to compare the arithmetic, not the stopping rule
+    double largest = 0;
+    for (const Answer& answer : answers) {
+        const Eigen::VectorXd exact = asset.model.solve(answer.weights).q;
+        const Eigen::VectorXd found = asset.shape.frame.coordinates(opened.solve(answer.weights).cast<double>());
+        // U is mass-orthonormal and the mass is 1: distances in q are distances of shapes.
+        const double size = mass_norm(asset.subspace.shape(exact), asset.set.masses);
+        largest = std::max(largest, (found - exact).norm() / size);
+    }
+    return largest;
+}
 
 // Triangles are compared with the smallest that they are in any pose, tetrahedra with the largest: that is the smallest J.
 double smallest_cell_ratio(const ShapeSet& set, const Shape& blend)
@@ -63,79 +97,123 @@ double smallest_cell_ratio(const ShapeSet& set, const Shape& blend)
     return cell_sizes(set, blend).cwiseQuotient(unit).minCoeff();
 }
 
-void judge(const BakeOptions& options, BakeReport& report)
+// Unreduced averages at fresh weights, looked for from the blends there.
+std::vector<CheckPoint> fresh_averages(OpenedAsset& opened, const AverageFamily& family, const BakeOptions& options,
+                                       Progress& progress)
 {
-    for (const AssetCheck& check : report.checks) {
-        report.mean_error += check.error.relative_l2 / double(report.checks.size());
-        report.largest_distance = std::max(report.largest_distance, check.error.largest_distance);
-        report.cell_ratio = std::min(report.cell_ratio, check.cell_ratio);
-        if (check.error.relative_l2 < report.largest_error) continue;
-        report.largest_error = check.error.relative_l2;
-        report.worst_weights = check.weights;
-    }
-    report.meets_tolerance = !report.checks.empty() && report.mean_error <= options.tolerance
-        && (options.tolerance_max == 0 || report.largest_error <= options.tolerance_max);
-}
-
-} // namespace
-
-void check_asset(const std::vector<std::uint8_t>& bytes, AverageFamily& family, SolverPool& pool,
-                 std::vector<CheckPoint>& checks, const BakeOptions& options, Progress& progress, BakeReport& report)
-{
-    const ShapeSet& set = pool.set();
-    RuntimeBlender blender(bytes, "the asset just baked");
-    const std::vector<Weights> fresh = draw_weights(options.seed + 2000003, set.pose_count(), options.fresh_count);
-    const auto blend_at
-        = [&](const Weights& w) { return from_input_units(set, blender.positions(blender.solve(to_floats(w), false))); };
+    const std::size_t pose_count = family.pool().set().pose_count();
+    const std::vector<Weights> fresh = draw_weights(options.seed + fresh_seed, pose_count, options.fresh_count);
     std::vector<Shape> blends;
-    for (const Weights& w : fresh) blends.push_back(blend_at(w));
+    for (const Weights& w : fresh) blends.push_back(opened.blend(w));
     SharedProgress shared(&progress);
     shared.describe("check", 0, fmt::format("unreduced averages at {} fresh weights", fresh.size()));
     std::vector<CheckPoint> points(fresh.size());
     for_each_task(fresh.size(), [&](std::size_t i, std::size_t worker) {
         points[i] = family.check(fresh[i], blends[i], 0, worker, &shared);
     });
-    const std::size_t known_count = checks.size();
-    std::move(points.begin(), points.end(), std::back_inserter(checks));
-    for (std::size_t i = 0; i < checks.size(); ++i) {
-        const CheckPoint& check = checks[i];
-        const Shape blend = blend_at(check.weights);
-        report.checks.push_back({ check.weights, shape_error(pool.energy(), set, check.weights, blend, check.truth),
-                                  smallest_cell_ratio(set, blend), i >= known_count, check.has_converged });
-        if (report.ties) add_check(*ties_of(pool.energy()), set, check.weights, check.truth, blend, *report.ties);
-        report.findings.insert(report.findings.end(), check.findings.begin(), check.findings.end());
-    }
-    judge(options, report);
+    return points;
 }
 
-Eigen::MatrixXd reachable_coordinates(const Subspace& subspace, const TrainingSet& training)
+// Blends next to the averages at `points`, the last `fresh_count` of which nothing was chosen by.
+CheckReport compare_with_averages(OpenedAsset& opened, const SolverPool& pool, const std::vector<CheckPoint>& points,
+                                  std::size_t fresh_count)
 {
-    const Eigen::Index count = Eigen::Index(training.averages.size()), m = subspace.pose_coordinates.cols();
-    Eigen::MatrixXd out(subspace.dimension(), count + m);
-    for (Eigen::Index i = 0; i < count; ++i) out.col(i) = training.averages[std::size_t(i)];
-    out.rightCols(m) = subspace.pose_coordinates;
-    return out;
-}
-
-BasisReport check_basis(const AssetModel& asset, const Eigen::MatrixXd& reachable)
-{
-    const RuntimeBlender blender(encode_asset(asset), "the asset just baked");
-    const Subspace& subspace = *asset.subspace;
-    BasisReport report;
-    report.is_compact = !asset.stored->basis.empty();
-    std::size_t size = 0;
-    pliant_asset_chunk(&blender.asset(), report.is_compact ? PLIANT_CHUNK_COMPACT : PLIANT_CHUNK_BASIS, &size);
-    report.bytes_per_number = double(size) / (3.0 * double(blender.asset().vertex_count) * double(subspace.dimension()));
-    for (Eigen::Index i = 0; i < reachable.cols(); ++i) {
-        const Eigen::VectorXf q = asset.stored->frame.stored(reachable.col(i)).cast<float>();
-        const std::vector<float> found = blender.positions(std::vector<float>(q.data(), q.data() + q.size()));
-        const Shape shape = subspace.shape(reachable.col(i)),
-                    exact = asset.drawn ? Shape(apply(asset.drawn->embedding, shape)) : shape;
-        const Shape off = from_input_units(*asset.set, found) - exact;
-        for (Eigen::Index v = 0; v < off.size(); v += 3)
-            report.largest_difference = std::max(report.largest_difference, off.segment<3>(v).norm() / asset.set->diagonal);
+    const ShapeSet& set = pool.set();
+    const TieSet* ties = ties_of(pool.energy());
+    CheckReport report;
+    if (ties) report.ties = start_tie_report(*ties, set);
+    for (std::size_t i = 0; i < points.size(); ++i) {
+        const CheckPoint& point = points[i];
+        const Shape blend = opened.blend(point.weights);
+        report.blends.push_back({ point.weights, shape_error(pool.energy(), set, point.weights, blend, point.truth),
+                                  smallest_cell_ratio(set, blend), i + fresh_count >= points.size(), point.has_converged });
+        if (ties) add_check(*ties, set, point.weights, point.truth, blend, *report.ties);
     }
     return report;
+}
+
+std::vector<BranchFinding> branches_of(const std::vector<CheckPoint>& points)
+{
+    std::vector<BranchFinding> branches;
+    for (const CheckPoint& point : points) branches.insert(branches.end(), point.findings.begin(), point.findings.end());
+    return branches;
+}
+
+void summarise(const BakeOptions& options, CheckReport& report)
+{
+    for (const BlendCheck& check : report.blends) {
+        report.mean_error += check.error.relative_l2 / double(report.blends.size());
+        report.largest_distance = std::max(report.largest_distance, check.error.largest_distance);
+        report.cell_ratio = std::min(report.cell_ratio, check.cell_ratio);
+        if (check.error.relative_l2 < report.largest_error) continue;
+        report.largest_error = check.error.relative_l2;
+        report.worst_weights = check.weights;
+    }
+    report.meets_tolerance = !report.blends.empty() && report.mean_error <= options.tolerance
+        && (options.tolerance_max == 0 || report.largest_error <= options.tolerance_max);
+}
+
+// Positions that the runtime rebuilds at these coordinates against the subspace in double precision.
+BasisReport check_basis(const RuntimeBlender& blender, const AssetModel& asset, const Eigen::MatrixXd& reachable)
+{
+    const ShapeSet& set = asset.set;
+    BasisReport report;
+    report.is_compact = !asset.shape.basis.empty();
+    const double numbers = 3.0 * double(blender.asset().vertex_count) * double(asset.subspace.dimension());
+    report.bytes_per_number = double(basis_size(blender.asset())) / numbers;
+    for (Eigen::Index i = 0; i < reachable.cols(); ++i) {
+        const Shape shape = asset.subspace.shape(reachable.col(i));
+        const Shape exact = asset.mesh.embedding ? Shape(apply(*asset.mesh.embedding, shape)) : shape;
+        const std::vector<float> found = blender.positions(to_floats(asset.shape.frame.stored(reachable.col(i))));
+        const Shape off = from_input_units(set, found) - exact;
+        for (Eigen::Index v = 0; v < off.size(); v += 3)
+            report.largest_difference = std::max(report.largest_difference, off.segment<3>(v).norm() / set.diagonal);
+    }
+    return report;
+}
+
+// What is written beside the asset, but for its certificate. The solver is left tight.
+AssetRecord make_record(OpenedAsset& opened, const AssetModel& asset, const TrainingSet& training, CheckReport& report)
+{
+    AssetRecord record;
+    record.morph_ranges = find_morph_ranges(opened.blender());
+    record.answers = collect_answers(opened, training);
+    report.runtime_error = std::max(report.runtime_error, compare_with_model(opened, asset, record.answers));
+    return record;
+}
+
+} // namespace
+
+CheckedAsset self_check(const CheckProblem& p, const BakeOptions& options, Progress& progress)
+{
+    const ShapeSet& set = p.fit.set;
+    const TrainingSet& training = p.fitted.training;
+    const Eigen::MatrixXd reachable = reachable_coordinates(p.fitted);
+    const auto assemble_with
+        = [&](StoredMesh mesh) { return assemble(set, p.fitted, std::move(mesh), p.poses, reachable, options); };
+    AssetModel simulated = assemble_with(simulation_mesh(p.poses, set, options));
+    OpenedAsset opened(simulated, training);
+    const std::vector<CheckPoint> fresh = fresh_averages(opened, p.fit.family, options, progress);
+    std::vector<CheckPoint> points = p.fit.found.checks;
+    points.insert(points.end(), fresh.begin(), fresh.end());
+    CheckReport report = compare_with_averages(opened, p.pool, points, fresh.size());
+    summarise(options, report);
+    std::vector<BranchFinding> branches = branches_of(points);
+    const std::shared_ptr<const DrawnSurface> drawn = render_mesh_of(p.poses, options);
+    if (!drawn) {
+        report.basis = check_basis(opened.blender(), simulated, reachable);
+        AssetRecord record = make_record(opened, simulated, training, report);
+        return { std::move(simulated), std::move(record), std::move(report), std::move(branches) };
+    }
+    report.runtime_error = compare_with_model(opened, simulated, collect_answers(opened, training));
+    // Its coordinates may be others: what single precision does as well stays in it.
+    AssetModel rendered = assemble_with(stored_render_mesh(*drawn, p.poses, options));
+    OpenedAsset opened_rendered(rendered, training);
+    // Welded vertices are rows of the simulation mesh, so what was found at these holds there, too.
+    if (options.drawn) report.drawn = check_drawn(opened_rendered.blender(), set, *options.drawn, points);
+    report.basis = check_basis(opened_rendered.blender(), rendered, reachable);
+    AssetRecord record = make_record(opened_rendered, rendered, training, report);
+    return { std::move(rendered), std::move(record), std::move(report), std::move(branches) };
 }
 
 } // namespace pliant

@@ -1,7 +1,7 @@
 // What `pliant bake` is asked for: the same options on its command line, in a configuration file, and in a manifest of many bakes.
 #pragma once
 
-#include "bake/bake.h"
+#include "bake/options.h"
 #include "pipeline/json_file.h"
 
 #include <CLI/CLI.hpp>

@@ -1,6 +1,7 @@
+#include "bake/make_energy.h"
 #include "cli/verbs.h"
 
-#include "bake/verdict.h"
+#include "bake/warnings.h"
 #include "base/common/parallel.h"
 #include "elastic/average/family.h"
 #include "input/io/encode_ply.h"

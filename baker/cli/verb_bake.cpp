@@ -1,5 +1,6 @@
+#include "bake/bake.h"
 #include "bake/certificate.h"
-#include "bake/verdict.h"
+#include "bake/warnings.h"
 #include "base/common/sha256.h"
 #include "cli/bake_request.h"
 #include "cli/config_options.h"
@@ -19,28 +20,29 @@ namespace {
 void print_summary(const BakeRequest& a, const BakedAsset& baked)
 {
     const BakeReport& r = baked.report;
-    const std::string energy = r.stand_in_kind == StandInKind::quartic
+    const std::string energy = r.fit.kind == StandInKind::quartic
         ? "exact quartic"
-        : fmt::format("{} elements{}", r.element_count, r.stand_in.has_load ? " and a dead load" : "");
-    fmt::print("{}: {} poses, {} vertices, d = {}, {}, {:.1f} MiB\n", a.output, r.pose_count, r.vertex_count, r.dimension,
-               energy, double(baked.bytes.size()) / 1048576.0);
-    fmt::print("basis: {:.2f} bytes a number, off by {:.1e} of the diagonal at most\n", r.basis.bytes_per_number,
-               r.basis.largest_difference);
-    if (!r.stand_in_reason.empty()) fmt::print("cubature, not the quartic: {}\n", r.stand_in_reason);
-    if (r.tet_count && !r.checks.empty()) fmt::print("smallest J of a tetrahedron: {:.3f}\n", r.cell_ratio);
-    if (r.drawn)
+        : fmt::format("{} elements{}", r.fit.element_count, r.fit.stand_in.has_load ? " and a dead load" : "");
+    fmt::print("{}: {} poses, {} vertices, d = {}, {}, {:.1f} MiB\n", a.output, r.input.pose_count, r.input.vertex_count,
+               r.fit.dimension, energy, double(baked.bytes.size()) / 1048576.0);
+    fmt::print("basis: {:.2f} bytes a number, off by {:.1e} of the diagonal at most\n", r.check.basis.bytes_per_number,
+               r.check.basis.largest_difference);
+    if (!r.fit.reason.empty()) fmt::print("cubature, not the quartic: {}\n", r.fit.reason);
+    if (r.input.tet_count && !r.check.blends.empty())
+        fmt::print("smallest J of a tetrahedron: {:.3f}\n", r.check.cell_ratio);
+    if (r.check.drawn)
         fmt::print("drawn: {} vertices of {}{}\n", a.bake.drawn->embedding.count(), a.surface,
-                   r.checks.empty() ? ""
-                                    : fmt::format(", relative L2 there {:.2e} (mean), {:.2e} (largest)", r.drawn->mean,
-                                                  r.drawn->largest));
-    if (!r.checks.empty())
+                   r.check.blends.empty() ? ""
+                                          : fmt::format(", relative L2 there {:.2e} (mean), {:.2e} (largest)",
+                                                        r.check.drawn->mean, r.check.drawn->largest));
+    if (!r.check.blends.empty())
         fmt::print(
             "blends at {} weights: relative L2 {:.2e} (mean), {:.2e} (largest), of which the subspace {:.2e} and {:.2e}; "
             "farthest vertex {:.2f} % of the diagonal\n",
-            r.checks.size(), r.mean_error, r.largest_error, r.subspace_error.mean, r.subspace_error.largest,
-            100 * r.largest_distance);
+            r.check.blends.size(), r.check.mean_error, r.check.largest_error, r.fit.subspace_error.mean,
+            r.fit.subspace_error.largest, 100 * r.check.largest_distance);
     for (const StageTime& stage : r.stages) fmt::print("  {:<18} {:8.1f} s\n", stage.stage, stage.seconds);
-    fmt::print("  {} factorisations, {} snapshots\n", r.factorization_count, r.adaptive.snapshot_count);
+    fmt::print("  {} factorisations, {} snapshots\n", r.factorization_count, r.snapshot_count);
 }
 
 // A tolerance that was asked for and is missed: nothing is written, unless it is to be all the same.

@@ -1,3 +1,5 @@
+#include "bake/estimate.h"
+#include "bake/make_energy.h"
 #include "cli/verbs.h"
 
 #include "bake/certificate.h"

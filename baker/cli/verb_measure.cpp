@@ -1,3 +1,4 @@
+#include "bake/make_energy.h"
 #include "cli/verbs.h"
 
 #include "bake/certificate.h"

@@ -1,7 +1,7 @@
 // The verbs of `pliant`. Each registers its options with the parser and returns what to run when it is chosen.
 #pragma once
 
-#include "bake/bake.h"
+#include "bake/options.h"
 #include "cli/console.h"
 
 #include <CLI/CLI.hpp>

@@ -100,7 +100,7 @@ Row measure(const std::string& name, const std::vector<std::string>& paths, cons
     row.megabytes = double(baked.bytes.size()) / 1048576.0;
 
     RuntimeBlender blender(baked.bytes, name);
-    const std::size_t m = row.report.pose_count;
+    const std::size_t m = row.report.input.pose_count;
     // Slow drag: once around the simplex in 2,000 frames, about half a minute of a hand on the mouse.
     const auto drag = [&](int i) {
         Weights w(m);
@@ -113,15 +113,16 @@ Row measure(const std::string& name, const std::vector<std::string>& paths, cons
     row.jump = time_solves(blender, 1000, true, [&](int i) { return to_floats(random.weights(m, i % 2 == 0)); });
 
     const std::vector<float> q = blender.solve(to_floats(equal_weights(m)), false);
-    std::vector<float> positions(3 * row.report.vertex_count);
+    std::vector<float> positions(3 * row.report.input.vertex_count);
     std::vector<double> times;
     for (int i = 0; i < 21; ++i) {
         const auto begin = Clock::now();
-        pliant_reconstruct(&blender.asset(), q.data(), 0, std::uint32_t(row.report.vertex_count), positions.data(), 12);
+        pliant_reconstruct(&blender.asset(), q.data(), 0, std::uint32_t(row.report.input.vertex_count), positions.data(),
+                           12);
         times.push_back(microseconds_since(begin));
     }
     row.reconstruct_us = median(times);
-    const double bytes = 12.0 * double(row.report.vertex_count) * double(row.report.dimension + 1);
+    const double bytes = 12.0 * double(row.report.input.vertex_count) * double(row.report.fit.dimension + 1);
     row.bandwidth_share = bytes / (row.reconstruct_us * 1e-6) / bandwidth;
     return row;
 }
@@ -137,12 +138,12 @@ double seconds_of(const BakeReport& report, const std::string& stage)
 std::vector<std::pair<std::string, std::string>> cells(const Row& r)
 {
     double error = 0;
-    for (const auto& check : r.report.checks) error += check.error.relative_l2 / double(r.report.checks.size());
+    for (const auto& check : r.report.check.blends) error += check.error.relative_l2 / double(r.report.check.blends.size());
     return { { "set", r.name },
-             { "n", std::to_string(r.report.vertex_count) },
-             { "m", std::to_string(r.report.pose_count) },
-             { "d", std::to_string(r.report.dimension) },
-             { "elements", std::to_string(r.report.element_count) },
+             { "n", std::to_string(r.report.input.vertex_count) },
+             { "m", std::to_string(r.report.input.pose_count) },
+             { "d", std::to_string(r.report.fit.dimension) },
+             { "elements", std::to_string(r.report.fit.element_count) },
              { "subspace s", fmt::format("{:.1f}", seconds_of(r.report, "subspace")) },
              { "training s", fmt::format("{:.1f}", seconds_of(r.report, "reduced averages")) },
              { "cubature s", fmt::format("{:.1f}", seconds_of(r.report, "cubature")) },
@@ -156,7 +157,7 @@ std::vector<std::pair<std::string, std::string>> cells(const Row& r)
              { "not converged", std::to_string(r.drag.unconverged + r.jump.unconverged) },
              { "reconstruct us", fmt::format("{:.0f}", r.reconstruct_us) },
              { "of bandwidth", fmt::format("{:.0f} %", 100 * r.bandwidth_share) },
-             { "relative L2", r.report.checks.empty() ? "-" : fmt::format("{:.1e}", error) } };
+             { "relative L2", r.report.check.blends.empty() ? "-" : fmt::format("{:.1e}", error) } };
 }
 
 void print(const std::vector<Row>& rows, double bandwidth)

@@ -2,6 +2,7 @@
 //   pliant_converge POSE... [-- POSE...]...
 // One line a weight; exit code 1 if any of them did not converge. Minutes per set: not part of the test run.
 #include "bake/bake.h"
+#include "bake/make_energy.h"
 #include "cli/console.h"
 #include "elastic/average/family.h"
 #include "input/poses/load_poses.h"

@@ -1,14 +1,14 @@
 """The public headers and the runtime's sources hold to the standards they claim: headers.py ROOT COMPILER
 
-The public headers compile alone as C99 and as C++11, the runtime as C99, all with -pedantic and without one warning. A planted
-line that C99 does not have must be refused, else the flags do nothing.
+The public headers compile alone as C99 and as C++11, the runtime as C99, all with -pedantic and without one warning. A
+planted line that C99 does not have must be refused, else the flags do nothing.
 """
 import shutil
 import subprocess
 import sys
 from pathlib import Path
 
-HEADERS = ("runtime/pliant.h", "runtime/pliant_gl.h", "formats/pliant_format.h")
+HEADERS = ("runtime/pliant.h", "runtime/gl/pliant_gl.h", "formats/pliant_format.h")
 STRICT = ["-pedantic-errors", "-Wall", "-Wextra", "-Werror", "-fsyntax-only"]
 C99 = ["-x", "c", "-std=c99"]
 CPP11 = ["-x", "c++", "-std=c++11"]
@@ -17,7 +17,8 @@ PLANTED = "static const int planted = 0b11;\n"
 
 
 def compiles(compiler, root, language, source, report=True):
-    command = [compiler, *language, *STRICT, f"-I{root}/runtime", f"-I{root}/formats", "-"]
+    paths = [f"-I{root}/{folder}" for folder in ("runtime", "runtime/gl", "formats")]
+    command = [compiler, *language, *STRICT, *paths, "-"]
     result = subprocess.run(command, input=source, capture_output=True, text=True, check=False)
     if result.returncode != 0 and report:
         print(f"{' '.join(command)}\n{result.stderr}")
@@ -37,7 +38,7 @@ def main(root, compiler):
             if compiles(compiler, root, language, include + PLANTED, report=False):
                 print(f"{header}: {language[-1]} let a binary constant pass")
                 good = False
-    sources = sorted(Path(root, "runtime").glob("*.c"))
+    sources = sorted(Path(root, "runtime").glob("**/*.c"))
     for path in sources:
         good = compiles(compiler, root, C99, f'#include "{path}"\n') and good
     print(f"{len(HEADERS)} headers as C99 and C++11, {len(sources)} sources as C99, {compiler}: {'good' if good else 'BAD'}")

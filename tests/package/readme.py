@@ -19,7 +19,7 @@ def main(root, work, compiler, main_source, asset_folder):
         return 1
     work.mkdir(parents=True, exist_ok=True)
     (work / "readme_snippet.c").write_text("\n".join(blocks))
-    sources = [path for path in sorted((root / "runtime").glob("*.c")) if "_gl" not in path.name]
+    sources = sorted((root / "runtime").glob("*.c"))
     program = work / "readme"
     subprocess.run([compiler, "-std=c99", "-Wall", "-Wextra", "-Werror", "-ffp-contract=off", "-O1", f"-I{root}/runtime",
                     f"-I{root}/formats", f"-I{work}", str(main_source), *map(str, sources), "-lm", "-o", str(program)],

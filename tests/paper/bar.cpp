@@ -140,9 +140,8 @@ private:
         if (kind == "Algorithm 1") return build_krylov_subspace(pool_.at(0), { 2, d, 256 }, nullptr);
         if (kind == "Barbic et al.") return build_barbic_subspace(pool_.at(0), { 4, d, 256 }, nullptr);
         if (!adaptive_) {
-            AdaptiveReport report;
             adaptive_ = build_adaptive_subspace(family_, { equal_weights(2), family_.mean().y }, training_weights(2, 33, 1),
-                                                {}, {}, nullptr, report)
+                                                {}, {}, nullptr)
                             .subspace;
         }
         return leading(*adaptive_, std::min(d, adaptive_->dimension()));

@@ -6,6 +6,7 @@
 #include "reduced.h"
 
 #include "bake/bake.h"
+#include "bake/make_energy.h"
 #include "base/common/parallel.h"
 #include "elastic/average/family.h"
 #include "input/poses/load_poses.h"

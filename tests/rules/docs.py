@@ -20,7 +20,7 @@ def complaints(root, out):
 
 def plant(source, copy):
     """A copy of what doxygen reads, with two faults."""
-    for path in ("runtime/docs", "runtime/pliant.h", "runtime/pliant_gl.h"):
+    for path in ("runtime/docs", "runtime/pliant.h", "runtime/gl/pliant_gl.h"):
         target = copy / path
         target.parent.mkdir(parents=True, exist_ok=True)
         shutil.copytree(source / path, target) if (source / path).is_dir() else shutil.copy(source / path, target)

@@ -21,15 +21,15 @@ SAMPLES_WITH_BAKER = ("samples/pose_solid/",)
 
 RUNTIME_LIBC = {"stddef.h", "stdint.h", "string.h", "math.h", "float.h"}
 # The optional GL part of the runtime is a library of its own on top of the other.
-GL_PART = "pliant_gl"
+GL_PART = "runtime/gl/"
 LIBC_OF_PUBLIC_HEADERS = {
     "runtime/pliant.h": {"stddef.h", "stdint.h"},
-    "runtime/pliant_gl.h": set(),
+    "runtime/gl/pliant_gl.h": set(),
     "formats/pliant_format.h": {"stddef.h", "stdint.h"},
 }
 
 # Where an include is looked up after the includer's own folder: the include paths of our targets.
-SEARCH_FOLDERS = ("baker", "formats", "runtime", "samples", "samples/player", "")
+SEARCH_FOLDERS = ("baker", "formats", "runtime", "runtime/gl", "samples", "samples/player", "")
 
 
 def resolve(tree, path, name):
@@ -68,8 +68,8 @@ def judge(tree, path, quote, name):
             return f"<{name}>: this file may include only {', '.join(sorted(libc)) or 'nothing'} from outside"
         return None
     target_room = target.split("/")[0]
-    if room == "runtime" and GL_PART in target and GL_PART not in path:
-        return f"{name}: the runtime does not include from {GL_PART}"
+    if room == "runtime" and target.startswith(GL_PART) and not path.startswith(GL_PART):
+        return f"{name}: the runtime does not include from pliant_gl"
     if target_room in ALLOWED_ROOMS[room]:
         return None
     if room == "baker" and target_room == "runtime" and path.startswith(BAKER_FOLDERS_WITH_RUNTIME):
@@ -96,8 +96,8 @@ PLANTS = [
     Plant("runtime/planted.c", '#include "../baker/base/common/diagnostics.h"\n', "runtime does not include from baker"),
     Plant("runtime/planted.c", "#include <stdlib.h>\n", "<stdlib.h>"),
     Plant("runtime/pliant.h", "#include <math.h>\n", "<math.h>"),
-    Plant("runtime/pliant_gl.h", "#include <stdint.h>\n", "only nothing"),
-    Plant("runtime/pliant_gl_planted.c", "#include <GL/gl.h>\n", "<GL/gl.h>"),
+    Plant("runtime/gl/pliant_gl.h", "#include <stdint.h>\n", "only nothing"),
+    Plant("runtime/gl/planted.c", "#include <GL/gl.h>\n", "<GL/gl.h>"),
     Plant("runtime/planted.c", '#include "pliant_gl.h"\n', "the runtime does not include from pliant_gl"),
     Plant("formats/pliant_format.h", "#  include <string.h>\n", "<string.h>"),
     Plant("baker/base/mesh/planted.cpp", "#include <pliant.h>\n", "baker does not include from runtime"),

@@ -2,8 +2,6 @@
 
 #include "base/common/diagnostics.h"
 #include "base/mesh/smoothing_groups.h"
-#include "elastic/parts/tied_energy.h"
-#include "input/gltf/scene_chunk.h"
 #include "output/asset/bytes.h"
 #include "pliant_format.h"
 
@@ -35,18 +33,18 @@ pliant_format_count count_record(std::size_t count)
     return record;
 }
 
-Bytes encode_solver(const AssetModel& model)
+Bytes encode_solver(const AssetModel& asset)
 {
     Bytes out;
     pliant_format_solver head {};
-    head.energy_scale = float(model.energy_scale);
+    head.energy_scale = float(asset.model.energy_scale);
     out.put(head);
-    const Frame frame = model.stored ? model.stored->frame : plain_frame(model.subspace->dimension());
-    const Eigen::MatrixXd root = frame.axes.transpose() * model.root;
-    put_padded(out, frame.stored(model.mean));
+    const Frame& frame = asset.shape.frame;
+    const Eigen::MatrixXd root = frame.axes.transpose() * asset.model.root;
+    put_padded(out, frame.stored(asset.model.mean));
     for (Eigen::Index j = 0; j < root.cols(); ++j) put_padded(out, root.col(j));
-    for (Eigen::Index k = 0; k < model.subspace->pose_coordinates.cols(); ++k)
-        put_padded(out, frame.stored(model.subspace->pose_coordinates.col(k)));
+    for (Eigen::Index k = 0; k < asset.subspace.pose_coordinates.cols(); ++k)
+        put_padded(out, frame.stored(asset.subspace.pose_coordinates.col(k)));
     return out;
 }
 
@@ -71,12 +69,13 @@ Eigen::MatrixXd combine(const Eigen::MatrixXd& differences, const RuntimeElement
     return out;
 }
 
-BakedElement bake_element(const AssetModel& model, std::size_t i)
+BakedElement bake_element(const AssetModel& asset, std::size_t i)
 {
+    const BlendModel& model = asset.model;
     const StandIn& stand_in = *model.stand_in;
     const std::size_t id = stand_in.elements()[i];
     BakedElement baked;
-    baked.element = stand_in.energy().runtime_element(id, model.stand_in_reference);
+    baked.element = stand_in.energy().runtime_element(id, asset.surrogate_reference);
     baked.weight = stand_in.weights()[Eigen::Index(i)];
     std::size_t count = 0;
     const std::uint32_t* vertices = stand_in.energy().element_vertices(id, count);
@@ -119,11 +118,11 @@ void put_batch(Bytes& out, pliant_format_batch& record, const Batch& batch)
     out.align(PLIANT_FORMAT_CHUNK_ALIGNMENT);
 }
 
-Bytes encode_elements(const AssetModel& model)
+Bytes encode_elements(const AssetModel& asset)
 {
     std::map<std::tuple<std::uint32_t, std::uint32_t, bool>, Batch> batches;
-    for (std::size_t i = 0; i < model.stand_in->element_count(); ++i) {
-        BakedElement baked = bake_element(model, i);
+    for (std::size_t i = 0; i < asset.model.stand_in->element_count(); ++i) {
+        BakedElement baked = bake_element(asset, i);
         const auto key = std::make_tuple(baked.element.kind, baked.element.valence, baked.element.is_closed);
         batches[key].push_back(std::move(baked));
     }
@@ -153,7 +152,7 @@ Bytes encode_elements(const AssetModel& model)
 }
 
 // The polynomial of z, one table per pose.
-Bytes encode_quartic(const AssetModel& model)
+Bytes encode_quartic(const BlendModel& model)
 {
     const Quartic quartic = model.stand_in->quartic()->transformed(model.mean, model.root);
     Bytes out;
@@ -170,7 +169,7 @@ void put_coefficients(Bytes& out, const Predictor& function)
     for (Eigen::Index i = 0; i < function.coefficients.rows(); ++i) put_padded(out, function.coefficients.row(i));
 }
 
-Bytes encode_predictor(const AssetModel& model)
+Bytes encode_predictor(const BlendModel& model)
 {
     Bytes out;
     out.put(count_record(model.predictor.centres.size()));
@@ -182,7 +181,7 @@ Bytes encode_predictor(const AssetModel& model)
 }
 
 // LOAD has no centres of its own: the runtime computes their powers once for both.
-Bytes encode_load(const AssetModel& model)
+Bytes encode_load(const BlendModel& model)
 {
     const Predictor &load = *model.load, &predictor = model.predictor;
     if (load.centres.empty() || load.centres != predictor.centres
@@ -224,15 +223,13 @@ Bytes encode_morph_ranges(const MorphRanges& ranges)
     return out;
 }
 
-Bytes encode_vertices(const AssetModel& model)
+Bytes encode_vertices(const StoredMesh& mesh)
 {
     Bytes out;
-    out.put(count_record(model.boundary_vertex_count));
-    for (std::uint32_t v : *model.source_vertices) out.put(v);
+    out.put(count_record(mesh.boundary_vertex_count));
+    for (std::uint32_t v : mesh.source_vertices) out.put(v);
     return out;
 }
-
-bool has_smoothing(const AssetModel& model) { return model.smoothing && !is_trivial(*model.smoothing); }
 
 Bytes encode_smoothing(const std::vector<std::uint32_t>& groups, std::size_t vertex_count)
 {
@@ -243,23 +240,6 @@ Bytes encode_smoothing(const std::vector<std::uint32_t>& groups, std::size_t ver
         out.put(group);
     }
     return out;
-}
-
-bool has_ties(const StandIn& stand_in)
-{
-    const Energy& energy = stand_in.energy();
-    const std::size_t first = without_ties(energy).element_count();
-    const auto& elements = stand_in.elements();
-    return std::any_of(elements.begin(), elements.end(), [first](std::size_t element) { return element >= first; });
-}
-
-// The oldest version whose readers understand all that the asset holds.
-std::uint16_t format_minor(const AssetModel& model, bool has_scene)
-{
-    if (model.stored || model.morph_ranges || has_scene || has_smoothing(model) || has_ties(*model.stand_in))
-        return PLIANT_FORMAT_MINOR_PARTS;
-    if (model.set->is_solid()) return PLIANT_FORMAT_MINOR_SOLID;
-    return model.load ? PLIANT_FORMAT_MINOR_LOAD : 0;
 }
 
 Bytes encode_polygons(const Polygons& polygons)
@@ -296,11 +276,11 @@ Bytes encode_names(const std::vector<std::string>& names)
     return out;
 }
 
-Bytes encode_answers(const AssetModel& model)
+Bytes encode_answers(const std::vector<Answer>& answers)
 {
     Bytes out;
-    out.put(count_record(model.answers.size()));
-    for (const auto& [weights, q] : model.answers) {
+    out.put(count_record(answers.size()));
+    for (const auto& [weights, q] : answers) {
         for (Eigen::Index k = 0; k < weights.size(); ++k) out.put_float(weights[k]);
         for (Eigen::Index j = 0; j < q.size(); ++j) out.put(q[j]);
     }
@@ -315,79 +295,80 @@ struct Chunk {
 
 std::uint32_t crc_of(const std::uint8_t* data, std::size_t size) { return std::uint32_t(crc32_z(0, data, size)); }
 
-// What is drawn: the mesh of the poses or a surface embedded in it.
-struct Drawn {
-    explicit Drawn(const AssetModel& model)
-        : triangles(model.drawn ? model.drawn->triangles : model.set->triangles)
-        , polygons(model.drawn ? &model.drawn->polygons : model.polygons)
-        , embedding(model.drawn ? &model.drawn->embedding : nullptr)
-        , vertex_count(embedding ? embedding->count() : std::size_t(model.set->dof_count() / 3))
-    {
-    }
-    Bytes tiles(const Eigen::Ref<const Eigen::MatrixXd>& columns, double length) const
-    {
-        return embedding ? encode_tiles(apply(*embedding, columns), length) : encode_tiles(columns, length);
-    }
-    Bytes rest(const AssetModel& model) const
-    {
-        return model.stored ? encode_tiles(model.stored->rest, model.set->length)
-                            : tiles(model.subspace->origin, model.set->length);
-    }
-
-    const std::vector<Triangle>& triangles;
-    const Polygons* polygons;
-    const Embedding* embedding;
-    std::size_t vertex_count;
-};
-
-} // namespace
-
-std::vector<std::uint8_t> encode_asset(const AssetModel& model)
+Bytes encode_basis(const AssetModel& asset)
 {
-    constexpr std::uint32_t required = PLIANT_CHUNK_FLAG_REQUIRED;
-    const Drawn drawn(model);
-    std::vector<Chunk> chunks;
-    chunks.push_back({ PLIANT_CHUNK_SOLVER, required, encode_solver(model) });
+    const Eigen::MatrixXd& basis = asset.subspace.basis;
+    const std::optional<Embedding>& embedding = asset.mesh.embedding;
+    return encode_tiles(embedding ? apply(*embedding, basis) : basis, asset.set.length);
+}
+
+constexpr std::uint32_t required = PLIANT_CHUNK_FLAG_REQUIRED;
+
+void add_model_chunks(const AssetModel& asset, std::vector<Chunk>& chunks)
+{
+    const BlendModel& model = asset.model;
+    chunks.push_back({ PLIANT_CHUNK_SOLVER, required, encode_solver(asset) });
     if (model.stand_in->quartic())
         chunks.push_back({ PLIANT_CHUNK_QUARTIC, required, encode_quartic(model) });
     else
-        chunks.push_back({ PLIANT_CHUNK_ELEMENTS, required, encode_elements(model) });
+        chunks.push_back({ PLIANT_CHUNK_ELEMENTS, required, encode_elements(asset) });
     if (!model.predictor.centres.empty()) chunks.push_back({ PLIANT_CHUNK_PREDICTOR, 0, encode_predictor(model) });
     if (model.load) chunks.push_back({ PLIANT_CHUNK_LOAD, required, encode_load(model) });
-    if (model.morph_ranges) chunks.push_back({ PLIANT_CHUNK_MORPH_RANGES, 0, encode_morph_ranges(*model.morph_ranges) });
-    chunks.push_back({ PLIANT_CHUNK_REST, required, drawn.rest(model) });
-    chunks.push_back({ PLIANT_CHUNK_TRIANGLES, required, encode_triangles(drawn.triangles) });
-    if (!model.drawn && model.source_vertices && !model.source_vertices->empty())
-        chunks.push_back({ PLIANT_CHUNK_VERTICES, 0, encode_vertices(model) });
-    if (has_smoothing(model))
-        chunks.push_back({ PLIANT_CHUNK_SMOOTHING, 0, encode_smoothing(*model.smoothing, drawn.vertex_count) });
-    if (drawn.polygons && !is_all_triangles(*drawn.polygons))
-        chunks.push_back({ PLIANT_CHUNK_POLYGONS, 0, encode_polygons(*drawn.polygons) });
-    chunks.push_back({ PLIANT_CHUNK_NAMES, required, encode_names(model.names) });
-    chunks.push_back({ PLIANT_CHUNK_ANSWERS, required, encode_answers(model) });
-    chunks.push_back({ PLIANT_CHUNK_CERTIFICATE, required, encode_text(model.certificate) });
-    const bool has_scene = model.scene && model.scene->vertex_count == drawn.vertex_count;
-    if (has_scene) chunks.push_back({ PLIANT_CHUNK_SCENE, 0, { encode_scene_chunk(*model.scene) } });
-    if (model.stored) chunks.push_back({ PLIANT_CHUNK_BOUNDS, 0, Bytes { model.stored->bounds } });
-    if (model.stored && !model.stored->basis.empty())
-        chunks.push_back({ PLIANT_CHUNK_COMPACT, required, Bytes { model.stored->basis } });
-    else
-        chunks.push_back({ PLIANT_CHUNK_BASIS, required, drawn.tiles(model.subspace->basis, model.set->length) });
+}
 
-    const pliant_format_header blank
-        = { PLIANT_FORMAT_IDENTIFIER,
-            PLIANT_FORMAT_MAJOR,
-            format_minor(model, has_scene),
-            0,
-            std::uint32_t(chunks.size()),
-            0,
-            std::uint32_t(drawn.vertex_count),
-            std::uint32_t(drawn.triangles.size()),
-            std::uint32_t(model.subspace->dimension()),
-            std::uint32_t(model.set->pose_count()),
-            { float(model.set->origin[0]), float(model.set->origin[1]), float(model.set->origin[2]) },
-            0 };
-    pliant_format_header header = blank;
+void add_mesh_chunks(const AssetModel& asset, std::vector<Chunk>& chunks)
+{
+    const StoredMesh& mesh = asset.mesh;
+    chunks.push_back({ PLIANT_CHUNK_REST, required, encode_tiles(asset.shape.rest, asset.set.length) });
+    chunks.push_back({ PLIANT_CHUNK_TRIANGLES, required, encode_triangles(mesh.triangles) });
+    if (!mesh.source_vertices.empty()) chunks.push_back({ PLIANT_CHUNK_VERTICES, 0, encode_vertices(mesh) });
+    if (!mesh.smoothing.empty() && !is_trivial(mesh.smoothing))
+        chunks.push_back({ PLIANT_CHUNK_SMOOTHING, 0, encode_smoothing(mesh.smoothing, mesh.vertex_count) });
+    if (!is_all_triangles(mesh.polygons)) chunks.push_back({ PLIANT_CHUNK_POLYGONS, 0, encode_polygons(mesh.polygons) });
+}
+
+// In the order of the file.
+std::vector<Chunk> encode_chunks(const AssetModel& asset, const AssetRecord& record)
+{
+    std::vector<Chunk> chunks;
+    add_model_chunks(asset, chunks);
+    if (record.morph_ranges) chunks.push_back({ PLIANT_CHUNK_MORPH_RANGES, 0, encode_morph_ranges(*record.morph_ranges) });
+    add_mesh_chunks(asset, chunks);
+    chunks.push_back({ PLIANT_CHUNK_NAMES, required, encode_names(asset.pose_names) });
+    chunks.push_back({ PLIANT_CHUNK_ANSWERS, required, encode_answers(record.answers) });
+    chunks.push_back({ PLIANT_CHUNK_CERTIFICATE, required, encode_text(record.certificate) });
+    if (!asset.mesh.scene.empty()) chunks.push_back({ PLIANT_CHUNK_SCENE, 0, Bytes { asset.mesh.scene } });
+    chunks.push_back({ PLIANT_CHUNK_BOUNDS, 0, Bytes { asset.shape.bounds } });
+    if (asset.shape.basis.empty())
+        chunks.push_back({ PLIANT_CHUNK_BASIS, required, encode_basis(asset) });
+    else
+        chunks.push_back({ PLIANT_CHUNK_COMPACT, required, Bytes { asset.shape.basis } });
+    return chunks;
+}
+
+pliant_format_header header_of(const AssetModel& asset, std::size_t chunk_count)
+{
+    const Eigen::Vector3d& origin = asset.set.origin;
+    return { PLIANT_FORMAT_IDENTIFIER,
+             PLIANT_FORMAT_MAJOR,
+             PLIANT_FORMAT_MINOR_PARTS,
+             0,
+             std::uint32_t(chunk_count),
+             0,
+             std::uint32_t(asset.mesh.vertex_count),
+             std::uint32_t(asset.mesh.triangles.size()),
+             std::uint32_t(asset.subspace.dimension()),
+             std::uint32_t(asset.set.pose_count()),
+             { float(origin[0]), float(origin[1]), float(origin[2]) },
+             0 };
+}
+
+} // namespace
+
+std::vector<std::uint8_t> encode_asset(const AssetModel& asset, const AssetRecord& record)
+{
+    const std::vector<Chunk> chunks = encode_chunks(asset, record);
+    pliant_format_header header = header_of(asset, chunks.size());
     Bytes out;
     out.data.resize(sizeof(header) + chunks.size() * sizeof(pliant_format_chunk), 0);
     std::vector<pliant_format_chunk> table;

@@ -1,12 +1,10 @@
-// A baked character as bytes: formats/SPEC.md: of the oldest minor version that has what it holds.
+// Serialises an asset (formats/SPEC.md).
 #pragma once
 
 #include "base/mesh/render_mesh.h"
-#include "base/weights/radial_function.h"
-#include "input/gltf/render_scene.h"
 #include "output/asset/reachable.h"
 #include "output/asset/stored_shape.h"
-#include "reduced/surrogate/surrogate_energy.h"
+#include "reduced/surrogate/blend_model.h"
 
 #include <cstdint>
 #include <optional>
@@ -15,35 +13,47 @@
 
 namespace pliant {
 
-// Everything an asset holds. Borrowed parts must outlive the call of encode_asset.
+// The mesh that an asset draws: that of the poses, or one embedded in it.
+struct StoredMesh {
+    std::vector<Triangle> triangles;
+    Polygons polygons;                  // faces as given; empty: the triangles
+    std::optional<Embedding> embedding; // of its vertices in the mesh of the poses; none: they are the same
+    std::size_t vertex_count = 0;
+
+    // Per vertex its number in the pose files, of a solid that draws its own boundary; empty: the same.
+    std::vector<std::uint32_t> source_vertices;
+    std::size_t boundary_vertex_count = 0; // with source_vertices: the leading vertices, which triangles use
+
+    std::vector<std::uint32_t> smoothing; // per vertex its group, whose vertices share a normal; empty: each its own
+    std::vector<std::uint8_t> scene;      // chunk GLTF; empty: none
+};
+
+// What an asset is made of. Set, subspace and model are borrowed.
 struct AssetModel {
-    const ShapeSet* set = nullptr;
-    const Subspace* subspace = nullptr;
-    const StandIn* stand_in = nullptr;
-    Shape stand_in_reference; // the shape of the stand-in's mesh at q = mean
-    Eigen::VectorXd mean;     // q of the stand-in's equal-weight average
-    Eigen::MatrixXd root;     // S: q = mean + S z
-    double energy_scale = 1;
-    Predictor predictor;           // of z
-    std::optional<Predictor> load; // c(w), a gradient by z; same centres as the predictor
-    std::vector<std::string> names;
-    const Polygons* polygons = nullptr;                          // faces as given
-    const std::vector<std::uint32_t>* source_vertices = nullptr; // of a solid: numbers in the files; null or empty: the same
-    const std::vector<std::uint32_t>* smoothing
-        = nullptr;                         // groups of drawn vertices that share a normal; null: each its own
-    std::size_t boundary_vertex_count = 0; // of a solid
-    const DrawnSurface* drawn = nullptr;   // what is stored for drawing, in the place of the mesh's own vertices and faces
-    const RenderScene* scene = nullptr;    // for GLTF; written if its vertices are as many as those drawn. Null: none
-    const StoredShape* stored
-        = nullptr; // of what is drawn; null: the subspace as it is, in single precision, without bounds
+    const ShapeSet& set;
+    const Subspace& subspace;
+    const BlendModel& model;
+    Shape surrogate_reference; // the shape of the surrogate energy's mesh at q = mean
+    StoredMesh mesh;
+    StoredShape shape; // of the mesh
+    std::vector<std::string> pose_names;
+};
+
+// Weights and the q that the runtime found for them, in stored coordinates.
+struct Answer {
+    Weights weights;
+    Eigen::VectorXf q;
+};
+
+// What is known of an asset only after the runtime has opened it.
+struct AssetRecord {
+    std::vector<Answer> answers;             // at least one
     std::optional<MorphRanges> morph_ranges; // of q as weights of morph targets
-    std::string certificate;                 // JSON text
-    std::vector<std::pair<Weights, Eigen::VectorXf>>
-        answers; // weights and the q that the runtime found, in stored coordinates
+    std::string certificate = "{}";          // JSON text
 };
 
 // The bytes of the asset. Throws Failure (P4501) if a number does not fit the format, std::invalid_argument for a load whose centres
-// are not the predictor's, and for smoothing groups that are not one number below the vertex count for each drawn vertex.
-std::vector<std::uint8_t> encode_asset(const AssetModel& model);
+// are not the predictor's, and for smoothing groups that are not one number below the vertex count for each vertex.
+std::vector<std::uint8_t> encode_asset(const AssetModel& asset, const AssetRecord& record);
 
 } // namespace pliant

@@ -1,17 +1,15 @@
 #include "output/asset/check_render_mesh.h"
 
 #include "elastic/average/shape_error.h"
-#include "output/asset/runtime_blender.h"
 
 #include <algorithm>
 
 namespace pliant {
 
-DrawnErrors check_drawn(const std::vector<std::uint8_t>& bytes, const ShapeSet& solid, const DrawnSurface& surface,
+DrawnErrors check_drawn(RuntimeBlender& blender, const ShapeSet& solid, const DrawnSurface& surface,
                         const std::vector<CheckPoint>& checks)
 {
     const ShapeSet set = drawn_shapes(solid, surface);
-    RuntimeBlender blender(bytes, "the asset just baked");
     DrawnErrors errors;
     for (const CheckPoint& check : checks) {
         const Eigen::VectorXf w = check.weights.cast<float>();

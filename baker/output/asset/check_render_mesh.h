@@ -3,8 +3,7 @@
 
 #include "base/mesh/render_mesh.h"
 #include "elastic/average/family.h"
-
-#include <cstdint>
+#include "output/asset/runtime_blender.h"
 
 namespace pliant {
 
@@ -15,7 +14,7 @@ struct DrawnErrors {
 };
 
 // Blends of the asset against the surface embedded in the truths of `checks`, which are shapes of the solid.
-DrawnErrors check_drawn(const std::vector<std::uint8_t>& bytes, const ShapeSet& solid, const DrawnSurface& surface,
+DrawnErrors check_drawn(RuntimeBlender& blender, const ShapeSet& solid, const DrawnSurface& surface,
                         const std::vector<CheckPoint>& checks);
 
 } // namespace pliant

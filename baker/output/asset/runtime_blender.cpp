@@ -76,6 +76,19 @@ void RuntimeBlender::configure(const pliant_solver_desc& desc)
         throw Failure(ExitCode::failed, error_at(4504, "", "the solver settings are refused by the runtime"));
 }
 
+void RuntimeBlender::solve_tightly()
+{
+    pliant_solver_desc desc = pliant_solver_desc_default();
+    desc.tolerance = 1e-5f;
+    configure(desc);
+}
+
+std::vector<float> RuntimeBlender::pose_coordinates(std::uint32_t pose) const
+{
+    const float* q = pliant_asset_pose_coordinates(&asset_, pose);
+    return std::vector<float>(q, q + asset_.dimension);
+}
+
 std::vector<float> RuntimeBlender::solve(const std::vector<float>& weights, bool continuous, pliant_solve_info* info)
 {
     if (weights.size() != asset_.pose_count)

@@ -41,6 +41,12 @@ public:
     Polygons faces() const { return faces_of(asset_); }
     std::vector<std::uint32_t> source_vertices() const; // of a solid: per vertex its number in the pose files; else empty
 
+    // Coordinates of an example pose (d).
+    std::vector<float> pose_coordinates(std::uint32_t pose) const;
+
+    // The solver goes on until it is much nearer to the minimum than a frame needs; it starts anew.
+    void solve_tightly();
+
     // Changes the solver's settings (default: those of the runtime); starts it anew.
     void configure(const pliant_solver_desc& desc);
 

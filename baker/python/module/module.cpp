@@ -5,8 +5,10 @@
 #include "options.h"
 #include "work.h"
 
+#include "bake/bake.h"
 #include "bake/certificate.h"
-#include "bake/verdict.h"
+#include "bake/make_energy.h"
+#include "bake/warnings.h"
 #include "base/common/parallel.h"
 #include "input/io/source_file.h"
 #include "input/io/write_file.h"

@@ -1,7 +1,7 @@
 // Options of Python calls as the baker knows them.
 #pragma once
 
-#include "bake/bake.h"
+#include "bake/options.h"
 #include "input/poses/load_poses.h"
 
 #include <nanobind/nanobind.h>

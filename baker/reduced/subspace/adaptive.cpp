@@ -13,11 +13,11 @@ namespace {
 // More snapshots for a dimension that was asked for come in groups of this.
 constexpr std::size_t batch_size = 8;
 
-void add(std::vector<KnownAverage>& averages, std::vector<CheckPoint> points, AdaptiveReport& report)
+void add(AdaptiveSubspace& out, std::vector<CheckPoint> points)
 {
     for (CheckPoint& point : points) {
-        report.unconverged_count += !point.has_converged;
-        averages.push_back({ point.weights, std::move(point.truth) });
+        out.unconverged_count += !point.has_converged;
+        out.averages.push_back({ point.weights, std::move(point.truth) });
     }
 }
 
@@ -25,19 +25,18 @@ void add(std::vector<KnownAverage>& averages, std::vector<CheckPoint> points, Ad
 
 AdaptiveSubspace build_adaptive_subspace(const AverageFamily& family, const KnownAverage& mean,
                                          const std::vector<Weights>& training, const std::vector<Weights>& check_weights,
-                                         const AdaptiveOptions& options, Progress* progress, AdaptiveReport& report)
+                                         const AdaptiveOptions& options, Progress* progress)
 {
     const ShapeSet& set = family.pool().set();
     AdaptiveSubspace out;
     out.averages.push_back(mean);
-    add(out.averages, sweep(family, out.averages, { training.begin() + 1, training.end() }, progress), report);
+    add(out, sweep(family, out.averages, { training.begin() + 1, training.end() }, progress));
     Random random(options.seed);
     while (Eigen::Index(out.averages.size()) < options.dimension) {
         std::vector<Weights> batch;
         for (std::size_t i = 0; i < batch_size; ++i) batch.push_back(mixed_weights(random, set.pose_count(), i));
-        add(out.averages, sweep(family, out.averages, batch, progress), report);
+        add(out, sweep(family, out.averages, batch, progress));
     }
-    report.snapshot_count = int(out.averages.size());
     out.checks = sweep(family, out.averages, check_weights, progress);
     if (progress) progress->update("subspace", 0.9, fmt::format("leading directions of {} snapshots", out.averages.size()));
     Eigen::MatrixXd directions(set.dof_count(), Eigen::Index(out.averages.size()));

@@ -1,4 +1,4 @@
-// A subspace of snapshots: true averages, chosen where the reduced blend is worst, until a wanted error is met.
+// A subspace of snapshots: unreduced averages at training weights, and of them the leading directions (POD).
 #pragma once
 
 #include "elastic/average/family.h"
@@ -15,15 +15,11 @@ struct AdaptiveOptions {
     std::uint64_t seed = 1;
 };
 
-struct AdaptiveReport {
-    int snapshot_count = 0;
-    int unconverged_count = 0; // averages that Newton left unconverged
-};
-
 struct AdaptiveSubspace {
     Subspace subspace;                  // leading directions first: fewer columns are the best smaller space
     std::vector<KnownAverage> averages; // full ones: the mean, those at the training weights, more for a dimension asked for
     std::vector<CheckPoint> checks;     // at `check_weights`; their errors are not set
+    int unconverged_count = 0;          // averages that Newton left unconverged
 };
 
 // The family of averages a(w) is smooth in w, so that a basis of snapshots converges exponentially where the Krylov basis of Algorithm
@@ -31,6 +27,6 @@ struct AdaptiveSubspace {
 // other; differences of the poses are kept exactly, and of the averages the leading directions. No snapshot is taken at the checks.
 AdaptiveSubspace build_adaptive_subspace(const AverageFamily& family, const KnownAverage& mean,
                                          const std::vector<Weights>& training, const std::vector<Weights>& check_weights,
-                                         const AdaptiveOptions& options, Progress* progress, AdaptiveReport& report);
+                                         const AdaptiveOptions& options, Progress* progress);
 
 } // namespace pliant

@@ -43,52 +43,61 @@ bool is_enough(const BlendError& error, const StandInOptions& options)
         && error.drift <= wanted_drift(error, options);
 }
 
-BlendModel fit_model(std::shared_ptr<const StandIn> stand_in, const Subspace& subspace, const ShapeSet& set,
-                     const TrainingSet& training, const std::vector<CheckPoint>& checks, bool may_load,
-                     const StandInOptions& options, StandInReport& report)
+ChosenModel fit_model(std::shared_ptr<const StandIn> stand_in, const Subspace& subspace, const ShapeSet& set,
+                      const TrainingSet& training, const std::vector<CheckPoint>& checks, bool may_load,
+                      const StandInOptions& options)
 {
-    report = {};
+    StandInReport report;
     report.curvature = measure_curvature(*stand_in, training);
     BlendModel plain = plain_model(stand_in, training, subspace);
     report.plain = blend_error(plain, subspace, set, checks);
-    if (!may_load || (checks.empty() && report.curvature.lowest <= 0)) return plain;
+    if (!may_load || (checks.empty() && report.curvature.lowest <= 0)) return { std::move(plain), report };
     BlendModel loaded = loaded_model(std::move(stand_in), training, subspace);
     report.loaded = blend_error(loaded, subspace, set, checks);
     report.has_load = checks.empty() || score(report.loaded, options) < score(report.plain, options);
-    return report.has_load ? loaded : plain;
+    return { report.has_load ? std::move(loaded) : std::move(plain), report };
 }
 
-BlendModel choose_cubature(const ReducedEnergy& reduced, const ShapeSet& set, const TrainingSet& training,
-                           const std::vector<CheckPoint>& checks, const StandInOptions& options, Progress* progress,
-                           StandInReport& report)
+namespace {
+
+std::size_t count_for(std::size_t per_dimension, Eigen::Index dimension)
+{
+    return per_dimension * std::max<std::size_t>(8, std::size_t(dimension));
+}
+
+std::shared_ptr<const StandIn> fit_elements(CubatureFit& fit, std::size_t count)
+{
+    auto stand_in = std::make_shared<const StandIn>(fit.fit(count));
+    for (int round = 0; round < 2 && fit.stiffen(*stand_in) > 0; ++round)
+        stand_in = std::make_shared<const StandIn>(fit.fit(count));
+    return stand_in;
+}
+
+} // namespace
+
+ChosenModel choose_cubature(const ReducedEnergy& reduced, const ShapeSet& set, const TrainingSet& training,
+                            const std::vector<CheckPoint>& checks, const StandInOptions& options, Progress* progress)
 {
     const Subspace& subspace = reduced.subspace();
     CubatureOptions cubature;
     cubature.seed = options.seed;
     cubature.solver = options.cubature;
     CubatureFit fit(reduced, training, cubature, progress);
-    BlendModel best;
+    ChosenModel best;
     for (std::size_t per_dimension : sizes) {
         if (checks.empty() && per_dimension < size_without_checks) continue;
-        const std::size_t count = options.element_count
-            ? options.element_count
-            : per_dimension * std::max<std::size_t>(8, std::size_t(subspace.dimension()));
-        auto stand_in = std::make_shared<const StandIn>(fit.fit(count));
-        for (int round = 0; round < 2 && fit.stiffen(*stand_in) > 0; ++round)
-            stand_in = std::make_shared<const StandIn>(fit.fit(count));
+        const std::size_t count
+            = options.element_count ? options.element_count : count_for(per_dimension, subspace.dimension());
+        std::shared_ptr<const StandIn> stand_in = fit_elements(fit, count);
         if (progress) progress->update("cubature", 0.99, fmt::format("{} elements: error of blends", count));
-        StandInReport here;
-        BlendModel model = fit_model(std::move(stand_in), subspace, set, training, checks, true, options, here);
-        here.residual = fit.residual();
-        const bool gets_convex = here.curvature.lowest > 0 && report.curvature.lowest <= 0;
-        const bool is_better
-            = !best.stand_in || gets_convex || score(here.error(), options) < worthwhile * score(report.error(), options);
-        if (is_better) {
-            best = std::move(model);
-            report = here;
-        }
-        const bool is_convex = report.curvature.lowest > 0;
-        if (is_convex && (is_enough(report.error(), options) || !is_better)) break;
+        ChosenModel here = fit_model(std::move(stand_in), subspace, set, training, checks, true, options);
+        here.report.residual = fit.residual();
+        const bool gets_convex = here.report.curvature.lowest > 0 && best.report.curvature.lowest <= 0;
+        const bool is_better = !best.model.stand_in || gets_convex
+            || score(here.report.error(), options) < worthwhile * score(best.report.error(), options);
+        if (is_better) best = std::move(here);
+        const bool is_convex = best.report.curvature.lowest > 0;
+        if (is_convex && (is_enough(best.report.error(), options) || !is_better)) break;
         if (options.element_count || checks.empty()) break;
     }
     return best;

@@ -30,18 +30,23 @@ struct StandInReport {
     const BlendError& error() const { return has_load ? loaded : plain; }
 };
 
+// A model and how good it is.
+struct ChosenModel {
+    BlendModel model;
+    StandInReport report;
+};
+
 // Whether blends keep the tolerance at the checks with something in hand for other weights.
 bool is_enough(const BlendError& error, const StandInOptions& options);
 
 // Cubature of growing size until the blends at the checks keep the tolerance, or more elements do not help.
-BlendModel choose_cubature(const ReducedEnergy& reduced, const ShapeSet& set, const TrainingSet& training,
-                           const std::vector<CheckPoint>& checks, const StandInOptions& options, Progress* progress,
-                           StandInReport& report);
+ChosenModel choose_cubature(const ReducedEnergy& reduced, const ShapeSet& set, const TrainingSet& training,
+                            const std::vector<CheckPoint>& checks, const StandInOptions& options, Progress* progress);
 
 // The model of a given stand-in; with a dead load if `may_load` and it helps. Without checks it is kept if the stand-in is convex.
-BlendModel fit_model(std::shared_ptr<const StandIn> stand_in, const Subspace& subspace, const ShapeSet& set,
-                     const TrainingSet& training, const std::vector<CheckPoint>& checks, bool may_load,
-                     const StandInOptions& options, StandInReport& report);
+ChosenModel fit_model(std::shared_ptr<const StandIn> stand_in, const Subspace& subspace, const ShapeSet& set,
+                      const TrainingSet& training, const std::vector<CheckPoint>& checks, bool may_load,
+                      const StandInOptions& options);
 
 // The smallest dimension from `least` to `most` with enough accuracy, by bisection: `error_at` measures one, and is called last for
 // the one that is returned. Where the tolerance is out of

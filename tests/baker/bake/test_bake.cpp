@@ -4,7 +4,9 @@
 
 #include "bake/bake.h"
 #include "bake/certificate.h"
-#include "bake/verdict.h"
+#include "bake/make_energy.h"
+#include "bake/warnings.h"
+#include "base/weights/sampling.h"
 #include "elastic/average/family.h"
 #include "elastic/average/shape_error.h"
 #include "elastic/average/sweep.h"
@@ -80,11 +82,11 @@ TEST_CASE("every material bakes to an asset whose blends are near the unreduced 
         CAPTURE(variant.name);
         Progress silent;
         const BakedAsset baked = bake(poses, variant.options, silent);
-        for (const auto& check : baked.report.checks) {
+        for (const auto& check : baked.report.check.blends) {
             CHECK(check.has_converged);
             CHECK(check.error.relative_l2 < variant.error);
         }
-        CHECK(baked.report.runtime_error < 1e-5); // C runtime against double precision, at the training weights
+        CHECK(baked.report.check.runtime_error < 1e-5); // C runtime against double precision, at the training weights
         RuntimeBlender blender(baked.bytes, variant.name);
         check_morph_ranges(blender);
         write_for_reference(std::string("tube_") + variant.name, baked, blender,
@@ -125,10 +127,9 @@ TEST_CASE("the adaptive subspace converges in d, far below Algorithm 1, and fill
     for (std::size_t i = 0; i < 9; ++i) weights.push_back(mixed_weights(random, 3, i));
     const KnownAverage mean { equal_weights(3), family.mean().y };
     AdaptiveOptions options;
-    AdaptiveReport report;
     const AdaptiveSubspace found
-        = build_adaptive_subspace(family, mean, training_weights(3, 24, 1), weights, options, nullptr, report);
-    CHECK(report.unconverged_count == 0);
+        = build_adaptive_subspace(family, mean, training_weights(3, 24, 1), weights, options, nullptr);
+    CHECK(found.unconverged_count == 0);
     CHECK(found.checks.size() == weights.size());
     CHECK(found.averages.size() >= 24);
     const auto error_of = [&](const Subspace& subspace) {
@@ -143,7 +144,7 @@ TEST_CASE("the adaptive subspace converges in d, far below Algorithm 1, and fill
 
     options.dimension = 18;
     const AdaptiveSubspace filled
-        = build_adaptive_subspace(family, mean, training_weights(3, 4, 1), weights, options, nullptr, report);
+        = build_adaptive_subspace(family, mean, training_weights(3, 4, 1), weights, options, nullptr);
     CHECK(filled.subspace.dimension() == 18);
 }
 
@@ -277,31 +278,31 @@ TEST_CASE("a bake says what it measured, and the certificate holds it")
     options.fresh_count = 3;
     const BakedAsset baked = bake(tube_poses(3), options, silent);
     const BakeReport& r = baked.report;
-    CHECK(r.checks.size() == 12);
-    CHECK(r.meets_tolerance);
-    CHECK(r.mean_error < 1e-3);
-    CHECK(r.stand_in.curvature.lowest > 0);
-    CHECK(r.cell_ratio > 0.1);
+    CHECK(r.check.blends.size() == 12);
+    CHECK(r.check.meets_tolerance);
+    CHECK(r.check.mean_error < 1e-3);
+    CHECK(r.fit.stand_in.curvature.lowest > 0);
+    CHECK(r.check.cell_ratio > 0.1);
     CHECK(read_start_pose(r.certificate) == r.start_pose);
     CHECK(r.certificate.find("\"meets_tolerance\": true") != std::string::npos);
     options.tolerance_max = 1e-7; // below what single precision can do
-    CHECK_FALSE(bake(tube_poses(3), options, silent).report.meets_tolerance);
+    CHECK_FALSE(bake(tube_poses(3), options, silent).report.check.meets_tolerance);
 }
 
 TEST_CASE("where averages of a shell jump, a miss points to ARAP")
 {
     BakeReport report;
-    report.checks.resize(1);
-    report.worst_weights = equal_weights(2);
-    report.meets_tolerance = false;
+    report.check.blends.resize(1);
+    report.check.worst_weights = equal_weights(2);
+    report.check.meets_tolerance = false;
     BakeOptions shells, arap;
     arap.energy.material = Material::arap;
     const auto hint = [&](const BakeOptions& options) { return find_miss(report, options, true)->hint; };
     CHECK(hint(shells).find("arap") == std::string::npos);
-    report.findings.resize(1);
+    report.branches.resize(1);
     CHECK(hint(shells).find("arap") != std::string::npos);
     CHECK(hint(arap).find("arap") == std::string::npos);
-    report.tet_count = 1;
+    report.input.tet_count = 1;
     CHECK(hint(shells).find("arap") == std::string::npos);
     const auto hint_for
         = [](const BakeOptions& options, bool is_solid) { return std::string(hint_for_jumps(options.energy, is_solid)); };

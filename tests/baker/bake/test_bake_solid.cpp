@@ -3,6 +3,7 @@
 #include "../twisted_bar.h"
 
 #include "bake/certificate.h"
+#include "bake/make_energy.h"
 #include "base/common/diagnostics.h"
 #include "base/mesh/tets.h"
 #include "elastic/average/newton.h"
@@ -52,15 +53,15 @@ TEST_CASE("solids bake to assets whose blends are near the unreduced average")
         Progress silent;
         const BakedAsset baked = bake(poses, variant.options, silent);
         const BakeReport& report = baked.report;
-        CHECK(report.meets_tolerance);
-        CHECK(report.stand_in_kind == variant.stand_in);
-        CHECK((report.element_count == 0) == (variant.stand_in == StandInKind::quartic));
-        CHECK(report.cell_ratio > 0.5);
-        for (const AssetCheck& check : report.checks) {
+        CHECK(report.check.meets_tolerance);
+        CHECK(report.fit.kind == variant.stand_in);
+        CHECK((report.fit.element_count == 0) == (variant.stand_in == StandInKind::quartic));
+        CHECK(report.check.cell_ratio > 0.5);
+        for (const BlendCheck& check : report.check.blends) {
             CHECK(check.has_converged);
             CHECK(check.error.relative_l2 < 2e-3);
         }
-        CHECK(report.runtime_error < 1e-5); // C runtime against double precision
+        CHECK(report.check.runtime_error < 1e-5); // C runtime against double precision
         RuntimeBlender blender(baked.bytes, variant.name);
         write_for_reference(variant.name, baked, blender, { { 1, 1 }, { 0.2f, 0.8f }, { 0.9f, 0.1f } });
         const ShapeSet set = normalise(poses);
@@ -143,9 +144,9 @@ TEST_CASE("above 32 dimensions auto takes cubature and says why")
         poses.positions[1].row(v) += Eigen::RowVector3d(0.02 * p.z() * p.z(), 0.1 * p.x() * p.z(), 0.05 * p.x() * p.y());
     }
     const BakedAsset baked = bake(poses, options, silent);
-    REQUIRE(baked.report.dimension == 33);
-    CHECK(baked.report.stand_in_kind == StandInKind::cubature);
-    CHECK(baked.report.stand_in_reason.find("32") != std::string::npos);
+    REQUIRE(baked.report.fit.dimension == 33);
+    CHECK(baked.report.fit.kind == StandInKind::cubature);
+    CHECK(baked.report.fit.reason.find("32") != std::string::npos);
 }
 
 TEST_CASE("blends with tetrahedra inside out are warned of")
@@ -161,6 +162,6 @@ TEST_CASE("blends with tetrahedra inside out are warned of")
     options.subspace = SubspaceKind::krylov;
     options.dimension = 1;
     const BakedAsset baked = bake(poses, options, listener);
-    CHECK(baked.report.cell_ratio <= 0);
+    CHECK(baked.report.check.cell_ratio <= 0);
     CHECK(std::count(listener.numbers.begin(), listener.numbers.end(), 4407) == 1);
 }

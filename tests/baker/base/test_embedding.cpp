@@ -172,11 +172,11 @@ TEST_CASE("an asset that draws a surface blends as the embedded solid does")
                 = Eigen::Map<const Eigen::VectorXf>(vertices.data(), Eigen::Index(vertices.size())).cast<double>();
             CHECK(relative(surface.positions(q), apply(options.drawn->embedding, blend)) < 1e-6);
         }
-        REQUIRE(drawn.report.drawn);
-        CHECK(drawn.report.drawn->mean > 0);
-        CHECK(drawn.report.drawn->mean <= drawn.report.drawn->largest);
-        CHECK(drawn.report.drawn->mean < 2 * drawn.report.mean_error);
-        CHECK(drawn.report.mean_error == plain.report.mean_error);
+        REQUIRE(drawn.report.check.drawn);
+        CHECK(drawn.report.check.drawn->mean > 0);
+        CHECK(drawn.report.check.drawn->mean <= drawn.report.check.drawn->largest);
+        CHECK(drawn.report.check.drawn->mean < 2 * drawn.report.check.mean_error);
+        CHECK(drawn.report.check.mean_error == plain.report.check.mean_error);
         CHECK(has_drawn_surface(surface.certificate()));
         CHECK(!has_drawn_surface(solid.certificate()));
     }

@@ -1,4 +1,5 @@
 // Solids against independent numbers, finite differences, and their form for the runtime.
+#include "../twisted_bar.h"
 #include "base/mesh/tets.h"
 #include "elastic/average/newton.h"
 #include "elastic/average/rigid_modes.h"
@@ -6,7 +7,6 @@
 #include "golden_solids.h"
 #include "pliant_format.h"
 #include "reduced/surrogate/quartic.h"
-#include "../twisted_bar.h"
 
 #include <Eigen/Dense>
 #include <cmath>

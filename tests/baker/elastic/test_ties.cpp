@@ -2,6 +2,7 @@
 #include "../parts_mesh.h"
 
 #include "bake/bake.h"
+#include "bake/make_energy.h"
 #include "elastic/average/hessian.h"
 #include "elastic/average/newton.h"
 #include "elastic/average/rigid_modes.h"
@@ -239,10 +240,10 @@ TEST_CASE("a part that turns far gets a joint or ties, whatever keeps its place"
         Progress silent;
         const PoseSet poses = hinged_tubes({ 0, 0.8, 2 }, is_closed);
         const BakedAsset baked = bake(poses, options, silent);
-        CHECK(baked.report.mean_error < 3e-3);
-        REQUIRE(baked.report.ties.has_value());
-        CHECK(baked.report.ties->joint_count == (is_closed ? 1 : 0));
-        CHECK(baked.report.ties->blends.drift.largest < drift_limit);
+        CHECK(baked.report.check.mean_error < 3e-3);
+        REQUIRE(baked.report.check.ties.has_value());
+        CHECK(baked.report.check.ties->joint_count == (is_closed ? 1 : 0));
+        CHECK(baked.report.check.ties->blends.drift.largest < drift_limit);
     }
 }
 
@@ -491,14 +492,14 @@ TEST_CASE("a character in several parts bakes, and its parts keep their place")
     options.tolerance = 3e-3;
     options.check_count = 12;
     const BakedAsset baked = bake(poses, options, silent);
-    CHECK(baked.report.mean_error < 3e-3);
+    CHECK(baked.report.check.mean_error < 3e-3);
     const ShapeSet set = normalise(poses);
     const TieSet ties = find_ties(set);
-    REQUIRE(baked.report.ties.has_value());
-    CHECK(baked.report.ties->part_count == 4);
+    REQUIRE(baked.report.check.ties.has_value());
+    CHECK(baked.report.check.ties->part_count == 4);
     double worst = 0;
     RuntimeBlender blender(baked.bytes, "the test's asset");
-    for (const AssetCheck& check : baked.report.checks) {
+    for (const BlendCheck& check : baked.report.check.blends) {
         const Eigen::VectorXf w = check.weights.cast<float>();
         const Shape blend = from_input_units(set, blender.positions(blender.solve({ w[0], w[1], w[2] }, false)));
         const TieDrift drift = measure_drift(ties, set, check.weights, blend);
@@ -507,7 +508,7 @@ TEST_CASE("a character in several parts bakes, and its parts keep their place")
         CHECK(drift.largest < 0.005);
         worst = std::max(worst, drift.largest);
     }
-    CHECK(baked.report.ties->blends.drift.largest == doctest::Approx(worst).epsilon(1e-4));
+    CHECK(baked.report.check.ties->blends.drift.largest == doctest::Approx(worst).epsilon(1e-4));
     CHECK(baked.report.certificate.find("drift_of_blends") != std::string::npos);
 }
 

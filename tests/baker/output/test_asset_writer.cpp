@@ -29,7 +29,7 @@ struct Problem {
         , subspace(build_krylov_subspace(solver, { 1, 0, 256 }, nullptr))
         , reduced(energy, subspace)
         , training(train(solver, subspace, 12))
-        , stand_in(energy, subspace.origin, subspace.basis, all_elements(), wrong_weights())
+        , stand_in(std::make_shared<const StandIn>(energy, subspace.origin, subspace.basis, all_elements(), wrong_weights()))
         , corner_count(set.pose_count())
     {
         // Poses are averages as well: known at the corners.
@@ -52,19 +52,13 @@ struct Problem {
         return weights;
     }
 
-    AssetModel model() const
+    BlendModel model() const
     {
-        AssetModel out;
-        out.set = &set;
-        out.subspace = &subspace;
-        out.stand_in = &stand_in;
+        BlendModel out;
+        out.stand_in = stand_in;
         out.mean = training.averages[0];
-        out.root = inverse_root(stand_in.hessian(training.weights[0], out.mean, HessianKind::exact), metric_floor);
+        out.root = inverse_root(stand_in->hessian(training.weights[0], out.mean, HessianKind::exact), metric_floor);
         out.energy_scale = training.energy_scale;
-        out.stand_in_reference = subspace.shape(out.mean);
-        out.names = poses.names;
-        out.certificate = "{}";
-        out.answers.push_back({ training.weights[0], out.mean.cast<float>() });
         const Eigen::PartialPivLU<Eigen::MatrixXd> to_z(out.root);
         Eigen::MatrixXd starts(out.root.cols(), Eigen::Index(training.weights.size()));
         for (Eigen::Index i = 0; i < starts.cols(); ++i)
@@ -73,13 +67,37 @@ struct Problem {
         return out;
     }
 
+    // With the basis within `error` (normalized units; 0: single precision) at the averages.
+    AssetModel asset(const BlendModel& model, double error = 0) const
+    {
+        AssetModel out { set, subspace, model, subspace.shape(model.mean), {}, {}, poses.names };
+        out.mesh.triangles = set.triangles;
+        out.mesh.vertex_count = std::size_t(set.dof_count() / 3);
+        out.shape = store_shape(set, subspace, nullptr, reachable(), error);
+        return out;
+    }
+
+    std::vector<std::uint8_t> encode(const AssetModel& asset) const
+    {
+        AssetRecord record;
+        record.answers = { { training.weights[0], asset.shape.frame.stored(asset.model.mean).cast<float>() } };
+        return encode_asset(asset, record);
+    }
+
+    Eigen::MatrixXd reachable() const
+    {
+        Eigen::MatrixXd out(subspace.dimension(), Eigen::Index(training.averages.size()));
+        for (std::size_t i = 0; i < training.averages.size(); ++i) out.col(Eigen::Index(i)) = training.averages[i];
+        return out; // the last ones are the poses
+    }
+
     // What holds the stand-in at the averages: minus its gradients by z there.
-    Predictor load(const AssetModel& model) const
+    Predictor load(const BlendModel& model) const
     {
         Eigen::MatrixXd forces(model.root.cols(), Eigen::Index(training.weights.size()));
         for (Eigen::Index i = 0; i < forces.cols(); ++i) {
             Eigen::VectorXd gradient;
-            stand_in.gradient(training.weights[std::size_t(i)], training.averages[std::size_t(i)], gradient);
+            stand_in->gradient(training.weights[std::size_t(i)], training.averages[std::size_t(i)], gradient);
             forces.col(i) = -model.root.transpose() * gradient;
         }
         return fit_predictor(training.weights, forces);
@@ -109,64 +127,56 @@ struct Problem {
     Subspace subspace;
     ReducedEnergy reduced;
     TrainingSet training;
-    StandIn stand_in;
+    std::shared_ptr<const StandIn> stand_in;
     std::size_t corner_count;
 };
-
-std::uint16_t minor_of(const std::vector<std::uint8_t>& bytes)
-{
-    pliant_format_header header;
-    std::memcpy(&header, bytes.data(), sizeof header);
-    return header.format_minor;
-}
 
 } // namespace
 
 TEST_CASE("a dead load puts the runtime's blends onto the averages it was fitted to")
 {
     const Problem p;
-    AssetModel model = p.model();
-    const std::vector<std::uint8_t> bare = encode_asset(model);
+    BlendModel model = p.model();
+    const std::vector<std::uint8_t> bare = p.encode(p.asset(model));
     model.load = p.load(model);
-    const std::vector<std::uint8_t> loaded = encode_asset(model);
+    const std::vector<std::uint8_t> loaded = p.encode(p.asset(model));
     const double without = p.error(bare), with = p.error(loaded);
     CAPTURE(without);
     CAPTURE(with);
     CHECK(with < 1e-5);
     CHECK(without > 20 * 1e-5);
-    CHECK(minor_of(bare) == 0);
-    CHECK(minor_of(loaded) == PLIANT_FORMAT_MINOR_LOAD);
     model.load.reset();
-    CHECK(encode_asset(model) == bare);
+    CHECK(p.encode(p.asset(model)) == bare);
 }
 
 TEST_CASE("a dead load without the predictor's centres is refused")
 {
     const Problem p;
-    AssetModel model = p.model();
+    BlendModel model = p.model();
     model.load = p.load(model);
     model.load->centres[1] = p.training.weights[2];
-    CHECK_THROWS_AS(encode_asset(model), std::invalid_argument);
+    CHECK_THROWS_AS(p.encode(p.asset(model)), std::invalid_argument);
     model.load = p.load(model);
     model.load->centres.pop_back();
-    CHECK_THROWS_AS(encode_asset(model), std::invalid_argument);
+    CHECK_THROWS_AS(p.encode(p.asset(model)), std::invalid_argument);
     model.load = p.load(model);
     model.predictor = Predictor();
-    CHECK_THROWS_AS(encode_asset(model), std::invalid_argument);
+    CHECK_THROWS_AS(p.encode(p.asset(model)), std::invalid_argument);
 }
 
 TEST_CASE("smoothing groups are written unless every vertex is its own")
 {
-    const Problem problem;
-    AssetModel model = problem.model();
-    const std::vector<std::uint8_t> plain = encode_asset(model);
-    std::vector<std::uint32_t> groups(std::size_t(problem.set.dof_count() / 3));
+    const Problem p;
+    const BlendModel model = p.model();
+    AssetModel drawn = p.asset(model);
+    const std::vector<std::uint8_t> plain = p.encode(drawn);
+    std::vector<std::uint32_t>& groups = drawn.mesh.smoothing;
+    groups.resize(drawn.mesh.vertex_count);
     std::iota(groups.begin(), groups.end(), 0u);
-    model.smoothing = &groups;
-    CHECK(encode_asset(model) == plain);
+    CHECK(p.encode(drawn) == plain);
 
     groups[5] = 2;
-    const std::vector<std::uint8_t> bytes = encode_asset(model);
+    const std::vector<std::uint8_t> bytes = p.encode(drawn);
     CHECK(bytes[14] == PLIANT_FORMAT_MINOR_PARTS);
     pliant_asset asset;
     std::vector<std::uint8_t> aligned(bytes.size() + 64);
@@ -177,19 +187,12 @@ TEST_CASE("smoothing groups are written unless every vertex is its own")
     CHECK(std::vector<std::uint32_t>(asset.smoothing_groups, asset.smoothing_groups + asset.vertex_count) == groups);
 
     groups[5] = asset.vertex_count;
-    CHECK_THROWS_AS(encode_asset(model), std::invalid_argument);
+    CHECK_THROWS_AS(p.encode(drawn), std::invalid_argument);
     groups.pop_back();
-    CHECK_THROWS_AS(encode_asset(model), std::invalid_argument);
+    CHECK_THROWS_AS(p.encode(drawn), std::invalid_argument);
 }
 
 namespace {
-
-Eigen::MatrixXd columns_of(const std::vector<Eigen::VectorXd>& vectors)
-{
-    Eigen::MatrixXd out(vectors[0].size(), Eigen::Index(vectors.size()));
-    for (std::size_t i = 0; i < vectors.size(); ++i) out.col(Eigen::Index(i)) = vectors[i];
-    return out;
-}
 
 // The farthest vertex of the runtime's shape from the subspace's, normalised units; checks the box round it, too.
 double farthest_vertex(const Problem& p, const StoredShape& stored, const RuntimeBlender& blender, const Eigen::VectorXd& q)
@@ -216,18 +219,17 @@ double farthest_vertex(const Problem& p, const StoredShape& stored, const Runtim
 TEST_CASE("a compact basis keeps its position error at averages, poses and between them")
 {
     const Problem p;
-    AssetModel model = p.model();
-    const std::vector<std::uint8_t> plain = encode_asset(model);
-    const Eigen::MatrixXd reachable = columns_of(p.training.averages); // the last ones are the poses
+    const BlendModel model = p.model();
+    const std::vector<std::uint8_t> plain = p.encode(p.asset(model));
+    const Eigen::MatrixXd reachable = p.reachable();
     for (double error : { 1e-2, 1e-4, 1e-5 }) {
         CAPTURE(error);
-        const StoredShape stored = store_shape(p.set, p.subspace, nullptr, reachable, error * p.set.diagonal);
+        const AssetModel asset = p.asset(model, error * p.set.diagonal);
+        const StoredShape& stored = asset.shape;
         REQUIRE_FALSE(stored.basis.empty());
         CHECK(stored.largest_error <= error * p.set.diagonal);
         CHECK(stored.largest_error > 0.5 * error * p.set.diagonal); // no more bits than it takes
-        model.stored = &stored;
-        const std::vector<std::uint8_t> bytes = encode_asset(model);
-        CHECK(minor_of(bytes) == PLIANT_FORMAT_MINOR_PARTS);
+        const std::vector<std::uint8_t> bytes = p.encode(asset);
         CHECK(bytes.size() < plain.size());
         RuntimeBlender blender(bytes, "memory", true), exact(plain, "memory", true);
         const double allowed = (error + 1e-6) * p.set.diagonal; // single precision besides
@@ -251,11 +253,11 @@ TEST_CASE("a compact basis keeps its position error at averages, poses and betwe
 TEST_CASE("columns come in the order of what they move, and few are needed near the middle")
 {
     const Problem p;
-    AssetModel model = p.model();
-    const Eigen::MatrixXd reachable = columns_of(p.training.averages);
-    const StoredShape stored = store_shape(p.set, p.subspace, nullptr, reachable, 1e-5 * p.set.diagonal);
-    model.stored = &stored;
-    const RuntimeBlender blender(encode_asset(model), "memory");
+    const BlendModel model = p.model();
+    const Eigen::MatrixXd reachable = p.reachable();
+    const AssetModel asset = p.asset(model, 1e-5 * p.set.diagonal);
+    const StoredShape& stored = asset.shape;
+    const RuntimeBlender blender(p.encode(asset), "memory");
     float last = INFINITY;
     for (std::uint32_t j = 0; j < blender.asset().dimension; ++j) {
         pliant_column column;
@@ -272,14 +274,14 @@ TEST_CASE("columns come in the order of what they move, and few are needed near 
 TEST_CASE("what single precision does as well stays in single precision")
 {
     const Problem p;
-    const Eigen::MatrixXd reachable = columns_of(p.training.averages);
+    const Eigen::MatrixXd reachable = p.reachable();
+    const BlendModel model = p.model();
     for (double error : { 0.0, 1e-12 }) {
-        const StoredShape stored = store_shape(p.set, p.subspace, nullptr, reachable, error);
+        const AssetModel asset = p.asset(model, error);
+        const StoredShape& stored = asset.shape;
         CHECK(stored.basis.empty());
         CHECK(stored.frame.axes.isIdentity(0));
-        AssetModel model = p.model();
-        model.stored = &stored;
-        const RuntimeBlender blender(encode_asset(model), "memory", true);
+        const RuntimeBlender blender(p.encode(asset), "memory", true);
         CHECK(blender.asset().basis != nullptr);
         for (Eigen::Index i = 0; i < reachable.cols(); ++i)
             CHECK(farthest_vertex(p, stored, blender, reachable.col(i)) < 1e-6 * p.set.diagonal);

@@ -3,6 +3,7 @@
 #include "../tube.h"
 
 #include "bake/bake.h"
+#include "bake/make_energy.h"
 #include "base/weights/radial_function.h"
 #include "elastic/average/rigid_modes.h"
 #include "reduced/subspace/krylov.h"

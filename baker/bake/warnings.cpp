@@ -1,4 +1,6 @@
-#include "bake/verdict.h"
+#include "bake/warnings.h"
+
+#include "bake/make_energy.h"
 
 #include <fmt/core.h>
 
@@ -13,11 +15,11 @@ bool is_shell(const EnergyOptions& energy, bool is_solid)
 // Where to turn when the tolerance is missed: what makes averages jump, else the part that misses it.
 std::string remedy(const BakeReport& r, const BakeOptions& options)
 {
-    if (!r.findings.empty() && is_shell(options.energy, r.tet_count > 0))
+    if (!r.branches.empty() && is_shell(options.energy, r.input.tet_count > 0))
         return "averages jump (P4406): for one connected surface try --material arap, leave a pose out, or ask for less "
                "with --tolerance";
-    if (r.subspace_error.mean > 0.7 * options.tolerance)
-        return r.dimension >= 60
+    if (r.fit.subspace_error.mean > 0.7 * options.tolerance)
+        return r.fit.dimension >= 60
             ? "add a pose between those of the worst weights, leave a pose out, or ask for less with --tolerance"
             : "raise --dim or leave it out, add a pose in between, or ask for less with --tolerance";
     return "raise --elements, add a pose between those of the worst weights, or ask for less with --tolerance";
@@ -27,7 +29,7 @@ std::string remedy(const BakeReport& r, const BakeOptions& options)
 
 std::optional<ToleranceMiss> find_miss(const BakeReport& r, const BakeOptions& options, bool has_tolerance)
 {
-    if (r.checks.empty() || r.meets_tolerance) return {};
+    if (r.check.blends.empty() || r.check.meets_tolerance) return {};
     const bool is_asked = has_tolerance || options.tolerance_max > 0;
     if (!is_asked && (options.dimension || options.subspace != SubspaceKind::adaptive)) return {};
     return ToleranceMiss {
@@ -36,8 +38,8 @@ std::optional<ToleranceMiss> find_miss(const BakeReport& r, const BakeOptions& o
             "blends miss the tolerance {:.3g}{}: mean error {:.2e} (subspace alone {:.2e}) at d = {} and {} elements, "
             "largest {:.2e} at weights {}",
             options.tolerance, options.tolerance_max > 0 ? fmt::format(" (largest {:.3g})", options.tolerance_max) : "",
-            r.mean_error, r.subspace_error.mean, r.dimension, r.element_count, r.largest_error,
-            weights_text(r.worst_weights)),
+            r.check.mean_error, r.fit.subspace_error.mean, r.fit.dimension, r.fit.element_count, r.check.largest_error,
+            weights_text(r.check.worst_weights)),
         remedy(r, options)
     };
 }
@@ -80,12 +82,56 @@ void warn_of_jumps(const FamilyPoint& point, const PoseSet& poses, const EnergyO
                       hint_for_jumps(energy, poses.is_solid()));
 }
 
+namespace {
+
+std::string describe(const BranchFinding& branch, const std::string& pose)
+{
+    switch (branch.kind) {
+    case BranchFinding::Kind::other_mean:
+        return fmt::format("seen from pose {}, the average of all poses is another one", pose);
+    case BranchFinding::Kind::jump: return fmt::format("the average jumps on the way towards pose {}", pose);
+    default: return fmt::format("there are two averages towards pose {}", pose);
+    }
+}
+
+void warn_of_inversion(const BakeReport& report, Progress& progress)
+{
+    if (!report.input.tet_count || report.check.blends.empty() || report.check.cell_ratio > 0) return;
+    progress.warn(4407, fmt::format("blends have tetrahedra inside out (smallest J {:.3f})", report.check.cell_ratio),
+                  "use --material mooney-rivlin, or add a pose in between");
+}
+
+} // namespace
+
+void warn_of_foldover(const InputReport& input, const EnergyOptions& energy, Progress& progress)
+{
+    if (!input.foldover_count) return;
+    progress.warn(4403,
+                  fmt::format("{} hinges are folded over or fold strongly between poses; their bending is multiplied by {}",
+                              input.foldover_count, energy.shell.foldover_damping),
+                  "smooth the creases there, or set --foldover-damping (1 = off)");
+}
+
+void warn_of_blends(const BakeReport& report, const PoseSet& poses, const EnergyOptions& energy, Progress& progress)
+{
+    for (const BranchFinding& branch : report.branches)
+        progress.warn(4406,
+                      fmt::format("{}: {:.1f} % away, most at vertex {}, weights {}",
+                                  describe(branch, poses.names[branch.pose]), 100 * branch.distance, branch.vertex,
+                                  weights_text(branch.weights)),
+                      hint_for_jumps(energy, poses.is_solid()));
+    warn_of_inversion(report, progress);
+    if (report.check.ties) tell_ties(*report.check.ties, drift_limit, progress);
+}
+
 void add_warnings(const std::vector<Finding>& told, const BakeReport& report, std::vector<Finding>& warnings)
 {
     for (Finding warning : told) {
-        if (warning.number == 4403) warning = about_vertices(std::move(warning), report.foldover_vertices);
-        if (report.ties && warning.number == 4409) warning = about_vertices(std::move(warning), loose_parts(*report.ties));
-        if (report.ties && warning.number == 4410) warning = about_vertices(std::move(warning), distant_parts(*report.ties));
+        if (warning.number == 4403) warning = about_vertices(std::move(warning), report.input.foldover_vertices);
+        if (report.check.ties && warning.number == 4409)
+            warning = about_vertices(std::move(warning), loose_parts(*report.check.ties));
+        if (report.check.ties && warning.number == 4410)
+            warning = about_vertices(std::move(warning), distant_parts(*report.check.ties));
         warnings.push_back(std::move(warning));
     }
 }

@@ -15,8 +15,8 @@ typedef struct texel_kind {
 static const texel_kind word_kind = { GL_R32UI, GL_RED_INTEGER, GL_UNSIGNED_INT, 4 };
 static const texel_kind point_kind = { GL_RGB32F, GL_RGB, GL_FLOAT, 12 };
 
-/* How many rows layers have, as a power of two: one layer if it can be, else the smallest layers that are few enough, as the last one
-   is hardly ever full. */
+/* How many rows layers have, as a power of two: one layer if it can be, else the smallest layers that are few enough, as the
+   last one is hardly ever full. */
 static uint32_t choose_shift(const pliant_gl* gl, uint64_t rows)
 {
     uint32_t shift = 0;
@@ -30,8 +30,8 @@ static uint32_t choose_shift(const pliant_gl* gl, uint64_t rows)
 /* In so many rows the number of a word still has 32 bits. */
 #define ROW_LIMIT (1u << (32u - PLIANT_GL_ROW_SHIFT))
 
-/* A texture of so many rows, bound to the active unit; 0 if the context has none so large. Adds its bytes to *bytes, writes mask
-   and shift of its rows to store[0] and store[1]. */
+/* A texture of so many rows, bound to the active unit; 0 if the context has none so large. Adds its bytes to *bytes, writes
+   mask and shift of its rows to store[0] and store[1]. */
 static gl_name make_texture(const pliant_gl* gl, const texel_kind* kind, uint64_t rows, uint32_t* store, uint64_t* bytes)
 {
     const uint32_t shift = choose_shift(gl, rows);
@@ -53,8 +53,8 @@ static gl_name make_texture(const pliant_gl* gl, const texel_kind* kind, uint64_
     return texture;
 }
 
-/* Puts `texels` texels into the bound texture of these rows, from row `row` on: from memory, or from an offset into the unpack
-   buffer. */
+/* Puts `texels` texels into the bound texture of these rows, from row `row` on: from memory, or from an offset into the
+   unpack buffer. */
 static void put_texels(const pliant_gl* gl, const texel_kind* kind, const uint32_t* store, uint64_t row, uintptr_t from,
                        uint64_t texels)
 {

@@ -1,5 +1,5 @@
-/* pliant_gl: contexts and instances. Meshes are in pliant_gl_mesh.c, shaders in pliant_gl_shaders.c, what is put back after each
-   call in pliant_gl_state.c. */
+/* pliant_gl: contexts and instances. Meshes are in pliant_gl_mesh.c, shaders in pliant_gl_shaders.c, what is put back after
+   each call in pliant_gl_state.c. */
 #include "pliant_gl_internal.h"
 
 /* A compile-time check that the struct of the header has a place for every function. */
@@ -98,19 +98,6 @@ static void read_limits(pliant_gl* gl, const pliant_gl_desc* desc)
     if (desc->max_layers && desc->max_layers < (uint32_t)layers) layers = (gl_int)desc->max_layers;
     while (gl->layer_shift < 20 && (2 << gl->layer_shift) <= size) ++gl->layer_shift;
     gl->max_layers = (uint32_t)layers;
-}
-
-/* Errors of before are the caller's; the bound is for contexts that are lost and report errors for ever. */
-void pliant_gl_clear_errors(const pliant_gl* gl)
-{
-    for (int i = 0; i < 64 && GL(gl, GetError)() != GL_NO_ERROR; ++i) {}
-}
-
-pliant_gl_result pliant_gl_check_errors(pliant_gl* gl)
-{
-    if (GL(gl, GetError)() == GL_NO_ERROR) return PLIANT_GL_OK;
-    pliant_gl_say(gl, "the driver reports an error while textures or buffers are made", NULL);
-    return PLIANT_GL_ERROR_MEMORY;
 }
 
 static int is_good_desc(const pliant_gl_desc* desc)

@@ -1,11 +1,11 @@
-/* What the files of pliant_gl share: the GL types, constants and functions that they use, declared here so that no GL headers are
-   needed. Not installed, not part of the API. */
+/* What the files of pliant_gl share: the GL types, constants and functions that they use, declared here so that no GL
+   headers are needed. Not installed, not part of the API. */
 #ifndef PLIANT_GL_INTERNAL_H
 #define PLIANT_GL_INTERNAL_H
 
 #include "pliant_gl.h"
 
-#include "../formats/pliant_format.h"
+#include "pliant_format.h"
 
 #include <string.h>
 
@@ -38,7 +38,8 @@ typedef ptrdiff_t gl_size;
     X(void, ActiveTexture, (gl_enum))                                                                                       \
     X(void, BindSampler, (gl_name, gl_name))                                                                                \
     X(void, TexImage3D, (gl_enum, gl_int, gl_int, gl_int, gl_int, gl_int, gl_int, gl_enum, gl_enum, const void*))           \
-    X(void, TexSubImage3D, (gl_enum, gl_int, gl_int, gl_int, gl_int, gl_int, gl_int, gl_int, gl_enum, gl_enum, const void*)) \
+    X(void, TexSubImage3D,                                                                                                  \
+      (gl_enum, gl_int, gl_int, gl_int, gl_int, gl_int, gl_int, gl_int, gl_enum, gl_enum, const void*))                     \
     X(void, TexParameteri, (gl_enum, gl_enum, gl_int))                                                                      \
     X(void, PixelStorei, (gl_enum, gl_int))                                                                                 \
     X(void, GenBuffers, (gl_int, gl_name*))                                                                                 \
@@ -152,7 +153,8 @@ enum {
 #define PLIANT_GL_MESH_MAGIC 0x4D475046u     /* of a mesh */
 #define PLIANT_GL_INSTANCE_MAGIC 0x49475046u /* of an instance */
 
-#define PLIANT_GL_ROW_SHIFT 10u /* rows of array textures have 1024 texels: every 3.3 and ES 3.0 has textures of that size */
+/* Rows of array textures have 1024 texels: every 3.3 and ES 3.0 has textures of that size. */
+#define PLIANT_GL_ROW_SHIFT 10u
 #define PLIANT_GL_ROW (1u << PLIANT_GL_ROW_SHIFT)
 #define PLIANT_GL_GROUP 64u /* invocations of a work group */
 
@@ -172,10 +174,14 @@ typedef struct pliant_gl_state {
     int discards;
 } pliant_gl_state;
 
-/* pliant_gl_state.c: everything that update and the init functions touch. After saving, samplers of the units are 0 and pixel
-   storage is that of tightly packed words in memory. */
+/* pliant_gl_state.c: everything that update and the init functions touch. After saving, samplers of the units are 0 and
+   pixel storage is that of tightly packed words in memory. */
 void pliant_gl_save(const pliant_gl* gl, pliant_gl_state* state);
 void pliant_gl_restore(const pliant_gl* gl, const pliant_gl_state* state);
+
+/* pliant_gl_state.c. Clears the caller's earlier errors, so that an error found later is ours (MEMORY). */
+void pliant_gl_clear_errors(const pliant_gl* gl);
+pliant_gl_result pliant_gl_check_errors(pliant_gl* gl);
 
 /* pliant_gl_shaders.c: compiles both programs for gl->path; the message of a failure goes to gl->message. */
 pliant_gl_result pliant_gl_make_programs(pliant_gl* gl);
@@ -183,10 +189,6 @@ pliant_gl_result pliant_gl_make_programs(pliant_gl* gl);
 /* Binds what pliant_position() needs, to the program in use. */
 void pliant_gl_set_shape(const pliant_gl_mesh* mesh, const pliant_gl_locations* locations, uint32_t unit, const float* q,
                          uint32_t columns);
-
-/* pliant_gl.c. Errors of before are the caller's: cleared, so that those found later are ours (MEMORY). */
-void pliant_gl_clear_errors(const pliant_gl* gl);
-pliant_gl_result pliant_gl_check_errors(pliant_gl* gl);
 
 /* pliant_gl_mesh.c. Fills the position texture, which is bound, from the unpack buffer that is bound. */
 void pliant_gl_put_positions(const pliant_gl_mesh* mesh);

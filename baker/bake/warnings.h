@@ -1,7 +1,8 @@
-// How what was computed stands to what was asked for: the same verdicts and words on the command line and in the Python package.
+// How what was computed stands to what was asked for: the same warnings on the command line and in the Python package.
 #pragma once
 
-#include "bake/bake.h"
+#include "bake/report.h"
+#include "base/common/progress.h"
 #include "elastic/average/family.h"
 
 #include <optional>
@@ -33,6 +34,12 @@ const char* hint_for_jumps(const EnergyOptions& energy, bool is_solid);
 // P4406 for every jump on the way to an average.
 void warn_of_jumps(const FamilyPoint& point, const PoseSet& poses, const EnergyOptions& energy, const std::string& frame,
                    Progress& progress);
+
+// P4403: hinges whose bending is damped.
+void warn_of_foldover(const InputReport& input, const EnergyOptions& energy, Progress& progress);
+
+// P4406 for every place where averages jump, P4407 for tetrahedra inside out, and what parts of a character have (P4408 to P4410).
+void warn_of_blends(const BakeReport& report, const PoseSet& poses, const EnergyOptions& energy, Progress& progress);
 
 // Adds to `warnings` what was warned of while baking, with the vertices that it is about.
 void add_warnings(const std::vector<Finding>& told, const BakeReport& report, std::vector<Finding>& warnings);

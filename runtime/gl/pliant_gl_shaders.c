@@ -1,9 +1,9 @@
-/* The shaders of pliant_gl. One text serves all contexts: pliant_position() reads the shape texture, what runs it is a vertex shader
-   under transform feedback, a compute shader, or the caller's own.
+/* The shaders of pliant_gl. One text serves all contexts: pliant_position() reads the shape texture, what runs it is a
+   vertex shader under transform feedback, a compute shader, or the caller's own.
 
-   The shape texture holds words of 32 bits as the file has them, one after the other in rows of 1024: REST, then the basis (BASI;
-   or the tiles, fields and data of BASC), each from the start of a row on. Word i is at x = i mod 1024, in row i / 1024, layers
-   having 2^(shift - 10) rows. Neighbouring vertices read neighbouring words. */
+   The shape texture holds words of 32 bits as the file has them, one after the other in rows of 1024: REST, then the basis
+   (BASI; or the tiles, fields and data of BASC), each from the start of a row on. Word i is at x = i mod 1024, in row i /
+   1024, layers having 2^(shift - 10) rows. Neighbouring vertices read neighbouring words. */
 #include "pliant_gl_internal.h"
 
 /* clang-format off */
@@ -15,7 +15,8 @@ static const char direct_source[] =
     "uniform highp vec4 pliant_q[(PLIANT_MAX_DIMENSION + 3) / 4];\n"
     "uniform highp vec4 pliant_steps[(PLIANT_MAX_DIMENSION + 3) / 4];\n" /* q times what bases count in */
     "uniform highp uvec3 pliant_store;\n"    /* mask and shift of rows; where the basis starts */
-    "uniform highp uvec4 pliant_compact;\n"  /* where fields and data start, the data's end, tiles of REST; 0: single precision */
+    /* Where fields and data start, the data's end, tiles of REST; 0: single precision. */
+    "uniform highp uvec4 pliant_compact;\n"
     "uniform highp uvec2 pliant_columns;\n"  /* used, there */
     "uniform highp vec3 pliant_origin;\n"
     "highp ivec3 pliant_texel(highp uint i) {\n"
@@ -144,7 +145,9 @@ static const char feedback_normal[] =
     "uniform highp sampler2DArray pliant_points;\n"
     "uniform highp uvec3 pliant_points_store;\n"
     "out highp vec3 pliant_out;\n"
-    "highp vec3 pliant_point(highp uint v) { return texelFetch(pliant_points, pliant_texel(v, pliant_points_store), 0).xyz; }\n"
+    "highp vec3 pliant_point(highp uint v) {\n"
+    "  return texelFetch(pliant_points, pliant_texel(v, pliant_points_store), 0).xyz;\n"
+    "}\n"
     "void main() {\n"
     "  pliant_out = pliant_normal(uint(gl_VertexID));\n"
     "  gl_Position = vec4(0.0);\n"

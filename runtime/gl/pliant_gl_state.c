@@ -1,5 +1,5 @@
-/* GL state that the library changes, taken down before and put back after. Asking GL costs little: drivers answer these from the
-   application's side. */
+/* GL state that the library changes, taken down before and put back after, and GL's error flag. Asking GL costs little:
+   drivers answer these from the application's side. */
 #include "pliant_gl_internal.h"
 
 static const gl_enum unpack_names[6] = { GL_UNPACK_ROW_LENGTH,  GL_UNPACK_SKIP_ROWS,    GL_UNPACK_SKIP_PIXELS,
@@ -89,4 +89,19 @@ void pliant_gl_restore(const pliant_gl* gl, const pliant_gl_state* state)
     GL(gl, ActiveTexture)((gl_enum)state->active_unit);
     GL(gl, BindVertexArray)((gl_name)state->vertex_array);
     GL(gl, UseProgram)((gl_name)state->program);
+}
+
+/* ---------------------------------------------------------------------------------------------------------- errors ---- */
+
+/* The bound is for contexts that are lost and report errors for ever. */
+void pliant_gl_clear_errors(const pliant_gl* gl)
+{
+    for (int i = 0; i < 64 && GL(gl, GetError)() != GL_NO_ERROR; ++i) {}
+}
+
+pliant_gl_result pliant_gl_check_errors(pliant_gl* gl)
+{
+    if (GL(gl, GetError)() == GL_NO_ERROR) return PLIANT_GL_OK;
+    pliant_gl_say(gl, "the driver reports an error while textures or buffers are made", NULL);
+    return PLIANT_GL_ERROR_MEMORY;
 }

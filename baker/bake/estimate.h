@@ -1,0 +1,20 @@
+// What a bake would cost, from counts alone.
+#pragma once
+
+#include "bake/options.h"
+
+namespace pliant {
+
+// How many averages a bake of so many poses is trained with.
+std::size_t training_count(std::size_t pose_count);
+
+// Dimension, seconds on one core, bytes of working memory, bytes of the asset: orders of magnitude.
+struct BakeEstimate {
+    Eigen::Index dimension;
+    double seconds;
+    double memory;
+    double asset_size;
+};
+BakeEstimate estimate_bake(std::size_t vertex_count, std::size_t pose_count, const BakeOptions& options);
+
+} // namespace pliant

@@ -1,0 +1,76 @@
+#include "bake/find_subspace.h"
+
+#include "bake/estimate.h"
+#include "base/weights/sampling.h"
+#include "elastic/average/rigid_modes.h"
+#include "elastic/average/sweep.h"
+#include "reduced/subspace/barbic.h"
+#include "reduced/subspace/krylov.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace pliant {
+
+namespace {
+
+// The runtime holds at most this many dimensions (formats/SPEC.md); an adaptive basis stops at a quarter of it, where frames stay cheap.
+constexpr Eigen::Index format_dimension_limit = 256;
+
+constexpr double default_tolerance = 1e-3;
+
+// Averages are wanted to this part of the tolerance.
+constexpr double average_share = 0.05;
+
+// Added to the seed, so that checks are no training weights.
+constexpr std::uint64_t check_seed = 1000003;
+
+} // namespace
+
+// For snapshots and checks: what counts is the distance between shapes, to a few per cent of the error that is looked for. The
+// decrement is tested before the last step, which squares it. Where the average snaps, Newton creeps: an almost converged average is as
+// good a snapshot, and the report counts it.
+NewtonOptions average_options(const BakeOptions& options, const ShapeSet& set)
+{
+    NewtonOptions newton;
+    // Below the default tolerance the energy has to say more, too: it goes with the square of what is off.
+    newton.decrement = 1e-5 * std::clamp(std::pow(options.tolerance / default_tolerance, 2), 1e-8, 1.0);
+    newton.residual = 3e-2;
+    newton.step_ratio = 0.05;
+    newton.step_floor = average_share * options.tolerance * mass_norm(set.shapes[0], set.masses); // shapes are centred
+    newton.max_iterations = 15;
+    return newton;
+}
+
+namespace {
+
+Subspace build_fixed_subspace(SolverPool& pool, const BakeOptions& options, Progress& progress)
+{
+    if (options.subspace == SubspaceKind::krylov)
+        return build_krylov_subspace(pool.at(0), { options.ritz_count, options.dimension, format_dimension_limit },
+                                     &progress);
+    return build_barbic_subspace(pool.at(0), { BarbicOptions().mode_count, options.dimension, format_dimension_limit },
+                                 &progress);
+}
+
+} // namespace
+
+AdaptiveSubspace find_subspace(AverageFamily& family, SolverPool& pool, const BakeOptions& options, Progress& progress)
+{
+    const std::size_t m = pool.set().pose_count();
+    const std::vector<Weights> check_weights = draw_weights(options.seed + check_seed, m, options.check_count);
+    const KnownAverage mean { equal_weights(m), family.mean().y };
+    if (options.subspace != SubspaceKind::adaptive) {
+        AdaptiveSubspace out;
+        out.subspace = build_fixed_subspace(pool, options, progress);
+        out.checks = sweep(family, { mean }, check_weights, &progress);
+        return out;
+    }
+    AdaptiveOptions adaptive;
+    adaptive.dimension = options.dimension;
+    adaptive.seed = options.seed;
+    return build_adaptive_subspace(family, mean, training_weights(m, training_count(m), options.seed), check_weights,
+                                   adaptive, &progress);
+}
+
+} // namespace pliant

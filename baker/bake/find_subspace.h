@@ -1,0 +1,18 @@
+// The stage that finds the space of blends.
+#pragma once
+
+#include "bake/options.h"
+#include "base/common/progress.h"
+#include "elastic/average/family.h"
+#include "reduced/subspace/adaptive.h"
+
+namespace pliant {
+
+// How near the averages of a bake must be: snapshots, checks, the mean.
+NewtonOptions average_options(const BakeOptions& options, const ShapeSet& set);
+
+// The basis, its snapshots (of an adaptive one) and the unreduced averages at the check weights.
+// Cost: most of a bake; some thousand factorisations for five poses.
+AdaptiveSubspace find_subspace(AverageFamily& family, SolverPool& pool, const BakeOptions& options, Progress& progress);
+
+} // namespace pliant

@@ -1,0 +1,212 @@
+#include "bake/fit.h"
+
+#include "bake/estimate.h"
+#include "bake/make_energy.h"
+#include "base/weights/sampling.h"
+#include "elastic/average/rigid_modes.h"
+#include "elastic/energy/solid.h"
+#include "pliant_format.h"
+
+#include <algorithm>
+#include <cmath>
+#include <fmt/core.h>
+#include <numeric>
+
+namespace pliant {
+
+namespace {
+
+// Exactness is worth a frame that costs twice as much as one with cubature, as it does here (runtime/README.md), and not many times as
+// much: the table grows with the fourth power of the dimension.
+constexpr Eigen::Index quartic_dimension_wanted = 32;
+
+// Being off by the tolerance may cost this part of the energy of the mean; what would cost less follows the true average, what would
+// cost more the energy (training_of). With a much larger part training shapes get creased.
+constexpr double nearness_share = 0.003;
+
+double nearness_wanted(const ShapeSet& set, double mean_energy, double tolerance)
+{
+    const double off = tolerance * mass_norm(set.shapes[0], set.masses); // shapes are centred
+    return 2 * nearness_share * std::max(mean_energy, 1e-13) / (off * off);
+}
+
+// Fewer dimensions than it takes to hold the checks themselves to the tolerance need not be tried.
+Eigen::Index least_dimension(const ShapeSet& set, const AdaptiveSubspace& found, double tolerance)
+{
+    const Eigen::Index most = found.subspace.dimension();
+    Eigen::VectorXd mean = Eigen::VectorXd::Zero(most + 1); // distance of the averages from the first d dimensions
+    for (const CheckPoint& check : found.checks) {
+        const Eigen::VectorXd q = project(found.subspace, check.truth, set.masses);
+        double rest = std::pow(mass_norm(check.truth - found.subspace.shape(q), set.masses), 2);
+        for (Eigen::Index d = most; d >= 0; --d) {
+            mean[d] += std::sqrt(rest) / mass_norm(check.truth, set.masses) / double(found.checks.size());
+            if (d > 0) rest += q[d - 1] * q[d - 1];
+        }
+    }
+    Eigen::Index d = Eigen::Index(set.pose_count()) - 1;
+    while (d < most && mean[d] > tolerance) ++d;
+    return std::min(d, most);
+}
+
+// The fits of one bake.
+class Fitter {
+public:
+    Fitter(const FitProblem& problem, const BakeOptions& options, Progress& progress)
+        : p_(problem)
+        , options_(options)
+        , progress_(progress)
+        , averages_(project_averages(p_.energy, p_.found.subspace, p_.set, p_.found.averages, &progress))
+    {
+    }
+
+    FittedModel choose();
+
+private:
+    const Subspace& all() const { return p_.found.subspace; }
+    bool chooses_dimension() const { return !averages_.empty() && !options_.dimension && !p_.found.checks.empty(); }
+    StandInOptions surrogate_options() const
+    {
+        return { options_.tolerance, options_.tolerance_max, options_.element_count, options_.seed,
+                 options_.cubature_solver };
+    }
+    bool wants_quartic(std::string& reason) const;
+    FittedModel fit_quartic(Eigen::Index most);
+    FittedModel fit_least(Eigen::Index most, const Quartic* quartic);
+    FittedModel fit_at(Eigen::Index d, const Quartic* quartic);
+    TrainingSet train(const ReducedSolver& reduced) const;
+    ChosenModel fit_surrogate(const ReducedEnergy& reduced, const Quartic* quartic, FittedModel& out) const;
+    ChosenModel fit_ghost(const Subspace& subspace, FittedModel& out) const;
+
+    const FitProblem& p_;
+    const BakeOptions& options_;
+    Progress& progress_;
+    std::vector<ProjectedAverage> averages_;
+};
+
+TrainingSet Fitter::train(const ReducedSolver& reduced) const
+{
+    const std::size_t m = p_.set.pose_count();
+    if (averages_.empty())
+        return solve_training_set(reduced, p_.set, training_weights(m, training_count(m), options_.seed), &progress_);
+    return training_of(reduced, averages_, nearness_wanted(p_.set, p_.family.mean().energy, options_.tolerance));
+}
+
+ChosenModel Fitter::fit_ghost(const Subspace& subspace, FittedModel& out) const
+{
+    progress_.update("ghost", 0);
+    out.ghost = std::make_unique<Ghost>(make_ghost(p_.set, subspace, options_.ghost_vertex_count));
+    out.ghost_energy = make_energy(out.ghost->set, options_.energy);
+    std::vector<std::size_t> elements(out.ghost_energy->element_count());
+    std::iota(elements.begin(), elements.end(), std::size_t(0));
+    auto stand_in = std::make_shared<const StandIn>(*out.ghost_energy, out.ghost->set.shapes[0], out.ghost->basis, elements,
+                                                    Eigen::VectorXd::Ones(Eigen::Index(elements.size())));
+    return fit_model(stand_in, subspace, p_.set, out.training, p_.found.checks, false, surrogate_options());
+}
+
+// `quartic`: of at least as many dimensions; null: another kind.
+ChosenModel Fitter::fit_surrogate(const ReducedEnergy& reduced, const Quartic* quartic, FittedModel& out) const
+{
+    if (options_.stand_in == StandInKind::ghost) return fit_ghost(reduced.subspace(), out);
+    if (!quartic) return choose_cubature(reduced, p_.set, out.training, p_.found.checks, surrogate_options(), &progress_);
+    auto stand_in = std::make_shared<const StandIn>(reduced.energy(), quartic->leading(reduced.subspace().dimension()));
+    return fit_model(std::move(stand_in), reduced.subspace(), p_.set, out.training, p_.found.checks, false,
+                     surrogate_options());
+}
+
+FittedModel Fitter::fit_at(Eigen::Index d, const Quartic* quartic)
+{
+    FittedModel out;
+    out.subspace = leading(all(), d);
+    const ReducedSolver reduced(p_.energy, out.subspace, p_.family.mean_hessian(), p_.family.mean().energy);
+    out.training = train(reduced);
+    ChosenModel chosen = fit_surrogate(reduced.energy(), quartic, out);
+    out.model = std::move(chosen.model);
+    out.report.stand_in = chosen.report;
+    return out;
+}
+
+// An adaptive subspace holds more dimensions than it may need: as few of at most `most` as keep the tolerance.
+FittedModel Fitter::fit_least(Eigen::Index most, const Quartic* quartic)
+{
+    if (!chooses_dimension()) return fit_at(most, quartic);
+    FittedModel out;
+    const Eigen::Index least = std::min(most, least_dimension(p_.set, p_.found, options_.tolerance));
+    choose_dimension(least, most, surrogate_options(), [&](Eigen::Index d) {
+        progress_.update("dimension", 0, fmt::format("d = {}", d));
+        out = fit_at(d, quartic);
+        return out.report.stand_in.error();
+    });
+    return out;
+}
+
+// Whether `auto` tries the quartic, and why not.
+bool Fitter::wants_quartic(std::string& reason) const
+{
+    const auto* solid = dynamic_cast<const Solid*>(&p_.energy);
+    if (options_.stand_in == StandInKind::quartic) return true;
+    if (options_.stand_in != StandInKind::automatic || !solid || solid->law() != SolidLaw::stvk) return false;
+    const Eigen::Index least
+        = chooses_dimension() ? least_dimension(p_.set, p_.found, options_.tolerance) : all().dimension();
+    if (least <= quartic_dimension_wanted) return true;
+    reason = fmt::format("d = {} at least, and above {} a quartic is much slower than cubature", least,
+                         quartic_dimension_wanted);
+    return false;
+}
+
+FittedModel Fitter::fit_quartic(Eigen::Index most)
+{
+    const Quartic quartic(dynamic_cast<const Solid&>(p_.energy), leading(all(), most), &progress_);
+    FittedModel out = fit_least(most, &quartic);
+    out.report.kind = StandInKind::quartic;
+    return out;
+}
+
+FittedModel Fitter::choose()
+{
+    const bool is_asked = options_.stand_in == StandInKind::quartic;
+    std::string reason;
+    if (wants_quartic(reason)) {
+        const Eigen::Index most = std::min<Eigen::Index>(
+            all().dimension(), is_asked ? PLIANT_FORMAT_MAX_QUARTIC_DIMENSION : quartic_dimension_wanted);
+        FittedModel out = fit_quartic(most);
+        const bool is_enough = out.report.stand_in.error().mean <= options_.tolerance;
+        if (is_asked || most == all().dimension() || is_enough) return out;
+        reason = fmt::format("at d = {} the tolerance is not kept, and above it a quartic is much slower", most);
+    }
+    FittedModel out = fit_least(all().dimension(), nullptr);
+    out.report.kind = options_.stand_in == StandInKind::ghost ? StandInKind::ghost : StandInKind::cubature;
+    out.report.reason = reason;
+    return out;
+}
+
+void complete_report(const FitProblem& p, FittedModel& fitted)
+{
+    FitReport& report = fitted.report;
+    report.dimension = fitted.subspace.dimension();
+    report.element_count = fitted.model.stand_in->element_count();
+    report.training_count = fitted.training.weights.size();
+    report.unconverged_training_count = fitted.training.unconverged_count;
+    const ReducedSolver reduced(p.energy, fitted.subspace, p.family.mean_hessian(), p.family.mean().energy);
+    report.subspace_error = subspace_error(reduced, p.set, p.found.checks);
+}
+
+} // namespace
+
+Shape FittedModel::mean_shape() const
+{
+    return ghost ? Shape(ghost->set.shapes[0] + ghost->basis * model.mean) : subspace.shape(model.mean);
+}
+
+FittedModel fit(const FitProblem& problem, const BakeOptions& options, Progress& progress)
+{
+    FittedModel out = Fitter(problem, options, progress).choose();
+    complete_report(problem, out);
+    if (out.report.stand_in.curvature.lowest <= 0)
+        progress.warn(4402,
+                      fmt::format("the stand-in is not convex at all training weights (lowest curvature {:.3g})",
+                                  out.report.stand_in.curvature.lowest),
+                      "raise --elements, or add an in-between pose");
+    return out;
+}
+
+} // namespace pliant

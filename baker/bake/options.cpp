@@ -1,0 +1,41 @@
+#include "bake/options.h"
+
+namespace pliant {
+
+const char* name_of(Material material)
+{
+    switch (material) {
+    case Material::arap: return "arap";
+    case Material::stvk: return "stvk";
+    case Material::mooney_rivlin: return "mooney-rivlin";
+    default: return "discrete-shells";
+    }
+}
+
+const char* name_of(Membrane membrane)
+{
+    switch (membrane) {
+    case Membrane::stvk: return "stvk";
+    case Membrane::edge: return "edge";
+    default: return "neo-hookean";
+    }
+}
+
+const char* name_of(SubspaceKind kind)
+{
+    return kind == SubspaceKind::krylov ? "krylov" : kind == SubspaceKind::barbic ? "barbic" : "adaptive";
+}
+
+const char* name_of(StandInKind kind)
+{
+    switch (kind) {
+    case StandInKind::quartic: return "quartic";
+    case StandInKind::cubature: return "cubature";
+    case StandInKind::ghost: return "ghost";
+    default: return "auto";
+    }
+}
+
+const char* name_of(SolverKind kind) { return kind == SolverKind::eigen ? "eigen" : "cholmod"; }
+
+} // namespace pliant

@@ -1,0 +1,61 @@
+// What a bake is asked for. The defaults are those of the command line.
+#pragma once
+
+#include "base/mesh/render_mesh.h"
+#include "base/mesh/weld.h"
+#include "elastic/average/solver_pool.h"
+#include "elastic/energy/discrete_shells.h"
+#include "reduced/surrogate/cubature.h"
+
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace pliant {
+
+enum class Material { discrete_shells, arap, stvk, mooney_rivlin };
+enum class SubspaceKind { adaptive, krylov, barbic };
+enum class StandInKind { automatic, quartic, cubature, ghost };
+
+// What an elastic energy is made of: shared by all verbs that need one.
+struct EnergyOptions {
+    std::optional<Material> material; // none: discrete shells for surfaces, stvk for solids
+    ShellOptions shell;
+    double poisson = -1;                       // of solids; negative: 0.4 for stvk, 0.45 for mooney-rivlin
+    bool keep_placement = false;               // do not align the poses
+    std::string fixed_path;                    // a file of vertices that stay where they are; empty: none
+    std::vector<std::uint32_t> fixed_vertices; // the same by the files' numbers, where a certificate names them
+    double weld_tolerance
+        = default_weld_tolerance; // of surfaces: vertices this near in all poses are one (over the diagonal); 0: none
+    SolverKind solver = default_solver();
+};
+
+struct BakeOptions {
+    EnergyOptions energy;
+    SubspaceKind subspace = SubspaceKind::adaptive;
+    double tolerance = 1e-3;    // total relative L2, mean over the checks
+    double tolerance_max = 0;   // the largest over them; 0: not bounded
+    int ritz_count = 2;         // krylov: vectors per tangent
+    Eigen::Index dimension = 0; // 0: what the tolerance or ritz_count asks for (barbic: 4 modes a pose); else exactly this
+    StandInKind stand_in = StandInKind::automatic; // quartic for stvk up to 32 dimensions, else cubature
+    std::size_t element_count = 0;                 // cubature elements; 0: as few as keep the tolerance
+    CubatureSolver cubature_solver = CubatureSolver::nnls;
+    std::size_t ghost_vertex_count = 800;
+    std::uint64_t seed = 1;
+    int check_count = 24;         // weights at which d, the elements and the dead load are judged
+    int fresh_count = 4;          // weights that nothing was chosen by
+    double position_error = 1e-5; // of a vertex by storing the basis in few bits, over the diagonal; 0: single precision
+    bool keep_scene = true;       // of poses from glTF: store materials, texture coordinates and images
+    std::shared_ptr<const DrawnSurface> drawn; // of a solid: what the asset draws in the place of its boundary; none: that
+};
+
+// Names used on the command line and in JSON.
+const char* name_of(Material material);
+const char* name_of(Membrane membrane);
+const char* name_of(SubspaceKind kind);
+const char* name_of(StandInKind kind);
+const char* name_of(SolverKind kind);
+
+} // namespace pliant

@@ -1,0 +1,93 @@
+// What a bake tells of itself, each part made by one stage: the certificate, the report file, the command line and the warnings read it.
+#pragma once
+
+#include "base/mesh/pose_set.h"
+#include "elastic/average/family.h"
+#include "elastic/average/shape_error.h"
+#include "elastic/parts/tie_report.h"
+#include "output/asset/check_render_mesh.h"
+#include "reduced/surrogate/choose_surrogate.h"
+#include "reduced/surrogate/reduced_solver.h"
+
+#include "bake/options.h"
+
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace pliant {
+
+struct StageTime {
+    std::string stage;
+    double seconds;
+};
+
+// The poses and their energy. Vertices are named by their numbers in the files.
+struct InputReport {
+    std::size_t vertex_count = 0, tet_count = 0, pose_count = 0;
+    std::size_t drawn_vertex_count = 0, drawn_triangle_count = 0; // of a render mesh that repairs made; else 0
+    SurfaceRepairs repairs;
+    std::size_t foldover_count = 0;               // hinges whose bending is damped
+    std::vector<std::uint32_t> foldover_vertices; // of the edges of such hinges, the first of them
+    std::vector<std::uint32_t> fixed_vertices;    // ascending
+};
+
+// The surrogate energy and the dimension that were chosen.
+struct FitReport {
+    Eigen::Index dimension = 0;
+    StandInKind kind = StandInKind::cubature;
+    std::string reason; // why this kind, where there was a choice
+    std::size_t element_count = 0;
+    std::size_t training_count = 0;
+    int unconverged_training_count = 0;
+    StandInReport stand_in;
+    SubspaceError subspace_error; // over the checks
+};
+
+// One blend of the finished asset, by the runtime, next to the unreduced average.
+struct BlendCheck {
+    Weights weights;
+    ShapeError error;
+    // Smallest area of a triangle over the smallest it has in any pose; of a solid the smallest J = volume of a tetrahedron over the
+    // largest it has in any pose.
+    double cell_ratio = 1;
+    bool is_fresh = false;     // nothing was chosen by it
+    bool has_converged = true; // the unreduced average
+};
+
+// How the basis was stored.
+struct BasisReport {
+    bool is_compact = false;
+    double bytes_per_number = 0;
+    // Of a vertex as the runtime rebuilds it, at training averages and poses, over the diagonal.
+    double largest_difference = 0;
+};
+
+// Blends of the finished asset, and how they stand to the tolerance.
+struct CheckReport {
+    double runtime_error = 0; // largest distance of runtime and double-precision model, relative L2
+    std::vector<BlendCheck> blends;
+    double mean_error = 0, largest_error = 0; // relative L2, over all blends
+    double largest_distance = 0;              // of a vertex, over the diagonal
+    double cell_ratio = 1;                    // the smallest
+    Weights worst_weights;
+    bool meets_tolerance = false;
+    BasisReport basis;
+    std::optional<TieReport> ties;    // of a character in several parts, or with cracks
+    std::optional<DrawnErrors> drawn; // at the same weights, of a solid that draws a surface of its own
+};
+
+struct BakeReport {
+    InputReport input;
+    std::size_t start_pose = 0; // the average of all poses is reached from it
+    std::size_t snapshot_count = 0;
+    int unconverged_snapshot_count = 0;
+    FitReport fit;
+    CheckReport check;
+    std::vector<BranchFinding> branches; // where the family of averages jumps; vertices by their numbers in the files
+    int factorization_count = 0;
+    std::vector<StageTime> stages;
+    std::string certificate; // the JSON that went into the asset
+};
+
+} // namespace pliant
