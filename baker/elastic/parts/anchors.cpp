@@ -45,8 +45,8 @@ TriangleMeasure measure_triangle(const ShapeSet& set, std::uint32_t a, std::uint
     return out;
 }
 
-bool have_triangle(const ShapeSet& set, const std::vector<std::uint32_t>& vertices, const Eigen::MatrixXd& columns,
-                   double quality)
+bool can_anchor(const ShapeSet& set, const std::vector<std::uint32_t>& vertices, const Eigen::MatrixXd& columns,
+                double quality)
 {
     constexpr std::size_t most = 10; // of a line all triangles are poor, of anything else few among so many are
     const std::vector<std::uint32_t> points = spread_vertices(vertices, columns, most);
@@ -58,16 +58,16 @@ bool have_triangle(const ShapeSet& set, const std::vector<std::uint32_t>& vertic
 }
 
 std::optional<Tie> tie_vertex(const ShapeSet& set, const Eigen::MatrixXd& columns, std::size_t part, std::uint32_t v,
-                              const HostTrees& host)
+                              const PartTrees& parent)
 {
-    const Neighbour nearest = host.vertices.nearest(v, 1, infinity);
-    const std::uint32_t a = host.vertices.points()[nearest.point].vertex;
+    const Neighbour nearest = parent.vertices.nearest(v, 1, infinity);
+    const std::uint32_t a = parent.vertices.points()[nearest.point].vertex;
     const double wanted = std::max(anchor_spread * set.diagonal, 1.5 * std::sqrt(nearest.squared_distance));
     double best_quality = 0;
     std::array<std::uint32_t, 4> best = { v, a, a, a };
-    // Of a host that is smaller than the ball, half of it comes first: the ball sees no more than a few points at each distance.
-    for (double reach = std::min(wanted, host.size / 2); best_quality < good_triangle; reach *= 2) {
-        const std::vector<std::uint32_t> around = host.vertices.ball(columns.col(a), reach, reach / 4);
+    // Of a parent that is smaller than the ball, half of it comes first: the ball sees no more than a few points at each distance.
+    for (double reach = std::min(wanted, parent.size / 2); best_quality < good_triangle; reach *= 2) {
+        const std::vector<std::uint32_t> around = parent.vertices.ball(columns.col(a), reach, reach / 4);
         double best_worth = 0;
         for (std::size_t i = 0; i < around.size(); ++i)
             for (std::size_t j = i + 1; j < around.size(); ++j) {
@@ -77,7 +77,7 @@ std::optional<Tie> tie_vertex(const ShapeSet& set, const Eigen::MatrixXd& column
                 const bool is_good = found.quality >= good_triangle;
                 if (!is_good && (best_worth > 0 || found.quality <= best_quality)) continue;
                 if (is_good) {
-                    if (found.area * tie_stiffness <= best_worth) continue; // the most that it may be worth
+                    if (found.area * max_stiffness <= best_worth) continue; // the most that it may be worth
                     const double worth = found.area * make_tie(set, part, vertices).stiffness;
                     if (worth <= best_worth) continue;
                     best_worth = worth;
@@ -85,7 +85,7 @@ std::optional<Tie> tie_vertex(const ShapeSet& set, const Eigen::MatrixXd& column
                 best_quality = found.quality;
                 best = vertices;
             }
-        if (reach >= host.size) break; // that was all of it
+        if (reach >= parent.size) break; // that was all of it
     }
     if (best_quality < poor_triangle) return {};
     return make_tie(set, part, best);

@@ -20,18 +20,18 @@ struct TriangleMeasure {
 TriangleMeasure measure_triangle(const ShapeSet& set, std::uint32_t a, std::uint32_t b, std::uint32_t c);
 
 // The points of a part to look among.
-struct HostTrees {
+struct PartTrees {
     PointTree surface, vertices;
     double size; // diagonal of the box of its vertices in pose space
 };
 
 // Whether places can be told from some of these vertices: three are a triangle of this quality in every pose.
-bool have_triangle(const ShapeSet& set, const std::vector<std::uint32_t>& vertices, const Eigen::MatrixXd& columns,
-                   double quality);
+bool can_anchor(const ShapeSet& set, const std::vector<std::uint32_t>& vertices, const Eigen::MatrixXd& columns,
+                double quality);
 
-// Anchors: the nearest vertex of the host, and two around it that make a large triangle in every pose, among which the vertex keeps its
+// Anchors: the nearest vertex of the parent, and two around it that make a large triangle in every pose, among which the vertex keeps its
 // place. The farther the vertex, the larger, so that a small turn of the triangle is not a large way of the vertex.
 std::optional<Tie> tie_vertex(const ShapeSet& set, const Eigen::MatrixXd& columns, std::size_t part, std::uint32_t v,
-                              const HostTrees& host);
+                              const PartTrees& parent);
 
 } // namespace pliant

@@ -14,32 +14,32 @@ namespace {
 
 constexpr double infinity = std::numeric_limits<double>::infinity();
 
-// Lengths in units of the diagonal. Tied vertices of a part keep this distance, vertices this much farther from the host than the
+// Lengths in units of the diagonal. Tied vertices of a part keep this distance, vertices this much farther from the parent than the
 // nearest are tied as well, and faces longer than this are not only their corners.
 constexpr double tie_spacing = 0.03, near_margin = 0.02, point_spacing = 0.01;
 
 // A part has at least so many tied vertices if it has as many, so that it is held against turning with some to spare, and at most so
 // many, so that what they cost stays small beside the part.
-constexpr std::size_t least_ties = 12, most_ties = 400;
+constexpr std::size_t min_ties = 12, max_ties = 400;
 
 // At least this part of a part's vertices, the nearest ones, may be tied: a coat that hangs on the shoulders.
 constexpr double near_share = 0.25;
 
 // The parts that others may hang on. If places can be told from none, all with faces.
-std::vector<bool> find_holders(const ShapeSet& set, const Parts& parts, const Eigen::MatrixXd& columns)
+std::vector<bool> find_possible_parents(const ShapeSet& set, const Parts& parts, const Eigen::MatrixXd& columns)
 {
     std::vector<bool> out(parts.count(), false);
     for (std::size_t p = 0; p < parts.surface_count; ++p)
-        out[p] = have_triangle(set, parts.vertices[p], columns, poor_triangle);
+        out[p] = can_anchor(set, parts.vertices[p], columns, poor_triangle);
     if (std::find(out.begin(), out.end(), true) == out.end())
         std::fill(out.begin(), out.begin() + std::ptrdiff_t(parts.surface_count), true);
     return out;
 }
 
-// Ties parts to their hosts.
-class Binder {
+// Ties parts to their parents.
+class PartAttacher {
 public:
-    Binder(const ShapeSet& set, const PartPoints& points, TieSet& out)
+    PartAttacher(const ShapeSet& set, const PartPoints& points, TieSet& out)
         : set_(set)
         , points_(points)
         , columns_(points.columns)
@@ -48,23 +48,23 @@ public:
     {
     }
 
-    void bind(std::size_t part)
+    void attach(std::size_t part)
     {
-        if (out_.tree.hosts[part] == no_part) return;
-        const HostTrees& host = trees(out_.tree.hosts[part]);
-        const Nearby mine = vertices_near(host, part);
+        if (out_.tree.parents[part] == no_part) return;
+        const PartTrees& parent = trees(out_.tree.parents[part]);
+        const Nearby mine = vertices_near(parent, part);
         out_.distances[part] = mine.nearest(0);
         // A plate under a small post touches it far from all its own corners: then the post's vertices are tied to the plate.
         const double margin = near_margin * set_.diagonal;
         if (part < out_.parts.surface_count && mine.nearest(2) > margin) {
-            const Nearby theirs = vertices_near_points(host, part);
+            const Nearby theirs = vertices_near_points(parent, part);
             out_.distances[part] = std::min(mine.nearest(0), theirs.nearest(0));
             const std::vector<std::uint32_t> chosen = choose(theirs);
-            if (theirs.nearest(2) + margin < mine.nearest(2) && have_triangle(set_, chosen, columns_, good_triangle)
-                && bind_vertices(part, chosen, trees(part)))
+            if (theirs.nearest(2) + margin < mine.nearest(2) && can_anchor(set_, chosen, columns_, good_triangle)
+                && tie_vertices(part, chosen, trees(part)))
                 return;
         }
-        bind_vertices(part, choose(mine), host);
+        tie_vertices(part, choose(mine), parent);
     }
 
 private:
@@ -82,21 +82,21 @@ private:
         }
     };
 
-    Nearby vertices_near(const HostTrees& host, std::size_t part) const
+    Nearby vertices_near(const PartTrees& parent, std::size_t part) const
     {
         Nearby out = { out_.parts.vertices[part], {} };
         for (const std::uint32_t v : out.vertices)
-            out.distances.push_back(std::sqrt(host.surface.nearest(v, 1, infinity).squared_distance));
+            out.distances.push_back(std::sqrt(parent.surface.nearest(v, 1, infinity).squared_distance));
         return out;
     }
 
-    // Of the host those next to points of the part: no more than that has points, so that many parts on one host cost no more than they are.
-    Nearby vertices_near_points(const HostTrees& host, std::size_t part) const
+    // Of the parent those next to points of the part: no more than that has points, so that many parts on one parent cost no more than they are.
+    Nearby vertices_near_points(const PartTrees& parent, std::size_t part) const
     {
         std::vector<std::pair<std::uint32_t, double>> found;
         for (const std::uint32_t column : points_.of_part[part]) {
-            const Neighbour nearest = host.vertices.nearest(column, 1, infinity);
-            found.emplace_back(host.vertices.points()[nearest.point].vertex, std::sqrt(nearest.squared_distance));
+            const Neighbour nearest = parent.vertices.nearest(column, 1, infinity);
+            found.emplace_back(parent.vertices.points()[nearest.point].vertex, std::sqrt(nearest.squared_distance));
         }
         std::sort(found.begin(), found.end());
         Nearby out;
@@ -109,7 +109,7 @@ private:
     }
 
     // Whether a tie came of it.
-    bool bind_vertices(std::size_t part, const std::vector<std::uint32_t>& vertices, const HostTrees& anchors)
+    bool tie_vertices(std::size_t part, const std::vector<std::uint32_t>& vertices, const PartTrees& anchors)
     {
         const std::size_t before = out_.ties.size();
         for (const std::uint32_t v : vertices)
@@ -117,7 +117,7 @@ private:
         return out_.ties.size() > before;
     }
 
-    const HostTrees& trees(std::size_t part)
+    const PartTrees& trees(std::size_t part)
     {
         if (!trees_[part]) {
             const auto tree_points = [](const std::vector<std::uint32_t>& columns) {
@@ -129,7 +129,7 @@ private:
             Eigen::VectorXd low = columns_.col(vertices[0]), high = low;
             for (const std::uint32_t v : vertices)
                 low = low.cwiseMin(columns_.col(v)), high = high.cwiseMax(columns_.col(v));
-            trees_[part] = std::make_unique<HostTrees>(HostTrees { { columns_, tree_points(points_.of_part[part]) },
+            trees_[part] = std::make_unique<PartTrees>(PartTrees { { columns_, tree_points(points_.of_part[part]) },
                                                                    { columns_, tree_points(vertices) },
                                                                    (high - low).norm() });
         }
@@ -142,19 +142,19 @@ private:
         const std::size_t count = nearby.vertices.size();
         const std::size_t quarter = std::size_t(near_share * double(count));
         const double reach = std::max(
-            { nearby.nearest(0) + near_margin * set_.diagonal, nearby.nearest(quarter), nearby.nearest(least_ties) });
+            { nearby.nearest(0) + near_margin * set_.diagonal, nearby.nearest(quarter), nearby.nearest(min_ties) });
         std::vector<double> gaps(count); // to the nearest chosen one; negative: out of reach
         for (std::size_t i = 0; i < count; ++i) gaps[i] = nearby.distances[i] <= reach ? infinity : -1;
         std::vector<std::uint32_t> chosen;
         std::size_t next
             = std::size_t(std::min_element(nearby.distances.begin(), nearby.distances.end()) - nearby.distances.begin());
-        while (chosen.size() < most_ties) {
+        while (chosen.size() < max_ties) {
             chosen.push_back(nearby.vertices[next]);
             for (std::size_t i = 0; i < count; ++i)
                 if (gaps[i] > 0)
                     gaps[i] = std::min(gaps[i], (columns_.col(nearby.vertices[i]) - columns_.col(chosen.back())).norm());
             next = std::size_t(std::max_element(gaps.begin(), gaps.end()) - gaps.begin());
-            if (!(gaps[next] > 0) || (chosen.size() >= least_ties && gaps[next] < tie_spacing * set_.diagonal)) break;
+            if (!(gaps[next] > 0) || (chosen.size() >= min_ties && gaps[next] < tie_spacing * set_.diagonal)) break;
         }
         return chosen;
     }
@@ -163,7 +163,7 @@ private:
     const PartPoints& points_;
     const Eigen::MatrixXd& columns_;
     TieSet& out_;
-    std::vector<std::unique_ptr<HostTrees>> trees_;
+    std::vector<std::unique_ptr<PartTrees>> trees_;
 };
 
 } // namespace
@@ -171,9 +171,9 @@ private:
 void attach_parts(const ShapeSet& set, const Eigen::MatrixXd& columns, TieSet& out)
 {
     const PartPoints points = sample_parts(columns, set.triangles, out.parts, point_spacing * set.diagonal);
-    out.tree = connect_parts(out.parts, find_holders(set, out.parts, columns), points, set.masses);
-    Binder binder(set, points, out);
-    for (const std::size_t part : out.tree.order) binder.bind(part);
+    out.tree = connect_parts(out.parts, find_possible_parents(set, out.parts, columns), points, set.masses);
+    PartAttacher attacher(set, points, out);
+    for (const std::size_t part : out.tree.order) attacher.attach(part);
 }
 
 } // namespace pliant

@@ -14,6 +14,6 @@ constexpr double drift_limit = 0.005;
 // place better; ties of parts that drift (elastic/parts/drift.h) are made stiffer, as far as that helps, or softer where that does; if some part still
 // drifts farther than twice drift_limit then, all ties are as stiff as they were. Depends on nothing but energy and set, so that everyone who makes an energy of them means the same one. Costs one
 // average for each of those weights and a few steps of Newton's method more for each round; nothing without ties.
-void settle_ties(TiedEnergy& energy, const ShapeSet& set, SolverKind solver, Progress* progress);
+void calibrate_ties(TiedEnergy& energy, const ShapeSet& set, SolverKind solver, Progress* progress);
 
 } // namespace pliant

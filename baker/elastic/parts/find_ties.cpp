@@ -13,8 +13,8 @@ void find_joints(const ShapeSet& set, TieSet& out)
 {
     for (std::size_t first = 0, last = 0; first < out.ties.size(); first = last) {
         last = end_of_part(out, first);
-        std::vector<Pull> pulls = find_joint(set, out.ties.data() + first, out.ties.data() + last);
-        if (!pulls.empty()) out.joints.push_back({ first, last - first, std::move(pulls) });
+        std::vector<PenaltyTerm> terms = find_joint_terms(set, out.ties.data() + first, out.ties.data() + last);
+        if (!terms.empty()) out.joints.push_back({ first, last - first, std::move(terms) });
     }
 }
 
@@ -38,7 +38,7 @@ TieSet find_ties(const ShapeSet& set)
     out.parts = find_parts(set);
     const std::vector<BorderEdge> border = find_border(set);
     out.distances.assign(out.parts.count(), 0);
-    out.tree.hosts.assign(out.parts.count(), no_part);
+    out.tree.parents.assign(out.parts.count(), no_part);
     if (out.parts.count() < 2 && border.empty()) return out;
     const Eigen::MatrixXd columns = pose_space(set);
     if (out.parts.count() > 1) attach_parts(set, columns, out);

@@ -22,11 +22,11 @@ struct Link {
     }
 };
 
-std::vector<TreePoint> points_of(const PartPoints& points, const std::vector<bool>& can_hold)
+std::vector<TreePoint> points_of(const PartPoints& points, const std::vector<bool>& can_be_parent)
 {
     std::vector<TreePoint> out;
-    for (std::size_t p = 0; p < can_hold.size(); ++p)
-        if (can_hold[p])
+    for (std::size_t p = 0; p < can_be_parent.size(); ++p)
+        if (can_be_parent[p])
             for (const std::uint32_t column : points.of_part[p]) out.push_back({ column, std::uint32_t(p) });
     return out;
 }
@@ -40,10 +40,10 @@ std::vector<TreePoint> vertices_among(std::vector<TreePoint> tree_points, const 
 
 // The shortest links that make one of all parts that can hold others: every group of parts looks for its nearest neighbour, all at once, until
 // there is one group.
-std::vector<Link> shortest_links(const Parts& parts, const std::vector<bool>& can_hold, const PartPoints& points)
+std::vector<Link> shortest_links(const Parts& parts, const std::vector<bool>& can_be_parent, const PartPoints& points)
 {
-    const std::size_t count = std::size_t(std::count(can_hold.begin(), can_hold.end(), true));
-    PointTree surface(points.columns, points_of(points, can_hold));
+    const std::size_t count = std::size_t(std::count(can_be_parent.begin(), can_be_parent.end(), true));
+    PointTree surface(points.columns, points_of(points, can_be_parent));
     PointTree vertices(points.columns, vertices_among(surface.points(), points));
     UnionFind groups(parts.surface_count);
     std::vector<std::uint32_t> labels(parts.surface_count);
@@ -74,12 +74,12 @@ std::vector<Link> shortest_links(const Parts& parts, const std::vector<bool>& ca
     return links;
 }
 
-std::size_t heaviest(const Parts& parts, const std::vector<bool>& can_hold, const Eigen::VectorXd& masses)
+std::size_t heaviest(const Parts& parts, const std::vector<bool>& can_be_parent, const Eigen::VectorXd& masses)
 {
     std::size_t root = 0;
     double most = -1;
     for (std::size_t p = 0; p < parts.surface_count; ++p) {
-        if (!can_hold[p]) continue;
+        if (!can_be_parent[p]) continue;
         double mass = 0;
         for (const std::uint32_t v : parts.vertices[p]) mass += masses[v];
         if (mass > most) most = mass, root = p;
@@ -88,46 +88,46 @@ std::size_t heaviest(const Parts& parts, const std::vector<bool>& can_hold, cons
 }
 
 // The others hang on what is nearest: single vertices, and parts that are a line in some pose.
-void connect_others(const Parts& parts, const std::vector<bool>& can_hold, const PartPoints& points, PartTree& out)
+void connect_others(const Parts& parts, const std::vector<bool>& can_be_parent, const PartPoints& points, PartTree& out)
 {
     if (out.order.size() == parts.count()) return;
-    const PointTree tree(points.columns, points_of(points, can_hold));
+    const PointTree tree(points.columns, points_of(points, can_be_parent));
     for (std::size_t p = 0; p < parts.count(); ++p) {
-        if (can_hold[p]) continue;
+        if (can_be_parent[p]) continue;
         Link best;
         for (const std::uint32_t column : points.of_part[p]) {
             const Neighbour found = tree.nearest(column, 1, best.squared_distance);
             if (found.point < tree.points().size()) best = { found.squared_distance, p, tree.points()[found.point].label };
         }
-        out.hosts[p] = best.to;
+        out.parents[p] = best.to;
         out.order.push_back(p);
     }
 }
 
 } // namespace
 
-PartTree connect_parts(const Parts& parts, const std::vector<bool>& can_hold, const PartPoints& points,
+PartTree connect_parts(const Parts& parts, const std::vector<bool>& can_be_parent, const PartPoints& points,
                        const Eigen::VectorXd& masses)
 {
     PartTree tree;
-    tree.hosts.assign(parts.count(), no_part);
+    tree.parents.assign(parts.count(), no_part);
     if (parts.surface_count == 0) return tree;
     std::vector<std::vector<std::size_t>> neighbours(parts.surface_count);
-    for (const Link& link : shortest_links(parts, can_hold, points)) {
+    for (const Link& link : shortest_links(parts, can_be_parent, points)) {
         neighbours[link.from].push_back(link.to);
         neighbours[link.to].push_back(link.from);
     }
-    tree.order.push_back(heaviest(parts, can_hold, masses));
+    tree.order.push_back(heaviest(parts, can_be_parent, masses));
     for (std::size_t i = 0; i < tree.order.size(); ++i) {
         const std::size_t part = tree.order[i];
         std::sort(neighbours[part].begin(), neighbours[part].end());
         for (const std::size_t next : neighbours[part]) {
-            if (next == tree.hosts[part]) continue;
-            tree.hosts[next] = part;
+            if (next == tree.parents[part]) continue;
+            tree.parents[next] = part;
             tree.order.push_back(next);
         }
     }
-    connect_others(parts, can_hold, points, tree);
+    connect_others(parts, can_be_parent, points, tree);
     return tree;
 }
 

@@ -6,7 +6,7 @@
 
 namespace pliant {
 
-Eigen::Matrix3d turn_between(const Eigen::Matrix3Xd& from, const Eigen::Matrix3Xd& to)
+Eigen::Matrix3d best_rotation(const Eigen::Matrix3Xd& from, const Eigen::Matrix3Xd& to)
 {
     const Shape a = Eigen::Map<const Shape>(from.data(), from.size()), b = Eigen::Map<const Shape>(to.data(), to.size());
     return best_rigid_motion(a, b, Eigen::VectorXd::Ones(from.cols())).rotation;
@@ -20,17 +20,17 @@ Eigen::Matrix3d nearest_rotation(const Eigen::Matrix3d& matrix)
     return svd.matrixU() * signs.asDiagonal() * svd.matrixV().transpose();
 }
 
-Eigen::Vector3d steadiest_point(const std::vector<Eigen::Matrix3d>& turns, const Eigen::Matrix3Xd& centres, double reach)
+Eigen::Vector3d pivot_point(const std::vector<Eigen::Matrix3d>& rotations, const Eigen::Matrix3Xd& centres, double reach)
 {
     constexpr double doubt = 0.01; // about the square of the sine of half of those 10 degrees
-    Eigen::Matrix3d mean_turn = Eigen::Matrix3d::Zero(), matrix = doubt * Eigen::Matrix3d::Identity();
-    for (const Eigen::Matrix3d& turn : turns) mean_turn += turn / double(turns.size());
+    Eigen::Matrix3d mean_rotation = Eigen::Matrix3d::Zero(), matrix = doubt * Eigen::Matrix3d::Identity();
+    for (const Eigen::Matrix3d& turn : rotations) mean_rotation += turn / double(rotations.size());
     const Eigen::Vector3d mean_centre = centres.rowwise().mean();
     Eigen::Vector3d right = Eigen::Vector3d::Zero();
-    for (std::size_t k = 0; k < turns.size(); ++k) {
-        const Eigen::Matrix3d off = turns[k] - mean_turn;
-        matrix += off.transpose() * off / double(turns.size());
-        right -= off.transpose() * (centres.col(Eigen::Index(k)) - mean_centre) / double(turns.size());
+    for (std::size_t k = 0; k < rotations.size(); ++k) {
+        const Eigen::Matrix3d off = rotations[k] - mean_rotation;
+        matrix += off.transpose() * off / double(rotations.size());
+        right -= off.transpose() * (centres.col(Eigen::Index(k)) - mean_centre) / double(rotations.size());
     }
     const Eigen::Vector3d found = matrix.llt().solve(right);
     return found.norm() > reach ? Eigen::Vector3d(reach / found.norm() * found) : found;

@@ -17,12 +17,12 @@ void add(const TieDrift& drift, const Eigen::VectorXd& weights, WorstDrift& wors
     if (drift.largest > worst.drift.largest) worst = { drift, weights };
 }
 
-std::vector<TiePart> describe_parts(const TieSet& ties, const ShapeSet& set)
+std::vector<PartSummary> describe_parts(const TieSet& ties, const ShapeSet& set)
 {
-    std::vector<TiePart> out;
+    std::vector<PartSummary> out;
     for (std::size_t p = 0; p < ties.parts.count(); ++p) {
-        const std::size_t host = ties.tree.hosts[p] == no_part ? p : ties.tree.hosts[p];
-        out.push_back({ ties.parts.vertices[p][0], ties.parts.vertices[host][0], ties.parts.vertices[p].size(), 0,
+        const std::size_t parent = ties.tree.parents[p] == no_part ? p : ties.tree.parents[p];
+        out.push_back({ ties.parts.vertices[p][0], ties.parts.vertices[parent][0], ties.parts.vertices[p].size(), 0,
                         ties.distances[p] / set.diagonal });
     }
     for (std::size_t i = 0; i + ties.seam_count < ties.ties.size(); ++i) ++out[ties.ties[i].part].tie_count;
@@ -42,31 +42,32 @@ TieReport start_tie_report(const TieSet& ties, const ShapeSet& set)
     return report;
 }
 
-void add_check(const TieSet& ties, const ShapeSet& set, const Eigen::VectorXd& weights, const Shape& truth,
+void add_check(const TieSet& ties, const ShapeSet& set, const Eigen::VectorXd& weights, const Shape& reference,
                const Shape& blend, TieReport& report)
 {
-    add(measure_drift(ties, set, weights, truth), weights, report.truth);
+    add(measure_drift(ties, set, weights, reference), weights, report.reference);
     add(measure_drift(ties, set, weights, blend), weights, report.blends);
 }
 
 void use_file_numbers(const std::vector<std::uint32_t>& numbers, TieReport& report)
 {
     if (numbers.empty()) return;
-    for (TiePart& part : report.parts) part.vertex = numbers[part.vertex], part.host_vertex = numbers[part.host_vertex];
-    for (WorstDrift* worst : { &report.truth, &report.blends }) worst->drift.vertex = numbers[worst->drift.vertex];
+    for (PartSummary& part : report.parts)
+        part.vertex = numbers[part.vertex], part.parent_vertex = numbers[part.parent_vertex];
+    for (WorstDrift* worst : { &report.reference, &report.blends }) worst->drift.vertex = numbers[worst->drift.vertex];
 }
 
 namespace {
 
 // The root hangs on none.
-bool is_root(const TiePart& part) { return part.vertex == part.host_vertex; }
-bool is_loose(const TiePart& part) { return !is_root(part) && part.tie_count == 0; }
-bool is_distant(const TiePart& part) { return !is_root(part) && part.distance > far_away; }
+bool is_root(const PartSummary& part) { return part.vertex == part.parent_vertex; }
+bool is_loose(const PartSummary& part) { return !is_root(part) && part.tie_count == 0; }
+bool is_distant(const PartSummary& part) { return !is_root(part) && part.distance > far_away; }
 
-std::vector<std::uint32_t> vertices_of(const TieReport& report, bool (*is_wanted)(const TiePart&))
+std::vector<std::uint32_t> vertices_of(const TieReport& report, bool (*is_wanted)(const PartSummary&))
 {
     std::vector<std::uint32_t> vertices;
-    for (const TiePart& part : report.parts)
+    for (const PartSummary& part : report.parts)
         if (is_wanted(part)) vertices.push_back(part.vertex);
     return vertices;
 }
@@ -76,14 +77,14 @@ std::vector<std::uint32_t> vertices_of(const TieReport& report, bool (*is_wanted
 std::vector<std::uint32_t> loose_parts(const TieReport& report) { return vertices_of(report, is_loose); }
 std::vector<std::uint32_t> distant_parts(const TieReport& report) { return vertices_of(report, is_distant); }
 
-void tell_ties(const TieReport& report, double limit, Progress& progress)
+void warn_about_ties(const TieReport& report, double limit, Progress& progress)
 {
-    std::vector<TiePart> loose, distant;
-    for (const TiePart& part : report.parts) {
+    std::vector<PartSummary> loose, distant;
+    for (const PartSummary& part : report.parts) {
         if (is_loose(part)) loose.push_back(part);
         if (is_distant(part)) distant.push_back(part);
     }
-    const auto text = [&](const TiePart& part) {
+    const auto text = [&](const PartSummary& part) {
         return fmt::format("the one of vertex {} ({} vertices)", part.vertex, part.vertex_count);
     };
     if (!loose.empty())
@@ -93,13 +94,14 @@ void tell_ties(const TieReport& report, double limit, Progress& progress)
                         loose.size(), text(loose[0])),
             "join them with other parts, or leave them out of all poses");
     if (!distant.empty()) {
-        const TiePart& most = *std::max_element(distant.begin(), distant.end(),
-                                                [](const TiePart& a, const TiePart& b) { return a.distance < b.distance; });
+        const PartSummary& most
+            = *std::max_element(distant.begin(), distant.end(),
+                                [](const PartSummary& a, const PartSummary& b) { return a.distance < b.distance; });
         progress.warn(
             4410,
             fmt::format("{} parts are far from all others, most {}: {:.0f} % of the diagonal from the part of vertex {}, "
                         "which it follows",
-                        distant.size(), text(most), 100 * most.distance, most.host_vertex),
+                        distant.size(), text(most), 100 * most.distance, most.parent_vertex),
             "bake one by one what does not belong together");
     }
     const WorstDrift& worst = report.blends;

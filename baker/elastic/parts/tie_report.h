@@ -7,8 +7,8 @@
 namespace pliant {
 
 // A part for people: a vertex of it, and one of the part that it hangs on.
-struct TiePart {
-    std::uint32_t vertex, host_vertex;
+struct PartSummary {
+    std::uint32_t vertex, parent_vertex;
     std::size_t vertex_count, tie_count;
     double distance; // of the nearest vertex of either from the other (root mean square over the poses), per diagonal
 };
@@ -21,8 +21,8 @@ struct WorstDrift {
 
 struct TieReport {
     std::size_t part_count = 1, tie_count = 0, seam_count = 0, joint_count = 0; // ties: those that joints replace, too
-    std::vector<TiePart> parts;                                                 // all, by number
-    WorstDrift truth, blends;                                                   // over the checks
+    std::vector<PartSummary> parts;                                             // all, by number
+    WorstDrift reference, blends;                                               // over the checks
 };
 
 // `numbers`: of the vertices in the files; empty: the same.
@@ -31,7 +31,7 @@ void use_file_numbers(const std::vector<std::uint32_t>& numbers, TieReport& repo
 TieReport start_tie_report(const TieSet& ties, const ShapeSet& set);
 
 // One check: the unreduced average and the blend at the same weights.
-void add_check(const TieSet& ties, const ShapeSet& set, const Eigen::VectorXd& weights, const Shape& truth,
+void add_check(const TieSet& ties, const ShapeSet& set, const Eigen::VectorXd& weights, const Shape& reference,
                const Shape& blend, TieReport& report);
 
 // A vertex of each part that nothing could be tied to, and of each that is far from what it hangs on.
@@ -40,6 +40,6 @@ std::vector<std::uint32_t> distant_parts(const TieReport& report);
 
 // Warns of parts that nothing could be tied to (P4409), of parts that are far from what they hang on (P4410) and of those that drift
 // (P4408: farther than `limit`).
-void tell_ties(const TieReport& report, double limit, Progress& progress);
+void warn_about_ties(const TieReport& report, double limit, Progress& progress);
 
 } // namespace pliant

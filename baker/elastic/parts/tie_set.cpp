@@ -37,26 +37,27 @@ Tie make_tie(const ShapeSet& set, std::size_t part, const std::array<std::uint32
         tie.rest.col(Eigen::Index(k)) = tie_place(tie_vectors(tie, point(shape, vertices[0]), point(shape, vertices[1]),
                                                               point(shape, vertices[2]), point(shape, vertices[3])));
     }
-    tie.stiffness = stiffness_of(tie.rest, set.diagonal);
+    tie.stiffness = tie_stiffness(tie.rest, set.diagonal);
     return tie;
 }
 
-double stiffness_of(const Eigen::Matrix3Xd& rest, double diagonal)
+double tie_stiffness(const Eigen::Matrix3Xd& rest, double diagonal)
 {
     const Eigen::Vector3d mean = rest.rowwise().mean();
     const double spread2 = (rest.colwise() - mean).squaredNorm() / double(rest.cols());
     const double softening = 1 + spread2 / std::pow(sure_place * diagonal, 2);
-    return std::max(tie_stiffness / softening, least_stiffness);
+    return std::max(max_stiffness / softening, min_stiffness);
 }
 
-Pull pull_of(const Tie& tie)
+PenaltyTerm penalty_term_of(const Tie& tie)
 {
     const Eigen::Matrix2d& f = tie.frame;
-    Pull pull = { { tie.vertices.begin(), tie.vertices.end() }, Eigen::Matrix3Xd(3, 4), tie.stiffness, tie.rest, tie.part };
-    pull.factors << 1, -1, 0, 0, //
+    PenaltyTerm term
+        = { { tie.vertices.begin(), tie.vertices.end() }, Eigen::Matrix3Xd(3, 4), tie.stiffness, tie.rest, tie.part };
+    term.factors << 1, -1, 0, 0, //
         0, -f(0, 0), f(0, 0), 0, //
         0, -f(0, 1) - f(1, 1), f(0, 1), f(1, 1);
-    return pull;
+    return term;
 }
 
 Eigen::Matrix3d tie_vectors(const Tie& tie, const Eigen::Vector3d& vertex, const Eigen::Vector3d& a,

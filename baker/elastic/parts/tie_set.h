@@ -18,7 +18,7 @@ struct Tie {
 };
 
 // A term of the energy: stiffness |place - rest|^2. Row by row, factors times the vertices make r, e1 and e2.
-struct Pull {
+struct PenaltyTerm {
     std::vector<std::uint32_t> vertices;
     Eigen::Matrix3Xd factors; // the sum of each row is 0
     double stiffness;
@@ -26,10 +26,10 @@ struct Pull {
     std::size_t part;
 };
 
-// What may hold a rigid part that turns far, in the place of these ties of its (elastic/parts/joints.h).
+// What may hold a rigid part that rotations far, in the place of these ties of its (elastic/parts/joints.h).
 struct Joint {
     std::size_t first_tie, tie_count;
-    std::vector<Pull> pulls;
+    std::vector<PenaltyTerm> terms;
     bool is_used = false; // and its ties are not
 };
 
@@ -37,7 +37,7 @@ struct TieSet {
     Parts parts;
     PartTree tree;
     std::vector<Tie> ties;
-    std::vector<double> distances; // per part: to its host, normalised units; 0 for the root
+    std::vector<double> distances; // per part: to its parent, normalised units; 0 for the root
     std::vector<Joint> joints;     // of parts that turn far, in the order of their ties
     std::size_t seam_count = 0;    // the last ties: borders that lie on other borders (T-junctions, cracks)
 };
@@ -45,15 +45,15 @@ struct TieSet {
 // A tie of a vertex of `part` to three anchors; the first of `vertices` is the tied one.
 Tie make_tie(const ShapeSet& set, std::size_t part, const std::array<std::uint32_t, 4>& vertices);
 
-Pull pull_of(const Tie& tie);
+PenaltyTerm penalty_term_of(const Tie& tie);
 
 // As stiff as a membrane of modulus 1 is to one of its vertices, times this, for a tie whose place hardly differs between the poses.
 // Where places differ by more than this (units of the diagonal), the mean of the places means less, down to the least stiffness: an eye
-// that turns would get dents from ties that pull its vertices from the arc to the chord. THEORY.md tells what other values do.
-constexpr double tie_stiffness = 0.3, least_stiffness = 0.01, sure_place = 0.005;
+// that rotations would get dents from ties that pull its vertices from the arc to the chord. THEORY.md tells what other values do.
+constexpr double max_stiffness = 0.3, min_stiffness = 0.01, sure_place = 0.005;
 
 // As stiff as a place may be held that is known in every pose, energy per squared length: the less it is the same in all, the softer.
-double stiffness_of(const Eigen::Matrix3Xd& rest, double diagonal);
+double tie_stiffness(const Eigen::Matrix3Xd& rest, double diagonal);
 
 // Columns r, e1, e2.
 Eigen::Matrix3d tie_vectors(const Tie& tie, const Eigen::Vector3d& vertex, const Eigen::Vector3d& a,

@@ -46,29 +46,29 @@ Matrix9 place_curvature(const Matrix3d& v, const Vector3d& off)
     return out;
 }
 
-Matrix3d vectors_of(const Pull& pull, const double* x)
+Matrix3d vectors_of(const PenaltyTerm& term, const double* x)
 {
-    return Eigen::Map<const Eigen::Matrix3Xd>(x, 3, pull.factors.cols()) * pull.factors.transpose();
+    return Eigen::Map<const Eigen::Matrix3Xd>(x, 3, term.factors.cols()) * term.factors.transpose();
 }
 
 // sum_k w_k kappa |p - p_k|^2 = kappa (W |p - p'|^2 + constant), W the sum of the weights, p' the weighted mean of the places p_k.
-void evaluate_pull(const Pull& tie, std::size_t pose_count, const double* weights, const double* x, Order order,
+void evaluate_term(const PenaltyTerm& term, std::size_t pose_count, const double* weights, const double* x, Order order,
                    HessianKind kind, ElementResult& result)
 {
-    const Matrix3d vectors = vectors_of(tie, x);
+    const Matrix3d vectors = vectors_of(term, x);
     const Vector3d place = tie_place(vectors);
     double stiffness = 0;
     Vector3d pull = Vector3d::Zero();
     result.value = 0;
     for (std::size_t k = 0; k < pose_count; ++k) {
-        const Vector3d off = place - tie.rest.col(Eigen::Index(k));
-        const double factor = weights[k] * tie.stiffness;
+        const Vector3d off = place - term.rest.col(Eigen::Index(k));
+        const double factor = weights[k] * term.stiffness;
         result.value += factor * off.squaredNorm();
         pull += 2 * factor * off;
         stiffness += 2 * factor;
     }
     if (order < Order::gradient) return;
-    const Eigen::Matrix3Xd& factors = tie.factors;
+    const Eigen::Matrix3Xd& factors = term.factors;
     const Eigen::Index count = factors.cols();
     const Matrix9x3 slopes = place_slopes(vectors);
     const Eigen::Matrix<double, 9, 1> force = slopes * pull;
@@ -90,8 +90,8 @@ TiedEnergy::TiedEnergy(std::unique_ptr<Energy> inner, TieSet ties)
     : inner_(std::move(inner))
     , ties_(std::move(ties))
 {
-    for (const Joint& joint : ties_.joints) pulls_.insert(pulls_.end(), joint.pulls.begin(), joint.pulls.end());
-    for (const Tie& tie : ties_.ties) pulls_.push_back(pull_of(tie));
+    for (const Joint& joint : ties_.joints) terms_.insert(terms_.end(), joint.terms.begin(), joint.terms.end());
+    for (const Tie& tie : ties_.ties) terms_.push_back(penalty_term_of(tie));
     apply_choice();
 }
 
@@ -101,10 +101,10 @@ void TiedEnergy::apply_choice()
     std::size_t next = 0;
     for (const Joint& joint : ties_.joints) {
         for (std::size_t i = 0; i < joint.tie_count; ++i) is_replaced[joint.first_tie + i] = joint.is_used;
-        for (const Pull& pull : joint.pulls) pulls_[next++].stiffness = joint.is_used ? pull.stiffness : 0;
+        for (const PenaltyTerm& term : joint.terms) terms_[next++].stiffness = joint.is_used ? term.stiffness : 0;
     }
     for (std::size_t i = 0; i < ties_.ties.size(); ++i)
-        pulls_[next++].stiffness = is_replaced[i] ? 0 : ties_.ties[i].stiffness;
+        terms_[next++].stiffness = is_replaced[i] ? 0 : ties_.ties[i].stiffness;
 }
 
 void TiedEnergy::choose(const std::vector<double>& stiffness, const std::vector<bool>& joints)
@@ -116,16 +116,16 @@ void TiedEnergy::choose(const std::vector<double>& stiffness, const std::vector<
 
 void TiedEnergy::drop_unused()
 {
-    pulls_.erase(std::remove_if(pulls_.begin(), pulls_.end(), [](const Pull& pull) { return pull.stiffness == 0; }),
-                 pulls_.end());
+    terms_.erase(std::remove_if(terms_.begin(), terms_.end(), [](const PenaltyTerm& term) { return term.stiffness == 0; }),
+                 terms_.end());
 }
 
 const std::uint32_t* TiedEnergy::element_vertices(std::size_t element, std::size_t& count) const
 {
     if (element < inner_->element_count()) return inner_->element_vertices(element, count);
-    const Pull& pull = pulls_[element - inner_->element_count()];
-    count = pull.vertices.size();
-    return pull.vertices.data();
+    const PenaltyTerm& term = terms_[element - inner_->element_count()];
+    count = term.vertices.size();
+    return term.vertices.data();
 }
 
 void TiedEnergy::evaluate(std::size_t element, const double* weights, const double* x, Order order, HessianKind kind,
@@ -134,29 +134,29 @@ void TiedEnergy::evaluate(std::size_t element, const double* weights, const doub
     if (element < inner_->element_count())
         inner_->evaluate(element, weights, x, order, kind, result);
     else
-        evaluate_pull(pulls_[element - inner_->element_count()], pose_count(), weights, x, order, kind, result);
+        evaluate_term(terms_[element - inner_->element_count()], pose_count(), weights, x, order, kind, result);
 }
 
 // formats/SPEC.md, kind 8.
 RuntimeElement TiedEnergy::runtime_element(std::size_t element, const Shape& reference) const
 {
     if (element < inner_->element_count()) return inner_->runtime_element(element, reference);
-    const Pull& pull = pulls_[element - inner_->element_count()];
-    const std::size_t count = pull.vertices.size();
+    const PenaltyTerm& term = terms_[element - inner_->element_count()];
+    const std::size_t count = term.vertices.size();
     RuntimeElement out;
     out.kind = PLIANT_ELEMENT_TIE;
     out.combination.resize(Eigen::Index(count) - 1, 3);
     Eigen::Matrix3Xd at(3, count); // differences from the vertex that is a tie's first anchor
     for (std::size_t i = 0; i < count; ++i) {
-        at.col(Eigen::Index(i)) = point(reference, pull.vertices[i]) - point(reference, pull.vertices[1]);
+        at.col(Eigen::Index(i)) = point(reference, term.vertices[i]) - point(reference, term.vertices[1]);
         if (i == 1) continue;
-        out.combination.row(Eigen::Index(out.differences.size())) = pull.factors.col(Eigen::Index(i)).transpose();
-        out.differences.push_back({ pull.vertices[1], pull.vertices[i] });
+        out.combination.row(Eigen::Index(out.differences.size())) = term.factors.col(Eigen::Index(i)).transpose();
+        out.differences.push_back({ term.vertices[1], term.vertices[i] });
     }
-    const Vector3d start = tie_place(at * pull.factors.transpose());
-    out.pose_numbers.resize(pull.rest.cols(), 4);
-    out.pose_numbers.col(0).setConstant(pull.stiffness);
-    out.pose_numbers.rightCols<3>() = 2 * pull.stiffness * (start.replicate(1, pull.rest.cols()) - pull.rest).transpose();
+    const Vector3d start = tie_place(at * term.factors.transpose());
+    out.pose_numbers.resize(term.rest.cols(), 4);
+    out.pose_numbers.col(0).setConstant(term.stiffness);
+    out.pose_numbers.rightCols<3>() = 2 * term.stiffness * (start.replicate(1, term.rest.cols()) - term.rest).transpose();
     return out;
 }
 

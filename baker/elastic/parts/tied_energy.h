@@ -18,7 +18,7 @@ public:
 
     std::size_t pose_count() const override { return inner_->pose_count(); }
     Eigen::Index dof_count() const override { return inner_->dof_count(); }
-    std::size_t element_count() const override { return inner_->element_count() + pulls_.size(); }
+    std::size_t element_count() const override { return inner_->element_count() + terms_.size(); }
     const std::uint32_t* element_vertices(std::size_t element, std::size_t& count) const override;
     void evaluate(std::size_t element, const double* weights, const double* x, Order order, HessianKind kind,
                   ElementResult& result) const override;
@@ -38,7 +38,7 @@ private:
 
     std::unique_ptr<Energy> inner_;
     TieSet ties_;
-    std::vector<Pull> pulls_; // the joints', then the ties'
+    std::vector<PenaltyTerm> terms_; // the joints', then the ties'
 };
 
 // The same energy if it needs no ties.
