@@ -11,10 +11,11 @@ namespace {
 
 constexpr double infinity = std::numeric_limits<double>::infinity();
 
-// In units of the diagonal: anchors lie about so far apart.
+// Least search radius around the first anchor, in units of the diagonal. Smaller triangles rotate with every wrinkle of the
+// surface.
 constexpr double anchor_spread = 0.05;
 
-// Of a part's vertices some that lie far apart: the first, and always the one farthest from those before.
+// Farthest-point sampling: starts with the first vertex and adds the one farthest from those chosen before.
 std::vector<std::uint32_t> spread_vertices(const std::vector<std::uint32_t>& vertices, const Eigen::MatrixXd& columns,
                                            std::size_t most)
 {
@@ -29,6 +30,52 @@ std::vector<std::uint32_t> spread_vertices(const std::vector<std::uint32_t>& ver
     }
     return out;
 }
+
+// Finds the best anchors of one vertex in balls around the nearest vertex of the other part.
+class AnchorSearch {
+public:
+    AnchorSearch(const ShapeSet& set, std::size_t part, std::uint32_t vertex, std::uint32_t nearest)
+        : set_(set)
+        , part_(part)
+        , best_({ vertex, nearest, nearest, nearest })
+    {
+    }
+
+    double quality() const { return quality_; }
+    const std::array<std::uint32_t, 4>& best() const { return best_; }
+
+    void try_pairs(const std::vector<std::uint32_t>& around)
+    {
+        worth_ = 0;
+        for (std::size_t i = 0; i < around.size(); ++i)
+            for (std::size_t j = i + 1; j < around.size(); ++j)
+                if (is_free(around[i]) && is_free(around[j])) try_pair(around[i], around[j]);
+    }
+
+private:
+    bool is_free(std::uint32_t v) const { return v != best_[0] && v != best_[1]; }
+
+    // Good triangles compete by worth, area times stiffness; while there is none, others compete by quality.
+    void try_pair(std::uint32_t b, std::uint32_t c)
+    {
+        const std::array<std::uint32_t, 4> vertices = { best_[0], best_[1], b, c };
+        const TriangleMeasure found = measure_triangle(set_, best_[1], b, c);
+        if (found.quality >= good_triangle) {
+            if (found.area * max_stiffness <= worth_) return; // an upper bound that is cheaper than the tie
+            const double worth = found.area * make_tie(set_, part_, vertices).stiffness;
+            if (worth <= worth_) return;
+            worth_ = worth;
+        } else if (worth_ > 0 || found.quality <= quality_)
+            return;
+        quality_ = found.quality;
+        best_ = vertices;
+    }
+
+    const ShapeSet& set_;
+    std::size_t part_;
+    std::array<std::uint32_t, 4> best_;
+    double quality_ = 0, worth_ = 0;
+};
 
 } // namespace
 
@@ -48,7 +95,7 @@ TriangleMeasure measure_triangle(const ShapeSet& set, std::uint32_t a, std::uint
 bool can_anchor(const ShapeSet& set, const std::vector<std::uint32_t>& vertices, const Eigen::MatrixXd& columns,
                 double quality)
 {
-    constexpr std::size_t most = 10; // of a line all triangles are poor, of anything else few among so many are
+    constexpr std::size_t most = 10; // all triangles of a line are poor; of other sets, few among so many vertices are
     const std::vector<std::uint32_t> points = spread_vertices(vertices, columns, most);
     for (std::size_t i = 0; i < points.size(); ++i)
         for (std::size_t j = i + 1; j < points.size(); ++j)
@@ -58,37 +105,20 @@ bool can_anchor(const ShapeSet& set, const std::vector<std::uint32_t>& vertices,
 }
 
 std::optional<Tie> tie_vertex(const ShapeSet& set, const Eigen::MatrixXd& columns, std::size_t part, std::uint32_t v,
-                              const PartTrees& parent)
+                              const PartTrees& other)
 {
-    const Neighbour nearest = parent.vertices.nearest(v, 1, infinity);
-    const std::uint32_t a = parent.vertices.points()[nearest.point].vertex;
+    const Neighbour nearest = other.vertices.nearest(v, 1, infinity);
+    const std::uint32_t a = other.vertices.points()[nearest.point].vertex;
     const double wanted = std::max(anchor_spread * set.diagonal, 1.5 * std::sqrt(nearest.squared_distance));
-    double best_quality = 0;
-    std::array<std::uint32_t, 4> best = { v, a, a, a };
-    // Of a parent that is smaller than the ball, half of it comes first: the ball sees no more than a few points at each distance.
-    for (double reach = std::min(wanted, parent.size / 2); best_quality < good_triangle; reach *= 2) {
-        const std::vector<std::uint32_t> around = parent.vertices.ball(columns.col(a), reach, reach / 4);
-        double best_worth = 0;
-        for (std::size_t i = 0; i < around.size(); ++i)
-            for (std::size_t j = i + 1; j < around.size(); ++j) {
-                if (around[i] == v || around[j] == v || around[i] == a || around[j] == a) continue;
-                const std::array<std::uint32_t, 4> vertices = { v, a, around[i], around[j] };
-                const TriangleMeasure found = measure_triangle(set, a, around[i], around[j]);
-                const bool is_good = found.quality >= good_triangle;
-                if (!is_good && (best_worth > 0 || found.quality <= best_quality)) continue;
-                if (is_good) {
-                    if (found.area * max_stiffness <= best_worth) continue; // the most that it may be worth
-                    const double worth = found.area * make_tie(set, part, vertices).stiffness;
-                    if (worth <= best_worth) continue;
-                    best_worth = worth;
-                }
-                best_quality = found.quality;
-                best = vertices;
-            }
-        if (reach >= parent.size) break; // that was all of it
+    AnchorSearch search(set, part, v, a);
+    // ball() returns few points per distance, so that a ball around the whole part would see little of it: start with half
+    // its size.
+    for (double reach = std::min(wanted, other.size / 2); search.quality() < good_triangle; reach *= 2) {
+        search.try_pairs(other.vertices.ball(columns.col(a), reach, reach / 4));
+        if (reach >= other.size) break; // the ball contained the whole part
     }
-    if (best_quality < poor_triangle) return {};
-    return make_tie(set, part, best);
+    if (search.quality() < poor_triangle) return {};
+    return make_tie(set, part, search.best());
 }
 
 } // namespace pliant

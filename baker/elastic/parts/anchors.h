@@ -1,4 +1,4 @@
-// Which three vertices of a part hold a vertex of another.
+// Anchors: the three vertices of a part to which a vertex of another part is tied.
 #pragma once
 
 #include "base/mesh/point_tree.h"
@@ -8,30 +8,32 @@
 
 namespace pliant {
 
-// Anchors a b c should have at least this ratio of 4 area / (longest side)^2 in every pose; 1.7 is equilateral, below the ratio places
-// are ill-defined.
+// Quality of a triangle: 4 area / (longest side)^2, sqrt(3) if it is equilateral. Anchors of good quality are preferred;
+// below the poor one the place is ill-defined and no tie is made.
 constexpr double good_triangle = 0.2, poor_triangle = 1e-3;
 
-// The smallest over the poses of the area of a triangle, and of its ratio to the longest side.
+// The smallest area (normalised, squared length) and the smallest quality over the poses.
 struct TriangleMeasure {
     double area, quality;
 };
 
 TriangleMeasure measure_triangle(const ShapeSet& set, std::uint32_t a, std::uint32_t b, std::uint32_t c);
 
-// The points of a part to look among.
+// Search structures of one part, in pose space.
 struct PartTrees {
-    PointTree surface, vertices;
-    double size; // diagonal of the box of its vertices in pose space
+    PointTree surface, vertices; // of its vertices and sample points, and of its vertices only
+    double size;                 // diagonal of the bounding box of its vertices
 };
 
-// Whether places can be told from some of these vertices: three are a triangle of this quality in every pose.
+// Whether some three of these vertices have at least this quality in every pose. Looks at 10 vertices spread over them, so
+// that it can miss a few sets that are nearly a line. Cost: linear in the number of vertices.
 bool can_anchor(const ShapeSet& set, const std::vector<std::uint32_t>& vertices, const Eigen::MatrixXd& columns,
                 double quality);
 
-// Anchors: the nearest vertex of the parent, and two around it that make a large triangle in every pose, among which the vertex keeps its
-// place. The farther the vertex, the larger, so that a small turn of the triangle is not a large way of the vertex.
+// Ties vertex `v` of `part` to three vertices of another part: the nearest one, and two around it with the largest product
+// of area and stiffness. The search radius grows with the distance of v, so that a small rotation of the triangle does not
+// move v far. Empty if there is no usable triangle. `columns`: pose space. Cost: some 60^2 / 2 triangles per radius tried.
 std::optional<Tie> tie_vertex(const ShapeSet& set, const Eigen::MatrixXd& columns, std::size_t part, std::uint32_t v,
-                              const PartTrees& parent);
+                              const PartTrees& other);
 
 } // namespace pliant

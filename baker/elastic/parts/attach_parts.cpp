@@ -14,18 +14,18 @@ namespace {
 
 constexpr double infinity = std::numeric_limits<double>::infinity();
 
-// Lengths in units of the diagonal. Tied vertices of a part keep this distance, vertices this much farther from the parent than the
-// nearest are tied as well, and faces longer than this are not only their corners.
+// Lengths in units of the diagonal: the distance between tied vertices; how much farther from the parent than the nearest
+// vertex a tied one may be; and the spacing of sample points on large faces.
 constexpr double tie_spacing = 0.03, near_margin = 0.02, point_spacing = 0.01;
 
-// A part has at least so many tied vertices if it has as many, so that it is held against turning with some to spare, and at most so
-// many, so that what they cost stays small beside the part.
+// Tied vertices of a part, if it has as many: enough to resist rotation with some to spare, and few enough to stay cheap
+// beside the part's own elements.
 constexpr std::size_t min_ties = 12, max_ties = 400;
 
-// At least this part of a part's vertices, the nearest ones, may be tied: a coat that hangs on the shoulders.
+// This share of a part's vertices, the nearest ones, may always be tied: a coat that hangs on the shoulders.
 constexpr double near_share = 0.25;
 
-// The parts that others may hang on. If places can be told from none, all with faces.
+// The parts that can anchor ties. If there is none, all parts with faces.
 std::vector<bool> find_possible_parents(const ShapeSet& set, const Parts& parts, const Eigen::MatrixXd& columns)
 {
     std::vector<bool> out(parts.count(), false);
@@ -36,7 +36,62 @@ std::vector<bool> find_possible_parents(const ShapeSet& set, const Parts& parts,
     return out;
 }
 
-// Ties parts to their parents.
+// Vertices of one part and their distances from another.
+struct NearVertices {
+    std::vector<std::uint32_t> vertices;
+    std::vector<double> distances;
+
+    // The distance of the i-th nearest, or of the farthest if there are fewer.
+    double nearest(std::size_t i) const
+    {
+        std::vector<double> sorted = distances;
+        std::sort(sorted.begin(), sorted.end());
+        return sorted[std::min(i, sorted.size() - 1)];
+    }
+};
+
+// All these vertices, with their distances from the surface of another part.
+NearVertices measure_vertices(const std::vector<std::uint32_t>& vertices, const PartTrees& other)
+{
+    NearVertices out = { vertices, {} };
+    for (const std::uint32_t v : vertices)
+        out.distances.push_back(std::sqrt(other.surface.nearest(v, 1, infinity).squared_distance));
+    return out;
+}
+
+// The vertices of a part that are nearest to these points of another. Not more of them than points, so that many parts on
+// one parent stay cheap.
+NearVertices nearest_vertices(const PartTrees& part, const std::vector<std::uint32_t>& points)
+{
+    std::vector<std::pair<std::uint32_t, double>> found;
+    for (const std::uint32_t column : points) {
+        const Neighbour nearest = part.vertices.nearest(column, 1, infinity);
+        found.emplace_back(part.vertices.points()[nearest.point].vertex, std::sqrt(nearest.squared_distance));
+    }
+    std::sort(found.begin(), found.end());
+    NearVertices out;
+    for (const auto& [vertex, distance] : found) {
+        if (!out.vertices.empty() && out.vertices.back() == vertex) continue;
+        out.vertices.push_back(vertex);
+        out.distances.push_back(distance);
+    }
+    return out;
+}
+
+std::vector<TreePoint> tree_points(const std::vector<std::uint32_t>& columns)
+{
+    std::vector<TreePoint> out;
+    for (const std::uint32_t column : columns) out.push_back({ column, 0 });
+    return out;
+}
+
+double box_diagonal(const std::vector<std::uint32_t>& vertices, const Eigen::MatrixXd& columns)
+{
+    Eigen::VectorXd low = columns.col(vertices[0]), high = low;
+    for (const std::uint32_t v : vertices) low = low.cwiseMin(columns.col(v)), high = high.cwiseMax(columns.col(v));
+    return (high - low).norm();
+}
+
 class PartAttacher {
 public:
     PartAttacher(const ShapeSet& set, const PartPoints& points, TieSet& out)
@@ -50,65 +105,28 @@ public:
 
     void attach(std::size_t part)
     {
-        if (out_.tree.parents[part] == no_part) return;
-        const PartTrees& parent = trees(out_.tree.parents[part]);
-        const Nearby mine = vertices_near(parent, part);
-        out_.distances[part] = mine.nearest(0);
-        // A plate under a small post touches it far from all its own corners: then the post's vertices are tied to the plate.
-        const double margin = near_margin * set_.diagonal;
-        if (part < out_.parts.surface_count && mine.nearest(2) > margin) {
-            const Nearby theirs = vertices_near_points(parent, part);
-            out_.distances[part] = std::min(mine.nearest(0), theirs.nearest(0));
-            const std::vector<std::uint32_t> chosen = choose(theirs);
-            if (theirs.nearest(2) + margin < mine.nearest(2) && can_anchor(set_, chosen, columns_, good_triangle)
-                && tie_vertices(part, chosen, trees(part)))
-                return;
-        }
-        tie_vertices(part, choose(mine), parent);
+        const std::size_t parent = out_.tree.parents[part];
+        if (parent == no_part) return;
+        const NearVertices own = measure_vertices(out_.parts.vertices[part], trees(parent));
+        out_.distances[part] = own.nearest(0);
+        if (!attach_parent_to(part, own)) tie_vertices(part, select_spread(own), trees(parent));
     }
 
 private:
-    // Vertices of one part and how far they are from another.
-    struct Nearby {
-        std::vector<std::uint32_t> vertices;
-        std::vector<double> distances;
-
-        // The distance of the i-th nearest, or of the farthest if there are not so many.
-        double nearest(std::size_t i) const
-        {
-            std::vector<double> sorted = distances;
-            std::sort(sorted.begin(), sorted.end());
-            return sorted[std::min(i, sorted.size() - 1)];
-        }
-    };
-
-    Nearby vertices_near(const PartTrees& parent, std::size_t part) const
+    // A plate on a small post touches it far from all its own corners. There the vertices of the parent, the post, are tied
+    // to the part. Returns whether that was better and possible.
+    bool attach_parent_to(std::size_t part, const NearVertices& own)
     {
-        Nearby out = { out_.parts.vertices[part], {} };
-        for (const std::uint32_t v : out.vertices)
-            out.distances.push_back(std::sqrt(parent.surface.nearest(v, 1, infinity).squared_distance));
-        return out;
+        const double margin = near_margin * set_.diagonal;
+        if (part >= out_.parts.surface_count || own.nearest(2) <= margin) return false;
+        const NearVertices parents = nearest_vertices(trees(out_.tree.parents[part]), points_.of_part[part]);
+        out_.distances[part] = std::min(own.nearest(0), parents.nearest(0));
+        const std::vector<std::uint32_t> selected = select_spread(parents);
+        return parents.nearest(2) + margin < own.nearest(2) && can_anchor(set_, selected, columns_, good_triangle)
+            && tie_vertices(part, selected, trees(part));
     }
 
-    // Of the parent those next to points of the part: no more than that has points, so that many parts on one parent cost no more than they are.
-    Nearby vertices_near_points(const PartTrees& parent, std::size_t part) const
-    {
-        std::vector<std::pair<std::uint32_t, double>> found;
-        for (const std::uint32_t column : points_.of_part[part]) {
-            const Neighbour nearest = parent.vertices.nearest(column, 1, infinity);
-            found.emplace_back(parent.vertices.points()[nearest.point].vertex, std::sqrt(nearest.squared_distance));
-        }
-        std::sort(found.begin(), found.end());
-        Nearby out;
-        for (const auto& [vertex, distance] : found) {
-            if (!out.vertices.empty() && out.vertices.back() == vertex) continue;
-            out.vertices.push_back(vertex);
-            out.distances.push_back(distance);
-        }
-        return out;
-    }
-
-    // Whether a tie came of it.
+    // Returns whether it made a tie.
     bool tie_vertices(std::size_t part, const std::vector<std::uint32_t>& vertices, const PartTrees& anchors)
     {
         const std::size_t before = out_.ties.size();
@@ -117,53 +135,52 @@ private:
         return out_.ties.size() > before;
     }
 
+    // Built at the first use.
     const PartTrees& trees(std::size_t part)
     {
         if (!trees_[part]) {
-            const auto tree_points = [](const std::vector<std::uint32_t>& columns) {
-                std::vector<TreePoint> out;
-                for (const std::uint32_t column : columns) out.push_back({ column, 0 });
-                return out;
-            };
             const std::vector<std::uint32_t>& vertices = out_.parts.vertices[part];
-            Eigen::VectorXd low = columns_.col(vertices[0]), high = low;
-            for (const std::uint32_t v : vertices)
-                low = low.cwiseMin(columns_.col(v)), high = high.cwiseMax(columns_.col(v));
             trees_[part] = std::make_unique<PartTrees>(PartTrees { { columns_, tree_points(points_.of_part[part]) },
                                                                    { columns_, tree_points(vertices) },
-                                                                   (high - low).norm() });
+                                                                   box_diagonal(vertices, columns_) });
         }
         return *trees_[part];
     }
 
-    // Which are tied: from the nearest one onwards always the one farthest from those before.
-    std::vector<std::uint32_t> choose(const Nearby& nearby) const
+    // Farthest-point sampling among the vertices within reach, starting with the nearest one.
+    std::vector<std::uint32_t> select_spread(const NearVertices& near) const
     {
-        const std::size_t count = nearby.vertices.size();
-        const std::size_t quarter = std::size_t(near_share * double(count));
-        const double reach = std::max(
-            { nearby.nearest(0) + near_margin * set_.diagonal, nearby.nearest(quarter), nearby.nearest(min_ties) });
-        std::vector<double> gaps(count); // to the nearest chosen one; negative: out of reach
-        for (std::size_t i = 0; i < count; ++i) gaps[i] = nearby.distances[i] <= reach ? infinity : -1;
-        std::vector<std::uint32_t> chosen;
+        std::vector<double> gaps = initial_gaps(near); // to the nearest selected vertex
+        std::vector<std::uint32_t> selected;
         std::size_t next
-            = std::size_t(std::min_element(nearby.distances.begin(), nearby.distances.end()) - nearby.distances.begin());
-        while (chosen.size() < max_ties) {
-            chosen.push_back(nearby.vertices[next]);
-            for (std::size_t i = 0; i < count; ++i)
+            = std::size_t(std::min_element(near.distances.begin(), near.distances.end()) - near.distances.begin());
+        while (selected.size() < max_ties) {
+            selected.push_back(near.vertices[next]);
+            for (std::size_t i = 0; i < gaps.size(); ++i)
                 if (gaps[i] > 0)
-                    gaps[i] = std::min(gaps[i], (columns_.col(nearby.vertices[i]) - columns_.col(chosen.back())).norm());
+                    gaps[i] = std::min(gaps[i], (columns_.col(near.vertices[i]) - columns_.col(selected.back())).norm());
             next = std::size_t(std::max_element(gaps.begin(), gaps.end()) - gaps.begin());
-            if (!(gaps[next] > 0) || (chosen.size() >= min_ties && gaps[next] < tie_spacing * set_.diagonal)) break;
+            if (!(gaps[next] > 0) || (selected.size() >= min_ties && gaps[next] < tie_spacing * set_.diagonal)) break;
         }
-        return chosen;
+        return selected;
+    }
+
+    // Infinite for vertices within reach, negative for the others.
+    std::vector<double> initial_gaps(const NearVertices& near) const
+    {
+        const std::size_t quarter = std::size_t(near_share * double(near.vertices.size()));
+        const double reach
+            = std::max({ near.nearest(0) + near_margin * set_.diagonal, near.nearest(quarter), near.nearest(min_ties) });
+        std::vector<double> gaps;
+        for (const double distance : near.distances) gaps.push_back(distance <= reach ? infinity : -1);
+        return gaps;
     }
 
     const ShapeSet& set_;
     const PartPoints& points_;
     const Eigen::MatrixXd& columns_;
     TieSet& out_;
-    std::vector<std::unique_ptr<PartTrees>> trees_;
+    std::vector<std::unique_ptr<PartTrees>> trees_; // per part with faces
 };
 
 } // namespace

@@ -1,30 +1,32 @@
-// How far the parts of a shape are from where their ties should hold them.
+// Drift: the distance of tied vertices from where they should be.
 #pragma once
 
 #include "elastic/parts/tie_set.h"
 
 namespace pliant {
 
-// The tied vertices of a part in a shape, a column each.
+// The tied vertices of a part in a shape, 3 x ties, in normalised lengths. Column i is of tie first_tie + i.
 struct PartPlaces {
-    std::size_t part, first; // its ties: first, first + 1, ...
-    Eigen::Matrix3Xd actual, expected,
-        target; // where they are, where their anchors would have them, and where they are target to
+    std::size_t part, first_tie;
+    Eigen::Matrix3Xd actual;   // their positions
+    Eigen::Matrix3Xd expected; // where they should be, see place_parts
+    Eigen::Matrix3Xd target;   // where the energy of the ties pulls them: the plain mean of their places in the poses
+
     double drift(std::size_t i) const { return (actual.col(Eigen::Index(i)) - expected.col(Eigen::Index(i))).norm(); }
 };
 
-// Wanted is each part's cloud of tied vertices at the mean of its places in the poses, weighted like these, where a part that rotations between
-// poses rotations in step about the point of it that moves least, and does not shrink. (Ties pull to the plain mean.) Parts with seams are there
-// twice.
-std::vector<PartPlaces> place_parts(const TieSet& ties, const ShapeSet& set, const Eigen::VectorXd& weights, const Shape& y);
+// The anchors of `y` transform the places of every pose into space: one point cloud per pose. Expected is the mean of the
+// clouds with these weights. Unlike in the plain mean, a part that rotates between poses does not shrink there, and it
+// rotates about its pivot in proportion to the weights. Returns one entry per group of consecutive ties of a part, so that
+// a part with seams has two.
+std::vector<PartPlaces> place_parts(const TieSet& ties, const Eigen::VectorXd& weights, const Shape& y);
 
-// How far the tied vertices of a shape are from where they are expected.
+// The tied vertex that is farthest from its expected position.
 struct TieDrift {
-    double largest = 0; // over the ties, in units of the diagonal
+    double largest = 0; // in units of the diagonal
     std::size_t part = 0;
     std::uint32_t vertex = 0;
 };
-
 TieDrift measure_drift(const TieSet& ties, const ShapeSet& set, const Eigen::VectorXd& weights, const Shape& y);
 
 } // namespace pliant

@@ -1,11 +1,12 @@
-// What ties a character of several parts together, found from its poses.
+// Finds the ties of a character from its poses: between its parts, their joints, and along its seams.
 #pragma once
 
 #include "elastic/parts/tie_set.h"
 
 namespace pliant {
 
-// None for a surface in one part without such borders, and for solids. No joint is used yet. Costs n log n.
+// No ties for a solid, and for a surface in one part without seams. No joint is in use yet (elastic/parts/calibrate_ties.h
+// decides). Cost: n log n.
 TieSet find_ties(const ShapeSet& set);
 
 } // namespace pliant

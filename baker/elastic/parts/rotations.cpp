@@ -22,9 +22,9 @@ Eigen::Matrix3d nearest_rotation(const Eigen::Matrix3d& matrix)
 
 Eigen::Vector3d pivot_point(const std::vector<Eigen::Matrix3d>& rotations, const Eigen::Matrix3Xd& centres, double reach)
 {
-    constexpr double doubt = 0.01; // about the square of the sine of half of those 10 degrees
-    Eigen::Matrix3d mean_rotation = Eigen::Matrix3d::Zero(), matrix = doubt * Eigen::Matrix3d::Identity();
-    for (const Eigen::Matrix3d& turn : rotations) mean_rotation += turn / double(rotations.size());
+    constexpr double regularisation = 0.01; // about the squared sine of half of those 10 degrees
+    Eigen::Matrix3d mean_rotation = Eigen::Matrix3d::Zero(), matrix = regularisation * Eigen::Matrix3d::Identity();
+    for (const Eigen::Matrix3d& rotation : rotations) mean_rotation += rotation / double(rotations.size());
     const Eigen::Vector3d mean_centre = centres.rowwise().mean();
     Eigen::Vector3d right = Eigen::Vector3d::Zero();
     for (std::size_t k = 0; k < rotations.size(); ++k) {

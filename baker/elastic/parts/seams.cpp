@@ -12,10 +12,10 @@ namespace {
 
 constexpr double infinity = std::numeric_limits<double>::infinity();
 
-// A border vertex lies on another border's edge if it is this near to it in every pose, in units of the edge's length there; and on the edge and not at its end if its foot is this far from the end.
+// In units of the edge's length in each pose: a border vertex lies on an edge if it is this near to it, and inside the edge
+// if its foot is this far from both ends.
 constexpr double seam_width = 0.05;
 
-// Finds the borders that border vertices lie on.
 class SeamFinder {
 public:
     SeamFinder(const ShapeSet& set, const Eigen::MatrixXd& columns, const std::vector<BorderEdge>& border)
@@ -31,12 +31,9 @@ public:
         std::sort(neighbours_.begin(), neighbours_.end());
     }
 
-    // By ascending vertex.
     std::vector<std::array<std::uint32_t, 4>> find()
     {
-        std::vector<TreePoint> points;
-        for (std::size_t i = 0; i < neighbours_.size(); ++i)
-            if (i == 0 || neighbours_[i].first != neighbours_[i - 1].first) points.push_back({ neighbours_[i].first, 0 });
+        const std::vector<TreePoint> points = border_vertices();
         const PointTree tree(columns_, points);
         for (const BorderEdge& edge : border_) {
             const Eigen::VectorXd along = columns_.col(edge.b) - columns_.col(edge.a);
@@ -56,6 +53,15 @@ private:
         const BorderEdge* edge = nullptr;
     };
 
+    std::vector<TreePoint> border_vertices() const
+    {
+        std::vector<TreePoint> out;
+        for (std::size_t i = 0; i < neighbours_.size(); ++i)
+            if (i == 0 || neighbours_[i].first != neighbours_[i - 1].first) out.push_back({ neighbours_[i].first, 0 });
+        return out;
+    }
+
+    // Keeps the edge if v lies on it and on none that is nearer.
     void consider(std::uint32_t v, const BorderEdge& edge, const Eigen::VectorXd& along)
     {
         if (v == edge.a || v == edge.b || v == edge.c) return;
@@ -64,17 +70,13 @@ private:
         const double foot = std::clamp(off.dot(along) / length2, 0.0, 1.0);
         const double distance2 = (off - foot * along).squaredNorm();
         if (distance2 > seam_width * seam_width * length2 || distance2 >= found_[v].squared_distance) return;
-        if (!is_shut(v, edge, foot)) return;
-        // Around a corner of its own border every vertex is near the end of the next edge.
-        const std::uint32_t end = foot < seam_width ? edge.a : edge.b;
-        const bool is_inside = foot >= seam_width && foot <= 1 - seam_width;
-        if (!is_inside && std::binary_search(neighbours_.begin(), neighbours_.end(), std::make_pair(v, end))) return;
+        if (!is_closed(v, edge, foot) || is_round_corner(v, edge, foot)) return;
         if (measure_triangle(set_, edge.a, edge.b, edge.c).quality < poor_triangle) return;
         found_[v] = { distance2, &edge };
     }
 
-    // In every pose: lips and eyelids that open in one of many poses are near in the mean of all.
-    bool is_shut(std::uint32_t v, const BorderEdge& edge, double foot) const
+    // Tests every pose: lips and eyelids that open in one of many poses are near in the mean of all.
+    bool is_closed(std::uint32_t v, const BorderEdge& edge, double foot) const
     {
         return std::all_of(set_.shapes.begin(), set_.shapes.end(), [&](const Shape& shape) {
             const Eigen::Vector3d a = point(shape, edge.a), along = point(shape, edge.b) - a;
@@ -82,10 +84,18 @@ private:
         });
     }
 
+    // Where a border turns a corner, a vertex is near the end of the next edge of the same border. That is no seam.
+    bool is_round_corner(std::uint32_t v, const BorderEdge& edge, double foot) const
+    {
+        const std::uint32_t end = foot < seam_width ? edge.a : edge.b;
+        const bool is_inside = foot >= seam_width && foot <= 1 - seam_width;
+        return !is_inside && std::binary_search(neighbours_.begin(), neighbours_.end(), std::make_pair(v, end));
+    }
+
     const ShapeSet& set_;
     const Eigen::MatrixXd& columns_;
     const std::vector<BorderEdge>& border_;
-    std::vector<std::pair<std::uint32_t, std::uint32_t>> neighbours_; // along border edges, both ways, sorted
+    std::vector<std::pair<std::uint32_t, std::uint32_t>> neighbours_; // along border edges, in both directions, sorted
     std::vector<Nearest> found_;                                      // per vertex
 };
 

@@ -8,7 +8,11 @@ namespace pliant {
 
 namespace {
 
-// Metric of two edges: first first, first second, second second.
+// Where the places in the poses differ by this much from their mean (root mean square, in units of the diagonal), a tie has
+// half of the largest stiffness. baker/THEORY.md has the measured effect of other values.
+constexpr double half_stiffness_spread = 0.005;
+
+// Mean over the poses of the 2 x 2 metric of the edges (b - a, c - a).
 Eigen::Matrix2d mean_metric(const ShapeSet& set, std::uint32_t a, std::uint32_t b, std::uint32_t c)
 {
     Eigen::Matrix2d sum = Eigen::Matrix2d::Zero();
@@ -22,12 +26,20 @@ Eigen::Matrix2d mean_metric(const ShapeSet& set, std::uint32_t a, std::uint32_t 
 
 } // namespace
 
+double tie_stiffness(const Eigen::Matrix3Xd& rest, double diagonal)
+{
+    const Eigen::Vector3d mean = rest.rowwise().mean();
+    const double spread2 = (rest.colwise() - mean).squaredNorm() / double(rest.cols());
+    const double softening = 1 + spread2 / std::pow(half_stiffness_spread * diagonal, 2);
+    return std::max(max_stiffness / softening, min_stiffness);
+}
+
 Tie make_tie(const ShapeSet& set, std::size_t part, const std::array<std::uint32_t, 4>& vertices)
 {
     Tie tie;
     tie.vertices = vertices;
     tie.part = part;
-    // With L L^T the metric of (b - a, c - a), that of the columns of (b - a, c - a) L^-T is the identity.
+    // If L L^T is the metric of (b - a, c - a), the columns of (b - a, c - a) L^-T have the identity as their metric.
     const Eigen::Matrix2d lower = mean_metric(set, vertices[1], vertices[2], vertices[3]).llt().matrixL();
     tie.frame = lower.transpose().inverse();
     tie.frame(1, 0) = 0;
@@ -39,14 +51,6 @@ Tie make_tie(const ShapeSet& set, std::size_t part, const std::array<std::uint32
     }
     tie.stiffness = tie_stiffness(tie.rest, set.diagonal);
     return tie;
-}
-
-double tie_stiffness(const Eigen::Matrix3Xd& rest, double diagonal)
-{
-    const Eigen::Vector3d mean = rest.rowwise().mean();
-    const double spread2 = (rest.colwise() - mean).squaredNorm() / double(rest.cols());
-    const double softening = 1 + spread2 / std::pow(sure_place * diagonal, 2);
-    return std::max(max_stiffness / softening, min_stiffness);
 }
 
 PenaltyTerm penalty_term_of(const Tie& tie)

@@ -21,7 +21,7 @@ Matrix3d cross_matrix(const Vector3d& v)
     return m;
 }
 
-// Derivatives of the three numbers of the place by (r, e1, e2).
+// Derivatives of the three coordinates of the place with respect to (r, e1, e2), one column each.
 Matrix9x3 place_slopes(const Matrix3d& v)
 {
     const Vector3d r = v.col(0), e1 = v.col(1), e2 = v.col(2);
@@ -32,11 +32,11 @@ Matrix9x3 place_slopes(const Matrix3d& v)
     return out;
 }
 
-// sum_c off[c] times the second derivative of number c.
+// The sum over the coordinates c of off[c] times the second derivative of coordinate c.
 Matrix9 place_curvature(const Matrix3d& v, const Vector3d& off)
 {
     Matrix9 out = Matrix9::Zero();
-    // det(r, e1, e2): its derivative by r and e1 is u . (w x e2) for directions u of r and w of e1.
+    // The second derivative of det(r, e1, e2) in directions u of r and w of e1 is u . (w x e2).
     out.block<3, 3>(0, 3) = off[0] * Matrix3d::Identity() - off[2] * cross_matrix(v.col(2));
     out.block<3, 3>(0, 6) = off[1] * Matrix3d::Identity() + off[2] * cross_matrix(v.col(1));
     out.block<3, 3>(3, 6) = -off[2] * cross_matrix(v.col(0));
@@ -51,32 +51,33 @@ Matrix3d vectors_of(const PenaltyTerm& term, const double* x)
     return Eigen::Map<const Eigen::Matrix3Xd>(x, 3, term.factors.cols()) * term.factors.transpose();
 }
 
-// sum_k w_k kappa |p - p_k|^2 = kappa (W |p - p'|^2 + constant), W the sum of the weights, p' the weighted mean of the places p_k.
+// Value, gradient and Hessian of sum_k w_k stiffness |place - rest_k|^2 by the chain rule: place, then (r, e1, e2), then
+// vertices.
 void evaluate_term(const PenaltyTerm& term, std::size_t pose_count, const double* weights, const double* x, Order order,
                    HessianKind kind, ElementResult& result)
 {
     const Matrix3d vectors = vectors_of(term, x);
     const Vector3d place = tie_place(vectors);
-    double stiffness = 0;
-    Vector3d pull = Vector3d::Zero();
+    double stiffness = 0;              // weighted sum, times 2
+    Vector3d slope = Vector3d::Zero(); // derivative with respect to the place
     result.value = 0;
     for (std::size_t k = 0; k < pose_count; ++k) {
         const Vector3d off = place - term.rest.col(Eigen::Index(k));
         const double factor = weights[k] * term.stiffness;
         result.value += factor * off.squaredNorm();
-        pull += 2 * factor * off;
+        slope += 2 * factor * off;
         stiffness += 2 * factor;
     }
     if (order < Order::gradient) return;
     const Eigen::Matrix3Xd& factors = term.factors;
     const Eigen::Index count = factors.cols();
     const Matrix9x3 slopes = place_slopes(vectors);
-    const Eigen::Matrix<double, 9, 1> force = slopes * pull;
+    const Eigen::Matrix<double, 9, 1> force = slopes * slope;
     result.gradient.resize(3 * count);
     Eigen::Map<Eigen::Matrix3Xd>(result.gradient.data(), 3, count) = Eigen::Map<const Matrix3d>(force.data()) * factors;
     if (order < Order::hessian) return;
-    Matrix9 curvature = stiffness * slopes * slopes.transpose(); // Gauss-Newton: positive semidefinite as it is
-    if (kind == HessianKind::exact) curvature += place_curvature(vectors, pull);
+    Matrix9 curvature = stiffness * slopes * slopes.transpose(); // Gauss-Newton part: positive semidefinite
+    if (kind == HessianKind::exact) curvature += place_curvature(vectors, slope);
     Eigen::Matrix<double, 9, Eigen::Dynamic> to_vertices(9, 3 * count);
     for (Eigen::Index i = 0; i < 3; ++i)
         for (Eigen::Index j = 0; j < count; ++j)
@@ -137,7 +138,7 @@ void TiedEnergy::evaluate(std::size_t element, const double* weights, const doub
         evaluate_term(terms_[element - inner_->element_count()], pose_count(), weights, x, order, kind, result);
 }
 
-// formats/SPEC.md, kind 8.
+// Element kind 8 of formats/SPEC.md.
 RuntimeElement TiedEnergy::runtime_element(std::size_t element, const Shape& reference) const
 {
     if (element < inner_->element_count()) return inner_->runtime_element(element, reference);
@@ -146,7 +147,7 @@ RuntimeElement TiedEnergy::runtime_element(std::size_t element, const Shape& ref
     RuntimeElement out;
     out.kind = PLIANT_ELEMENT_TIE;
     out.combination.resize(Eigen::Index(count) - 1, 3);
-    Eigen::Matrix3Xd at(3, count); // differences from the vertex that is a tie's first anchor
+    Eigen::Matrix3Xd at(3, count); // relative to vertices[1], the first anchor of a tie
     for (std::size_t i = 0; i < count; ++i) {
         at.col(Eigen::Index(i)) = point(reference, term.vertices[i]) - point(reference, term.vertices[1]);
         if (i == 1) continue;

@@ -439,13 +439,13 @@ TEST_CASE("lips that touch at rest and open in one of many poses are not tied")
     CHECK(ties.seam_count == 0);
 }
 
-TEST_CASE("ties are settled so that parts that turn far keep their place")
+TEST_CASE("ties are calibrated so that parts that rotate far keep their place")
 {
     PartsMesh mesh;
     mesh.eye_turn = 1.2;
     const ShapeSet set = normalise(mesh.poses(3));
     const auto plain = tie_parts(std::make_unique<DiscreteShells>(set, ShellOptions()), find_ties(set)),
-               settled = make_energy(set, EnergyOptions());
+               calibrated = make_energy(set, EnergyOptions());
     const auto worst_drift = [&](const Energy& energy) {
         NewtonSolver solver(energy, set, default_solver());
         double worst = 0;
@@ -456,12 +456,12 @@ TEST_CASE("ties are settled so that parts that turn far keep their place")
                 measure_drift(*ties_of(energy), set, w, solver.minimise(w, set.shapes[0], NewtonOptions()).y).largest);
         return worst;
     };
-    const double before = worst_drift(*plain), after = worst_drift(*settled);
+    const double before = worst_drift(*plain), after = worst_drift(*calibrated);
     CAPTURE(before);
     CAPTURE(after);
     CHECK(after < 0.6 * before);
     CHECK(after < drift_limit);
-    CHECK(find_ties(set).ties.size() == ties_of(*settled)->ties.size());
+    CHECK(find_ties(set).ties.size() == ties_of(*calibrated)->ties.size());
 }
 
 TEST_CASE("what is wrong with parts is said")
