@@ -128,7 +128,7 @@ Json ties_of(const TieReport& report)
                   { "seam_ties", report.seam_count },
                   { "joints", report.joint_count } };
     if (report.blends.weights.size() > 0) {
-        ties["drift_of_averages"] = drift_of(report.truth);
+        ties["drift_of_averages"] = drift_of(report.reference);
         ties["drift_of_blends"] = drift_of(report.blends);
     }
     return ties;

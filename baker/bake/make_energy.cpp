@@ -4,6 +4,7 @@
 #include "elastic/energy/arap.h"
 #include "elastic/energy/solid.h"
 #include "elastic/parts/calibrate_ties.h"
+#include "elastic/parts/find_ties.h"
 
 #include <fmt/core.h>
 
@@ -32,7 +33,7 @@ std::unique_ptr<Energy> make_energy(const ShapeSet& set, const EnergyOptions& op
     default: break;
     }
     std::unique_ptr<Energy> energy = tie_parts(std::make_unique<DiscreteShells>(set, options.shell), find_ties(set));
-    if (auto* tied = dynamic_cast<TiedEnergy*>(energy.get())) settle_ties(*tied, set, options.solver, progress);
+    if (auto* tied = dynamic_cast<TiedEnergy*>(energy.get())) calibrate_ties(*tied, set, options.solver, progress);
     return energy;
 }
 

@@ -121,7 +121,7 @@ void warn_of_blends(const BakeReport& report, const PoseSet& poses, const Energy
                                   weights_text(branch.weights)),
                       hint_for_jumps(energy, poses.is_solid()));
     warn_of_inversion(report, progress);
-    if (report.check.ties) tell_ties(*report.check.ties, drift_limit, progress);
+    if (report.check.ties) warn_about_ties(*report.check.ties, drift_limit, progress);
 }
 
 void add_warnings(const std::vector<Finding>& told, const BakeReport& report, std::vector<Finding>& warnings)

@@ -3,6 +3,7 @@
 #include "base/common/parallel.h"
 #include "elastic/average/family.h"
 #include "elastic/average/rigid_modes.h"
+#include "elastic/parts/drift.h"
 
 #include <Eigen/Geometry>
 #include <algorithm>
@@ -12,26 +13,28 @@ namespace pliant {
 
 namespace {
 
-// Between the weights that are looked at, and in blends, parts drift farther.
-constexpr double aim = 0.6 * drift_limit;
+// The drift to reach here. Blends, and averages at other weights, drift more than the averages that are measured.
+constexpr double drift_goal = 0.6 * drift_limit;
 
-// From one try to the next. More than some hundred times the usual stiffness is another way to weld parts together, and dents them.
+// Factor between two tries, and their number. Some hundred times the usual stiffness would weld parts together and dent
+// them.
 constexpr double raise_factor = 8;
-constexpr int most_raises = 3;
+constexpr int max_raises = 3;
 
-// A try must lower the drift by this part to be kept.
-constexpr double worthwhile = 0.05;
+// A try is kept if it lowers the drift by at least this share.
+constexpr double min_gain = 0.05;
 
-// A part that drifts this far after all tries does so for another reason than its ties' stiffness: it turns by 90 degrees and more.
-constexpr double hopeless = 2 * drift_limit;
+// Above this drift after all tries the stiffness is not the cause: the part rotates by 90 degrees or more.
+constexpr double give_up_drift = 2 * drift_limit;
 
-// Drift is wanted to a tenth of its limit: shapes to a part of their size.
+// Accuracy of the averages, relative to the size of the shape. Drift needs to be known to a tenth of its limit only.
 constexpr double shape_accuracy = 1e-4;
 
-// Balanced ties would move a rigid part by this share of the aim; and no tie gets softer than this, so that all still hold.
-constexpr double balance_share = 0.1, softest = 0.02;
+// The unbalanced force on a rigid part that counts as 1 would displace it by this share of drift_goal. No stiffness gets a
+// smaller factor than min_factor, so that every tie still holds.
+constexpr double balance_share = 0.1, min_factor = 0.02;
 
-// The equal weights first, then the middles between any two poses: parts drift most where poses are far from the average.
+// The equal weights first, then the middle of every two poses: parts drift most where the poses are far from the average.
 std::vector<Weights> probe_weights(std::size_t pose_count)
 {
     std::vector<Weights> out = { equal_weights(pose_count) };
@@ -52,118 +55,139 @@ NewtonOptions rough_options(const ShapeSet& set)
     return options;
 }
 
-// min 1/2 x A x - b x with x >= lowest, by descent along one coordinate after another: A is definite and has some ten to a few hundred rows.
+// Minimises 1/2 x A x - b x subject to x >= lowest by coordinate descent. A: positive definite, ten to a few hundred rows.
 Eigen::VectorXd minimise_above(const Eigen::MatrixXd& a, const Eigen::VectorXd& b, double lowest)
 {
     Eigen::VectorXd x = Eigen::VectorXd::Ones(b.size());
-    constexpr int sweeps = 200; // far more than a choice of stiffness, which is judged by what it does, can show
+    constexpr int sweeps = 200; // more than enough: the result is a try, kept only if it lowers the drift
     for (int sweep = 0; sweep < sweeps; ++sweep)
         for (Eigen::Index i = 0; i < x.size(); ++i) x[i] = std::max(lowest, x[i] + (b[i] - a.col(i).dot(x)) / a(i, i));
     return x;
 }
 
-// Factors of the stiffness of a part's ties with which their forces and torques on the part cancel where it is wanted, at all weights as
-// nearly as can be. `places` of the same ties at these weights.
-Eigen::VectorXd balanced(const std::vector<const PartPlaces*>& places, const Eigen::VectorXd& stiffness, double diagonal)
+// Forces and torques of the ties of a part (6 x ties) on the part in its expected place, torques divided by its radius.
+// `unit`: the force that counts as 1.
+Eigen::MatrixXd wrenches(const PartPlaces& places, const Eigen::VectorXd& stiffness, double unit, double diagonal)
+{
+    const Eigen::Matrix3Xd arms = places.expected.colwise() - places.expected.rowwise().mean();
+    const double radius = std::max(arms.colwise().norm().maxCoeff(), 1e-6 * diagonal); // 0 for a single tie
+    Eigen::MatrixXd out(6, stiffness.size());
+    for (Eigen::Index i = 0; i < stiffness.size(); ++i) {
+        const Eigen::Vector3d force = stiffness[i] / unit * (places.target.col(i) - places.expected.col(i)),
+                              arm = arms.col(i);
+        out.col(i).head<3>() = force;
+        out.col(i).tail<3>() = arm.cross(force) / radius;
+    }
+    return out;
+}
+
+// Factors of the stiffness of a part's ties with which forces and torques on the part in its expected place cancel as well
+// as possible at all weights (least squares, regularised towards 1). `places`: the part at each of the weights.
+Eigen::VectorXd balance_factors(const std::vector<const PartPlaces*>& places, const Eigen::VectorXd& stiffness,
+                                double diagonal)
 {
     const Eigen::Index n = stiffness.size(), count = Eigen::Index(places.size());
     Eigen::MatrixXd rows(6 * count, n);
-    const double unit = stiffness.sum() * balance_share * aim * diagonal;
-    for (Eigen::Index j = 0; j < count; ++j) {
-        const PartPlaces& at = *places[std::size_t(j)];
-        const Eigen::Matrix3Xd arms = at.wanted.colwise() - at.wanted.rowwise().mean();
-        const double radius = std::max(arms.colwise().norm().maxCoeff(), 1e-6 * diagonal); // a single tie has none
-        for (Eigen::Index i = 0; i < n; ++i) {
-            const Eigen::Vector3d force = stiffness[i] / unit * (at.pulled.col(i) - at.wanted.col(i)), arm = arms.col(i);
-            rows.col(i).segment<3>(6 * j) = force;
-            rows.col(i).segment<3>(6 * j + 3) = arm.cross(force) / radius;
-        }
-    }
+    const double unit = stiffness.sum() * balance_share * drift_goal * diagonal;
+    for (Eigen::Index j = 0; j < count; ++j)
+        rows.middleRows<6>(6 * j) = wrenches(*places[std::size_t(j)], stiffness, unit, diagonal);
     const Eigen::MatrixXd matrix = rows.transpose() * rows + Eigen::MatrixXd::Identity(n, n) / double(n);
-    return minimise_above(matrix, Eigen::VectorXd::Constant(n, 1 / double(n)), softest);
+    return minimise_above(matrix, Eigen::VectorXd::Constant(n, 1 / double(n)), min_factor);
 }
 
-// One group of ties (place_parts): the best that is known, and what is tried next: its joint, if it has one, and where that is not good
-// enough its ties as they were found, and then stiffer or softer ones.
-struct Search {
-    enum class Try { joint, balance, raise, lower, none } next = Try::balance;
-    Eigen::VectorXd first, best, tried;  // stiffness
-    double drift = -1, joint_drift = -1; // of the best ties, of the joint; -1: not known
-    int count = 0;                       // of tries of this sort
-
-    bool is_done() const { return next == Try::none; }
-    bool has_better_joint() const { return joint_drift >= 0 && (drift < 0 || joint_drift < (1 - worthwhile) * drift); }
-    bool uses_joint() const { return next == Try::joint || (is_done() && has_better_joint()); }
-    double final_drift() const { return has_better_joint() ? joint_drift : drift; }
-
-    void start(const Eigen::VectorXd& stiffness, bool has_joint)
+// The search for one group of ties (place_parts). Tries, in this order: the joint, if there is one; the ties as found;
+// balanced ties; stiffer ties; softer ties, if the first stiffer ones drifted more. Stops when the goal is reached.
+class StiffnessSearch {
+public:
+    StiffnessSearch(const Eigen::VectorXd& stiffness, bool has_joint)
+        : next_(has_joint ? Try::joint : Try::balance)
+        , first_(stiffness)
+        , best_(stiffness)
+        , tried_(stiffness)
     {
-        first = best = tried = stiffness;
-        if (has_joint) next = Try::joint;
     }
 
-    void hear(double found, double wanted)
+    bool is_done() const { return next_ == Try::none; }
+    bool uses_joint() const { return next_ == Try::joint || (is_done() && is_joint_better()); }
+    double final_drift() const { return is_joint_better() ? joint_drift_ : drift_; }
+    const Eigen::VectorXd& first() const { return first_; }
+    const Eigen::VectorXd& tried() const { return tried_; }
+
+    // Records the drift (normalised length) of the present try and selects the kind of the next one.
+    void record(double drift, double goal)
     {
         if (is_done()) return;
-        if (next == Try::joint) {
-            joint_drift = found;
-            next = found <= wanted ? Try::none : Try::balance;
+        if (next_ == Try::joint) {
+            joint_drift_ = drift;
+            next_ = drift <= goal ? Try::none : Try::balance;
             return;
         }
-        const bool is_first = drift < 0, is_better = is_first || found < (1 - worthwhile) * drift;
-        if (is_better) best = tried, drift = found;
-        if (drift <= wanted) next = Try::none;
-        if (is_first || is_done()) return;
-        const bool goes_on = next != Try::balance && is_better && count < most_raises;
-        const bool was_raised = next == Try::raise && (is_better || count > 1);
-        if (!goes_on) {
-            next = next == Try::balance ? Try::raise : next == Try::raise && !was_raised ? Try::lower : Try::none;
-            count = 0;
-        }
+        const bool is_first = drift_ < 0, is_better = is_first || drift < (1 - min_gain) * drift_;
+        if (is_better) best_ = tried_, drift_ = drift;
+        if (drift_ <= goal) next_ = Try::none;
+        if (!is_first && !is_done()) select_next(is_better);
     }
 
-    void choose(const std::vector<const PartPlaces*>& places, double diagonal)
+    // Sets the stiffness of the next try. `places`: the part at all weights with the best ties or the joint.
+    void propose(const std::vector<const PartPlaces*>& places, double diagonal)
     {
-        tried = best;
-        if (drift < 0) return; // the ties as they are have their turn
-        ++count;
-        if (next == Try::balance) tried = best.cwiseProduct(balanced(places, best, diagonal));
-        if (next == Try::raise) tried *= raise_factor;
-        if (next == Try::lower) tried /= raise_factor;
+        tried_ = best_;
+        if (drift_ < 0) return; // the ties as found have not been tried
+        ++count_;
+        if (next_ == Try::balance) tried_ = best_.cwiseProduct(balance_factors(places, best_, diagonal));
+        if (next_ == Try::raise) tried_ *= raise_factor;
+        if (next_ == Try::lower) tried_ /= raise_factor;
     }
+
+private:
+    enum class Try { joint, balance, raise, lower, none };
+
+    bool is_joint_better() const { return joint_drift_ >= 0 && (drift_ < 0 || joint_drift_ < (1 - min_gain) * drift_); }
+
+    // Repeats a kind of try that helped, else goes to the next kind.
+    void select_next(bool is_better)
+    {
+        if (next_ != Try::balance && is_better && count_ < max_raises) return;
+        const bool was_raised = next_ == Try::raise && (is_better || count_ > 1);
+        next_ = next_ == Try::balance ? Try::raise : next_ == Try::raise && !was_raised ? Try::lower : Try::none;
+        count_ = 0;
+    }
+
+    Try next_;
+    Eigen::VectorXd first_, best_, tried_; // stiffness of each tie
+    double drift_ = -1, joint_drift_ = -1; // of the best ties and of the joint; -1 if not tried
+    int count_ = 0;                        // of tries of the present kind
 };
 
-// All groups, at all weights.
-class Settling {
+// The searches of all groups, at all weights.
+class TieCalibration {
 public:
-    Settling(TiedEnergy& energy, const ShapeSet& set, const std::vector<Weights>& weights)
+    TieCalibration(TiedEnergy& energy, const ShapeSet& set, const std::vector<Weights>& weights)
         : energy_(energy)
         , set_(set)
         , weights_(weights)
     {
-        for (const PartPlaces& places : place_parts(energy.ties(), set, weights[0], set.shapes[0])) {
-            searches_.emplace_back();
-            searches_.back().start(stiffness_of(places), joint_of(energy.ties(), places.first) != nullptr);
-        }
+        for (const PartPlaces& places : place_parts(energy.ties(), weights[0], set.shapes[0]))
+            searches_.emplace_back(stiffness_of(places), joint_of(energy.ties(), places.first_tie) != nullptr);
         energy_.choose(first_stiffness(), used_joints());
     }
 
-    // Looks at averages and sets the next stiffness. False: that is the last one.
-    bool go_on(const std::vector<Shape>& shapes)
+    // Measures the averages at all weights and sets the next stiffness. Returns false if that is the final one.
+    bool next_round(const std::vector<Shape>& averages)
     {
         std::vector<std::vector<PartPlaces>> all;
-        for (std::size_t j = 0; j < shapes.size(); ++j)
-            all.push_back(place_parts(energy_.ties(), set_, weights_[j], shapes[j]));
+        for (std::size_t j = 0; j < averages.size(); ++j)
+            all.push_back(place_parts(energy_.ties(), weights_[j], averages[j]));
         std::vector<double> stiffness;
         bool is_done = true;
         for (std::size_t g = 0; g < searches_.size(); ++g) {
             std::vector<const PartPlaces*> places;
             for (const auto& at : all) places.push_back(&at[g]);
-            Search& search = searches_[g];
-            search.hear(largest_drift(places), aim * set_.diagonal);
-            search.choose(places, set_.diagonal);
+            StiffnessSearch& search = searches_[g];
+            search.record(largest_drift(places), drift_goal * set_.diagonal);
+            search.propose(places, set_.diagonal);
             is_done = is_done && search.is_done();
-            stiffness.insert(stiffness.end(), search.tried.begin(), search.tried.end());
+            stiffness.insert(stiffness.end(), search.tried().begin(), search.tried().end());
         }
         if (is_done && is_hopeless()) stiffness = first_stiffness();
         energy_.choose(stiffness, used_joints());
@@ -173,33 +197,35 @@ public:
 private:
     Eigen::VectorXd stiffness_of(const PartPlaces& places) const
     {
-        Eigen::VectorXd out(places.found.cols());
-        for (Eigen::Index i = 0; i < out.size(); ++i) out[i] = energy_.ties().ties[places.first + std::size_t(i)].stiffness;
+        Eigen::VectorXd out(places.actual.cols());
+        for (Eigen::Index i = 0; i < out.size(); ++i)
+            out[i] = energy_.ties().ties[places.first_tie + std::size_t(i)].stiffness;
         return out;
     }
 
-    // Then the character is not to be strained for nothing: stiff ties make several minima where parts turn far.
+    // Stiff ties on parts that rotate far strain the character without reaching the goal, and create several minima.
     bool is_hopeless() const
     {
-        return std::any_of(searches_.begin(), searches_.end(),
-                           [&](const Search& search) { return search.final_drift() > hopeless * set_.diagonal; });
+        return std::any_of(searches_.begin(), searches_.end(), [&](const StiffnessSearch& search) {
+            return search.final_drift() > give_up_drift * set_.diagonal;
+        });
     }
 
     std::vector<double> first_stiffness() const
     {
         std::vector<double> out;
-        for (const Search& search : searches_) out.insert(out.end(), search.first.begin(), search.first.end());
+        for (const StiffnessSearch& search : searches_) out.insert(out.end(), search.first().begin(), search.first().end());
         return out;
     }
 
-    // Joints have the order of the groups that have one.
+    // Per joint, in the order of the groups that have one.
     std::vector<bool> used_joints() const
     {
         std::vector<bool> out;
         std::size_t first_tie = 0;
-        for (const Search& search : searches_) {
+        for (const StiffnessSearch& search : searches_) {
             if (joint_of(energy_.ties(), first_tie)) out.push_back(search.uses_joint());
-            first_tie += std::size_t(search.first.size());
+            first_tie += std::size_t(search.first().size());
         }
         return out;
     }
@@ -207,34 +233,35 @@ private:
     static double largest_drift(const std::vector<const PartPlaces*>& places)
     {
         double out = 0;
-        for (const PartPlaces* at : places) out = std::max(out, (at->found - at->wanted).colwise().norm().maxCoeff());
+        for (const PartPlaces* at : places) out = std::max(out, (at->actual - at->expected).colwise().norm().maxCoeff());
         return out;
     }
 
     TiedEnergy& energy_;
     const ShapeSet& set_;
     const std::vector<Weights>& weights_;
-    std::vector<Search> searches_;
+    std::vector<StiffnessSearch> searches_;
 };
 
 } // namespace
 
-void settle_ties(TiedEnergy& energy, const ShapeSet& set, SolverKind solver, Progress* progress)
+void calibrate_ties(TiedEnergy& energy, const ShapeSet& set, SolverKind solver, Progress* progress)
 {
     const std::vector<Weights> weights = probe_weights(set.pose_count());
-    Settling settling(energy, set, weights);
+    TieCalibration calibration(energy, set, weights);
     SolverPool pool(energy, set, solver);
     AverageFamily family(pool, rough_options(set), progress);
     family.mean();
-    std::vector<Shape> shapes(weights.size());
+    std::vector<Shape> averages(weights.size());
     SharedProgress shared(progress);
     shared.describe("ties", 0, "how far parts drift");
-    for_each_task(shapes.size(),
-                  [&](std::size_t i, std::size_t worker) { shapes[i] = family.at(weights[i], worker, &shared).average.y; });
-    for (int round = 1; settling.go_on(shapes); ++round) {
+    for_each_task(averages.size(), [&](std::size_t i, std::size_t worker) {
+        averages[i] = family.at(weights[i], worker, &shared).average.y;
+    });
+    for (int round = 1; calibration.next_round(averages); ++round) {
         shared.describe("ties", 0, fmt::format("round {}", round));
-        for_each_task(shapes.size(), [&](std::size_t i, std::size_t worker) {
-            shapes[i] = family.near(shapes[i], weights[i], worker, &shared).y;
+        for_each_task(averages.size(), [&](std::size_t i, std::size_t worker) {
+            averages[i] = family.near(averages[i], weights[i], worker, &shared).y;
         });
     }
     energy.drop_unused();

@@ -1,4 +1,4 @@
-// How stiff the ties of each part must be, found by looking at averages.
+// Chooses the stiffness of ties, and joints instead of ties, by computing averages and measuring drift.
 #pragma once
 
 #include "base/common/progress.h"
@@ -7,13 +7,14 @@
 
 namespace pliant {
 
-// Wanted of all parts of a character: farther from its place none may be, in units of the diagonal.
+// The goal for every part of a character: the largest drift (elastic/parts/drift.h), in units of the diagonal.
 constexpr double drift_limit = 0.005;
 
-// Looks at the averages of all poses and of any two of them. A part that has a joint (elastic/parts/joints.h) gets it or its ties, whatever keeps its
-// place better; ties of parts that drift (elastic/parts/ties.h) are made stiffer, as far as that helps, or softer where that does; if some part still
-// drifts farther than twice drift_limit then, all ties are as stiff as they were. Depends on nothing but energy and set, so that everyone who makes an energy of them means the same one. Costs one
-// average for each of those weights and a few steps of Newton's method more for each round; nothing without ties.
-void settle_ties(TiedEnergy& energy, const ShapeSet& set, SolverKind solver, Progress* progress);
+// Computes the average of all poses and of every pair, and repeats with changed ties while that helps. A part with a joint
+// gets the joint or its ties, whichever drifts less. The ties of parts that drift are balanced, made stiffer, or made
+// softer. If some part still drifts by more than twice drift_limit, all ties keep their first stiffness.
+// Depends on the inner energy, the ties and the set only, so that every user of the same poses gets the same energy.
+// Cost: one average for each of those weights, then a few Newton steps for each weight and round.
+void calibrate_ties(TiedEnergy& energy, const ShapeSet& set, SolverKind solver, Progress* progress);
 
 } // namespace pliant

@@ -1,5 +1,7 @@
 #include "elastic/parts/joints.h"
 
+#include "elastic/parts/rotations.h"
+
 #include <Eigen/Dense>
 #include <algorithm>
 #include <limits>
@@ -10,27 +12,27 @@ namespace {
 
 constexpr double infinity = std::numeric_limits<double>::infinity();
 
-// Rigid is what keeps its shape to this (units of the diagonal) in all poses: a fifth of what parts may drift, which is how far ties of
-// single vertices would know better.
-constexpr double rigid_enough = 0.001;
+// A body is rigid if it keeps its shape to this (units of the diagonal) in all poses: a fifth of the drift limit. Where it
+// deforms by more, ties of single vertices are more accurate.
+constexpr double rigid_error = 0.001;
 
-// Below this angle between any two poses (radians) ties of single vertices do: the places of one that is a tenth of the diagonal from the
-// joint are off the arc by a part of 1 - cos(t/2) of it, 0.1 % of the diagonal.
-constexpr double least_turn = 0.3;
+// Below this rotation between any two poses (radians) ties suffice: the mean place of a vertex at a tenth of the diagonal
+// from the pivot is off the arc by 1 - cos(t/2) of that distance, 0.1 % of the diagonal.
+constexpr double min_rotation = 0.3;
 
-// Of a cloud that is flatter than this (smallest to largest deviation) the normal is no direction that its points could carry.
-constexpr double flat = 0.1;
+// A cloud whose extent along an axis is below this share of the largest does not define a direction along that axis.
+constexpr double min_extent = 0.1;
 
-// What a joint looks at of a part, and of its host: so many tied vertices (those tied first lie farthest apart), and their anchors.
-constexpr std::size_t most_vertices = 16;
+// The number of ties a joint uses. The first ones are the farthest apart.
+constexpr std::size_t max_vertices = 16;
 
-// Points of a body: their mean shape, and its turn and its centre in every pose.
+// Points that move rigidly: their mean shape, and its rotation and centroid in every pose.
 struct Body {
     std::vector<std::uint32_t> vertices;
-    Eigen::Matrix3Xd shape; // around its centroid
-    std::vector<Eigen::Matrix3d> turns;
+    Eigen::Matrix3Xd shape; // about its centroid
+    std::vector<Eigen::Matrix3d> rotations;
     Eigen::Matrix3Xd centres;
-    double error = 0; // the farthest that a vertex is from where this has it
+    double error = 0; // largest distance of a vertex from its place in the rigid motion, over all poses
 };
 
 Eigen::Matrix3Xd cloud_of(const Shape& shape, const std::vector<std::uint32_t>& vertices)
@@ -52,37 +54,37 @@ Body make_body(const ShapeSet& set, std::vector<std::uint32_t> vertices)
         clouds.push_back(cloud_of(set.shapes[std::size_t(k)], vertices));
         body.centres.col(k) = clouds.back().rowwise().mean();
         clouds.back().colwise() -= body.centres.col(k);
-        body.turns.push_back(turn_between(first, clouds.back()));
-        body.shape += body.turns.back().transpose() * clouds.back() / double(poses);
+        body.rotations.push_back(best_rotation(first, clouds.back()));
+        body.shape += body.rotations.back().transpose() * clouds.back() / double(poses);
     }
     for (std::size_t k = 0; k < clouds.size(); ++k)
-        body.error = std::max(body.error, (body.turns[k] * body.shape - clouds[k]).colwise().norm().maxCoeff());
+        body.error = std::max(body.error, (body.rotations[k] * body.shape - clouds[k]).colwise().norm().maxCoeff());
     body.vertices = std::move(vertices);
     return body;
 }
 
-// Directions of a body and how its points lie along them, largest first.
+// Principal axes of a body, longest extent first.
 struct Axes {
     Eigen::Matrix3d directions;
-    Eigen::Vector3d deviations; // sums of squares
-    int count;                  // that the points can carry
+    Eigen::Vector3d deviations; // sums of squares along them
+    int count;                  // of the axes long enough to define a direction
 };
 
 Axes axes_of(const Body& body)
 {
     const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(body.shape * body.shape.transpose());
     Axes axes = { solver.eigenvectors().rowwise().reverse(), solver.eigenvalues().reverse(), 0 };
-    while (axes.count < 3 && axes.deviations[axes.count] > flat * flat * axes.deviations[0]) ++axes.count;
+    while (axes.count < 3 && axes.deviations[axes.count] > min_extent * min_extent * axes.deviations[0]) ++axes.count;
     return axes;
 }
 
-// Factors of a body's points that make a direction of it, and a point of it, of where they are; the smallest that do. Of a flat body the
-// point's foot in its plane.
+// The smallest factors with which the body's vertices combine to one of its axes.
 Eigen::RowVectorXd direction_factors(const Body& body, const Axes& axes, int axis)
 {
     return axes.directions.col(axis).transpose() * body.shape / axes.deviations[axis];
 }
 
+// The same for a point of the body, or, for a flat body, the foot of the point in its plane.
 Eigen::RowVectorXd point_factors(const Body& body, const Axes& axes, const Eigen::Vector3d& at)
 {
     const Eigen::Index n = body.shape.cols();
@@ -91,114 +93,138 @@ Eigen::RowVectorXd point_factors(const Body& body, const Axes& axes, const Eigen
     return out;
 }
 
-double largest_turn(const std::vector<Eigen::Matrix3d>& turns)
+// The motion of a part in the frame of its parent.
+struct RelativeMotion {
+    std::vector<Eigen::Matrix3d> rotations;
+    Eigen::Matrix3Xd centres;
+};
+
+RelativeMotion motion_in_parent(const Body& part, const Body& parent)
 {
-    double out = 0;
-    for (const Eigen::Matrix3d& a : turns)
-        for (const Eigen::Matrix3d& b : turns) out = std::max(out, Eigen::AngleAxisd(a.transpose() * b).angle());
+    RelativeMotion out = { {}, Eigen::Matrix3Xd(3, part.centres.cols()) };
+    for (std::size_t k = 0; k < part.rotations.size(); ++k) {
+        out.rotations.push_back(parent.rotations[k].transpose() * part.rotations[k]);
+        out.centres.col(Eigen::Index(k))
+            = parent.rotations[k].transpose() * (part.centres.col(Eigen::Index(k)) - parent.centres.col(Eigen::Index(k)));
+    }
     return out;
 }
 
-// Adds up the factors of vertices that are on both sides.
-Pull make_pull(const ShapeSet& set, const Body& part, const Body& host, const Eigen::Matrix3Xd& of_part,
-               const Eigen::Matrix3Xd& of_host)
+double largest_rotation(const std::vector<Eigen::Matrix3d>& rotations)
 {
-    Pull pull;
-    pull.vertices = part.vertices;
-    pull.vertices.insert(pull.vertices.end(), host.vertices.begin(), host.vertices.end());
-    std::sort(pull.vertices.begin(), pull.vertices.end());
-    pull.vertices.erase(std::unique(pull.vertices.begin(), pull.vertices.end()), pull.vertices.end());
-    pull.factors = Eigen::Matrix3Xd::Zero(3, Eigen::Index(pull.vertices.size()));
-    const auto add = [&](const Body& body, const Eigen::Matrix3Xd& factors) {
-        for (std::size_t i = 0; i < body.vertices.size(); ++i) {
-            const auto found = std::lower_bound(pull.vertices.begin(), pull.vertices.end(), body.vertices[i]);
-            pull.factors.col(found - pull.vertices.begin()) += factors.col(Eigen::Index(i));
+    double out = 0;
+    for (const Eigen::Matrix3d& a : rotations)
+        for (const Eigen::Matrix3d& b : rotations) out = std::max(out, Eigen::AngleAxisd(a.transpose() * b).angle());
+    return out;
+}
+
+// Makes the terms of a joint between two bodies. Rows of the factors are r, e1, e2; e1 and e2 are axes of the parent.
+class JointMaker {
+public:
+    JointMaker(const ShapeSet& set, const Body& part, const Body& parent)
+        : set_(set)
+        , part_(part)
+        , parent_(parent)
+        , part_axes_(axes_of(part))
+        , parent_axes_(axes_of(parent))
+        , of_part_(Eigen::Matrix3Xd::Zero(3, part.shape.cols()))
+        , of_parent_(3, parent.shape.cols())
+    {
+        for (int i = 0; i < 2 && have_directions(); ++i) of_parent_.row(1 + i) = direction_factors(parent_, parent_axes_, i);
+    }
+
+    bool have_directions() const { return part_axes_.count >= 2 && parent_axes_.count >= 2; }
+
+    // Holds the pivot of the part at its mean place in the parent.
+    PenaltyTerm pivot_term(const RelativeMotion& motion)
+    {
+        const Eigen::Vector3d pivot = pivot_point(motion.rotations, motion.centres, part_.shape.colwise().norm().maxCoeff());
+        const std::size_t poses = motion.rotations.size();
+        Eigen::Vector3d place = Eigen::Vector3d::Zero();
+        for (std::size_t k = 0; k < poses; ++k)
+            place += (motion.rotations[k] * pivot + motion.centres.col(Eigen::Index(k))) / double(poses);
+        of_part_.row(0) = point_factors(part_, part_axes_, pivot);
+        of_parent_.row(0) = -point_factors(parent_, parent_axes_, place);
+        PenaltyTerm term = make_term();
+        term.stiffness = double(part_.vertices.size()) * tie_stiffness(term.rest, set_.diagonal);
+        return term;
+    }
+
+    // One term per axis of the part, scaled by its radius. They share one stiffness: only then they pull to the mean
+    // rotation.
+    std::vector<PenaltyTerm> rotation_terms()
+    {
+        const double count = double(part_.vertices.size()), radius = std::sqrt(part_.shape.squaredNorm() / count);
+        std::vector<PenaltyTerm> terms;
+        of_parent_.row(0).setZero();
+        double stiffness = infinity;
+        for (int i = 0; i < part_axes_.count; ++i) {
+            of_part_.row(0) = radius * direction_factors(part_, part_axes_, i);
+            terms.push_back(make_term());
+            stiffness = std::min(stiffness, count / 3 * tie_stiffness(terms.back().rest, set_.diagonal));
         }
-    };
-    add(part, of_part);
-    add(host, of_host);
-    pull.rest.resize(3, Eigen::Index(set.pose_count()));
-    for (std::size_t k = 0; k < set.pose_count(); ++k)
-        pull.rest.col(Eigen::Index(k)) = tie_place(cloud_of(set.shapes[k], pull.vertices) * pull.factors.transpose());
-    return pull;
+        for (PenaltyTerm& term : terms) term.stiffness = stiffness;
+        return terms;
+    }
+
+private:
+    // A term with the present factors. Adds up the factors of vertices that belong to both bodies.
+    PenaltyTerm make_term() const
+    {
+        PenaltyTerm term;
+        term.vertices = part_.vertices;
+        term.vertices.insert(term.vertices.end(), parent_.vertices.begin(), parent_.vertices.end());
+        std::sort(term.vertices.begin(), term.vertices.end());
+        term.vertices.erase(std::unique(term.vertices.begin(), term.vertices.end()), term.vertices.end());
+        term.factors = Eigen::Matrix3Xd::Zero(3, Eigen::Index(term.vertices.size()));
+        add_factors(part_, of_part_, term);
+        add_factors(parent_, of_parent_, term);
+        term.rest.resize(3, Eigen::Index(set_.pose_count()));
+        for (std::size_t k = 0; k < set_.pose_count(); ++k)
+            term.rest.col(Eigen::Index(k)) = tie_place(cloud_of(set_.shapes[k], term.vertices) * term.factors.transpose());
+        return term;
+    }
+
+    static void add_factors(const Body& body, const Eigen::Matrix3Xd& factors, PenaltyTerm& term)
+    {
+        for (std::size_t i = 0; i < body.vertices.size(); ++i) {
+            const auto found = std::lower_bound(term.vertices.begin(), term.vertices.end(), body.vertices[i]);
+            term.factors.col(found - term.vertices.begin()) += factors.col(Eigen::Index(i));
+        }
+    }
+
+    const ShapeSet& set_;
+    const Body& part_;
+    const Body& parent_;
+    Axes part_axes_, parent_axes_;
+    Eigen::Matrix3Xd of_part_, of_parent_;
+};
+
+std::vector<std::uint32_t> anchors_of(const Tie* first, const Tie* last)
+{
+    std::vector<std::uint32_t> out;
+    for (const Tie* tie = first; tie != last; ++tie) out.insert(out.end(), tie->vertices.begin() + 1, tie->vertices.end());
+    std::sort(out.begin(), out.end());
+    out.erase(std::unique(out.begin(), out.end()), out.end());
+    return out;
 }
 
 } // namespace
 
-Eigen::Matrix3d turn_between(const Eigen::Matrix3Xd& from, const Eigen::Matrix3Xd& to)
+std::vector<PenaltyTerm> find_joint_terms(const ShapeSet& set, const Tie* first, const Tie* last)
 {
-    const Shape a = Eigen::Map<const Shape>(from.data(), from.size()), b = Eigen::Map<const Shape>(to.data(), to.size());
-    return best_rigid_motion(a, b, Eigen::VectorXd::Ones(from.cols())).rotation;
-}
-
-Eigen::Matrix3d nearest_rotation(const Eigen::Matrix3d& matrix)
-{
-    const Eigen::JacobiSVD<Eigen::Matrix3d> svd(matrix, Eigen::ComputeFullU | Eigen::ComputeFullV);
-    Eigen::Vector3d signs(1, 1, 1);
-    if ((svd.matrixU() * svd.matrixV().transpose()).determinant() < 0) signs[2] = -1;
-    return svd.matrixU() * signs.asDiagonal() * svd.matrixV().transpose();
-}
-
-Eigen::Vector3d steadiest_point(const std::vector<Eigen::Matrix3d>& turns, const Eigen::Matrix3Xd& centres, double reach)
-{
-    constexpr double doubt = 0.01; // about the square of the sine of half of those 10 degrees
-    Eigen::Matrix3d mean_turn = Eigen::Matrix3d::Zero(), matrix = doubt * Eigen::Matrix3d::Identity();
-    for (const Eigen::Matrix3d& turn : turns) mean_turn += turn / double(turns.size());
-    const Eigen::Vector3d mean_centre = centres.rowwise().mean();
-    Eigen::Vector3d right = Eigen::Vector3d::Zero();
-    for (std::size_t k = 0; k < turns.size(); ++k) {
-        const Eigen::Matrix3d off = turns[k] - mean_turn;
-        matrix += off.transpose() * off / double(turns.size());
-        right -= off.transpose() * (centres.col(Eigen::Index(k)) - mean_centre) / double(turns.size());
-    }
-    const Eigen::Vector3d found = matrix.llt().solve(right);
-    return found.norm() > reach ? Eigen::Vector3d(reach / found.norm() * found) : found;
-}
-
-std::vector<Pull> find_joint(const ShapeSet& set, const Tie* first, const Tie* last)
-{
-    const std::size_t count = std::min(std::size_t(last - first), most_vertices), poses = set.pose_count();
-    std::vector<std::uint32_t> tied, anchors;
-    for (const Tie* tie = first; tie != first + count; ++tie) {
-        tied.push_back(tie->vertices[0]);
-        anchors.insert(anchors.end(), tie->vertices.begin() + 1, tie->vertices.end());
-    }
-    std::sort(anchors.begin(), anchors.end());
-    anchors.erase(std::unique(anchors.begin(), anchors.end()), anchors.end());
-    if (tied.size() < 3) return {};
-    const Body part = make_body(set, tied), host = make_body(set, anchors);
-    if (std::max(part.error, host.error) > rigid_enough * set.diagonal) return {};
-    std::vector<Eigen::Matrix3d> turns; // of the part in the frame of its host
-    Eigen::Matrix3Xd centres(3, Eigen::Index(poses));
-    for (std::size_t k = 0; k < poses; ++k) {
-        turns.push_back(host.turns[k].transpose() * part.turns[k]);
-        centres.col(Eigen::Index(k))
-            = host.turns[k].transpose() * (part.centres.col(Eigen::Index(k)) - host.centres.col(Eigen::Index(k)));
-    }
-    const Axes part_axes = axes_of(part), host_axes = axes_of(host);
-    if (largest_turn(turns) < least_turn || part_axes.count < 2 || host_axes.count < 2) return {};
-
-    // Rows r, e1, e2.
-    Eigen::Matrix3Xd of_part = Eigen::Matrix3Xd::Zero(3, part.shape.cols()), of_host(3, host.shape.cols());
-    const Eigen::Vector3d steadiest = steadiest_point(turns, centres, part.shape.colwise().norm().maxCoeff());
-    Eigen::Vector3d place = Eigen::Vector3d::Zero();
-    for (std::size_t k = 0; k < poses; ++k) place += (turns[k] * steadiest + centres.col(Eigen::Index(k))) / double(poses);
-    of_part.row(0) = point_factors(part, part_axes, steadiest);
-    of_host.row(0) = -point_factors(host, host_axes, place);
-    for (int i = 0; i < 2; ++i) of_host.row(1 + i) = direction_factors(host, host_axes, i);
-    std::vector<Pull> out = { make_pull(set, part, host, of_part, of_host) };
-    out[0].stiffness = double(count) * stiffness_of(out[0].rest, set.diagonal);
-
-    const double radius = std::sqrt(part.shape.squaredNorm() / double(count));
-    of_host.row(0).setZero();
-    double stiffness = infinity; // the same for all: only then the mean of turns is where these pull to
-    for (int i = 0; i < part_axes.count; ++i) {
-        of_part.row(0) = radius * direction_factors(part, part_axes, i);
-        out.push_back(make_pull(set, part, host, of_part, of_host));
-        stiffness = std::min(stiffness, double(count) / 3 * stiffness_of(out.back().rest, set.diagonal));
-    }
-    for (std::size_t i = 1; i < out.size(); ++i) out[i].stiffness = stiffness;
-    for (Pull& pull : out) pull.part = first->part;
+    last = first + std::min(std::size_t(last - first), max_vertices);
+    if (last - first < 3) return {};
+    std::vector<std::uint32_t> tied;
+    for (const Tie* tie = first; tie != last; ++tie) tied.push_back(tie->vertices[0]);
+    const Body part = make_body(set, std::move(tied)), parent = make_body(set, anchors_of(first, last));
+    if (std::max(part.error, parent.error) > rigid_error * set.diagonal) return {};
+    const RelativeMotion motion = motion_in_parent(part, parent);
+    JointMaker maker(set, part, parent);
+    if (largest_rotation(motion.rotations) < min_rotation || !maker.have_directions()) return {};
+    std::vector<PenaltyTerm> out = { maker.pivot_term(motion) };
+    for (PenaltyTerm& term : maker.rotation_terms()) out.push_back(std::move(term));
+    for (PenaltyTerm& term : out) term.part = first->part;
     return out;
 }
 

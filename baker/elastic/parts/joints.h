@@ -1,23 +1,14 @@
-// Joints: what holds a rigid part that turns far against the part that it hangs on. Why, and how they are chosen: baker/THEORY.md, "Ties".
+// Joints: penalty terms that hold a rigid part which rotates far against its parent. A tie pulls each vertex from the arc to
+// the chord; a joint holds one pivot and the rotation about it. baker/THEORY.md, "Ties", has the derivation.
 #pragma once
 
-#include "elastic/parts/ties.h"
+#include "elastic/parts/tie_set.h"
 
 namespace pliant {
 
-// The turn of a cloud of points, columns of `from`, that brings it closest to another one (Kabsch 1976), centroids aside.
-Eigen::Matrix3d turn_between(const Eigen::Matrix3Xd& from, const Eigen::Matrix3Xd& to);
-
-// The rotation nearest to a matrix: of a mean of rotations their mean.
-Eigen::Matrix3d nearest_rotation(const Eigen::Matrix3d& matrix);
-
-// The point of a body that moves least over its poses, where it is attached: the j that minimises the variance of turns_k j + centres_k
-// (turns of the poses, and where the body's origin is in them). Where the body hardly turns, below some 10 degrees, all points move alike
-// and it is drawn to the origin; there it matters little. No farther than `reach` from there.
-Eigen::Vector3d steadiest_point(const std::vector<Eigen::Matrix3d>& turns, const Eigen::Matrix3Xd& centres, double reach);
-
-// Where a part that these ties (all of the part, one at least) hold is rigid there and turns far, and what it hangs on is rigid there, too:
-// pulls that can take the place of its ties. Else none.
-std::vector<Pull> find_joint(const ShapeSet& set, const Tie* first, const Tie* last);
+// `first` ... `last`: all ties of one part, at least one. Returns the terms that can replace them (the pivot, then one per
+// direction of the part), or none unless the tied vertices and their anchors are each rigid and rotate far against each
+// other between two poses. Cost: constant per pose (at most 16 ties are used).
+std::vector<PenaltyTerm> find_joint_terms(const ShapeSet& set, const Tie* first, const Tie* last);
 
 } // namespace pliant

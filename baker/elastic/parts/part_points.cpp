@@ -6,9 +6,9 @@
 namespace pliant {
 namespace {
 
-// Points of faces there may be: a share of the vertices, and some for the smallest mesh.
-constexpr double most_per_vertex = 2;
-constexpr double most_beside = 20000;
+// Largest number of sample points: so many per vertex, plus a constant that leaves room on small meshes.
+constexpr double max_per_vertex = 2;
+constexpr double max_constant = 20000;
 
 double longest_edge(const Eigen::MatrixXd& columns, const Triangle& face)
 {
@@ -18,10 +18,10 @@ double longest_edge(const Eigen::MatrixXd& columns, const Triangle& face)
     return std::sqrt(squared);
 }
 
-// Into how many steps an edge of this length is cut.
+// The number of steps into which an edge of this length is divided.
 double steps_of(double length, double spacing) { return std::max(1.0, std::ceil(length / spacing)); }
 
-// Lattices over triangles, all of their points but the corners.
+// The points of the triangular lattices on all faces, without the corners.
 double point_count(const std::vector<double>& lengths, double spacing)
 {
     double count = 0;
@@ -32,13 +32,21 @@ double point_count(const std::vector<double>& lengths, double spacing)
     return count;
 }
 
-// The spacing with which the points do not become too many.
+// The smallest tried spacing that respects the limit on the number of points.
 double allowed_spacing(const std::vector<double>& lengths, double vertex_count, double spacing)
 {
-    const double most = most_beside + most_per_vertex * vertex_count;
+    const double most = max_constant + max_per_vertex * vertex_count;
     constexpr double step = 1.25;
     while (point_count(lengths, spacing) > most) spacing *= step;
     return spacing;
+}
+
+// Calls visit(i, j, k) with i + j + k = steps for every lattice point but the corners.
+template <class Visit> void visit_lattice(int steps, Visit visit)
+{
+    for (int i = 0; i <= steps; ++i)
+        for (int j = 0; i + j <= steps; ++j)
+            if (const int k = steps - i - j; std::max({ i, j, k }) != steps) visit(i, j, k);
 }
 
 } // namespace
@@ -58,16 +66,14 @@ PartPoints sample_parts(const Eigen::MatrixXd& vertices, const std::vector<Trian
     for (std::uint32_t f = 0; f < lengths.size(); ++f) {
         const Triangle& face = faces[f];
         const int steps = int(steps_of(lengths[f], spacing));
-        for (int i = 0; i <= steps; ++i)
-            for (int j = 0; i + j <= steps; ++j) {
-                if (std::max({ i, j, steps - i - j }) == steps) continue;
-                const std::uint32_t column = std::uint32_t(out.faces.size());
-                out.columns.col(column) = (double(steps - i - j) * vertices.col(face[0]) + double(i) * vertices.col(face[1])
-                                           + double(j) * vertices.col(face[2]))
-                    / double(steps);
-                out.of_part[parts.of_face[f]].push_back(column);
-                out.faces.push_back(f);
-            }
+        visit_lattice(steps, [&](int i, int j, int k) {
+            const std::uint32_t column = std::uint32_t(out.faces.size());
+            out.columns.col(column)
+                = (double(k) * vertices.col(face[0]) + double(i) * vertices.col(face[1]) + double(j) * vertices.col(face[2]))
+                / double(steps);
+            out.of_part[parts.of_face[f]].push_back(column);
+            out.faces.push_back(f);
+        });
     }
     return out;
 }

@@ -1,4 +1,5 @@
-// The surfaces of parts as points, so that a part that lies on a large face of another is near it.
+// Sample points of the surfaces of parts. With vertices alone, a part that stands in the middle of a large face would seem
+// far away from it.
 #pragma once
 
 #include "elastic/parts/parts.h"
@@ -8,13 +9,15 @@ namespace pliant {
 constexpr std::uint32_t no_face = ~std::uint32_t(0);
 
 struct PartPoints {
-    Eigen::MatrixXd columns; // pose space (base/mesh/point_tree.h): of the vertices, then points of large faces
-    std::vector<std::vector<std::uint32_t>> of_part; // columns; its vertices first
-    std::vector<std::uint32_t> faces;                // per column: the face that it is a point of; no_face: a vertex
+    // 3m x p, pose space (base/mesh/point_tree.h): all vertices of the set, then the sample points of large faces.
+    Eigen::MatrixXd columns;
+    std::vector<std::vector<std::uint32_t>> of_part; // the columns of each part, its vertices first
+    std::vector<std::uint32_t> faces;                // per column: the face that was sampled, or no_face for a vertex
 };
 
-// `vertices`: the pose space of the set. Faces longer than `spacing` get points that far apart, or farther where that would make many more
-// points than there are vertices.
+// `vertices`: the set in pose space, 3m x n. Faces with an edge longer than `spacing` (normalised length) are sampled at
+// that distance, or more coarsely if that would give more than 20,000 points plus two per vertex. Cost: linear in the number
+// of points.
 PartPoints sample_parts(const Eigen::MatrixXd& vertices, const std::vector<Triangle>& faces, const Parts& parts,
                         double spacing);
 

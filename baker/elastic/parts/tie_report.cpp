@@ -4,17 +4,31 @@
 
 #include <algorithm>
 #include <fmt/core.h>
+#include <iterator>
 
 namespace pliant {
 
 namespace {
 
-// A part that is this far from the one it hangs on, in units of the diagonal, does not lie on it: nothing says what holds it there.
+// Beyond this distance from its parent, in units of the diagonal, a part does not touch it, and the poses do not say what
+// holds it.
 constexpr double far_away = 0.1;
 
 void add(const TieDrift& drift, const Eigen::VectorXd& weights, WorstDrift& worst)
 {
     if (drift.largest > worst.drift.largest) worst = { drift, weights };
+}
+
+std::vector<PartSummary> describe_parts(const TieSet& ties, const ShapeSet& set)
+{
+    std::vector<PartSummary> out;
+    for (std::size_t p = 0; p < ties.parts.count(); ++p) {
+        const std::size_t parent = ties.tree.parents[p] == no_part ? p : ties.tree.parents[p];
+        out.push_back({ ties.parts.vertices[p][0], ties.parts.vertices[parent][0], ties.parts.vertices[p].size(), 0,
+                        ties.distances[p] / set.diagonal });
+    }
+    for (std::size_t i = 0; i + ties.seam_count < ties.ties.size(); ++i) ++out[ties.ties[i].part].tie_count;
+    return out;
 }
 
 } // namespace
@@ -30,75 +44,92 @@ TieReport start_tie_report(const TieSet& ties, const ShapeSet& set)
     return report;
 }
 
-void add_check(const TieSet& ties, const ShapeSet& set, const Eigen::VectorXd& weights, const Shape& truth,
+void add_check(const TieSet& ties, const ShapeSet& set, const Eigen::VectorXd& weights, const Shape& reference,
                const Shape& blend, TieReport& report)
 {
-    add(measure_drift(ties, set, weights, truth), weights, report.truth);
+    add(measure_drift(ties, set, weights, reference), weights, report.reference);
     add(measure_drift(ties, set, weights, blend), weights, report.blends);
 }
 
 void use_file_numbers(const std::vector<std::uint32_t>& numbers, TieReport& report)
 {
     if (numbers.empty()) return;
-    for (TiePart& part : report.parts) part.vertex = numbers[part.vertex], part.host_vertex = numbers[part.host_vertex];
-    for (WorstDrift* worst : { &report.truth, &report.blends }) worst->drift.vertex = numbers[worst->drift.vertex];
+    for (PartSummary& part : report.parts)
+        part.vertex = numbers[part.vertex], part.parent_vertex = numbers[part.parent_vertex];
+    for (WorstDrift* worst : { &report.reference, &report.blends }) worst->drift.vertex = numbers[worst->drift.vertex];
 }
 
 namespace {
 
-// The root hangs on none.
-bool is_root(const TiePart& part) { return part.vertex == part.host_vertex; }
-bool is_loose(const TiePart& part) { return !is_root(part) && part.tie_count == 0; }
-bool is_distant(const TiePart& part) { return !is_root(part) && part.distance > far_away; }
+bool is_root(const PartSummary& part) { return part.vertex == part.parent_vertex; }
+bool is_loose(const PartSummary& part) { return !is_root(part) && part.tie_count == 0; }
+bool is_distant(const PartSummary& part) { return !is_root(part) && part.distance > far_away; }
 
-std::vector<std::uint32_t> vertices_of(const TieReport& report, bool (*is_wanted)(const TiePart&))
+std::vector<PartSummary> parts_that(const TieReport& report, bool (*is_selected)(const PartSummary&))
 {
-    std::vector<std::uint32_t> vertices;
-    for (const TiePart& part : report.parts)
-        if (is_wanted(part)) vertices.push_back(part.vertex);
-    return vertices;
+    std::vector<PartSummary> out;
+    std::copy_if(report.parts.begin(), report.parts.end(), std::back_inserter(out), is_selected);
+    return out;
+}
+
+std::vector<std::uint32_t> vertices_of(const std::vector<PartSummary>& parts)
+{
+    std::vector<std::uint32_t> out;
+    for (const PartSummary& part : parts) out.push_back(part.vertex);
+    return out;
+}
+
+std::string text_of(const PartSummary& part)
+{
+    return fmt::format("the one of vertex {} ({} vertices)", part.vertex, part.vertex_count);
+}
+
+void warn_about_loose(const std::vector<PartSummary>& parts, Progress& progress)
+{
+    if (parts.empty()) return;
+    progress.warn(
+        4409,
+        fmt::format("{} parts hang on nothing, as what is next to them has no three vertices that could hold them: {}",
+                    parts.size(), text_of(parts[0])),
+        "join them with other parts, or leave them out of all poses");
+}
+
+void warn_about_distant(const std::vector<PartSummary>& parts, Progress& progress)
+{
+    if (parts.empty()) return;
+    const PartSummary& farthest = *std::max_element(
+        parts.begin(), parts.end(), [](const PartSummary& a, const PartSummary& b) { return a.distance < b.distance; });
+    progress.warn(
+        4410,
+        fmt::format("{} parts are far from all others, most {}: {:.0f} % of the diagonal from the part of vertex {}, "
+                    "which it follows",
+                    parts.size(), text_of(farthest), 100 * farthest.distance, farthest.parent_vertex),
+        "bake one by one what does not belong together");
+}
+
+void warn_about_drift(const TieReport& report, double limit, Progress& progress)
+{
+    const WorstDrift& worst = report.blends;
+    if (!(worst.drift.largest > limit)) return;
+    progress.warn(
+        4408,
+        fmt::format("the part of vertex {} drifts by {:.2f} % of the diagonal from where it is attached, most at vertex "
+                    "{}, weights {}",
+                    report.parts[worst.drift.part].vertex, 100 * worst.drift.largest, worst.drift.vertex,
+                    weights_text(worst.weights)),
+        "add a pose in between, or lower --tolerance");
 }
 
 } // namespace
 
-std::vector<std::uint32_t> loose_parts(const TieReport& report) { return vertices_of(report, is_loose); }
-std::vector<std::uint32_t> distant_parts(const TieReport& report) { return vertices_of(report, is_distant); }
+std::vector<std::uint32_t> loose_parts(const TieReport& report) { return vertices_of(parts_that(report, is_loose)); }
+std::vector<std::uint32_t> distant_parts(const TieReport& report) { return vertices_of(parts_that(report, is_distant)); }
 
-void tell_ties(const TieReport& report, double limit, Progress& progress)
+void warn_about_ties(const TieReport& report, double limit, Progress& progress)
 {
-    std::vector<TiePart> loose, distant;
-    for (const TiePart& part : report.parts) {
-        if (is_loose(part)) loose.push_back(part);
-        if (is_distant(part)) distant.push_back(part);
-    }
-    const auto text = [&](const TiePart& part) {
-        return fmt::format("the one of vertex {} ({} vertices)", part.vertex, part.vertex_count);
-    };
-    if (!loose.empty())
-        progress.warn(
-            4409,
-            fmt::format("{} parts hang on nothing, as what is next to them has no three vertices that could hold them: {}",
-                        loose.size(), text(loose[0])),
-            "join them with other parts, or leave them out of all poses");
-    if (!distant.empty()) {
-        const TiePart& most = *std::max_element(distant.begin(), distant.end(),
-                                                [](const TiePart& a, const TiePart& b) { return a.distance < b.distance; });
-        progress.warn(
-            4410,
-            fmt::format("{} parts are far from all others, most {}: {:.0f} % of the diagonal from the part of vertex {}, "
-                        "which it follows",
-                        distant.size(), text(most), 100 * most.distance, most.host_vertex),
-            "bake one by one what does not belong together");
-    }
-    const WorstDrift& worst = report.blends;
-    if (worst.drift.largest > limit)
-        progress.warn(
-            4408,
-            fmt::format("the part of vertex {} drifts by {:.2f} % of the diagonal from where it is attached, most at vertex "
-                        "{}, weights {}",
-                        report.parts[worst.drift.part].vertex, 100 * worst.drift.largest, worst.drift.vertex,
-                        weights_text(worst.weights)),
-            "add a pose in between, or lower --tolerance");
+    warn_about_loose(parts_that(report, is_loose), progress);
+    warn_about_distant(parts_that(report, is_distant), progress);
+    warn_about_drift(report, limit, progress);
 }
 
 } // namespace pliant

@@ -1,38 +1,49 @@
-// What a bake says about the parts of a character and how well they keep their place.
+// The report of a bake on the parts of a character: how many there are, how they are tied and how far they drift.
 #pragma once
 
 #include "base/common/progress.h"
-#include "elastic/parts/ties.h"
+#include "elastic/parts/drift.h"
 
 namespace pliant {
 
-// The largest drift (elastic/parts/ties.h) over some shapes, and where.
+// One part. Vertices identify parts to the user: one vertex of the part, and one of its parent. For the root they are the
+// same.
+struct PartSummary {
+    std::uint32_t vertex, parent_vertex;
+    std::size_t vertex_count, tie_count;
+    double distance; // to the parent, root mean square over the poses, in units of the diagonal
+};
+
+// The largest drift over some shapes, and the weights of that shape.
 struct WorstDrift {
     TieDrift drift;
     Eigen::VectorXd weights;
 };
 
 struct TieReport {
-    std::size_t part_count = 1, tie_count = 0, seam_count = 0, joint_count = 0; // ties: those that joints replace, too
-    std::vector<TiePart> parts;                                                 // all, by number
-    WorstDrift truth, blends;                                                   // over the checks
+    std::size_t part_count = 1;
+    std::size_t tie_count = 0; // with those that joints replace
+    std::size_t seam_count = 0, joint_count = 0;
+    std::vector<PartSummary> parts; // by part number
+    WorstDrift reference, blends;   // over the checks: of the unreduced averages, and of the blends
 };
 
-// `numbers`: of the vertices in the files; empty: the same.
-void use_file_numbers(const std::vector<std::uint32_t>& numbers, TieReport& report);
-
+// The counts and parts, without drift.
 TieReport start_tie_report(const TieSet& ties, const ShapeSet& set);
 
-// One check: the unreduced average and the blend at the same weights.
-void add_check(const TieSet& ties, const ShapeSet& set, const Eigen::VectorXd& weights, const Shape& truth,
+// Adds one check: the unreduced average (`reference`) and the blend at the same weights.
+void add_check(const TieSet& ties, const ShapeSet& set, const Eigen::VectorXd& weights, const Shape& reference,
                const Shape& blend, TieReport& report);
 
-// A vertex of each part that nothing could be tied to, and of each that is far from what it hangs on.
+// Replaces vertex numbers of the elastic mesh by those in the files. `numbers`: per vertex; empty if they are the same.
+void use_file_numbers(const std::vector<std::uint32_t>& numbers, TieReport& report);
+
+// One vertex of every part without ties, and of every part far from its parent.
 std::vector<std::uint32_t> loose_parts(const TieReport& report);
 std::vector<std::uint32_t> distant_parts(const TieReport& report);
 
-// Warns of parts that nothing could be tied to (P4409), of parts that are far from what they hang on (P4410) and of those that drift
-// (P4408: farther than `limit`).
-void tell_ties(const TieReport& report, double limit, Progress& progress);
+// Warns of parts without ties (P4409), of parts far from their parent (P4410), and of blends that drift by more than
+// `limit`, in units of the diagonal (P4408).
+void warn_about_ties(const TieReport& report, double limit, Progress& progress);
 
 } // namespace pliant

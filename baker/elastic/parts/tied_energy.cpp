@@ -21,7 +21,7 @@ Matrix3d cross_matrix(const Vector3d& v)
     return m;
 }
 
-// Derivatives of the three numbers of the place by (r, e1, e2).
+// Derivatives of the three coordinates of the place with respect to (r, e1, e2), one column each.
 Matrix9x3 place_slopes(const Matrix3d& v)
 {
     const Vector3d r = v.col(0), e1 = v.col(1), e2 = v.col(2);
@@ -32,11 +32,11 @@ Matrix9x3 place_slopes(const Matrix3d& v)
     return out;
 }
 
-// sum_c off[c] times the second derivative of number c.
+// The sum over the coordinates c of off[c] times the second derivative of coordinate c.
 Matrix9 place_curvature(const Matrix3d& v, const Vector3d& off)
 {
     Matrix9 out = Matrix9::Zero();
-    // det(r, e1, e2): its derivative by r and e1 is u . (w x e2) for directions u of r and w of e1.
+    // The second derivative of det(r, e1, e2) in directions u of r and w of e1 is u . (w x e2).
     out.block<3, 3>(0, 3) = off[0] * Matrix3d::Identity() - off[2] * cross_matrix(v.col(2));
     out.block<3, 3>(0, 6) = off[1] * Matrix3d::Identity() + off[2] * cross_matrix(v.col(1));
     out.block<3, 3>(3, 6) = -off[2] * cross_matrix(v.col(0));
@@ -46,37 +46,38 @@ Matrix9 place_curvature(const Matrix3d& v, const Vector3d& off)
     return out;
 }
 
-Matrix3d vectors_of(const Pull& pull, const double* x)
+Matrix3d vectors_of(const PenaltyTerm& term, const double* x)
 {
-    return Eigen::Map<const Eigen::Matrix3Xd>(x, 3, pull.factors.cols()) * pull.factors.transpose();
+    return Eigen::Map<const Eigen::Matrix3Xd>(x, 3, term.factors.cols()) * term.factors.transpose();
 }
 
-// sum_k w_k kappa |p - p_k|^2 = kappa (W |p - p'|^2 + constant), W the sum of the weights, p' the weighted mean of the places p_k.
-void evaluate_pull(const Pull& tie, std::size_t pose_count, const double* weights, const double* x, Order order,
+// Value, gradient and Hessian of sum_k w_k stiffness |place - rest_k|^2 by the chain rule: place, then (r, e1, e2), then
+// vertices.
+void evaluate_term(const PenaltyTerm& term, std::size_t pose_count, const double* weights, const double* x, Order order,
                    HessianKind kind, ElementResult& result)
 {
-    const Matrix3d vectors = vectors_of(tie, x);
+    const Matrix3d vectors = vectors_of(term, x);
     const Vector3d place = tie_place(vectors);
-    double stiffness = 0;
-    Vector3d pull = Vector3d::Zero();
+    double stiffness = 0;              // weighted sum, times 2
+    Vector3d slope = Vector3d::Zero(); // derivative with respect to the place
     result.value = 0;
     for (std::size_t k = 0; k < pose_count; ++k) {
-        const Vector3d off = place - tie.rest.col(Eigen::Index(k));
-        const double factor = weights[k] * tie.stiffness;
+        const Vector3d off = place - term.rest.col(Eigen::Index(k));
+        const double factor = weights[k] * term.stiffness;
         result.value += factor * off.squaredNorm();
-        pull += 2 * factor * off;
+        slope += 2 * factor * off;
         stiffness += 2 * factor;
     }
     if (order < Order::gradient) return;
-    const Eigen::Matrix3Xd& factors = tie.factors;
+    const Eigen::Matrix3Xd& factors = term.factors;
     const Eigen::Index count = factors.cols();
     const Matrix9x3 slopes = place_slopes(vectors);
-    const Eigen::Matrix<double, 9, 1> force = slopes * pull;
+    const Eigen::Matrix<double, 9, 1> force = slopes * slope;
     result.gradient.resize(3 * count);
     Eigen::Map<Eigen::Matrix3Xd>(result.gradient.data(), 3, count) = Eigen::Map<const Matrix3d>(force.data()) * factors;
     if (order < Order::hessian) return;
-    Matrix9 curvature = stiffness * slopes * slopes.transpose(); // Gauss-Newton: positive semidefinite as it is
-    if (kind == HessianKind::exact) curvature += place_curvature(vectors, pull);
+    Matrix9 curvature = stiffness * slopes * slopes.transpose(); // Gauss-Newton part: positive semidefinite
+    if (kind == HessianKind::exact) curvature += place_curvature(vectors, slope);
     Eigen::Matrix<double, 9, Eigen::Dynamic> to_vertices(9, 3 * count);
     for (Eigen::Index i = 0; i < 3; ++i)
         for (Eigen::Index j = 0; j < count; ++j)
@@ -90,8 +91,8 @@ TiedEnergy::TiedEnergy(std::unique_ptr<Energy> inner, TieSet ties)
     : inner_(std::move(inner))
     , ties_(std::move(ties))
 {
-    for (const Joint& joint : ties_.joints) pulls_.insert(pulls_.end(), joint.pulls.begin(), joint.pulls.end());
-    for (const Tie& tie : ties_.ties) pulls_.push_back(pull_of(tie));
+    for (const Joint& joint : ties_.joints) terms_.insert(terms_.end(), joint.terms.begin(), joint.terms.end());
+    for (const Tie& tie : ties_.ties) terms_.push_back(penalty_term_of(tie));
     apply_choice();
 }
 
@@ -101,10 +102,10 @@ void TiedEnergy::apply_choice()
     std::size_t next = 0;
     for (const Joint& joint : ties_.joints) {
         for (std::size_t i = 0; i < joint.tie_count; ++i) is_replaced[joint.first_tie + i] = joint.is_used;
-        for (const Pull& pull : joint.pulls) pulls_[next++].stiffness = joint.is_used ? pull.stiffness : 0;
+        for (const PenaltyTerm& term : joint.terms) terms_[next++].stiffness = joint.is_used ? term.stiffness : 0;
     }
     for (std::size_t i = 0; i < ties_.ties.size(); ++i)
-        pulls_[next++].stiffness = is_replaced[i] ? 0 : ties_.ties[i].stiffness;
+        terms_[next++].stiffness = is_replaced[i] ? 0 : ties_.ties[i].stiffness;
 }
 
 void TiedEnergy::choose(const std::vector<double>& stiffness, const std::vector<bool>& joints)
@@ -116,16 +117,16 @@ void TiedEnergy::choose(const std::vector<double>& stiffness, const std::vector<
 
 void TiedEnergy::drop_unused()
 {
-    pulls_.erase(std::remove_if(pulls_.begin(), pulls_.end(), [](const Pull& pull) { return pull.stiffness == 0; }),
-                 pulls_.end());
+    terms_.erase(std::remove_if(terms_.begin(), terms_.end(), [](const PenaltyTerm& term) { return term.stiffness == 0; }),
+                 terms_.end());
 }
 
 const std::uint32_t* TiedEnergy::element_vertices(std::size_t element, std::size_t& count) const
 {
     if (element < inner_->element_count()) return inner_->element_vertices(element, count);
-    const Pull& pull = pulls_[element - inner_->element_count()];
-    count = pull.vertices.size();
-    return pull.vertices.data();
+    const PenaltyTerm& term = terms_[element - inner_->element_count()];
+    count = term.vertices.size();
+    return term.vertices.data();
 }
 
 void TiedEnergy::evaluate(std::size_t element, const double* weights, const double* x, Order order, HessianKind kind,
@@ -134,29 +135,29 @@ void TiedEnergy::evaluate(std::size_t element, const double* weights, const doub
     if (element < inner_->element_count())
         inner_->evaluate(element, weights, x, order, kind, result);
     else
-        evaluate_pull(pulls_[element - inner_->element_count()], pose_count(), weights, x, order, kind, result);
+        evaluate_term(terms_[element - inner_->element_count()], pose_count(), weights, x, order, kind, result);
 }
 
-// formats/SPEC.md, kind 8.
+// Element kind 8 of formats/SPEC.md.
 RuntimeElement TiedEnergy::runtime_element(std::size_t element, const Shape& reference) const
 {
     if (element < inner_->element_count()) return inner_->runtime_element(element, reference);
-    const Pull& pull = pulls_[element - inner_->element_count()];
-    const std::size_t count = pull.vertices.size();
+    const PenaltyTerm& term = terms_[element - inner_->element_count()];
+    const std::size_t count = term.vertices.size();
     RuntimeElement out;
     out.kind = PLIANT_ELEMENT_TIE;
     out.combination.resize(Eigen::Index(count) - 1, 3);
-    Eigen::Matrix3Xd at(3, count); // differences from the vertex that is a tie's first anchor
+    Eigen::Matrix3Xd at(3, count); // relative to vertices[1], the first anchor of a tie
     for (std::size_t i = 0; i < count; ++i) {
-        at.col(Eigen::Index(i)) = point(reference, pull.vertices[i]) - point(reference, pull.vertices[1]);
+        at.col(Eigen::Index(i)) = point(reference, term.vertices[i]) - point(reference, term.vertices[1]);
         if (i == 1) continue;
-        out.combination.row(Eigen::Index(out.differences.size())) = pull.factors.col(Eigen::Index(i)).transpose();
-        out.differences.push_back({ pull.vertices[1], pull.vertices[i] });
+        out.combination.row(Eigen::Index(out.differences.size())) = term.factors.col(Eigen::Index(i)).transpose();
+        out.differences.push_back({ term.vertices[1], term.vertices[i] });
     }
-    const Vector3d start = tie_place(at * pull.factors.transpose());
-    out.pose_numbers.resize(pull.rest.cols(), 4);
-    out.pose_numbers.col(0).setConstant(pull.stiffness);
-    out.pose_numbers.rightCols<3>() = 2 * pull.stiffness * (start.replicate(1, pull.rest.cols()) - pull.rest).transpose();
+    const Vector3d start = tie_place(at * term.factors.transpose());
+    out.pose_numbers.resize(term.rest.cols(), 4);
+    out.pose_numbers.col(0).setConstant(term.stiffness);
+    out.pose_numbers.rightCols<3>() = 2 * term.stiffness * (start.replicate(1, term.rest.cols()) - term.rest).transpose();
     return out;
 }
 

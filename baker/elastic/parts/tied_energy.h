@@ -1,24 +1,25 @@
-// An elastic energy of several parts and what ties them together:
-//     W_k(y) = inner_k(y) + sum_ties kappa |place(y) - place in pose k|^2,
-// the place of a vertex among its anchors as elastic/parts/ties.h measures it. Polynomial in y, zero at pose k, and the same for every rigid motion.
+// The elastic energy of a character in several parts, with its ties and joints:
+//     W_k(y) = inner_k(y) + sum_terms stiffness |place(y) - rest_k|^2,
+// with the place as in elastic/parts/tie_set.h. Each term is a polynomial of degree 6 in y, is zero at pose k and invariant
+// under rigid motions.
 #pragma once
 
 #include "elastic/energy/energy.h"
-#include "elastic/parts/ties.h"
+#include "elastic/parts/tie_set.h"
 
 #include <memory>
 #include <vector>
 
 namespace pliant {
 
-// Elements of the inner energy first, with its numbers, then those of joints, then those of ties.
+// Elements: those of the inner energy with their numbers, then one per term of a joint, then one per tie.
 class TiedEnergy final : public Energy {
 public:
     TiedEnergy(std::unique_ptr<Energy> inner, TieSet ties);
 
     std::size_t pose_count() const override { return inner_->pose_count(); }
     Eigen::Index dof_count() const override { return inner_->dof_count(); }
-    std::size_t element_count() const override { return inner_->element_count() + pulls_.size(); }
+    std::size_t element_count() const override { return inner_->element_count() + terms_.size(); }
     const std::uint32_t* element_vertices(std::size_t element, std::size_t& count) const override;
     void evaluate(std::size_t element, const double* weights, const double* x, Order order, HessianKind kind,
                   ElementResult& result) const override;
@@ -27,10 +28,11 @@ public:
     const Energy& inner() const { return *inner_; }
     const TieSet& ties() const { return ties_; }
 
-    // A stiffness for each tie, and for each joint whether it is used; what is not used has no energy, and the elements stay the same.
+    // Sets the stiffness of every tie and whether each joint is used in place of its ties. Unused terms get stiffness 0 and
+    // stay elements, so that solvers built on this energy remain valid. Not while other threads evaluate.
     void choose(const std::vector<double>& stiffness, const std::vector<bool>& joints);
 
-    // Ends the choice: what is not used is no element any more. The last call of these two.
+    // Removes the elements of unused terms. Call it last; choose() must not follow.
     void drop_unused();
 
 private:
@@ -38,16 +40,16 @@ private:
 
     std::unique_ptr<Energy> inner_;
     TieSet ties_;
-    std::vector<Pull> pulls_; // the joints', then the ties'
+    std::vector<PenaltyTerm> terms_; // of the joints, then of the ties
 };
 
-// The same energy if it needs no ties.
+// Adds the ties to an energy. Returns the energy itself if there are none.
 std::unique_ptr<Energy> tie_parts(std::unique_ptr<Energy> energy, TieSet ties);
 
-// The ties of an energy; null: it has none.
+// The ties of an energy, or null. Owned by the energy.
 const TieSet* ties_of(const Energy& energy);
 
-// What an energy is without its ties.
+// The energy of the parts alone; the energy itself if it has no ties.
 const Energy& without_ties(const Energy& energy);
 
 } // namespace pliant

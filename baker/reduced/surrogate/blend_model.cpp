@@ -2,6 +2,7 @@
 
 #include "base/common/parallel.h"
 #include "elastic/average/shape_error.h"
+#include "elastic/parts/drift.h"
 #include "elastic/parts/tied_energy.h"
 
 #include <Eigen/Dense>

@@ -29,7 +29,7 @@ struct BlendModel {
 struct BlendError {
     double mean = 0, largest = 0;
     double drift
-        = 0; // the largest of tied vertices (elastic/parts/ties.h): a small part can be lost without that the body's error shows it
+        = 0; // the largest of tied vertices (elastic/parts/drift.h): a small part can be lost without that the body's error shows it
     double drift_of_truths = 0; // what no blend near them can be asked to stay below
 };
 

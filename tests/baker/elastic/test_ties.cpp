@@ -7,6 +7,7 @@
 #include "elastic/average/newton.h"
 #include "elastic/average/rigid_modes.h"
 #include "elastic/energy/discrete_shells.h"
+#include "elastic/parts/find_ties.h"
 #include "elastic/parts/tied_energy.h"
 #include "output/asset/runtime_blender.h"
 
@@ -59,7 +60,7 @@ TEST_CASE("parts are found and each hangs on the body")
     const Fixture f;
     REQUIRE(f.ties.parts.count() == 4);
     CHECK(f.ties.parts.surface_count == 3);
-    CHECK(f.ties.tree.hosts == std::vector<std::size_t> { no_part, 0, 0, 0 });
+    CHECK(f.ties.tree.parents == std::vector<std::size_t> { no_part, 0, 0, 0 });
     std::vector<std::size_t> counts(4, 0);
     for (const Tie& tie : f.ties.ties) {
         ++counts[tie.part];
@@ -195,7 +196,7 @@ TEST_CASE("a joint turns a rigid part in step, and is rest at the poses")
     const ShapeSet set = normalise(hinged_tubes({ 0, 0.8, 2 }, true));
     const TieSet ties = find_ties(set);
     REQUIRE(ties.joints.size() == 1);
-    CHECK(ties.joints[0].pulls.size() == 4);
+    CHECK(ties.joints[0].terms.size() == 4);
     CHECK(ties.joints[0].tie_count == ties.ties.size());
     const auto energy = with_joint(set, true), other = with_joint(set, false);
     CHECK(energy->element_count() == without_ties(*energy).element_count() + 4);
@@ -329,7 +330,7 @@ TEST_CASE("what stands on a large face hangs on it, far from its corners")
     add_box(poses, Row(0, 0, -0.1), { Row(0.2, 0.5, 0.1), Row(0.2, 0.5, 0.1), Row(0.2, 1.5, 0.1) });
     const ShapeSet set = normalise(poses);
     const TieSet ties = find_ties(set);
-    CHECK(ties.tree.hosts == std::vector<std::size_t> { no_part, 0, 0 });
+    CHECK(ties.tree.parents == std::vector<std::size_t> { no_part, 0, 0 });
     CHECK(ties.distances[1] < 0.01 * set.diagonal);
     const auto energy = make_energy(set, EnergyOptions());
     const Weights w = Eigen::Vector3d(0.2, 0.5, 0.3);
@@ -344,7 +345,7 @@ TEST_CASE("a plate under a heavier post is tied where the post stands")
     add_box(poses, Row(-1.2, -1.2, 0), { Row(1.2, 1.2, 2.6), Row(1.2, 1.2, 3) });
     const ShapeSet set = normalise(poses);
     const TieSet ties = find_ties(set);
-    REQUIRE(ties.tree.hosts == std::vector<std::size_t> { 1, no_part });
+    REQUIRE(ties.tree.parents == std::vector<std::size_t> { 1, no_part });
     CHECK(ties.distances[0] < 0.01 * set.diagonal);
     for (const Tie& tie : ties.ties) {
         CHECK(tie.part == 0);
@@ -368,8 +369,8 @@ TEST_CASE("what is next to a part much smaller than the way to it is tied")
     const TieSet ties = find_ties(set);
     std::vector<std::size_t> counts(ties.parts.count(), 0);
     for (const Tie& tie : ties.ties) ++counts[tie.part];
-    for (std::size_t p = 0; p < counts.size(); ++p) CHECK((counts[p] > 0) == (ties.tree.hosts[p] != no_part));
-    CHECK(ties.tree.hosts[2] == 1);
+    for (std::size_t p = 0; p < counts.size(); ++p) CHECK((counts[p] > 0) == (ties.tree.parents[p] != no_part));
+    CHECK(ties.tree.parents[2] == 1);
 }
 
 namespace {
@@ -438,13 +439,13 @@ TEST_CASE("lips that touch at rest and open in one of many poses are not tied")
     CHECK(ties.seam_count == 0);
 }
 
-TEST_CASE("ties are settled so that parts that turn far keep their place")
+TEST_CASE("ties are calibrated so that parts that rotate far keep their place")
 {
     PartsMesh mesh;
     mesh.eye_turn = 1.2;
     const ShapeSet set = normalise(mesh.poses(3));
     const auto plain = tie_parts(std::make_unique<DiscreteShells>(set, ShellOptions()), find_ties(set)),
-               settled = make_energy(set, EnergyOptions());
+               calibrated = make_energy(set, EnergyOptions());
     const auto worst_drift = [&](const Energy& energy) {
         NewtonSolver solver(energy, set, default_solver());
         double worst = 0;
@@ -455,12 +456,12 @@ TEST_CASE("ties are settled so that parts that turn far keep their place")
                 measure_drift(*ties_of(energy), set, w, solver.minimise(w, set.shapes[0], NewtonOptions()).y).largest);
         return worst;
     };
-    const double before = worst_drift(*plain), after = worst_drift(*settled);
+    const double before = worst_drift(*plain), after = worst_drift(*calibrated);
     CAPTURE(before);
     CAPTURE(after);
     CHECK(after < 0.6 * before);
     CHECK(after < drift_limit);
-    CHECK(find_ties(set).ties.size() == ties_of(*settled)->ties.size());
+    CHECK(find_ties(set).ties.size() == ties_of(*calibrated)->ties.size());
 }
 
 TEST_CASE("what is wrong with parts is said")
@@ -471,12 +472,12 @@ TEST_CASE("what is wrong with parts is said")
     } heard;
     TieReport report;
     report.parts = { { 0, 0, 100, 0, 0 }, { 5, 0, 3, 12, 0.01 } };
-    tell_ties(report, drift_limit, heard);
+    warn_about_ties(report, drift_limit, heard);
     CHECK(heard.numbers.empty());
     report.parts.push_back({ 8, 5, 3, 0, 0.01 });
     report.parts.push_back({ 11, 0, 3, 12, 0.3 });
     report.blends = { { 0.02, 1, 6 }, Eigen::Vector2d(0.5, 0.5) };
-    tell_ties(report, drift_limit, heard);
+    warn_about_ties(report, drift_limit, heard);
     CHECK(heard.numbers == std::vector<int> { 4409, 4410, 4408 });
     use_file_numbers({ 10, 11, 12, 13, 14, 15, 16, 17, 18, 19, 20, 21 }, report);
     CHECK(report.parts[2].vertex == 18);

@@ -1,0 +1,32 @@
+// Drift: the distance of tied vertices from where they should be.
+#pragma once
+
+#include "elastic/parts/tie_set.h"
+
+namespace pliant {
+
+// The tied vertices of a part in a shape, 3 x ties, in normalised lengths. Column i is of tie first_tie + i.
+struct PartPlaces {
+    std::size_t part, first_tie;
+    Eigen::Matrix3Xd actual;   // their positions
+    Eigen::Matrix3Xd expected; // where they should be, see place_parts
+    Eigen::Matrix3Xd target;   // where the energy of the ties pulls them: the plain mean of their places in the poses
+
+    double drift(std::size_t i) const { return (actual.col(Eigen::Index(i)) - expected.col(Eigen::Index(i))).norm(); }
+};
+
+// The anchors of `y` transform the places of every pose into space: one point cloud per pose. Expected is the mean of the
+// clouds with these weights. Unlike in the plain mean, a part that rotates between poses does not shrink there, and it
+// rotates about its pivot in proportion to the weights. Returns one entry per group of consecutive ties of a part, so that
+// a part with seams has two.
+std::vector<PartPlaces> place_parts(const TieSet& ties, const Eigen::VectorXd& weights, const Shape& y);
+
+// The tied vertex that is farthest from its expected position.
+struct TieDrift {
+    double largest = 0; // in units of the diagonal
+    std::size_t part = 0;
+    std::uint32_t vertex = 0;
+};
+TieDrift measure_drift(const TieSet& ties, const ShapeSet& set, const Eigen::VectorXd& weights, const Shape& y);
+
+} // namespace pliant
