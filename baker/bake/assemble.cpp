@@ -11,7 +11,7 @@ namespace pliant {
 namespace {
 
 // Welded vertices share a normal unless the file's own normals say that there is an edge.
-std::vector<std::uint32_t> smoothing_of(const DrawnSurface& drawn, const RenderScene* scene)
+std::vector<std::uint32_t> smoothing_of(const RenderMesh& drawn, const RenderScene* scene)
 {
     std::vector<std::uint32_t> welded;
     for (const Tetrahedron& corners : drawn.embedding.corners) welded.push_back(corners[0]);
@@ -42,12 +42,12 @@ Eigen::MatrixXd reachable_coordinates(const FittedModel& fitted)
     return out;
 }
 
-StoredMesh simulation_mesh(const PoseSet& poses, const ShapeSet& set, const BakeOptions& options)
+StoredMesh simulation_mesh(const PoseSet& poses, const NormalizedPoses& set, const BakeOptions& options)
 {
     StoredMesh mesh;
     mesh.triangles = set.triangles;
     mesh.vertex_count = std::size_t(set.dof_count() / 3);
-    if (!poses.drawn) mesh.polygons = poses.polygons; // else those name the files' vertices
+    if (!poses.render_mesh) mesh.polygons = poses.polygons; // else those name the files' vertices
     if (poses.is_solid()) {
         mesh.source_vertices = poses.source_vertices;
         mesh.boundary_vertex_count = poses.boundary_vertex_count;
@@ -56,24 +56,24 @@ StoredMesh simulation_mesh(const PoseSet& poses, const ShapeSet& set, const Bake
     return mesh;
 }
 
-std::shared_ptr<const DrawnSurface> render_mesh_of(const PoseSet& poses, const BakeOptions& options)
+std::shared_ptr<const RenderMesh> render_mesh_of(const PoseSet& poses, const BakeOptions& options)
 {
-    return options.drawn ? options.drawn : poses.drawn;
+    return options.render_mesh ? options.render_mesh : poses.render_mesh;
 }
 
-StoredMesh stored_render_mesh(const DrawnSurface& drawn, const PoseSet& poses, const BakeOptions& options)
+StoredMesh stored_render_mesh(const RenderMesh& drawn, const PoseSet& poses, const BakeOptions& options)
 {
     StoredMesh mesh;
     mesh.triangles = drawn.triangles;
     mesh.polygons = drawn.polygons;
     mesh.embedding = drawn.embedding;
     mesh.vertex_count = drawn.embedding.count();
-    if (!options.drawn) mesh.smoothing = smoothing_of(drawn, poses.scene.get());
+    if (!options.render_mesh) mesh.smoothing = smoothing_of(drawn, poses.scene.get());
     mesh.scene = scene_of(poses, mesh.vertex_count, options);
     return mesh;
 }
 
-AssetModel assemble(const ShapeSet& set, const FittedModel& fitted, StoredMesh mesh, const PoseSet& poses,
+AssetModel assemble(const NormalizedPoses& set, const FittedModel& fitted, StoredMesh mesh, const PoseSet& poses,
                     const Eigen::MatrixXd& reachable, const BakeOptions& options)
 {
     // Vertices that are held stay where they are to the bit, which sums of rounded numbers would not keep.

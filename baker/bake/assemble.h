@@ -10,15 +10,15 @@ namespace pliant {
 Eigen::MatrixXd reachable_coordinates(const FittedModel& fitted);
 
 // The mesh of the poses, as the solver has it: a bake is checked on it.
-StoredMesh simulation_mesh(const PoseSet& poses, const ShapeSet& set, const BakeOptions& options);
+StoredMesh simulation_mesh(const PoseSet& poses, const NormalizedPoses& set, const BakeOptions& options);
 
-// The mesh that the asset draws where that is another one: a surface of its own (options.drawn), or the files' vertices and faces.
+// The mesh that the asset draws where that is another one: a surface of its own (options.render_mesh), or the files' vertices and faces.
 // None: it draws the simulation mesh.
-std::shared_ptr<const DrawnSurface> render_mesh_of(const PoseSet& poses, const BakeOptions& options);
-StoredMesh stored_render_mesh(const DrawnSurface& drawn, const PoseSet& poses, const BakeOptions& options);
+std::shared_ptr<const RenderMesh> render_mesh_of(const PoseSet& poses, const BakeOptions& options);
+StoredMesh stored_render_mesh(const RenderMesh& drawn, const PoseSet& poses, const BakeOptions& options);
 
 // The asset with this mesh, its basis within options.position_error at `reachable`.
-AssetModel assemble(const ShapeSet& set, const FittedModel& fitted, StoredMesh mesh, const PoseSet& poses,
+AssetModel assemble(const NormalizedPoses& set, const FittedModel& fitted, StoredMesh mesh, const PoseSet& poses,
                     const Eigen::MatrixXd& reachable, const BakeOptions& options);
 
 } // namespace pliant

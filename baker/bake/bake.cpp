@@ -23,23 +23,23 @@ void describe_foldover(const Energy& energy, const PoseSet& poses, InputReport& 
     if (!shells) return;
     report.foldover_count = shells->foldover_hinges().size();
     for (const std::size_t hinge : shells->foldover_hinges()) {
-        if (report.foldover_vertices.size() >= Finding::element_limit) break;
+        if (report.foldover_vertices.size() >= Diagnostic::element_limit) break;
         std::size_t count = 0;
         const std::uint32_t* vertices = shells->element_vertices(hinge, count); // the edge, then what is opposite
         for (std::size_t i = 0; i < 2; ++i) report.foldover_vertices.push_back(poses.file_number(vertices[i]));
     }
 }
 
-InputReport describe(const PoseSet& poses, const ShapeSet& set, const Energy& energy)
+InputReport describe(const PoseSet& poses, const NormalizedPoses& set, const Energy& energy)
 {
     InputReport report;
     report.vertex_count = std::size_t(set.dof_count() / 3);
     report.tet_count = set.tets.size();
     report.pose_count = set.pose_count();
     report.repairs = poses.repairs;
-    if (poses.drawn) {
-        report.drawn_vertex_count = poses.drawn->embedding.count();
-        report.drawn_triangle_count = poses.drawn->triangles.size();
+    if (poses.render_mesh) {
+        report.drawn_vertex_count = poses.render_mesh->embedding.count();
+        report.drawn_triangle_count = poses.render_mesh->triangles.size();
     }
     for (std::uint32_t v : set.fixed_vertices) report.fixed_vertices.push_back(poses.file_number(v));
     std::sort(report.fixed_vertices.begin(), report.fixed_vertices.end());
@@ -48,11 +48,11 @@ InputReport describe(const PoseSet& poses, const ShapeSet& set, const Energy& en
 }
 
 // By the numbers of the files.
-std::vector<BranchFinding> branches_of(const AverageFamily& family, const CheckedAsset& checked, const PoseSet& poses)
+std::vector<Branch> branches_of(const AverageFamily& family, const CheckedAsset& checked, const PoseSet& poses)
 {
-    std::vector<BranchFinding> branches = family.findings();
+    std::vector<Branch> branches = family.branches();
     branches.insert(branches.end(), checked.branches.begin(), checked.branches.end());
-    for (BranchFinding& branch : branches) branch.vertex = poses.file_number(branch.vertex);
+    for (Branch& branch : branches) branch.vertex = poses.file_number(branch.vertex);
     return branches;
 }
 
@@ -74,7 +74,7 @@ BakedAsset bake(const PoseSet& poses, const BakeOptions& given, Progress& progre
     BakeReport report;
     Stopwatch watch;
     progress.update("poses", 0);
-    const ShapeSet set = normalise(poses, options.energy.keep_placement);
+    const NormalizedPoses set = normalize(poses, options.energy.keep_placement);
     const std::unique_ptr<Energy> energy = make_energy(set, options.energy, &progress);
     report.input = describe(poses, set, *energy);
     warn_of_foldover(report.input, options.energy, progress);

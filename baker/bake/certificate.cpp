@@ -52,10 +52,10 @@ Json basis_of(const BakeReport& report, const BakeOptions& options)
              { "bytes_per_number", report.check.basis.bytes_per_number } };
 }
 
-Json stand_in_of(const BakeReport& report, const BakeOptions& options)
+Json surrogate_of(const BakeReport& report, const BakeOptions& options)
 {
-    const StandInReport& r = report.fit.stand_in;
-    Json stand_in = { { "kind", name_of(report.fit.kind) },
+    const SurrogateReport& r = report.fit.surrogate;
+    Json surrogate = { { "kind", name_of(report.fit.kind) },
                       { "elements", report.fit.element_count },
                       { "training_weights", report.fit.training_count },
                       { "unconverged_training_weights", report.fit.unconverged_training_count },
@@ -64,29 +64,29 @@ Json stand_in_of(const BakeReport& report, const BakeOptions& options)
                       { "dead_load", r.has_load },
                       { "mean_error_without_load", r.plain.mean },
                       { "largest_error_without_load", r.plain.largest } };
-    if (report.fit.kind == StandInKind::cubature)
-        stand_in["cubature"] = options.cubature_solver == CubatureSolver::nn_htp ? "nn-htp" : "nnls";
-    if (!report.fit.reason.empty()) stand_in["reason"] = report.fit.reason;
+    if (report.fit.kind == SurrogateKind::cubature)
+        surrogate["cubature"] = options.cubature_solver == CubatureSolver::nn_htp ? "nn-htp" : "nnls";
+    if (!report.fit.reason.empty()) surrogate["reason"] = report.fit.reason;
     if (r.loaded.mean > 0) {
-        stand_in["mean_error_with_load"] = r.loaded.mean;
-        stand_in["largest_error_with_load"] = r.loaded.largest;
+        surrogate["mean_error_with_load"] = r.loaded.mean;
+        surrogate["largest_error_with_load"] = r.loaded.largest;
     }
-    return stand_in;
+    return surrogate;
 }
 
 Json findings_of(const BakeReport& report, const std::vector<std::string>& pose_names)
 {
-    Json findings = Json::array();
-    for (const BranchFinding& finding : report.branches)
-        findings.push_back({ { "kind",
-                               finding.kind == BranchFinding::Kind::other_mean ? "other mean"
-                                   : finding.kind == BranchFinding::Kind::jump ? "jump"
+    Json branches = Json::array();
+    for (const Branch& branch : report.branches)
+        branches.push_back({ { "kind",
+                               branch.kind == Branch::Kind::other_mean ? "other mean"
+                                   : branch.kind == Branch::Kind::jump ? "jump"
                                                                                : "other path" },
-                             { "weights", json_of(finding.weights) },
-                             { "pose", pose_names[finding.pose] },
-                             { "distance", finding.distance },
-                             { "vertex", finding.vertex } });
-    return findings;
+                             { "weights", json_of(branch.weights) },
+                             { "pose", pose_names[branch.pose] },
+                             { "distance", branch.distance },
+                             { "vertex", branch.vertex } });
+    return branches;
 }
 
 Json measured_of(const BakeReport& report)
@@ -155,17 +155,17 @@ Json irregular_of(const SurfaceRepairs& r)
              { "edges_of_turned_faces", r.turned_edge_count } };
 }
 
-Json drawn_of(const BakeReport& report, const DrawnSurface& surface)
+Json drawn_of(const BakeReport& report, const RenderMesh& surface)
 {
     Json drawn = { { "vertices", surface.embedding.count() },
                    { "triangles", surface.triangles.size() },
                    { "outside", surface.outside_count },
                    { "farthest_outside", surface.farthest_outside },
                    { "largest_weight", surface.largest_weight } };
-    if (report.check.drawn && !report.check.blends.empty()) {
-        drawn["mean_error"] = report.check.drawn->mean;
-        drawn["largest_error"] = report.check.drawn->largest;
-        drawn["largest_distance"] = report.check.drawn->largest_distance;
+    if (report.check.render_mesh && !report.check.blends.empty()) {
+        drawn["mean_error"] = report.check.render_mesh->mean;
+        drawn["largest_error"] = report.check.render_mesh->largest;
+        drawn["largest_distance"] = report.check.render_mesh->largest_distance;
     }
     return drawn;
 }
@@ -195,7 +195,7 @@ std::string write_certificate(const BakeReport& report, const BakeOptions& optio
     if (report.input.tet_count) certificate["tetrahedra"] = report.input.tet_count;
     if (report.input.drawn_vertex_count > 0) certificate["elastic"] = elastic_of(report);
     if (report.input.repairs.is_irregular()) certificate["irregular"] = irregular_of(report.input.repairs);
-    if (options.drawn) certificate["surface"] = drawn_of(report, *options.drawn);
+    if (options.render_mesh) certificate["surface"] = drawn_of(report, *options.render_mesh);
     certificate["energy"] = energy;
     if (report.check.ties) certificate["ties"] = ties_of(*report.check.ties);
     certificate["tolerance"] = options.tolerance;
@@ -203,7 +203,7 @@ std::string write_certificate(const BakeReport& report, const BakeOptions& optio
     certificate["meets_tolerance"] = report.check.meets_tolerance;
     certificate["subspace"] = subspace_of(report, options);
     certificate["basis"] = basis_of(report, options);
-    certificate["stand_in"] = stand_in_of(report, options);
+    certificate["stand_in"] = surrogate_of(report, options);
     certificate["measured"] = measured_of(report);
     certificate["mean_from_pose"] = report.start_pose;
     certificate["branches"] = findings_of(report, pose_names);
@@ -250,13 +250,13 @@ std::optional<std::size_t> read_start_pose(const std::string& certificate)
 
 namespace {
 
-// More of them nobody reads; each names at most Finding::element_limit vertices and faces.
+// More of them nobody reads; each names at most Diagnostic::element_limit vertices and faces.
 constexpr std::size_t warning_limit = 100;
 
-Json warnings_of(const std::vector<Finding>& warnings)
+Json warnings_of(const std::vector<Diagnostic>& warnings)
 {
     Json json = Json::array();
-    for (const Finding& warning : warnings) {
+    for (const Diagnostic& warning : warnings) {
         if (json.size() == warning_limit) break;
         json.push_back({ { "number", warning.number },
                          { "where", warning.where },
@@ -270,13 +270,13 @@ Json warnings_of(const std::vector<Finding>& warnings)
 
 } // namespace
 
-std::string write_report(const BakeReport& report, const std::string& asset, const std::vector<Finding>& warnings)
+std::string write_report(const BakeReport& report, const std::string& asset, const std::vector<Diagnostic>& warnings)
 {
     Json json = Json::parse(report.certificate);
     Json stages = Json::object();
     for (const StageTime& stage : report.stages) stages[stage.stage] = stage.seconds;
     json["seconds"] = stages;
-    json["cubature_residual"] = report.fit.stand_in.residual;
+    json["cubature_residual"] = report.fit.surrogate.residual;
     if (!asset.empty()) json["asset"] = asset;
     json["warnings"] = warnings_of(warnings);
     return json.dump(1, ' ', false, Json::error_handler_t::replace) + "\n"; // file names may be anything

@@ -23,6 +23,6 @@ std::optional<std::size_t> read_start_pose(const std::string& certificate);
 
 // The report for people and build systems (`--report`): the certificate plus times, the name of the asset (relative to the report's
 // folder) and the warnings with the elements that they are about.
-std::string write_report(const BakeReport& report, const std::string& asset = {}, const std::vector<Finding>& warnings = {});
+std::string write_report(const BakeReport& report, const std::string& asset = {}, const std::vector<Diagnostic>& warnings = {});
 
 } // namespace pliant

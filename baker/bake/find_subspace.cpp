@@ -30,7 +30,7 @@ constexpr std::uint64_t check_seed = 1000003;
 // For snapshots and checks: what counts is the distance between shapes, to a few per cent of the error that is looked for. The
 // decrement is tested before the last step, which squares it. Where the average snaps, Newton creeps: an almost converged average is as
 // good a snapshot, and the report counts it.
-NewtonOptions average_options(const BakeOptions& options, const ShapeSet& set)
+NewtonOptions average_options(const BakeOptions& options, const NormalizedPoses& set)
 {
     NewtonOptions newton;
     // Below the default tolerance the energy has to say more, too: it goes with the square of what is off.

@@ -9,7 +9,7 @@
 namespace pliant {
 
 // How near the averages of a bake must be: snapshots, checks, the mean.
-NewtonOptions average_options(const BakeOptions& options, const ShapeSet& set);
+NewtonOptions average_options(const BakeOptions& options, const NormalizedPoses& set);
 
 // The basis, its snapshots (of an adaptive one) and the unreduced averages at the check weights.
 // Cost: most of a bake; some thousand factorisations for five poses.

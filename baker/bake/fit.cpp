@@ -24,22 +24,22 @@ constexpr Eigen::Index quartic_dimension_wanted = 32;
 // cost more the energy (training_of). With a much larger part training shapes get creased.
 constexpr double nearness_share = 0.003;
 
-double nearness_wanted(const ShapeSet& set, double mean_energy, double tolerance)
+double nearness_wanted(const NormalizedPoses& set, double mean_energy, double tolerance)
 {
     const double off = tolerance * mass_norm(set.shapes[0], set.masses); // shapes are centred
     return 2 * nearness_share * std::max(mean_energy, 1e-13) / (off * off);
 }
 
 // Fewer dimensions than it takes to hold the checks themselves to the tolerance need not be tried.
-Eigen::Index least_dimension(const ShapeSet& set, const AdaptiveSubspace& found, double tolerance)
+Eigen::Index least_dimension(const NormalizedPoses& set, const AdaptiveSubspace& found, double tolerance)
 {
     const Eigen::Index most = found.subspace.dimension();
     Eigen::VectorXd mean = Eigen::VectorXd::Zero(most + 1); // distance of the averages from the first d dimensions
     for (const CheckPoint& check : found.checks) {
-        const Eigen::VectorXd q = project(found.subspace, check.truth, set.masses);
-        double rest = std::pow(mass_norm(check.truth - found.subspace.shape(q), set.masses), 2);
+        const Eigen::VectorXd q = project(found.subspace, check.reference, set.masses);
+        double rest = std::pow(mass_norm(check.reference - found.subspace.shape(q), set.masses), 2);
         for (Eigen::Index d = most; d >= 0; --d) {
-            mean[d] += std::sqrt(rest) / mass_norm(check.truth, set.masses) / double(found.checks.size());
+            mean[d] += std::sqrt(rest) / mass_norm(check.reference, set.masses) / double(found.checks.size());
             if (d > 0) rest += q[d - 1] * q[d - 1];
         }
     }
@@ -64,7 +64,7 @@ public:
 private:
     const Subspace& all() const { return p_.found.subspace; }
     bool chooses_dimension() const { return !averages_.empty() && !options_.dimension && !p_.found.checks.empty(); }
-    StandInOptions surrogate_options() const
+    SurrogateOptions surrogate_options() const
     {
         return { options_.tolerance, options_.tolerance_max, options_.element_count, options_.seed,
                  options_.cubature_solver };
@@ -98,18 +98,18 @@ ChosenModel Fitter::fit_ghost(const Subspace& subspace, FittedModel& out) const
     out.ghost_energy = make_energy(out.ghost->set, options_.energy);
     std::vector<std::size_t> elements(out.ghost_energy->element_count());
     std::iota(elements.begin(), elements.end(), std::size_t(0));
-    auto stand_in = std::make_shared<const StandIn>(*out.ghost_energy, out.ghost->set.shapes[0], out.ghost->basis, elements,
+    auto surrogate = std::make_shared<const SurrogateEnergy>(*out.ghost_energy, out.ghost->set.shapes[0], out.ghost->basis, elements,
                                                     Eigen::VectorXd::Ones(Eigen::Index(elements.size())));
-    return fit_model(stand_in, subspace, p_.set, out.training, p_.found.checks, false, surrogate_options());
+    return fit_model(surrogate, subspace, p_.set, out.training, p_.found.checks, false, surrogate_options());
 }
 
 // `quartic`: of at least as many dimensions; null: another kind.
 ChosenModel Fitter::fit_surrogate(const ReducedEnergy& reduced, const Quartic* quartic, FittedModel& out) const
 {
-    if (options_.stand_in == StandInKind::ghost) return fit_ghost(reduced.subspace(), out);
+    if (options_.surrogate == SurrogateKind::ghost) return fit_ghost(reduced.subspace(), out);
     if (!quartic) return choose_cubature(reduced, p_.set, out.training, p_.found.checks, surrogate_options(), &progress_);
-    auto stand_in = std::make_shared<const StandIn>(reduced.energy(), quartic->leading(reduced.subspace().dimension()));
-    return fit_model(std::move(stand_in), reduced.subspace(), p_.set, out.training, p_.found.checks, false,
+    auto surrogate = std::make_shared<const SurrogateEnergy>(reduced.energy(), quartic->leading(reduced.subspace().dimension()));
+    return fit_model(std::move(surrogate), reduced.subspace(), p_.set, out.training, p_.found.checks, false,
                      surrogate_options());
 }
 
@@ -121,7 +121,7 @@ FittedModel Fitter::fit_at(Eigen::Index d, const Quartic* quartic)
     out.training = train(reduced);
     ChosenModel chosen = fit_surrogate(reduced.energy(), quartic, out);
     out.model = std::move(chosen.model);
-    out.report.stand_in = chosen.report;
+    out.report.surrogate = chosen.report;
     return out;
 }
 
@@ -134,7 +134,7 @@ FittedModel Fitter::fit_least(Eigen::Index most, const Quartic* quartic)
     choose_dimension(least, most, surrogate_options(), [&](Eigen::Index d) {
         progress_.update("dimension", 0, fmt::format("d = {}", d));
         out = fit_at(d, quartic);
-        return out.report.stand_in.error();
+        return out.report.surrogate.error();
     });
     return out;
 }
@@ -143,8 +143,8 @@ FittedModel Fitter::fit_least(Eigen::Index most, const Quartic* quartic)
 bool Fitter::wants_quartic(std::string& reason) const
 {
     const auto* solid = dynamic_cast<const Solid*>(&p_.energy);
-    if (options_.stand_in == StandInKind::quartic) return true;
-    if (options_.stand_in != StandInKind::automatic || !solid || solid->law() != SolidLaw::stvk) return false;
+    if (options_.surrogate == SurrogateKind::quartic) return true;
+    if (options_.surrogate != SurrogateKind::automatic || !solid || solid->law() != SolidLaw::stvk) return false;
     const Eigen::Index least
         = chooses_dimension() ? least_dimension(p_.set, p_.found, options_.tolerance) : all().dimension();
     if (least <= quartic_dimension_wanted) return true;
@@ -157,24 +157,24 @@ FittedModel Fitter::fit_quartic(Eigen::Index most)
 {
     const Quartic quartic(dynamic_cast<const Solid&>(p_.energy), leading(all(), most), &progress_);
     FittedModel out = fit_least(most, &quartic);
-    out.report.kind = StandInKind::quartic;
+    out.report.kind = SurrogateKind::quartic;
     return out;
 }
 
 FittedModel Fitter::choose()
 {
-    const bool is_asked = options_.stand_in == StandInKind::quartic;
+    const bool is_asked = options_.surrogate == SurrogateKind::quartic;
     std::string reason;
     if (wants_quartic(reason)) {
         const Eigen::Index most = std::min<Eigen::Index>(
             all().dimension(), is_asked ? PLIANT_FORMAT_MAX_QUARTIC_DIMENSION : quartic_dimension_wanted);
         FittedModel out = fit_quartic(most);
-        const bool is_enough = out.report.stand_in.error().mean <= options_.tolerance;
+        const bool is_enough = out.report.surrogate.error().mean <= options_.tolerance;
         if (is_asked || most == all().dimension() || is_enough) return out;
         reason = fmt::format("at d = {} the tolerance is not kept, and above it a quartic is much slower", most);
     }
     FittedModel out = fit_least(all().dimension(), nullptr);
-    out.report.kind = options_.stand_in == StandInKind::ghost ? StandInKind::ghost : StandInKind::cubature;
+    out.report.kind = options_.surrogate == SurrogateKind::ghost ? SurrogateKind::ghost : SurrogateKind::cubature;
     out.report.reason = reason;
     return out;
 }
@@ -183,7 +183,7 @@ void complete_report(const FitProblem& p, FittedModel& fitted)
 {
     FitReport& report = fitted.report;
     report.dimension = fitted.subspace.dimension();
-    report.element_count = fitted.model.stand_in->element_count();
+    report.element_count = fitted.model.surrogate->element_count();
     report.training_count = fitted.training.weights.size();
     report.unconverged_training_count = fitted.training.unconverged_count;
     const ReducedSolver reduced(p.energy, fitted.subspace, p.family.mean_hessian(), p.family.mean().energy);
@@ -201,10 +201,10 @@ FittedModel fit(const FitProblem& problem, const BakeOptions& options, Progress&
 {
     FittedModel out = Fitter(problem, options, progress).choose();
     complete_report(problem, out);
-    if (out.report.stand_in.curvature.lowest <= 0)
+    if (out.report.surrogate.curvature.lowest <= 0)
         progress.warn(4402,
                       fmt::format("the stand-in is not convex at all training weights (lowest curvature {:.3g})",
-                                  out.report.stand_in.curvature.lowest),
+                                  out.report.surrogate.curvature.lowest),
                       "raise --elements, or add an in-between pose");
     return out;
 }

@@ -12,7 +12,7 @@ namespace pliant {
 
 // What a fit works on. Borrowed: all must outlive it, and what comes of it.
 struct FitProblem {
-    const ShapeSet& set;
+    const NormalizedPoses& set;
     const Energy& energy;
     AverageFamily& family;
     const AdaptiveSubspace& found;

@@ -23,7 +23,7 @@ Material material_for(const EnergyOptions& options, bool is_solid)
     return material;
 }
 
-std::unique_ptr<Energy> make_energy(const ShapeSet& set, const EnergyOptions& options, Progress* progress)
+std::unique_ptr<Energy> make_energy(const NormalizedPoses& set, const EnergyOptions& options, Progress* progress)
 {
     switch (material_for(options, set.is_solid())) {
     case Material::arap: return std::make_unique<Arap>(set);
@@ -39,20 +39,20 @@ std::unique_ptr<Energy> make_energy(const ShapeSet& set, const EnergyOptions& op
 
 namespace {
 
-// A stand-in that the material does not have is a wrong command line.
-void check_stand_in(const BakeOptions& options, const PoseSet& poses)
+// A surrogate energy that the material does not have is a wrong command line.
+void check_surrogate(const BakeOptions& options, const PoseSet& poses)
 {
     const Material material = *options.energy.material;
     const bool is_solid = material == Material::stvk || material == Material::mooney_rivlin;
-    if (options.stand_in == StandInKind::quartic && material != Material::stvk)
+    if (options.surrogate == SurrogateKind::quartic && material != Material::stvk)
         throw Failure(ExitCode::usage,
                       error_at(1207, "", fmt::format("--energy quartic needs --material stvk, not {}", name_of(material)),
                                "leave it out, or use --energy cubature"));
-    if (options.stand_in == StandInKind::ghost && is_solid)
+    if (options.surrogate == SurrogateKind::ghost && is_solid)
         throw Failure(ExitCode::usage,
                       error_at(1208, "", "--energy ghost is for surfaces, the poses are solids",
                                "leave it out, or use --energy cubature"));
-    if (options.stand_in == StandInKind::ghost) // before the minutes that come before the ghost
+    if (options.surrogate == SurrogateKind::ghost) // before the minutes that come before the ghost
         require_manifold(poses.triangles, poses.vertex_count(), poses.source_vertices, "--energy ghost",
                          "repair it alike in all poses, or use --energy cubature, which needs none");
 }
@@ -63,7 +63,7 @@ BakeOptions resolve_options(const BakeOptions& given, const PoseSet& poses)
 {
     BakeOptions options = given;
     options.energy.material = material_for(given.energy, poses.is_solid());
-    check_stand_in(options, poses);
+    check_surrogate(options, poses);
     return options;
 }
 

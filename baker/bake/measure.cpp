@@ -27,19 +27,19 @@ namespace {
 
 // A surface in the place of the solid's own, and its shapes in the poses.
 struct Drawn {
-    const DrawnSurface& surface;
-    ShapeSet set;
+    const RenderMesh& surface;
+    NormalizedPoses set;
 };
 
 // What the asset draws in the place of the mesh of its energy.
-ShapeSet drawn_set(const PoseSet& poses, const ShapeSet& set, const Drawn* drawn)
+NormalizedPoses drawn_set(const PoseSet& poses, const NormalizedPoses& set, const Drawn* drawn)
 {
     if (drawn) return drawn->set;
-    return poses.drawn ? drawn_shapes(set, *poses.drawn) : set;
+    return poses.render_mesh ? render_mesh_shapes(set, *poses.render_mesh) : set;
 }
 
 // A blend as the mesh of the energy has it; of a solid that draws a surface, only that.
-Shape blend_of(const PoseSet& poses, const ShapeSet& set, const std::vector<float>& positions)
+Shape blend_of(const PoseSet& poses, const NormalizedPoses& set, const std::vector<float>& positions)
 {
     if (poses.is_solid() || poses.source_vertices.empty()) return from_input_units(set, positions);
     std::vector<float> elastic;
@@ -49,7 +49,7 @@ Shape blend_of(const PoseSet& poses, const ShapeSet& set, const std::vector<floa
 }
 
 // The asset must have been baked from these poses: it reproduces them.
-void check_same_poses(const RuntimeBlender& blender, const ShapeSet& set, const std::string& path)
+void check_same_poses(const RuntimeBlender& blender, const NormalizedPoses& set, const std::string& path)
 {
     const pliant_asset& asset = blender.asset();
     bool is_same = asset.pose_count == set.pose_count() && Eigen::Index(asset.vertex_count) * 3 == set.dof_count();
@@ -92,11 +92,11 @@ std::vector<Measurement> draw_samples(const MeasureOptions& options, std::size_t
 void compare(const AverageFamily& family, std::size_t worker, SharedProgress& progress, bool from_blend, const Shape& blend,
              Measurement& s)
 {
-    const ShapeSet& set = family.pool().set();
+    const NormalizedPoses& set = family.pool().set();
     const CheckPoint check = family.check(s.weights, blend, from_blend ? 0.05 : 0, worker, &progress);
-    const Shape& average = check.truth;
+    const Shape& average = check.reference;
     s.has_converged = check.has_converged;
-    s.branch_count = check.findings.size();
+    s.branch_count = check.branches.size();
     s.nearest_error = check.nearest_error;
     const Energy& energy = family.pool().energy();
     s.error = shape_error(energy, set, s.weights, blend, average);
@@ -125,7 +125,7 @@ void compare_drawn(const AverageFamily& family, std::size_t worker, SharedProgre
 constexpr double average_floor = 2e-5;
 
 // Blends first: their solves are timed, and nothing else must run then.
-std::vector<Shape> time_blends(RuntimeBlender& blender, const PoseSet& poses, const ShapeSet& set,
+std::vector<Shape> time_blends(RuntimeBlender& blender, const PoseSet& poses, const NormalizedPoses& set,
                                std::vector<Measurement>& samples)
 {
     std::vector<Shape> blends;
@@ -141,12 +141,12 @@ std::vector<Shape> time_blends(RuntimeBlender& blender, const PoseSet& poses, co
 } // namespace
 
 std::vector<Measurement> measure(RuntimeBlender& blender, const std::string& asset_path, const PoseSet& poses,
-                                 const EnergyOptions& energy_options, const DrawnSurface* surface,
+                                 const EnergyOptions& energy_options, const RenderMesh* surface,
                                  const MeasureOptions& options, Progress& progress)
 {
-    const ShapeSet set = normalise(poses, energy_options.keep_placement);
+    const NormalizedPoses set = normalize(poses, energy_options.keep_placement);
     std::optional<Drawn> drawn;
-    if (surface) drawn.emplace(Drawn { *surface, drawn_shapes(set, *surface) });
+    if (surface) drawn.emplace(Drawn { *surface, render_mesh_shapes(set, *surface) });
     check_same_poses(blender, drawn_set(poses, set, drawn ? &*drawn : nullptr), asset_path);
     const std::unique_ptr<Energy> energy = make_energy(set, energy_options, &progress);
     SolverPool pool(*energy, set, energy_options.solver);

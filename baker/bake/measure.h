@@ -38,7 +38,7 @@ struct Measurement {
 // place of its solid's boundary; null: nothing. Throws Failure (bad_input, P5104) for other poses than those of the asset.
 // Cost: an average for each weight.
 std::vector<Measurement> measure(RuntimeBlender& blender, const std::string& asset_path, const PoseSet& poses,
-                                 const EnergyOptions& energy, const DrawnSurface* surface, const MeasureOptions& options,
+                                 const EnergyOptions& energy, const RenderMesh* surface, const MeasureOptions& options,
                                  Progress& progress);
 
 // The middle one of the values; 0 without any.

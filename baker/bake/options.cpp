@@ -26,12 +26,12 @@ const char* name_of(SubspaceKind kind)
     return kind == SubspaceKind::krylov ? "krylov" : kind == SubspaceKind::barbic ? "barbic" : "adaptive";
 }
 
-const char* name_of(StandInKind kind)
+const char* name_of(SurrogateKind kind)
 {
     switch (kind) {
-    case StandInKind::quartic: return "quartic";
-    case StandInKind::cubature: return "cubature";
-    case StandInKind::ghost: return "ghost";
+    case SurrogateKind::quartic: return "quartic";
+    case SurrogateKind::cubature: return "cubature";
+    case SurrogateKind::ghost: return "ghost";
     default: return "auto";
     }
 }

@@ -17,7 +17,7 @@ namespace pliant {
 
 enum class Material { discrete_shells, arap, stvk, mooney_rivlin };
 enum class SubspaceKind { adaptive, krylov, barbic };
-enum class StandInKind { automatic, quartic, cubature, ghost };
+enum class SurrogateKind { automatic, quartic, cubature, ghost };
 
 // What an elastic energy is made of: shared by all verbs that need one.
 struct EnergyOptions {
@@ -39,7 +39,7 @@ struct BakeOptions {
     double tolerance_max = 0;   // the largest over them; 0: not bounded
     int ritz_count = 2;         // krylov: vectors per tangent
     Eigen::Index dimension = 0; // 0: what the tolerance or ritz_count asks for (barbic: 4 modes a pose); else exactly this
-    StandInKind stand_in = StandInKind::automatic; // quartic for stvk up to 32 dimensions, else cubature
+    SurrogateKind surrogate = SurrogateKind::automatic; // quartic for stvk up to 32 dimensions, else cubature
     std::size_t element_count = 0;                 // cubature elements; 0: as few as keep the tolerance
     CubatureSolver cubature_solver = CubatureSolver::nnls;
     std::size_t ghost_vertex_count = 800;
@@ -48,14 +48,14 @@ struct BakeOptions {
     int fresh_count = 4;          // weights that nothing was chosen by
     double position_error = 1e-5; // of a vertex by storing the basis in few bits, over the diagonal; 0: single precision
     bool keep_scene = true;       // of poses from glTF: store materials, texture coordinates and images
-    std::shared_ptr<const DrawnSurface> drawn; // of a solid: what the asset draws in the place of its boundary; none: that
+    std::shared_ptr<const RenderMesh> render_mesh; // of a solid: what the asset draws in the place of its boundary; none: that
 };
 
 // Names used on the command line and in JSON.
 const char* name_of(Material material);
 const char* name_of(Membrane membrane);
 const char* name_of(SubspaceKind kind);
-const char* name_of(StandInKind kind);
+const char* name_of(SurrogateKind kind);
 const char* name_of(SolverKind kind);
 
 } // namespace pliant

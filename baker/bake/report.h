@@ -35,12 +35,12 @@ struct InputReport {
 // The surrogate energy and the dimension that were chosen.
 struct FitReport {
     Eigen::Index dimension = 0;
-    StandInKind kind = StandInKind::cubature;
+    SurrogateKind kind = SurrogateKind::cubature;
     std::string reason; // why this kind, where there was a choice
     std::size_t element_count = 0;
     std::size_t training_count = 0;
     int unconverged_training_count = 0;
-    StandInReport stand_in;
+    SurrogateReport surrogate;
     SubspaceError subspace_error; // over the checks
 };
 
@@ -74,7 +74,7 @@ struct CheckReport {
     bool meets_tolerance = false;
     BasisReport basis;
     std::optional<TieReport> ties;    // of a character in several parts, or with cracks
-    std::optional<DrawnErrors> drawn; // at the same weights, of a solid that draws a surface of its own
+    std::optional<RenderMeshErrors> render_mesh; // at the same weights, of a solid that draws a surface of its own
 };
 
 struct BakeReport {
@@ -84,7 +84,7 @@ struct BakeReport {
     int unconverged_snapshot_count = 0;
     FitReport fit;
     CheckReport check;
-    std::vector<BranchFinding> branches; // where the family of averages jumps; vertices by their numbers in the files
+    std::vector<Branch> branches; // where the family of averages jumps; vertices by their numbers in the files
     int factorization_count = 0;
     std::vector<StageTime> stages;
     std::string certificate; // the JSON that went into the asset

@@ -87,7 +87,7 @@ double compare_with_model(OpenedAsset& opened, const AssetModel& asset, const st
 }
 
 // Triangles are compared with the smallest that they are in any pose, tetrahedra with the largest: that is the smallest J.
-double smallest_cell_ratio(const ShapeSet& set, const Shape& blend)
+double smallest_cell_ratio(const NormalizedPoses& set, const Shape& blend)
 {
     Eigen::VectorXd unit = cell_sizes(set, set.shapes[0]);
     for (const Shape& shape : set.shapes) {
@@ -118,28 +118,28 @@ std::vector<CheckPoint> fresh_averages(OpenedAsset& opened, const AverageFamily&
 CheckReport compare_with_averages(OpenedAsset& opened, const SolverPool& pool, const std::vector<CheckPoint>& points,
                                   std::size_t fresh_count)
 {
-    const ShapeSet& set = pool.set();
+    const NormalizedPoses& set = pool.set();
     const TieSet* ties = ties_of(pool.energy());
     CheckReport report;
     if (ties) report.ties = start_tie_report(*ties, set);
     for (std::size_t i = 0; i < points.size(); ++i) {
         const CheckPoint& point = points[i];
         const Shape blend = opened.blend(point.weights);
-        report.blends.push_back({ point.weights, shape_error(pool.energy(), set, point.weights, blend, point.truth),
+        report.blends.push_back({ point.weights, shape_error(pool.energy(), set, point.weights, blend, point.reference),
                                   smallest_cell_ratio(set, blend), i + fresh_count >= points.size(), point.has_converged });
-        if (ties) add_check(*ties, set, point.weights, point.truth, blend, *report.ties);
+        if (ties) add_check(*ties, set, point.weights, point.reference, blend, *report.ties);
     }
     return report;
 }
 
-std::vector<BranchFinding> branches_of(const std::vector<CheckPoint>& points)
+std::vector<Branch> branches_of(const std::vector<CheckPoint>& points)
 {
-    std::vector<BranchFinding> branches;
-    for (const CheckPoint& point : points) branches.insert(branches.end(), point.findings.begin(), point.findings.end());
+    std::vector<Branch> branches;
+    for (const CheckPoint& point : points) branches.insert(branches.end(), point.branches.begin(), point.branches.end());
     return branches;
 }
 
-void summarise(const BakeOptions& options, CheckReport& report)
+void summarize(const BakeOptions& options, CheckReport& report)
 {
     for (const BlendCheck& check : report.blends) {
         report.mean_error += check.error.relative_l2 / double(report.blends.size());
@@ -156,7 +156,7 @@ void summarise(const BakeOptions& options, CheckReport& report)
 // Positions that the runtime rebuilds at these coordinates against the subspace in double precision.
 BasisReport check_basis(const RuntimeBlender& blender, const AssetModel& asset, const Eigen::MatrixXd& reachable)
 {
-    const ShapeSet& set = asset.set;
+    const NormalizedPoses& set = asset.set;
     BasisReport report;
     report.is_compact = !asset.shape.basis.empty();
     const double numbers = 3.0 * double(blender.asset().vertex_count) * double(asset.subspace.dimension());
@@ -186,7 +186,7 @@ AssetRecord make_record(OpenedAsset& opened, const AssetModel& asset, const Trai
 
 CheckedAsset self_check(const CheckProblem& p, const BakeOptions& options, Progress& progress)
 {
-    const ShapeSet& set = p.fit.set;
+    const NormalizedPoses& set = p.fit.set;
     const TrainingSet& training = p.fitted.training;
     const Eigen::MatrixXd reachable = reachable_coordinates(p.fitted);
     const auto assemble_with
@@ -197,9 +197,9 @@ CheckedAsset self_check(const CheckProblem& p, const BakeOptions& options, Progr
     std::vector<CheckPoint> points = p.fit.found.checks;
     points.insert(points.end(), fresh.begin(), fresh.end());
     CheckReport report = compare_with_averages(opened, p.pool, points, fresh.size());
-    summarise(options, report);
-    std::vector<BranchFinding> branches = branches_of(points);
-    const std::shared_ptr<const DrawnSurface> drawn = render_mesh_of(p.poses, options);
+    summarize(options, report);
+    std::vector<Branch> branches = branches_of(points);
+    const std::shared_ptr<const RenderMesh> drawn = render_mesh_of(p.poses, options);
     if (!drawn) {
         report.basis = check_basis(opened.blender(), simulated, reachable);
         AssetRecord record = make_record(opened, simulated, training, report);
@@ -210,7 +210,7 @@ CheckedAsset self_check(const CheckProblem& p, const BakeOptions& options, Progr
     AssetModel rendered = assemble_with(stored_render_mesh(*drawn, p.poses, options));
     OpenedAsset opened_rendered(rendered, training);
     // Welded vertices are rows of the simulation mesh, so what was found at these holds there, too.
-    if (options.drawn) report.drawn = check_drawn(opened_rendered.blender(), set, *options.drawn, points);
+    if (options.render_mesh) report.render_mesh = check_render_mesh(opened_rendered.blender(), set, *options.render_mesh, points);
     report.basis = check_basis(opened_rendered.blender(), rendered, reachable);
     AssetRecord record = make_record(opened_rendered, rendered, training, report);
     return { std::move(rendered), std::move(record), std::move(report), std::move(branches) };

@@ -19,7 +19,7 @@ struct CheckedAsset {
     AssetModel asset;
     AssetRecord record; // its certificate is not written yet
     CheckReport report;
-    std::vector<BranchFinding> branches;
+    std::vector<Branch> branches;
 };
 
 // Compares blends of the asset with unreduced averages, at the checks and at weights that nothing was chosen by. Encodes the asset

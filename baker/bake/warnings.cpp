@@ -74,7 +74,7 @@ const char* hint_for_jumps(const EnergyOptions& energy, bool is_solid)
 void warn_of_jumps(const FamilyPoint& point, const PoseSet& poses, const EnergyOptions& energy, const std::string& frame,
                    Progress& progress)
 {
-    for (const BranchFinding& jump : point.jumps)
+    for (const Branch& jump : point.jumps)
         progress.warn(4406,
                       fmt::format("{}the average jumps on the way towards pose {}: {:.1f} %, most at vertex {}, weights {}",
                                   frame, poses.names[jump.pose], 100 * jump.distance, poses.file_number(jump.vertex),
@@ -84,12 +84,12 @@ void warn_of_jumps(const FamilyPoint& point, const PoseSet& poses, const EnergyO
 
 namespace {
 
-std::string describe(const BranchFinding& branch, const std::string& pose)
+std::string describe(const Branch& branch, const std::string& pose)
 {
     switch (branch.kind) {
-    case BranchFinding::Kind::other_mean:
+    case Branch::Kind::other_mean:
         return fmt::format("seen from pose {}, the average of all poses is another one", pose);
-    case BranchFinding::Kind::jump: return fmt::format("the average jumps on the way towards pose {}", pose);
+    case Branch::Kind::jump: return fmt::format("the average jumps on the way towards pose {}", pose);
     default: return fmt::format("there are two averages towards pose {}", pose);
     }
 }
@@ -114,7 +114,7 @@ void warn_of_foldover(const InputReport& input, const EnergyOptions& energy, Pro
 
 void warn_of_blends(const BakeReport& report, const PoseSet& poses, const EnergyOptions& energy, Progress& progress)
 {
-    for (const BranchFinding& branch : report.branches)
+    for (const Branch& branch : report.branches)
         progress.warn(4406,
                       fmt::format("{}: {:.1f} % away, most at vertex {}, weights {}",
                                   describe(branch, poses.names[branch.pose]), 100 * branch.distance, branch.vertex,
@@ -124,9 +124,9 @@ void warn_of_blends(const BakeReport& report, const PoseSet& poses, const Energy
     if (report.check.ties) warn_about_ties(*report.check.ties, drift_limit, progress);
 }
 
-void add_warnings(const std::vector<Finding>& told, const BakeReport& report, std::vector<Finding>& warnings)
+void add_warnings(const std::vector<Diagnostic>& told, const BakeReport& report, std::vector<Diagnostic>& warnings)
 {
-    for (Finding warning : told) {
+    for (Diagnostic warning : told) {
         if (warning.number == 4403) warning = about_vertices(std::move(warning), report.input.foldover_vertices);
         if (report.check.ties && warning.number == 4409)
             warning = about_vertices(std::move(warning), loose_parts(*report.check.ties));

@@ -42,7 +42,7 @@ void add_bake_options(CLI::App& verb, BakeRequest& r)
                     "Dimension of the reduced space (default: what the tolerance or --ritz asks for)")
         ->check(CLI::Range(1, 256));
     verb.add_option(
-            "--energy", r.stand_in,
+            "--energy", r.surrogate,
             "Stand-in for the energy: quartic (a polynomial, exact, of stvk solids), cubature (few elements, accurate), "
             "ghost (coarse mesh, of surfaces), or auto: quartic where d is at most 32, else cubature")
         ->check(CLI::IsMember({ "auto", "quartic", "cubature", "ghost" }))
@@ -113,8 +113,8 @@ void complete_request(CLI::App& verb, BakeRequest& r)
     r.bake.subspace = r.subspace == "krylov" ? SubspaceKind::krylov
         : r.subspace == "barbic"             ? SubspaceKind::barbic
                                              : SubspaceKind::adaptive;
-    for (StandInKind kind : { StandInKind::quartic, StandInKind::cubature, StandInKind::ghost })
-        if (r.stand_in == name_of(kind)) r.bake.stand_in = kind;
+    for (SurrogateKind kind : { SurrogateKind::quartic, SurrogateKind::cubature, SurrogateKind::ghost })
+        if (r.surrogate == name_of(kind)) r.bake.surrogate = kind;
 }
 
 } // namespace pliant

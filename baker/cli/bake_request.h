@@ -13,7 +13,7 @@ namespace pliant {
 struct BakeRequest {
     std::vector<std::string> poses;
     std::string output, report, surface, depfile, stamp, config;
-    std::string subspace = "adaptive", stand_in = "auto";
+    std::string subspace = "adaptive", surrogate = "auto";
     BakeOptions bake;
     bool has_tolerance = false, is_best_effort = false, is_quiet = false, is_dry_run = false, is_print_config = false;
 };

@@ -89,9 +89,9 @@ void ConsoleProgress::warn(int number, const std::string& what, const std::strin
     print_finding(verb_, warnings_.back());
 }
 
-void print_finding(const std::string& verb, const Finding& finding)
+void print_finding(const std::string& verb, const Diagnostic& diagnostic)
 {
-    fmt::print(stderr, "pliant {}: {}\n", verb, to_text(finding));
+    fmt::print(stderr, "pliant {}: {}\n", verb, to_text(diagnostic));
 }
 
 void start_with_one_blas_thread(char** arguments)

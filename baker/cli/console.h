@@ -20,18 +20,18 @@ public:
     void warn(int number, const std::string& what, const std::string& hint = {}) override;
     void clear_line();
 
-    const std::vector<Finding>& warnings() const { return warnings_; } // all so far
+    const std::vector<Diagnostic>& warnings() const { return warnings_; } // all so far
 
 private:
     using Clock = std::chrono::steady_clock;
     std::string verb_, stage_;
     bool is_quiet_, is_terminal_, has_line_ = false;
     Clock::time_point stage_start_, last_draw_;
-    std::vector<Finding> warnings_;
+    std::vector<Diagnostic> warnings_;
 };
 
 // "pliant bake: error P2103: ..." with its hint, to stderr.
-void print_finding(const std::string& verb, const Finding& finding);
+void print_finding(const std::string& verb, const Diagnostic& diagnostic);
 
 // OpenBLAS starts its threads before main, where no signal mask reaches them: unless the environment says how many, starts the program
 // again with one, which is all that is used. Call first.

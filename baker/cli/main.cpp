@@ -20,7 +20,7 @@ ExitCode guarded(const std::string& name, const Verb& verb)
     try {
         return verb();
     } catch (const Failure& failure) {
-        for (const Finding& finding : failure.findings()) print_finding(name, finding);
+        for (const Diagnostic& diagnostic : failure.diagnostics()) print_finding(name, diagnostic);
         return failure.code();
     } catch (const Interrupted&) {
         return ExitCode::interrupted;

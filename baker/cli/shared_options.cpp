@@ -154,33 +154,33 @@ void add_json(CLI::App& verb, bool& is_json)
 
 namespace {
 
-void tell(const std::string& verb, const std::vector<Finding>& warnings, std::vector<Finding>* kept)
+void tell(const std::string& verb, const std::vector<Diagnostic>& warnings, std::vector<Diagnostic>* kept)
 {
-    for (const Finding& warning : warnings) print_finding(verb, warning);
+    for (const Diagnostic& warning : warnings) print_finding(verb, warning);
     if (kept) kept->insert(kept->end(), warnings.begin(), warnings.end());
 }
 
 } // namespace
 
 PoseSet load_with_warnings(const std::string& verb, const std::vector<std::string>& paths, const EnergyOptions& options,
-                           std::vector<Finding>* kept)
+                           std::vector<Diagnostic>* kept)
 {
     LoadOptions load;
     load.align = !options.keep_placement;
     load.fixed_path = options.fixed_path;
     load.fixed_vertices = options.fixed_vertices;
     load.weld_tolerance = options.weld_tolerance;
-    std::vector<Finding> warnings;
+    std::vector<Diagnostic> warnings;
     PoseSet poses = load_poses(paths, load, &warnings);
     tell(verb, warnings, kept);
     return poses;
 }
 
-DrawnSurface load_surface_with_warnings(const std::string& verb, const std::string& path, const PoseSet& poses,
-                                        std::vector<Finding>* kept)
+RenderMesh load_surface_with_warnings(const std::string& verb, const std::string& path, const PoseSet& poses,
+                                        std::vector<Diagnostic>* kept)
 {
-    std::vector<Finding> warnings;
-    DrawnSurface surface = load_drawn_surface(path, poses, &warnings);
+    std::vector<Diagnostic> warnings;
+    RenderMesh surface = load_render_mesh(path, poses, &warnings);
     tell(verb, warnings, kept);
     return surface;
 }
@@ -221,9 +221,9 @@ std::vector<double> parse_weights(const std::string& text)
 
 std::vector<std::vector<double>> read_weight_rows(const std::string& path)
 {
-    FindingList findings;
-    const auto text = read_bytes(path, findings);
-    if (!text) throw Failure(ExitCode::bad_input, findings.findings());
+    DiagnosticList diagnostics;
+    const auto text = read_bytes(path, diagnostics);
+    if (!text) throw Failure(ExitCode::bad_input, diagnostics.diagnostics());
     std::vector<std::vector<double>> rows;
     std::size_t start = 0;
     for (std::size_t line = 1; start < text->size(); ++line) {
@@ -235,7 +235,7 @@ std::vector<std::vector<double>> read_weight_rows(const std::string& path)
             rows.push_back(parse_weights(row));
         } catch (const Failure& failure) {
             throw Failure(ExitCode::bad_input,
-                          error_at(2601, path + ":" + std::to_string(line), failure.findings()[0].what,
+                          error_at(2601, path + ":" + std::to_string(line), failure.diagnostics()[0].what,
                                    "one line per frame, one weight per pose, separated by commas; # starts a comment"));
         }
     }

@@ -68,10 +68,10 @@ std::vector<Weights> path_points(const std::string& path, std::size_t pose_count
     std::vector<Weights> points;
     for (const std::vector<double>& row : read_weight_rows(path)) {
         try {
-            points.push_back(normalised_weights(row, pose_count));
+            points.push_back(normalized_weights(row, pose_count));
         } catch (const Failure& failure) {
             throw Failure(ExitCode::bad_input,
-                          error_at(1222, path, fmt::format("frame {}: {}", points.size(), failure.findings()[0].what),
+                          error_at(1222, path, fmt::format("frame {}: {}", points.size(), failure.diagnostics()[0].what),
                                    "one line per frame, one weight per pose, separated by commas; # starts a comment"));
         }
     }
@@ -104,7 +104,7 @@ void check_usage(const Arguments& a)
 
 std::vector<Wanted> wanted_averages(const Arguments& a, std::size_t pose_count)
 {
-    if (!a.weights.empty()) return { { normalised_weights(parse_weights(a.weights), pose_count), "", a.output } };
+    if (!a.weights.empty()) return { { normalized_weights(parse_weights(a.weights), pose_count), "", a.output } };
     const std::vector<Weights> points = a.grid > 0 ? simplex_grid(pose_count, a.grid) : path_points(a.path, pose_count);
     std::vector<Wanted> wanted;
     for (std::size_t i = 0; i < points.size(); ++i)
@@ -169,7 +169,7 @@ ExitCode run(const Arguments& a)
     const std::vector<Wanted> wanted = wanted_averages(a, poses.pose_count()); // one glTF file may give many poses
     const std::vector<std::string> inputs = all_inputs(a);
     for (const Wanted& one : wanted) probe_output(one.output, inputs);
-    const ShapeSet set = normalise(poses, a.energy.keep_placement);
+    const NormalizedPoses set = normalize(poses, a.energy.keep_placement);
     const std::unique_ptr<Energy> energy = make_energy(set, a.energy, &progress);
     SolverPool pool(*energy, set, a.energy.solver);
     AverageFamily family(pool, a.newton, &progress);

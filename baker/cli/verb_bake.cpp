@@ -21,9 +21,9 @@ namespace {
 void print_summary(const BakeRequest& a, const BakedAsset& baked)
 {
     const BakeReport& r = baked.report;
-    const std::string energy = r.fit.kind == StandInKind::quartic
+    const std::string energy = r.fit.kind == SurrogateKind::quartic
         ? "exact quartic"
-        : fmt::format("{} elements{}", r.fit.element_count, r.fit.stand_in.has_load ? " and a dead load" : "");
+        : fmt::format("{} elements{}", r.fit.element_count, r.fit.surrogate.has_load ? " and a dead load" : "");
     fmt::print("{}: {} poses, {} vertices, d = {}, {}, {:.1f} MiB\n", a.output, r.input.pose_count, r.input.vertex_count,
                r.fit.dimension, energy, double(baked.bytes.size()) / 1048576.0);
     fmt::print("basis: {:.2f} bytes a number, off by {:.1e} of the diagonal at most\n", r.check.basis.bytes_per_number,
@@ -31,11 +31,11 @@ void print_summary(const BakeRequest& a, const BakedAsset& baked)
     if (!r.fit.reason.empty()) fmt::print("cubature, not the quartic: {}\n", r.fit.reason);
     if (r.input.tet_count && !r.check.blends.empty())
         fmt::print("smallest J of a tetrahedron: {:.3f}\n", r.check.cell_ratio);
-    if (r.check.drawn)
-        fmt::print("drawn: {} vertices of {}{}\n", a.bake.drawn->embedding.count(), a.surface,
+    if (r.check.render_mesh)
+        fmt::print("drawn: {} vertices of {}{}\n", a.bake.render_mesh->embedding.count(), a.surface,
                    r.check.blends.empty() ? ""
                                           : fmt::format(", relative L2 there {:.2e} (mean), {:.2e} (largest)",
-                                                        r.check.drawn->mean, r.check.drawn->largest));
+                                                        r.check.render_mesh->mean, r.check.render_mesh->largest));
     if (!r.check.blends.empty())
         fmt::print(
             "blends at {} weights: relative L2 {:.2e} (mean), {:.2e} (largest), of which the subspace {:.2e} and {:.2e}; "
@@ -80,7 +80,7 @@ std::string asset_seen_from_report(const BakeRequest& a)
 
 // The dependencies come before the asset: who is stopped in between leaves an old asset with the new ones, which does no harm. The stamp
 // comes last, since it says that the asset is whole.
-void write_outputs(const BakeRequest& a, const BakedAsset& baked, const std::vector<Finding>& warnings,
+void write_outputs(const BakeRequest& a, const BakedAsset& baked, const std::vector<Diagnostic>& warnings,
                    const std::vector<ReadFile>& files, StampContent stamp)
 {
     if (!a.depfile.empty()) {
@@ -118,10 +118,10 @@ ExitCode run(BakeRequest& a, CLI::App& verb)
     probe_outputs(a);
     const ReadLog log;
     ConsoleProgress progress("bake", a.is_quiet);
-    std::vector<Finding> warnings;
+    std::vector<Diagnostic> warnings;
     const PoseSet poses = load_with_warnings("bake", a.poses, a.bake.energy, &warnings);
     if (!a.surface.empty())
-        a.bake.drawn = std::make_shared<const DrawnSurface>(load_surface_with_warnings("bake", a.surface, poses, &warnings));
+        a.bake.render_mesh = std::make_shared<const RenderMesh>(load_surface_with_warnings("bake", a.surface, poses, &warnings));
     if (a.is_dry_run) {
         fmt::print("{}\n", json_text(describe_poses(poses, a.bake)));
         return ExitCode::done;

@@ -24,21 +24,21 @@ struct Hinges {
     std::size_t count = 0, foldover_count = 0;
 };
 
-Hinges hinges_of(const ShapeSet& set, Material material, const ShellOptions& options)
+Hinges hinges_of(const NormalizedPoses& set, Material material, const ShellOptions& options)
 {
     if (material != Material::discrete_shells) return {};
     const DiscreteShells shells(set, options);
     return { shells.hinge_count(), shells.foldover_hinges().size() };
 }
 
-double turned_degrees(const ShapeSet& set, std::size_t pose)
+double turned_degrees(const NormalizedPoses& set, std::size_t pose)
 {
     return Eigen::AngleAxisd(set.motions[pose].rotation).angle() * 57.29577951308232;
 }
 
 void print_surface(const PoseSet& poses)
 {
-    const DrawnSurface* const drawn = poses.drawn.get();
+    const RenderMesh* const drawn = poses.render_mesh.get();
     fmt::print("{} poses of {} vertices, {} faces, {} triangles: fit to bake\n", poses.pose_count(),
                drawn ? drawn->embedding.count() : poses.vertex_count(), poses.polygons.count(),
                drawn ? drawn->triangles.size() : poses.triangles.size());
@@ -54,7 +54,7 @@ ExitCode run(const Arguments& a)
         fmt::print("{}\n", json_text(describe_poses(poses, a.bake)));
         return ExitCode::done;
     }
-    const ShapeSet set = normalise(poses, a.bake.energy.keep_placement);
+    const NormalizedPoses set = normalize(poses, a.bake.energy.keep_placement);
     const Material material = material_for(a.bake.energy, poses.is_solid());
     if (poses.is_solid())
         fmt::print("{} poses of {} vertices, {} tetrahedra, {} of the vertices on the boundary: fit to bake\n",
@@ -77,13 +77,13 @@ ExitCode run(const Arguments& a)
 
 nlohmann::ordered_json describe_poses(const PoseSet& poses, const BakeOptions& options)
 {
-    const ShapeSet set = normalise(poses, options.energy.keep_placement);
+    const NormalizedPoses set = normalize(poses, options.energy.keep_placement);
     const Material material = material_for(options.energy, poses.is_solid());
     const BakeEstimate e = estimate_bake(poses.vertex_count(), poses.pose_count(), options);
     nlohmann::ordered_json list = nlohmann::ordered_json::array();
     for (std::size_t k = 0; k < poses.pose_count(); ++k)
         list.push_back({ { "name", poses.names[k] }, { "turned_degrees", turned_degrees(set, k) } });
-    const DrawnSurface* const drawn = poses.drawn.get();
+    const RenderMesh* const drawn = poses.render_mesh.get();
     nlohmann::ordered_json json = { { "poses", list },
                                     { "kind", poses.is_solid() ? "solid" : "surface" },
                                     { "material", name_of(material) },

@@ -25,12 +25,12 @@ std::vector<float> weights_of(const std::vector<double>& row, std::size_t frame,
                               const std::string& path)
 {
     try {
-        const Eigen::VectorXf floats = normalised_weights(row, pose_count).cast<float>();
+        const Eigen::VectorXf floats = normalized_weights(row, pose_count).cast<float>();
         return std::vector<float>(floats.data(), floats.data() + floats.size());
     } catch (const Failure& failure) {
-        const Finding& finding = failure.findings()[0];
+        const Diagnostic& diagnostic = failure.diagnostics()[0];
         throw Failure(ExitCode::bad_input,
-                      error_at(5204, path, fmt::format("frame {}: {}", frame, finding.what), finding.hint));
+                      error_at(5204, path, fmt::format("frame {}: {}", frame, diagnostic.what), diagnostic.hint));
     }
 }
 
@@ -97,7 +97,7 @@ ExitCode run(const Arguments& a)
     progress.update("fit", 0);
     const ExportedFile file = export_asset(blender, options);
     progress.clear_line();
-    for (const Finding& warning : warnings_about(file.report)) print_finding("export", warning);
+    for (const Diagnostic& warning : warnings_about(file.report)) print_finding("export", warning);
     write_output(a.output, file.bytes);
     progress.clear_line();
     if (!a.is_quiet) tell(a, file);

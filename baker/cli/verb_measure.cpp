@@ -86,9 +86,9 @@ void print_table(const std::vector<Measurement>& samples)
 }
 
 // The surface that the asset draws, if it does; it must be given then, and only then.
-std::optional<DrawnSurface> load_drawn(const Arguments& a, const std::string& certificate, const PoseSet& poses)
+std::optional<RenderMesh> load_drawn(const Arguments& a, const std::string& certificate, const PoseSet& poses)
 {
-    if (has_drawn_surface(certificate) == a.surface.empty())
+    if (has_render_mesh(certificate) == a.surface.empty())
         throw Failure(
             ExitCode::bad_input,
             error_at(5106, a.asset,
@@ -109,7 +109,7 @@ ExitCode run(const Arguments& a)
     options.solver = a.solver;
     ConsoleProgress progress("measure", a.is_quiet);
     const PoseSet poses = load_with_warnings("measure", a.poses, options);
-    const std::optional<DrawnSurface> surface = load_drawn(a, blender.certificate(), poses);
+    const std::optional<RenderMesh> surface = load_drawn(a, blender.certificate(), poses);
     const std::vector<Measurement> samples
         = measure(blender, a.asset, poses, options, surface ? &*surface : nullptr, a.measure, progress);
     progress.clear_line();

@@ -41,9 +41,9 @@ void check_output(const std::string& option, const std::string& path, const std:
     probe_output(path, { a.rest, a.script });
 }
 
-void stop_at_errors(const FindingList& findings)
+void stop_at_errors(const DiagnosticList& diagnostics)
 {
-    if (findings.has_errors()) throw Failure(ExitCode::bad_input, findings.findings());
+    if (diagnostics.has_errors()) throw Failure(ExitCode::bad_input, diagnostics.diagnostics());
 }
 
 void print_regions(const Script& script, const Handles& handles)
@@ -65,13 +65,13 @@ ExitCode run(const Arguments& a)
 {
     check_output("--output", a.output, ".msh", a);
     if (!a.ply.empty()) check_output("--ply", a.ply, ".ply", a);
-    FindingList findings;
-    const Script script = read_script(a.script, findings);
-    const std::optional<RestPose> rest = read_rest_pose(a.rest, findings);
-    stop_at_errors(findings);
-    const Handles handles(script, rest->mesh.positions, findings);
-    stop_at_errors(findings);
-    for (const Finding& warning : findings.findings()) print_finding("pose", warning);
+    DiagnosticList diagnostics;
+    const Script script = read_script(a.script, diagnostics);
+    const std::optional<RestPose> rest = read_rest_pose(a.rest, diagnostics);
+    stop_at_errors(diagnostics);
+    const Handles handles(script, rest->mesh.positions, diagnostics);
+    stop_at_errors(diagnostics);
+    for (const Diagnostic& warning : diagnostics.diagnostics()) print_finding("pose", warning);
     if (!a.is_quiet) print_regions(script, handles);
 
     const DragResult result = drag_with_progress(a, *rest, handles);

@@ -29,9 +29,9 @@ ViewOptions view_of(const Arguments& a)
 
 std::string read_input(const std::string& path)
 {
-    FindingList findings;
-    const std::optional<std::string> bytes = read_bytes(path, findings);
-    if (!bytes) throw Failure(ExitCode::bad_input, findings.findings());
+    DiagnosticList diagnostics;
+    const std::optional<std::string> bytes = read_bytes(path, diagnostics);
+    if (!bytes) throw Failure(ExitCode::bad_input, diagnostics.diagnostics());
     return *bytes;
 }
 

@@ -37,11 +37,11 @@ void add_json(CLI::App& verb, bool& is_json);
 
 // Loads and checks poses; prints warnings under the verb's name, and adds them to `kept` if that is not null.
 PoseSet load_with_warnings(const std::string& verb, const std::vector<std::string>& paths, const EnergyOptions& options,
-                           std::vector<Finding>* kept = nullptr);
+                           std::vector<Diagnostic>* kept = nullptr);
 
 // Loads the surface that is drawn in the place of a solid's boundary; warnings as above.
-DrawnSurface load_surface_with_warnings(const std::string& verb, const std::string& path, const PoseSet& poses,
-                                        std::vector<Finding>* kept = nullptr);
+RenderMesh load_surface_with_warnings(const std::string& verb, const std::string& path, const PoseSet& poses,
+                                        std::vector<Diagnostic>* kept = nullptr);
 
 // What `pliant check --json` says: counts, and what a bake would cost. Throws Failure (usage, P1206).
 nlohmann::ordered_json describe_poses(const PoseSet& poses, const BakeOptions& options);

@@ -79,9 +79,9 @@ std::size_t edit_distance(const std::string& a, const std::string& b)
 
 Json read_json_file(const std::string& path)
 {
-    FindingList findings;
-    std::optional<std::string> text = read_bytes(path, findings);
-    if (!text) throw Failure(ExitCode::bad_input, findings.findings());
+    DiagnosticList diagnostics;
+    std::optional<std::string> text = read_bytes(path, diagnostics);
+    if (!text) throw Failure(ExitCode::bad_input, diagnostics.diagnostics());
     Json json;
     try {
         json = Json::parse(*text, Watch(path));

@@ -39,8 +39,8 @@ std::string pose_seen_from(const fs::path& folder, const std::string& pose)
 
 std::string digest_of(const std::string& path)
 {
-    FindingList findings;
-    const std::optional<std::string> bytes = read_bytes(path, findings);
+    DiagnosticList diagnostics;
+    const std::optional<std::string> bytes = read_bytes(path, diagnostics);
     return bytes ? sha256_hex(*bytes) : "";
 }
 

@@ -9,7 +9,7 @@ namespace pliant {
 inline TrainingSet train(NewtonSolver& solver, const Subspace& subspace, std::size_t count)
 {
     const std::size_t m = solver.set().pose_count();
-    const NewtonResult mean = solver.minimise(equal_weights(m), solver.set().shapes[0], NewtonOptions());
+    const NewtonResult mean = solver.minimize(equal_weights(m), solver.set().shapes[0], NewtonOptions());
     HessianAssembler assembler(solver.energy());
     assembler.assemble(equal_weights(m), mean.y, HessianKind::exact);
     const ReducedSolver reduced(solver.energy(), subspace, assembler.matrix(), mean.energy);

@@ -340,7 +340,7 @@ int main(int argc, char** argv)
         fmt::print("one core reads {:.1f} GB/s\n", 1e-9 * bandwidth);
         for (const std::string& path : paths) measure(path, vertex_count, error, bandwidth);
     } catch (const Failure& failure) {
-        for (const Finding& finding : failure.findings()) print_finding("bench", finding);
+        for (const Diagnostic& branch : failure.branches()) print_finding("bench", branch);
         return 1;
     } catch (const std::exception& error_found) {
         fmt::print(stderr, "{}\n", error_found.what());

@@ -235,6 +235,6 @@ try {
     if (!csv_path.empty()) write_file_atomically(csv_path, csv(rows));
     return 0;
 } catch (const Failure& failure) {
-    for (const Finding& finding : failure.findings()) print_finding("bench", finding);
+    for (const Diagnostic& branch : failure.branches()) print_finding("bench", branch);
     return int(failure.code());
 }

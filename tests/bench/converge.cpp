@@ -24,7 +24,7 @@ void print(const char* name, const NewtonResult& r)
 int unconverged_of(const std::vector<std::string>& paths)
 {
     const PoseSet poses = load_poses(paths);
-    const ShapeSet set = normalise(poses);
+    const NormalizedPoses set = normalize(poses);
     const std::unique_ptr<Energy> energy = make_energy(set, EnergyOptions());
     SolverPool pool(*energy, set, default_solver());
     AverageFamily family(pool, NewtonOptions(), nullptr);
@@ -55,6 +55,6 @@ try {
     for (const auto& set : sets) unconverged += unconverged_of(set);
     return unconverged ? 1 : 0;
 } catch (const Failure& failure) {
-    for (const Finding& finding : failure.findings()) print_finding("converge", finding);
+    for (const Diagnostic& branch : failure.branches()) print_finding("converge", branch);
     return int(failure.code());
 }

@@ -77,7 +77,7 @@ NewtonOptions exact_newton()
 class Bar {
 public:
     Bar(const Options& options, double degrees)
-        : set_(normalise(twisted_bar(options.cells, options.length_cells, radians(degrees))))
+        : set_(normalize(twisted_bar(options.cells, options.length_cells, radians(degrees))))
         , solid_(set_, { SolidLaw::stvk, options.poisson })
         , pool_(solid_, set_, default_solver())
         , family_(pool_, exact_newton(), nullptr)
@@ -97,11 +97,11 @@ public:
         const std::chrono::duration<double> seconds = std::chrono::steady_clock::now() - start;
         tell(fmt::format("{}, d = {}: quartic of {} tetrahedra and 2 poses in {:.2f} s on {} threads", kind, d,
                          set_.tets.size(), seconds.count(), worker_count()));
-        const StandIn exact(solid_, std::move(quartic));
+        const SurrogateEnergy exact(solid_, std::move(quartic));
         errors.assign(truths_.size(), 0);
         for_each_task(truths_.size(), [&](std::size_t i, std::size_t) {
-            const MinimiseResult found
-                = minimise_newton(exact, weights_[i], project(subspace, truths_[i], set_.masses), 1e-12, 60);
+            const MinimizeResult found
+                = minimize_newton(exact, weights_[i], project(subspace, truths_[i], set_.masses), 1e-12, 60);
             errors[i] = relative_distance(set_, subspace.shape(found.q), truths_[i]);
         });
         Error out;
@@ -128,7 +128,7 @@ private:
                 continue;
             }
             const Shape start = n == 1 ? truths_[0] : Shape(2 * truths_[n - 1] - truths_[n - 2]);
-            NewtonResult result = solver.minimise(weights_.back(), start, exact_newton());
+            NewtonResult result = solver.minimize(weights_.back(), start, exact_newton());
             if (!result.has_converged) tell(fmt::format("the average for weight {} did not converge", t));
             fix_gauge(set_, result.y);
             truths_.push_back(std::move(result.y));
@@ -147,7 +147,7 @@ private:
         return leading(*adaptive_, std::min(d, adaptive_->dimension()));
     }
 
-    ShapeSet set_;
+    NormalizedPoses set_;
     Solid solid_;
     SolverPool pool_;
     AverageFamily family_;

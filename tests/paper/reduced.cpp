@@ -9,44 +9,44 @@ namespace pliant {
 
 namespace {
 
-// Coordinates of the point of the subspace nearest to the truth, rigidly moved as suits it best.
-Eigen::VectorXd nearest_point(const ShapeSet& set, const Subspace& subspace, const Shape& truth)
+// Coordinates of the point of the subspace nearest to the reference average, rigidly moved as suits it best.
+Eigen::VectorXd nearest_point(const NormalizedPoses& set, const Subspace& subspace, const Shape& reference)
 {
-    // Over q and the rigid motion of the truth at once, since a space may hold turned shapes better: Gauss-Newton with the rigid modes
+    // Over q and the rigid motion of the reference average at once, since a space may hold turned shapes better: Gauss-Newton with the rigid modes
     // as further columns. It converges quadratically; from a copy aligned with pose 0 three turns are plenty.
     const Eigen::Index d = subspace.dimension();
     Eigen::MatrixXd columns(set.dof_count(), d + 6);
     columns.leftCols(d) = subspace.basis;
-    Shape moved = truth;
+    Shape moved = reference;
     for (int turn = 0; turn < 3; ++turn) {
         columns.rightCols<6>() = rigid_modes(moved, set.masses);
         const Eigen::MatrixXd weighted = times_mass(columns, set.masses);
         // Rank-revealing: a basis may contain rigid motions itself.
         const Eigen::CompleteOrthogonalDecomposition<Eigen::MatrixXd> gram(columns.transpose() * weighted);
         const Eigen::VectorXd q = gram.solve(weighted.transpose() * (moved - subspace.origin)).head(d);
-        moved = truth;
-        apply(best_rigid_motion(truth, subspace.shape(q), set.masses), moved);
+        moved = reference;
+        apply(best_rigid_motion(reference, subspace.shape(q), set.masses), moved);
     }
     return project(subspace, moved, set.masses);
 }
 
 } // namespace
 
-Eigen::MatrixXd solve_reduced(const Energy& energy, const ShapeSet& set, const Subspace& subspace,
-                              const std::vector<Truth>& truths)
+Eigen::MatrixXd solve_reduced(const Energy& energy, const NormalizedPoses& set, const Subspace& subspace,
+                              const std::vector<Reference>& references)
 {
     const ReducedEnergy reduced(energy, subspace);
-    Eigen::MatrixXd out(subspace.dimension(), Eigen::Index(truths.size()));
-    for (std::size_t i = 0; i < truths.size(); ++i) {
-        const Eigen::VectorXd start = nearest_point(set, subspace, truths[i].shape);
-        out.col(Eigen::Index(i)) = minimise_newton(reduced, truths[i].weights, start, 1e-6, 40).q;
+    Eigen::MatrixXd out(subspace.dimension(), Eigen::Index(references.size()));
+    for (std::size_t i = 0; i < references.size(); ++i) {
+        const Eigen::VectorXd start = nearest_point(set, subspace, references[i].shape);
+        out.col(Eigen::Index(i)) = minimize_newton(reduced, references[i].weights, start, 1e-6, 40).q;
     }
     return out;
 }
 
-double projection_error(const ShapeSet& set, const Subspace& subspace, const Shape& truth)
+double projection_error(const NormalizedPoses& set, const Subspace& subspace, const Shape& reference)
 {
-    return relative_distance(set, subspace.shape(nearest_point(set, subspace, truth)), truth);
+    return relative_distance(set, subspace.shape(nearest_point(set, subspace, reference)), reference);
 }
 
 Subspace leading_part(const Subspace& subspace, Eigen::Index d)
@@ -54,7 +54,7 @@ Subspace leading_part(const Subspace& subspace, Eigen::Index d)
     return { subspace.origin, subspace.basis.leftCols(d), subspace.pose_coordinates.topRows(d) };
 }
 
-Subspace subspace_of(const RuntimeBlender& blender, const ShapeSet& set, const std::string& path)
+Subspace subspace_of(const RuntimeBlender& blender, const NormalizedPoses& set, const std::string& path)
 {
     const pliant_asset& asset = blender.asset();
     const auto refuse = [&](const char* why) {

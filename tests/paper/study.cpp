@@ -50,49 +50,49 @@ std::string weights_text(const Weights& w)
 
 // Fresh weights. Two poses: a regular grid, which has a quarter, a half and three quarters if count + 1 is a multiple of 4. More: uniform,
 // edge, corner-heavy in turn, as `pliant measure` draws them.
-std::vector<Truth> fresh_weights(std::size_t pose_count, std::size_t count, std::uint64_t seed)
+std::vector<Reference> fresh_weights(std::size_t pose_count, std::size_t count, std::uint64_t seed)
 {
-    std::vector<Truth> out;
+    std::vector<Reference> out;
     Random random(seed);
     for (std::size_t i = 0; i < count; ++i) {
-        Truth truth;
+        Reference reference;
         if (pose_count == 2) {
             const double t = double(i + 1) / double(count + 1);
-            truth.kind = "grid";
-            truth.weights = (1 - t) * corner_weights(2, 0) + t * corner_weights(2, 1);
+            reference.kind = "grid";
+            reference.weights = (1 - t) * corner_weights(2, 0) + t * corner_weights(2, 1);
         } else if (i % 3 == 1) {
             const std::size_t a = random.below(pose_count), b = (a + 1 + random.below(pose_count - 1)) % pose_count;
             const double t = 0.1 + 0.8 * random.uniform();
-            truth.kind = "edge";
-            truth.weights = t * corner_weights(pose_count, a) + (1 - t) * corner_weights(pose_count, b);
+            reference.kind = "edge";
+            reference.weights = t * corner_weights(pose_count, a) + (1 - t) * corner_weights(pose_count, b);
         } else {
-            truth.kind = i % 3 == 0 ? "uniform" : "corner";
-            truth.weights = random_weights(random, pose_count, i % 3 == 2);
+            reference.kind = i % 3 == 0 ? "uniform" : "corner";
+            reference.weights = random_weights(random, pose_count, i % 3 == 2);
         }
-        out.push_back(truth);
+        out.push_back(reference);
     }
     return out;
 }
 
 // Weights of the snapshots for the POD bound: none of them is fresh.
-std::vector<Truth> train_weights(std::size_t pose_count, std::size_t count, std::uint64_t seed)
+std::vector<Reference> train_weights(std::size_t pose_count, std::size_t count, std::uint64_t seed)
 {
-    std::vector<Truth> out;
+    std::vector<Reference> out;
     for (const Weights& w : training_weights(pose_count, count, seed + 1000003))
         out.push_back({ "train", w, Shape(), false });
     return out;
 }
 
-void solve_truths(const AverageFamily& family, std::vector<Truth>& truths)
+void solve_reference(const AverageFamily& family, std::vector<Reference>& references)
 {
-    for_each_task(truths.size(), [&](std::size_t i, std::size_t worker) {
-        NewtonResult result = family.at(truths[i].weights, worker, nullptr).average;
-        truths[i].shape = std::move(result.y);
-        truths[i].has_converged = result.has_converged;
+    for_each_task(references.size(), [&](std::size_t i, std::size_t worker) {
+        NewtonResult result = family.at(references[i].weights, worker, nullptr).average;
+        references[i].shape = std::move(result.y);
+        references[i].has_converged = result.has_converged;
     });
     int unconverged = 0;
-    for (const Truth& truth : truths) unconverged += !truth.has_converged;
-    if (unconverged) tell(fmt::format("{} of {} unreduced averages did not converge", unconverged, truths.size()));
+    for (const Reference& reference : references) unconverged += !reference.has_converged;
+    if (unconverged) tell(fmt::format("{} of {} unreduced averages did not converge", unconverged, references.size()));
 }
 
 struct Named {
@@ -115,7 +115,7 @@ class Study {
 public:
     Study(const Options& options, const PoseSet& poses)
         : options_(options)
-        , set_(normalise(poses))
+        , set_(normalize(poses))
         , energy_(make_energy(set_, EnergyOptions()))
         , solver_(*energy_, set_, default_solver())
     {
@@ -125,8 +125,8 @@ public:
         fresh_ = fresh_weights(set_.pose_count(), options.fresh_count, options.seed);
         train_ = train_weights(set_.pose_count(), options.train_count, options.seed);
         tell(fmt::format("{} unreduced averages", fresh_.size() + train_.size()));
-        solve_truths(family, fresh_);
-        solve_truths(family, train_);
+        solve_reference(family, fresh_);
+        solve_reference(family, train_);
     }
 
     void run()
@@ -162,11 +162,11 @@ private:
         return build_subspace(set_, snapshots, d);
     }
 
-    void add_row(const std::string& basis, Eigen::Index d, const Truth& truth, const Shape& blend, double projected)
+    void add_row(const std::string& basis, Eigen::Index d, const Reference& reference, const Shape& blend, double projected)
     {
-        const ShapeError error = shape_error(*energy_, set_, truth.weights, blend, truth.shape);
-        csv_ += fmt::format("{},{},{},{},{:.6e},{:.6e},{:.6e},{}\n", basis, d, truth.kind, weights_text(truth.weights),
-                            error.relative_l2, error.largest_distance, projected, int(truth.has_converged));
+        const ShapeError error = shape_error(*energy_, set_, reference.weights, blend, reference.shape);
+        csv_ += fmt::format("{},{},{},{},{:.6e},{:.6e},{:.6e},{}\n", basis, d, reference.kind, weights_text(reference.weights),
+                            error.relative_l2, error.largest_distance, projected, int(reference.has_converged));
     }
 
     Shape linear_blend(const Weights& w) const
@@ -179,9 +179,9 @@ private:
     void linear()
     {
         const Subspace differences = build_subspace(set_, Eigen::MatrixXd(set_.dof_count(), 0), 0);
-        for (const Truth& truth : fresh_)
-            add_row("linear", differences.dimension(), truth, linear_blend(truth.weights),
-                    projection_error(set_, differences, truth.shape));
+        for (const Reference& reference : fresh_)
+            add_row("linear", differences.dimension(), reference, linear_blend(reference.weights),
+                    projection_error(set_, differences, reference.shape));
     }
 
     void measure(const std::string& basis, const Subspace& subspace)
@@ -195,8 +195,8 @@ private:
                          std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count()));
     }
 
-    // Total error of the runtime's blends, and its two parts: the subspace's (exact reduced average against the truth) and the
-    // stand-in's (blend against the exact reduced average).
+    // Total error of the runtime's blends, and its two parts: the subspace's (exact reduced average against the reference average) and the
+    // surrogate energy's (blend against the exact reduced average).
     void assets()
     {
         std::string csv
@@ -208,41 +208,41 @@ private:
             const int element_count = certificate.value(nlohmann::json::json_pointer("/stand_in/elements"), 0);
             const Eigen::MatrixXd q = solve_reduced(*energy_, set_, subspace, fresh_);
             for (std::size_t i = 0; i < fresh_.size(); ++i) {
-                const Truth& truth = fresh_[i];
-                const Eigen::VectorXf w = truth.weights.cast<float>();
+                const Reference& reference = fresh_[i];
+                const Eigen::VectorXf w = reference.weights.cast<float>();
                 pliant_solve_info info {};
                 const Shape blend = from_input_units(
                     set_, blender.positions(blender.solve(std::vector<float>(w.data(), w.data() + w.size()), false, &info)));
                 const Shape reduced = subspace.shape(q.col(Eigen::Index(i)));
-                const ShapeError error = shape_error(*energy_, set_, truth.weights, blend, truth.shape);
+                const ShapeError error = shape_error(*energy_, set_, reference.weights, blend, reference.shape);
                 csv += fmt::format("{},{},{},{},{},{:.6e},{:.6e},{:.6e},{:.6e},{},{}\n", named.name, subspace.dimension(),
-                                   element_count, truth.kind, weights_text(truth.weights), error.relative_l2,
-                                   error.largest_distance, relative_distance(set_, reduced, truth.shape),
-                                   relative_distance(set_, blend, reduced), info.iterations, int(truth.has_converged));
+                                   element_count, reference.kind, weights_text(reference.weights), error.relative_l2,
+                                   error.largest_distance, relative_distance(set_, reduced, reference.shape),
+                                   relative_distance(set_, blend, reduced), info.iterations, int(reference.has_converged));
             }
             tell(fmt::format("asset {}: d = {}, {} elements", named.name, subspace.dimension(), element_count));
         }
         write_file_atomically(options_.prefix + "_assets.csv", csv);
     }
 
-    // In normalised units: relative to pose 0's centroid, mean area 1, total mass 1.
+    // In normalized units: relative to pose 0's centroid, mean area 1, total mass 1.
     void write_snapshots() const
     {
         using Floats = Eigen::Matrix<float, -1, -1, Eigen::RowMajor>;
         using Doubles = Eigen::Matrix<double, -1, -1, Eigen::RowMajor>;
-        const auto write = [&](const char* name, const std::vector<Truth>& truths) {
-            Floats shapes(Eigen::Index(truths.size()), set_.dof_count());
-            Doubles weights(Eigen::Index(truths.size()), Eigen::Index(set_.pose_count()));
-            for (std::size_t i = 0; i < truths.size(); ++i) {
-                shapes.row(Eigen::Index(i)) = truths[i].shape.transpose().cast<float>();
-                weights.row(Eigen::Index(i)) = truths[i].weights.transpose();
+        const auto write = [&](const char* name, const std::vector<Reference>& references) {
+            Floats shapes(Eigen::Index(references.size()), set_.dof_count());
+            Doubles weights(Eigen::Index(references.size()), Eigen::Index(set_.pose_count()));
+            for (std::size_t i = 0; i < references.size(); ++i) {
+                shapes.row(Eigen::Index(i)) = references[i].shape.transpose().cast<float>();
+                weights.row(Eigen::Index(i)) = references[i].weights.transpose();
             }
             write_npy<float>(fmt::format("{}_{}.npy", options_.prefix, name), "<f4", shapes);
             write_npy<double>(fmt::format("{}_{}_weights.npy", options_.prefix, name), "<f8", weights);
         };
         write("fresh", fresh_);
         write("train", train_);
-        std::vector<Truth> poses;
+        std::vector<Reference> poses;
         for (std::size_t k = 0; k < set_.pose_count(); ++k)
             poses.push_back({ "pose", corner_weights(set_.pose_count(), k), set_.shapes[k], true });
         write("poses", poses);
@@ -254,10 +254,10 @@ private:
     }
 
     const Options& options_;
-    ShapeSet set_;
+    NormalizedPoses set_;
     std::unique_ptr<Energy> energy_;
     NewtonSolver solver_;
-    std::vector<Truth> fresh_, train_;
+    std::vector<Reference> fresh_, train_;
     std::string csv_;
 };
 

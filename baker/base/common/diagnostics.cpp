@@ -23,7 +23,7 @@ std::string without_line(const std::string& where)
 void add_elements(const std::vector<std::uint32_t>& more, std::vector<std::uint32_t>& elements)
 {
     for (const std::uint32_t element : more) {
-        if (elements.size() >= Finding::element_limit) return;
+        if (elements.size() >= Diagnostic::element_limit) return;
         if (std::find(elements.begin(), elements.end(), element) == elements.end()) elements.push_back(element);
     }
 }
@@ -35,100 +35,100 @@ std::string join(const std::vector<std::string>& words)
     return text;
 }
 
-std::string join(const std::vector<Finding>& findings)
+std::string join(const std::vector<Diagnostic>& diagnostics)
 {
     std::string text;
-    for (const Finding& finding : findings) text += (text.empty() ? "" : "\n") + to_text(finding);
+    for (const Diagnostic& diagnostic : diagnostics) text += (text.empty() ? "" : "\n") + to_text(diagnostic);
     return text;
 }
 
 } // namespace
 
-Finding error_at(int number, std::string where, std::string what, std::string hint)
+Diagnostic error_at(int number, std::string where, std::string what, std::string hint)
 {
-    return { Finding::Severity::error, number, std::move(where), std::move(what), std::move(hint) };
+    return { Diagnostic::Severity::error, number, std::move(where), std::move(what), std::move(hint) };
 }
 
-Finding warning_at(int number, std::string where, std::string what, std::string hint)
+Diagnostic warning_at(int number, std::string where, std::string what, std::string hint)
 {
-    return { Finding::Severity::warning, number, std::move(where), std::move(what), std::move(hint) };
+    return { Diagnostic::Severity::warning, number, std::move(where), std::move(what), std::move(hint) };
 }
 
-Finding about_vertices(Finding finding, const std::vector<std::uint32_t>& vertices)
+Diagnostic about_vertices(Diagnostic diagnostic, const std::vector<std::uint32_t>& vertices)
 {
-    add_elements(vertices, finding.vertices);
-    return finding;
+    add_elements(vertices, diagnostic.vertices);
+    return diagnostic;
 }
 
-Finding about_faces(Finding finding, const std::vector<std::uint32_t>& faces)
+Diagnostic about_faces(Diagnostic diagnostic, const std::vector<std::uint32_t>& faces)
 {
-    add_elements(faces, finding.faces);
-    return finding;
+    add_elements(faces, diagnostic.faces);
+    return diagnostic;
 }
 
-Failure::Failure(ExitCode code, Finding finding)
-    : Failure(code, std::vector<Finding> { std::move(finding) })
+Failure::Failure(ExitCode code, Diagnostic diagnostic)
+    : Failure(code, std::vector<Diagnostic> { std::move(diagnostic) })
 {
 }
 
-Failure::Failure(ExitCode code, std::vector<Finding> findings)
+Failure::Failure(ExitCode code, std::vector<Diagnostic> diagnostics)
     : code_(code)
-    , findings_(std::move(findings))
-    , text_(join(findings_))
+    , diagnostics_(std::move(diagnostics))
+    , text_(join(diagnostics_))
 {
 }
 
 const char* Failure::what() const noexcept { return text_.c_str(); }
 
-std::string to_text(const Finding& finding)
+std::string to_text(const Diagnostic& diagnostic)
 {
     std::string text
-        = fmt::format("{} P{:04}: ", finding.severity == Finding::Severity::error ? "error" : "warning", finding.number);
-    if (!finding.where.empty()) text += finding.where + ": ";
-    text += finding.what;
-    if (!finding.hint.empty()) text += "\n  hint: " + finding.hint;
+        = fmt::format("{} P{:04}: ", diagnostic.severity == Diagnostic::Severity::error ? "error" : "warning", diagnostic.number);
+    if (!diagnostic.where.empty()) text += diagnostic.where + ": ";
+    text += diagnostic.what;
+    if (!diagnostic.hint.empty()) text += "\n  hint: " + diagnostic.hint;
     return text;
 }
 
-void FindingList::add(Finding finding)
+void DiagnosticList::add(Diagnostic diagnostic)
 {
-    if (finding.severity == Finding::Severity::error) ++error_count_;
-    Overflow& overflow = numbers_[finding.number];
+    if (diagnostic.severity == Diagnostic::Severity::error) ++error_count_;
+    Overflow& overflow = numbers_[diagnostic.number];
     if (overflow.kept < lines_per_number_) {
         ++overflow.kept;
-        kept_.push_back(std::move(finding));
+        kept_.push_back(std::move(diagnostic));
         return;
     }
     ++overflow.dropped;
-    add_elements(finding.vertices, overflow.vertices);
-    add_elements(finding.faces, overflow.faces);
+    add_elements(diagnostic.vertices, overflow.vertices);
+    add_elements(diagnostic.faces, overflow.faces);
     std::vector<std::string>& files = overflow.dropped_files;
     if (files.size() > overflow_file_limit) return;
-    std::string file = without_line(finding.where);
+    std::string file = without_line(diagnostic.where);
     if (std::find(files.begin(), files.end(), file) == files.end()) files.push_back(std::move(file));
 }
 
-std::vector<Finding> FindingList::findings() const
+std::vector<Diagnostic> DiagnosticList::diagnostics() const
 {
-    std::map<int, std::size_t> last; // index of the last kept finding of each number
+    std::map<int, std::size_t> last; // index of the last kept diagnostic of each number
     for (std::size_t i = 0; i < kept_.size(); ++i) last[kept_[i].number] = i;
 
-    std::vector<Finding> all;
+    std::vector<Diagnostic> all;
     for (std::size_t i = 0; i < kept_.size(); ++i) {
-        const Finding& finding = kept_[i];
-        const std::size_t last_index = last.at(finding.number);
-        all.push_back(finding);
+        const Diagnostic& diagnostic = kept_[i];
+        const std::size_t last_index = last.at(diagnostic.number);
+        all.push_back(diagnostic);
         // The same advice is given once, behind the last line of its kind.
-        const std::size_t dropped = numbers_.at(finding.number).dropped;
-        const bool advice_follows = i != last_index ? finding.hint == kept_[last_index].hint : dropped != 0;
+        const std::size_t dropped = numbers_.at(diagnostic.number).dropped;
+        const bool advice_follows = i != last_index ? diagnostic.hint == kept_[last_index].hint : dropped != 0;
         if (advice_follows) all.back().hint.clear();
         if (i != last_index || dropped == 0) continue;
 
-        const Overflow& overflow = numbers_.at(finding.number);
+        const Overflow& overflow = numbers_.at(diagnostic.number);
         std::vector<std::string> files = overflow.dropped_files;
         if (files.size() > overflow_file_limit) files[overflow_file_limit] = "...";
         const std::string what = fmt::format("... and {} more in {}", dropped, join(files));
-        all.push_back({ finding.severity, finding.number, {}, what, finding.hint, overflow.vertices, overflow.faces });
+        all.push_back({ diagnostic.severity, diagnostic.number, {}, what, diagnostic.hint, overflow.vertices, overflow.faces });
     }
     return all;
 }

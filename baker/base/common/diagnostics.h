@@ -19,10 +19,10 @@ enum class ExitCode : int {
     interrupted = 130
 };
 
-// One finding. `number` is printed as P and four digits: P1xxx usage, P2xxx one input file, P3xxx poses against each other,
+// One diagnostic. `number` is printed as P and four digits: P1xxx usage, P2xxx one input file, P3xxx poses against each other,
 // P4xxx working, P5xxx assets. Warnings use the same numbers space. The table is in messages.md; a test compares it with
 // the sources, and finds numbers by the three functions below, by Severity::..., and by Progress::warn.
-struct Finding {
+struct Diagnostic {
     enum class Severity { warning, error };
     Severity severity = Severity::error;
     int number = 0;
@@ -36,47 +36,47 @@ struct Finding {
 };
 
 // An error or a warning in one line of source: error_at(2103, where, what, hint).
-Finding error_at(int number, std::string where, std::string what, std::string hint = {});
-Finding warning_at(int number, std::string where, std::string what, std::string hint = {});
+Diagnostic error_at(int number, std::string where, std::string what, std::string hint = {});
+Diagnostic warning_at(int number, std::string where, std::string what, std::string hint = {});
 
-// The finding with the elements that it is about.
-Finding about_vertices(Finding finding, const std::vector<std::uint32_t>& vertices);
-Finding about_faces(Finding finding, const std::vector<std::uint32_t>& faces);
+// The diagnostic with the elements that it is about.
+Diagnostic about_vertices(Diagnostic diagnostic, const std::vector<std::uint32_t>& vertices);
+Diagnostic about_faces(Diagnostic diagnostic, const std::vector<std::uint32_t>& faces);
 
 // Stops a verb: carries everything found and the code to exit with.
 class Failure : public std::exception {
 public:
-    Failure(ExitCode code, Finding finding);
-    Failure(ExitCode code, std::vector<Finding> findings);
+    Failure(ExitCode code, Diagnostic diagnostic);
+    Failure(ExitCode code, std::vector<Diagnostic> diagnostics);
 
     ExitCode code() const { return code_; }
-    const std::vector<Finding>& findings() const { return findings_; }
-    const char* what() const noexcept override; // all findings as text, one after the other
+    const std::vector<Diagnostic>& diagnostics() const { return diagnostics_; }
+    const char* what() const noexcept override; // all diagnostics as text, one after the other
 
 private:
     ExitCode code_;
-    std::vector<Finding> findings_;
+    std::vector<Diagnostic> diagnostics_;
     std::string text_;
 };
 
 // "error P2103: run_04.obj:812: face 377 uses vertex 9001, the file has 6890\n  hint: ..." (no verb in front, no final newline).
-std::string to_text(const Finding& finding);
+std::string to_text(const Diagnostic& diagnostic);
 
-// Gathers findings of many files so that one run tells everything, without a page per broken face: of every number the first
-// `lines_per_number` are kept and the others counted. Memory does not grow with the number of findings.
-class FindingList {
+// Gathers diagnostics of many files so that one run tells everything, without a page per broken face: of every number the first
+// `lines_per_number` are kept and the others counted. Memory does not grow with the number of diagnostics.
+class DiagnosticList {
 public:
-    explicit FindingList(std::size_t lines_per_number = 10)
+    explicit DiagnosticList(std::size_t lines_per_number = 10)
         : lines_per_number_(lines_per_number)
     {
     }
 
-    void add(Finding finding);
+    void add(Diagnostic diagnostic);
     bool has_errors() const { return error_count_ != 0; }
     std::size_t error_count() const { return error_count_; }
 
     // What was kept, in the order of arrival; behind the last of a number that overflowed stands "... and N more".
-    std::vector<Finding> findings() const;
+    std::vector<Diagnostic> diagnostics() const;
 
 private:
     struct Overflow {
@@ -87,7 +87,7 @@ private:
     };
     std::size_t lines_per_number_;
     std::size_t error_count_ = 0;
-    std::vector<Finding> kept_;
+    std::vector<Diagnostic> kept_;
     std::map<int, Overflow> numbers_;
 };
 

@@ -40,14 +40,14 @@ void apply(const RigidMotion& motion, Shape& shape)
         shape.segment<3>(i) = (motion.rotation * shape.segment<3>(i) + motion.translation).eval();
 }
 
-void align_to(const ShapeSet& set, const Shape& target, Shape& shape)
+void align_to(const NormalizedPoses& set, const Shape& target, Shape& shape)
 {
     if (set.is_free()) apply(best_rigid_motion(shape, target, set.masses), shape);
 }
 
-ShapeSet normalise(const PoseSet& poses, bool keep_placement)
+NormalizedPoses normalize(const PoseSet& poses, bool keep_placement)
 {
-    ShapeSet set;
+    NormalizedPoses set;
     set.triangles = poses.triangles;
     set.tets = poses.tets;
     set.regions = poses.regions;
@@ -95,14 +95,14 @@ ShapeSet normalise(const PoseSet& poses, bool keep_placement)
     return set;
 }
 
-Positions to_input_units(const ShapeSet& set, const Shape& shape)
+Positions to_input_units(const NormalizedPoses& set, const Shape& shape)
 {
     Positions positions = set.length * rows(shape);
     positions.rowwise() += set.origin.transpose();
     return positions;
 }
 
-Shape from_input_units(const ShapeSet& set, const std::vector<float>& positions)
+Shape from_input_units(const NormalizedPoses& set, const std::vector<float>& positions)
 {
     Shape shape(Eigen::Index(positions.size()));
     for (Eigen::Index i = 0; i < shape.size(); ++i)

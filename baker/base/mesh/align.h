@@ -11,15 +11,15 @@ RigidMotion best_rigid_motion(const Shape& from, const Shape& to, const Eigen::V
 void apply(const RigidMotion& motion, Shape& shape);
 
 // Moves `shape` rigidly to where it is closest to `target`, unless fixed vertices hold it.
-void align_to(const ShapeSet& set, const Shape& target, Shape& shape);
+void align_to(const NormalizedPoses& set, const Shape& target, Shape& shape);
 
 // Aligns (unless `keep_placement`, or vertices are fixed) and normalises.
-ShapeSet normalise(const PoseSet& poses, bool keep_placement = false);
+NormalizedPoses normalize(const PoseSet& poses, bool keep_placement = false);
 
 // Back to input units and place.
-Positions to_input_units(const ShapeSet& set, const Shape& shape);
+Positions to_input_units(const NormalizedPoses& set, const Shape& shape);
 
-// The inverse for positions as the runtime writes them (3n floats): a shape in normalised units.
-Shape from_input_units(const ShapeSet& set, const std::vector<float>& positions);
+// The inverse for positions as the runtime writes them (3n floats): a shape in normalized units.
+Shape from_input_units(const NormalizedPoses& set, const std::vector<float>& positions);
 
 } // namespace pliant

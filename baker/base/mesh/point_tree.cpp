@@ -12,7 +12,7 @@ constexpr std::uint32_t mixed = ~std::uint32_t(0);
 
 } // namespace
 
-Eigen::MatrixXd pose_space(const ShapeSet& set)
+Eigen::MatrixXd pose_space(const NormalizedPoses& set)
 {
     const Eigen::Index n = set.dof_count() / 3, m = Eigen::Index(set.pose_count());
     Eigen::MatrixXd columns(3 * m, n);

@@ -8,7 +8,7 @@ namespace pliant {
 // 3m x n: column v holds the positions of vertex v in all poses, divided by sqrt(m), so that the distance of two columns is the root
 // of the mean over the poses of the squared distance of the two vertices. Two vertices are near by it only if they are near in every
 // pose.
-Eigen::MatrixXd pose_space(const ShapeSet& set);
+Eigen::MatrixXd pose_space(const NormalizedPoses& set);
 
 // One point of a tree: a vertex, and the number of what it belongs to.
 struct TreePoint {

@@ -72,7 +72,7 @@ struct SurfaceRepairs {
     std::size_t left_out_count() const { return repeated_count + flat_count + duplicate_count; }
 };
 
-struct DrawnSurface;
+struct RenderMesh;
 
 // Poses of one character: same faces or tetrahedra, other positions. Pose 0 is the rest pose of the subspace (tau).
 // Vertices of a surface come in the order of the files, but of those that are one in all poses only the first. Those of a solid are numbered anew: the ones on its boundary first, in the
@@ -93,7 +93,7 @@ struct PoseSet {
 
     SurfaceRepairs repairs; // of a surface
     // The vertices and faces of the files, where those above are not the same: what is drawn and written. Else null.
-    std::shared_ptr<const DrawnSurface> drawn;
+    std::shared_ptr<const RenderMesh> render_mesh;
 
     std::vector<std::uint32_t> fixed_vertices; // ascending; they stay where they are in every blend
 

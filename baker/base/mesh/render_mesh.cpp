@@ -4,10 +4,10 @@
 
 namespace pliant {
 
-std::shared_ptr<const DrawnSurface> draw_vertices(Polygons polygons, std::vector<Triangle> triangles,
+std::shared_ptr<const RenderMesh> copy_to_render_mesh(Polygons polygons, std::vector<Triangle> triangles,
                                                   const std::vector<std::uint32_t>& places)
 {
-    auto surface = std::make_shared<DrawnSurface>();
+    auto surface = std::make_shared<RenderMesh>();
     surface->polygons = std::move(polygons);
     surface->triangles = std::move(triangles);
     const Eigen::Index count = static_cast<Eigen::Index>(places.size());
@@ -18,15 +18,15 @@ std::shared_ptr<const DrawnSurface> draw_vertices(Polygons polygons, std::vector
     return surface;
 }
 
-Positions drawn_positions(const DrawnSurface& surface, const Positions& positions)
+Positions render_mesh_positions(const RenderMesh& surface, const Positions& positions)
 {
     const Shape drawn = apply(surface.embedding, Eigen::Map<const Shape>(positions.data(), positions.size()));
     return Eigen::Map<const Positions>(drawn.data(), drawn.size() / 3, 3);
 }
 
-ShapeSet drawn_shapes(const ShapeSet& solid, const DrawnSurface& surface)
+NormalizedPoses render_mesh_shapes(const NormalizedPoses& solid, const RenderMesh& surface)
 {
-    ShapeSet set;
+    NormalizedPoses set;
     set.triangles = surface.triangles;
     set.fixed_vertices = solid.fixed_vertices;
     set.origin = solid.origin;

@@ -7,7 +7,7 @@
 
 namespace pliant {
 
-struct DrawnSurface {
+struct RenderMesh {
     Polygons polygons; // as the file gave them
     std::vector<Triangle> triangles;
     Embedding embedding;           // in pose 0, by the numbers of PoseSet
@@ -17,14 +17,14 @@ struct DrawnSurface {
 };
 
 // Vertices that each lie exactly where vertex `places[v]` of the elastic mesh does.
-std::shared_ptr<const DrawnSurface> draw_vertices(Polygons polygons, std::vector<Triangle> triangles,
+std::shared_ptr<const RenderMesh> copy_to_render_mesh(Polygons polygons, std::vector<Triangle> triangles,
                                                   const std::vector<std::uint32_t>& places);
 
 // The shapes of the surface in the poses of the solid, to measure its blends by: in the solid's units, around its origin. It has no
 // elements; fixed_vertices are the solid's, and say only whether shapes are held.
-ShapeSet drawn_shapes(const ShapeSet& solid, const DrawnSurface& surface);
+NormalizedPoses render_mesh_shapes(const NormalizedPoses& solid, const RenderMesh& surface);
 
 // Where the vertices of the surface are when those that they hang on are at `positions`.
-Positions drawn_positions(const DrawnSurface& surface, const Positions& positions);
+Positions render_mesh_positions(const RenderMesh& surface, const Positions& positions);
 
 } // namespace pliant

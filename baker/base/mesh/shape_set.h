@@ -11,10 +11,10 @@ struct RigidMotion {
     Eigen::Vector3d translation = Eigen::Vector3d::Zero();
 };
 
-// The normalised problem. Lengths are in units of `length` (the root of the mean surface area of the poses, the cube root of the mean
+// The normalized problem. Lengths are in units of `length` (the root of the mean surface area of the poses, the cube root of the mean
 // volume of a solid) around `origin` (the centroid of pose 0), so that nothing depends on the units of the files or on where the
 // character stands.
-struct ShapeSet {
+struct NormalizedPoses {
     std::vector<Triangle> triangles;            // of a solid: its boundary
     std::vector<Tetrahedron> tets;              // empty: a surface
     SolidRegions regions;                       // of a solid
@@ -25,7 +25,7 @@ struct ShapeSet {
     Eigen::Vector3d origin;                     // input units; each coordinate is exactly a float
     double length = 1;                          // input units
     std::vector<RigidMotion> motions;           // what was applied to each pose, in input units
-    double diagonal = 1;                        // bounding-box diagonal of pose 0, normalised units
+    double diagonal = 1;                        // bounding-box diagonal of pose 0, normalized units
 
     bool is_solid() const { return !tets.empty(); }
     bool is_free() const { return fixed_vertices.empty(); }

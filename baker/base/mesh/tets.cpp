@@ -28,7 +28,7 @@ Eigen::VectorXd lumped_tet_masses(const Shape& shape, const std::vector<Tetrahed
     return masses;
 }
 
-Eigen::VectorXd cell_masses(const ShapeSet& set, const Shape& shape)
+Eigen::VectorXd cell_masses(const NormalizedPoses& set, const Shape& shape)
 {
     if (set.is_solid()) return lumped_tet_masses(shape, set.tets);
     Eigen::VectorXd masses = lumped_masses(shape, set.triangles);
@@ -38,7 +38,7 @@ Eigen::VectorXd cell_masses(const ShapeSet& set, const Shape& shape)
     return masses;
 }
 
-Eigen::VectorXd cell_sizes(const ShapeSet& set, const Shape& shape)
+Eigen::VectorXd cell_sizes(const NormalizedPoses& set, const Shape& shape)
 {
     return set.is_solid() ? tet_volumes(shape, set.tets) : triangle_areas(shape, set.triangles);
 }

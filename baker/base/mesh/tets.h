@@ -19,9 +19,9 @@ Eigen::VectorXd lumped_tet_masses(const Shape& shape, const std::vector<Tetrahed
 constexpr double lone_vertex_mass = 1e-3;
 
 // Lumped masses of one shape of the set, whatever its cells; all positive.
-Eigen::VectorXd cell_masses(const ShapeSet& set, const Shape& shape);
+Eigen::VectorXd cell_masses(const NormalizedPoses& set, const Shape& shape);
 
 // Sizes of the cells of a set's mesh: signed volumes of a solid, areas of a surface. Where they vanish a shape is degenerate.
-Eigen::VectorXd cell_sizes(const ShapeSet& set, const Shape& shape);
+Eigen::VectorXd cell_sizes(const NormalizedPoses& set, const Shape& shape);
 
 } // namespace pliant

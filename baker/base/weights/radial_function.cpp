@@ -5,7 +5,7 @@
 
 namespace pliant {
 
-Eigen::VectorXd Predictor::operator()(const Weights& w) const
+Eigen::VectorXd RadialFunction::operator()(const Weights& w) const
 {
     Eigen::VectorXd features(coefficients.rows());
     for (std::size_t i = 0; i < centres.size(); ++i) features[Eigen::Index(i)] = std::pow((w - centres[i]).norm(), 3);
@@ -13,7 +13,7 @@ Eigen::VectorXd Predictor::operator()(const Weights& w) const
     return coefficients.transpose() * features;
 }
 
-Predictor fit_predictor(const std::vector<Weights>& centres, const Eigen::MatrixXd& values)
+RadialFunction fit_radial_function(const std::vector<Weights>& centres, const Eigen::MatrixXd& values)
 {
     const Eigen::Index n = Eigen::Index(centres.size()), m = centres[0].size();
     // Interpolation with the usual side conditions: the radial part is orthogonal to the linear functions.
@@ -26,7 +26,7 @@ Predictor fit_predictor(const std::vector<Weights>& centres, const Eigen::Matrix
     }
     Eigen::MatrixXd right = Eigen::MatrixXd::Zero(n + m, values.rows());
     right.topRows(n) = values.transpose();
-    Predictor predictor;
+    RadialFunction predictor;
     predictor.centres = centres;
     predictor.coefficients = system.fullPivLu().solve(right);
     return predictor;

@@ -7,7 +7,7 @@ namespace pliant {
 
 // f(w) = sum_i |w - centre_i|^3 coefficients.row(i) + sum_k w_k coefficients.row(N + k): a cubic radial basis function with a linear
 // tail (on the simplex the w_k span constants and linear functions). Interpolates its data.
-struct Predictor {
+struct RadialFunction {
     std::vector<Weights> centres;
     Eigen::MatrixXd coefficients; // (N + m) x d
 
@@ -15,7 +15,7 @@ struct Predictor {
 };
 
 // Fits the values (columns of `values`, d x N) at distinct centres.
-Predictor fit_predictor(const std::vector<Weights>& centres, const Eigen::MatrixXd& values);
+RadialFunction fit_radial_function(const std::vector<Weights>& centres, const Eigen::MatrixXd& values);
 
 // Interpolation needs distinct centres; closer ones (in weights) say the same.
 constexpr double closest_centres = 1e-3;

@@ -8,7 +8,7 @@
 
 namespace pliant {
 
-// A point of the simplex: Dirichlet with parameter 1 (uniform), or, with `skew`, uniform numbers cubed and normalised, which gathers
+// A point of the simplex: Dirichlet with parameter 1 (uniform), or, with `skew`, uniform numbers cubed and normalized, which gathers
 // near edges and corners.
 Weights random_weights(Random& random, std::size_t count, bool skew);
 

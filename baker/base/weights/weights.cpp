@@ -23,7 +23,7 @@ std::string weights_text(const Weights& w)
     return text;
 }
 
-Weights normalised_weights(const std::vector<double>& values, std::size_t pose_count)
+Weights normalized_weights(const std::vector<double>& values, std::size_t pose_count)
 {
     if (values.size() != pose_count)
         throw Failure(ExitCode::usage,

@@ -17,6 +17,6 @@ Weights equal_weights(std::size_t pose_count);
 std::string weights_text(const Weights& w);
 
 // Weights as people give them, checked and divided by their sum. Throws Failure (usage, P1203, P1204).
-Weights normalised_weights(const std::vector<double>& values, std::size_t pose_count);
+Weights normalized_weights(const std::vector<double>& values, std::size_t pose_count);
 
 } // namespace pliant

@@ -36,7 +36,7 @@ constexpr double sound_stretch = 1.5;
 
 } // namespace
 
-std::size_t farthest_vertex(const ShapeSet& set, const Shape& a, const Shape& b)
+std::size_t farthest_vertex(const NormalizedPoses& set, const Shape& a, const Shape& b)
 {
     Shape moved = b;
     align_to(set, a, moved);
@@ -52,7 +52,7 @@ struct AverageFamily::Path {
     Progress* progress;
     Weights w;
     NewtonResult point;
-    std::vector<BranchFinding> jumps;
+    std::vector<Branch> jumps;
     std::optional<Shape> tangent; // at the point, for the whole way that is left; until the next point
 };
 
@@ -65,7 +65,7 @@ AverageFamily::AverageFamily(SolverPool& pool, NewtonOptions options, Progress* 
 {
 }
 
-// Along the tangent, by the derivative of the minimiser, as far as it is sound. It has a lower energy all the way, but it stretches
+// Along the tangent, by the derivative of the minimizer, as far as it is sound. It has a lower energy all the way, but it stretches
 // limbs that turn, and what is stretched Newton may undo by folding creases; hence the limits.
 Shape AverageFamily::start_of_step(Path& path, const Weights& to, double share) const
 {
@@ -84,10 +84,10 @@ Shape AverageFamily::start_of_step(Path& path, const Weights& to, double share) 
     return here;
 }
 
-// Predictor-corrector. Points on the way need few digits.
+// RadialFunction-corrector. Points on the way need few digits.
 void AverageFamily::follow(Path& path, const Weights& to, bool is_rough) const
 {
-    const ShapeSet& set = pool_.set();
+    const NormalizedPoses& set = pool_.set();
     NewtonOptions rough = options_, fine = options_;
     fine.step_ratio = 0; // the way from the last point of the path says nothing about the accuracy wanted
     rough.step_ratio = 0.1;
@@ -103,7 +103,7 @@ void AverageFamily::follow(Path& path, const Weights& to, bool is_rough) const
         const double step = share * left;
         const bool is_last = share == 1;
         const Shape guess = start_of_step(path, to, share);
-        NewtonResult reached = path.solver.minimise(next, guess, is_last && !is_rough ? fine : rough, path.progress);
+        NewtonResult reached = path.solver.minimize(next, guess, is_last && !is_rough ? fine : rough, path.progress);
         iterations += reached.iterations;
         const double moved = relative_distance(set, reached.y, path.point.y);
         const double corrected = is_rough ? 0 : relative_distance(set, reached.y, guess);
@@ -120,7 +120,7 @@ void AverageFamily::follow(Path& path, const Weights& to, bool is_rough) const
         if (is_fast) {
             Eigen::Index pose = 0;
             (to - path.w).maxCoeff(&pose);
-            path.jumps.push_back({ BranchFinding::Kind::jump, next, std::size_t(pose), moved,
+            path.jumps.push_back({ Branch::Kind::jump, next, std::size_t(pose), moved,
                                    farthest_vertex(set, path.point.y, reached.y) });
         }
         if (corrected < correction_limit / 4) length = std::min(2 * length, rough_step);
@@ -145,7 +145,7 @@ FamilyPoint AverageFamily::reach_mean(std::size_t pose, std::size_t worker, Prog
 const NewtonResult& AverageFamily::mean()
 {
     if (mean_) return *mean_;
-    const ShapeSet& set = pool_.set();
+    const NormalizedPoses& set = pool_.set();
     const std::size_t m = set.pose_count();
     std::vector<FamilyPoint> means(m);
     std::vector<std::size_t> starts;
@@ -163,7 +163,7 @@ const NewtonResult& AverageFamily::mean()
         NewtonResult& average = means[k].average;
         if (average.energy - lowest > energy_doubt * std::abs(lowest)) continue;
         if (best < m && relative_distance(set, average.y, means[best].average.y) < branch_distance) continue; // the same one
-        NewtonResult fine = pool_.at(0).minimise(w, average.y, options_, &progress);
+        NewtonResult fine = pool_.at(0).minimize(w, average.y, options_, &progress);
         fix_gauge(set, fine.y);
         average = std::move(fine);
         // Energies closer than Newton's accuracy are those of one average: the first pose stands for it.
@@ -173,8 +173,8 @@ const NewtonResult& AverageFamily::mean()
         const Shape& other = means[k].average.y;
         const double distance = relative_distance(set, other, means[best].average.y);
         if (distance > rough_distance)
-            findings_.push_back(
-                { BranchFinding::Kind::other_mean, w, k, distance, farthest_vertex(set, means[best].average.y, other) });
+            branches_.push_back(
+                { Branch::Kind::other_mean, w, k, distance, farthest_vertex(set, means[best].average.y, other) });
     }
     start_pose_ = best;
     mean_ = std::move(means[best].average);
@@ -220,7 +220,7 @@ FamilyPoint AverageFamily::at(const Weights& w, std::size_t worker, Progress* pr
 
 NewtonResult AverageFamily::near(const Shape& shape, const Weights& w, std::size_t worker, Progress* progress) const
 {
-    NewtonResult result = pool_.at(worker).minimise(w, shape, options_, progress);
+    NewtonResult result = pool_.at(worker).minimize(w, shape, options_, progress);
     fix_gauge(pool_.set(), result.y);
     return result;
 }
@@ -228,24 +228,24 @@ NewtonResult AverageFamily::near(const Shape& shape, const Weights& w, std::size
 CheckPoint AverageFamily::check(const Weights& w, const Shape& blend, double suspicion, std::size_t worker,
                                 Progress* progress) const
 {
-    const ShapeSet& set = pool_.set();
+    const NormalizedPoses& set = pool_.set();
     NewtonResult beside = near(blend, w, worker, progress);
     CheckPoint point { w, std::move(beside.y), 0, 0, beside.has_converged, {} };
-    point.error = point.nearest_error = relative_distance(set, blend, point.truth);
+    point.error = point.nearest_error = relative_distance(set, blend, point.reference);
     if (point.error <= suspicion && point.has_converged) return point;
     FamilyPoint defined = at(w, worker, progress);
-    const double distance = relative_distance(set, point.truth, defined.average.y);
-    point.findings = std::move(defined.jumps);
+    const double distance = relative_distance(set, point.reference, defined.average.y);
+    point.branches = std::move(defined.jumps);
     if (distance > branch_distance) {
         Eigen::Index pose = 0;
         w.maxCoeff(&pose);
-        point.findings.push_back({ BranchFinding::Kind::other_path, w, std::size_t(pose), distance,
-                                   farthest_vertex(set, defined.average.y, point.truth) });
+        point.branches.push_back({ Branch::Kind::other_path, w, std::size_t(pose), distance,
+                                   farthest_vertex(set, defined.average.y, point.reference) });
     }
     if (!defined.average.has_converged && point.has_converged) return point;
-    point.truth = std::move(defined.average.y);
+    point.reference = std::move(defined.average.y);
     point.has_converged = defined.average.has_converged;
-    point.error = relative_distance(set, blend, point.truth);
+    point.error = relative_distance(set, blend, point.reference);
     return point;
 }
 

@@ -12,7 +12,7 @@ namespace pliant {
 
 namespace {
 
-// The normalised surface has area 1 and moduli of 1, so rounding alone makes energies of this size: smaller ones are zero.
+// The normalized surface has area 1 and moduli of 1, so rounding alone makes energies of this size: smaller ones are zero.
 constexpr double energy_floor = 1e-13;
 
 // Comparing energies is pointless when the predicted decrease drowns in their rounding.
@@ -30,7 +30,7 @@ double scale_of(double energy) { return std::max(std::abs(energy), energy_floor)
 
 } // namespace
 
-NewtonSolver::NewtonSolver(const Energy& energy, const ShapeSet& set, SolverKind kind)
+NewtonSolver::NewtonSolver(const Energy& energy, const NormalizedPoses& set, SolverKind kind)
     : energy_(energy)
     , set_(set)
     , assembler_(energy)
@@ -38,7 +38,7 @@ NewtonSolver::NewtonSolver(const Energy& energy, const ShapeSet& set, SolverKind
 {
 }
 
-void fix_gauge(const ShapeSet& set, Shape& y) { align_to(set, set.shapes[0], y); }
+void fix_gauge(const NormalizedPoses& set, Shape& y) { align_to(set, set.shapes[0], y); }
 
 void NewtonSolver::choose_pins(const Shape& y)
 {
@@ -127,7 +127,7 @@ bool NewtonSolver::is_small_step(double step, const Shape& way, const NewtonOpti
     return step <= std::max(options.step_floor, options.step_ratio * mass_norm(way, set_.masses));
 }
 
-NewtonResult NewtonSolver::minimise(const Weights& w, const Shape& start, const NewtonOptions& options, Progress* progress)
+NewtonResult NewtonSolver::minimize(const Weights& w, const Shape& start, const NewtonOptions& options, Progress* progress)
 {
     NewtonResult result;
     result.y = start;

@@ -35,12 +35,12 @@ struct NewtonResult {
 // Keeps the symbolic factorisation between solves. One solver per thread.
 class NewtonSolver {
 public:
-    NewtonSolver(const Energy& energy, const ShapeSet& set, SolverKind kind);
+    NewtonSolver(const Energy& energy, const NormalizedPoses& set, SolverKind kind);
 
-    // Minimises from `start`. The result keeps the centroid and orientation in which it was found. Calls progress->update (may be
+    // Minimizes from `start`. The result keeps the centroid and orientation in which it was found. Calls progress->update (may be
     // null) once an iteration.
     // Fixed vertices stay where they are in `start`.
-    NewtonResult minimise(const Weights& w, const Shape& start, const NewtonOptions& options, Progress* progress = nullptr);
+    NewtonResult minimize(const Weights& w, const Shape& start, const NewtonOptions& options, Progress* progress = nullptr);
 
     // Factors the exact Hessian of W(w, .) at an equilibrium y (a pose, an average) for solve_equilibrium. Throws Failure (P4302)
     // if it has negative or further zero eigenvalues.
@@ -50,14 +50,14 @@ public:
     // to them. Else x vanishes at fixed vertices.
     Eigen::MatrixXd solve_equilibrium(const Eigen::MatrixXd& loads) const;
 
-    // How the minimiser y moves when the weights move: -K(w)^-1 sum_k direction_k grad W_k(y). At a y that is only roughly a
-    // minimiser K may be indefinite: take the projected one there.
+    // How the minimizer y moves when the weights move: -K(w)^-1 sum_k direction_k grad W_k(y). At a y that is only roughly a
+    // minimizer K may be indefinite: take the projected one there.
     Shape weight_derivative(const Weights& w, const Shape& y, const Weights& direction,
                             HessianKind kind = HessianKind::exact);
 
     int factorization_count() const { return cholesky_.factorization_count(); }
     const Energy& energy() const { return energy_; }
-    const ShapeSet& set() const { return set_; }
+    const NormalizedPoses& set() const { return set_; }
 
 private:
     // Factors a positive definite model of the energy at y, the exact Hessian if it is one. False: `projected` was needed.
@@ -69,7 +69,7 @@ private:
     bool is_small_step(double step, const Shape& way, const NewtonOptions& options) const;
 
     const Energy& energy_;
-    const ShapeSet& set_;
+    const NormalizedPoses& set_;
     HessianAssembler assembler_;
     SparseCholesky cholesky_;
     void choose_pins(const Shape& y);
@@ -81,6 +81,6 @@ private:
 };
 
 // Moves a free shape rigidly onto pose 0, in place: the gauge of every average that leaves the baker.
-void fix_gauge(const ShapeSet& set, Shape& y);
+void fix_gauge(const NormalizedPoses& set, Shape& y);
 
 } // namespace pliant

@@ -8,16 +8,16 @@ namespace pliant {
 
 namespace {
 
-// The truth moved rigidly onto the blend.
-Shape aligned_truth(const ShapeSet& set, const Shape& blend, const Shape& truth)
+// The reference average moved rigidly onto the blend.
+Shape aligned_reference(const NormalizedPoses& set, const Shape& blend, const Shape& reference)
 {
-    Shape aligned = truth;
+    Shape aligned = reference;
     align_to(set, blend, aligned);
     return aligned;
 }
 
 // Mass norm of a shape about its centroid.
-double extent(const ShapeSet& set, const Shape& shape)
+double extent(const NormalizedPoses& set, const Shape& shape)
 {
     Eigen::Vector3d centroid = Eigen::Vector3d::Zero();
     for (Eigen::Index v = 0; v < set.masses.size(); ++v) centroid += set.masses[v] * shape.segment<3>(3 * v);
@@ -30,9 +30,9 @@ double extent(const ShapeSet& set, const Shape& shape)
 
 } // namespace
 
-ShapeError shape_distance(const ShapeSet& set, const Shape& blend, const Shape& truth)
+ShapeError shape_distance(const NormalizedPoses& set, const Shape& blend, const Shape& reference)
 {
-    const Shape aligned = aligned_truth(set, blend, truth), off = aligned - blend;
+    const Shape aligned = aligned_reference(set, blend, reference), off = aligned - blend;
     ShapeError error;
     error.relative_l2 = mass_norm(off, set.masses) / extent(set, aligned);
     for (Eigen::Index v = 0; v < set.masses.size(); ++v)
@@ -40,17 +40,17 @@ ShapeError shape_distance(const ShapeSet& set, const Shape& blend, const Shape& 
     return error;
 }
 
-ShapeError shape_error(const Energy& energy, const ShapeSet& set, const Weights& w, const Shape& blend, const Shape& truth)
+ShapeError shape_error(const Energy& energy, const NormalizedPoses& set, const Weights& w, const Shape& blend, const Shape& reference)
 {
-    ShapeError error = shape_distance(set, blend, truth);
-    const double least = energy_value(energy, w, truth);
+    ShapeError error = shape_distance(set, blend, reference);
+    const double least = energy_value(energy, w, reference);
     error.energy_excess = (energy_value(energy, w, blend) - least) / std::max(least, 1e-13); // a pose itself has no energy
     return error;
 }
 
-double relative_distance(const ShapeSet& set, const Shape& blend, const Shape& truth)
+double relative_distance(const NormalizedPoses& set, const Shape& blend, const Shape& reference)
 {
-    const Shape aligned = aligned_truth(set, blend, truth);
+    const Shape aligned = aligned_reference(set, blend, reference);
     return mass_norm(aligned - blend, set.masses) / extent(set, aligned);
 }
 

@@ -1,4 +1,4 @@
-// How far a blend is from the truth.
+// How far a blend is from the reference average.
 #pragma once
 
 #include "base/mesh/align.h"
@@ -13,12 +13,12 @@ struct ShapeError {
     double energy_excess = 0;    // (W(blend) - W(average)) / W(average)
 };
 
-ShapeError shape_error(const Energy& energy, const ShapeSet& set, const Weights& w, const Shape& blend, const Shape& truth);
+ShapeError shape_error(const Energy& energy, const NormalizedPoses& set, const Weights& w, const Shape& blend, const Shape& reference);
 
 // The distances alone; energy_excess is 0.
-ShapeError shape_distance(const ShapeSet& set, const Shape& blend, const Shape& truth);
+ShapeError shape_distance(const NormalizedPoses& set, const Shape& blend, const Shape& reference);
 
 // The first of them alone. Cost: linear in the vertices.
-double relative_distance(const ShapeSet& set, const Shape& blend, const Shape& truth);
+double relative_distance(const NormalizedPoses& set, const Shape& blend, const Shape& reference);
 
 } // namespace pliant

@@ -4,7 +4,7 @@
 
 namespace pliant {
 
-SolverPool::SolverPool(const Energy& energy, const ShapeSet& set, SolverKind kind)
+SolverPool::SolverPool(const Energy& energy, const NormalizedPoses& set, SolverKind kind)
     : energy_(energy)
     , set_(set)
     , kind_(kind)

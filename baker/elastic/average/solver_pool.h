@@ -12,18 +12,18 @@ namespace pliant {
 class SolverPool {
 public:
     // The energy and the set must outlive the pool.
-    SolverPool(const Energy& energy, const ShapeSet& set, SolverKind kind);
+    SolverPool(const Energy& energy, const NormalizedPoses& set, SolverKind kind);
 
     // The worker's own; distinct workers may call at the same time.
     NewtonSolver& at(std::size_t worker);
 
     const Energy& energy() const { return energy_; }
-    const ShapeSet& set() const { return set_; }
+    const NormalizedPoses& set() const { return set_; }
     int factorization_count() const; // of all workers
 
 private:
     const Energy& energy_;
-    const ShapeSet& set_;
+    const NormalizedPoses& set_;
     SolverKind kind_;
     std::vector<std::unique_ptr<NewtonSolver>> solvers_;
 };

@@ -19,7 +19,7 @@ constexpr std::size_t smallest_wave = 8; // keeps threads busy
 // All that is known so far, and an interpolation of it. The averages must stay where they are.
 class Known {
 public:
-    explicit Known(const ShapeSet& set)
+    explicit Known(const NormalizedPoses& set)
         : set_(set)
     {
     }
@@ -46,7 +46,7 @@ public:
         for (std::size_t k = 0; k < set_.pose_count(); ++k) add_centre(corner_weights(set_.pose_count(), k), set_.shapes[k]);
         for (const Average& average : averages_) add_centre(*average.weights, *average.shape);
         const Eigen::Index n = Eigen::Index(centres_.size());
-        parts_ = fit_predictor(centres_, Eigen::MatrixXd::Identity(n, n));
+        parts_ = fit_radial_function(centres_, Eigen::MatrixXd::Identity(n, n));
     }
 
     Shape shape(const Weights& w) const
@@ -71,16 +71,16 @@ private:
         shapes_.push_back(&shape);
     }
 
-    const ShapeSet& set_;
+    const NormalizedPoses& set_;
     std::vector<Average> averages_;
     std::vector<Weights> centres_;
     std::vector<const Shape*> shapes_;
-    Predictor parts_;
+    RadialFunction parts_;
 };
 
 CheckPoint find(const AverageFamily& family, const Known& known, const Weights& w, std::size_t worker, Progress* progress)
 {
-    const ShapeSet& set = family.pool().set();
+    const NormalizedPoses& set = family.pool().set();
     if (known.count() >= least_known_per_pose * set.pose_count()) {
         const Shape guess = known.shape(w);
         NewtonResult near = family.near(guess, w, worker, progress);
@@ -108,7 +108,7 @@ std::vector<CheckPoint> sweep(const AverageFamily& family, const std::vector<Kno
         for_each_task(end - done, [&](std::size_t i, std::size_t worker) {
             points[done + i] = find(family, all, weights[done + i], worker, &shared);
         });
-        for (; done < end; ++done) all.add(points[done].weights, points[done].truth);
+        for (; done < end; ++done) all.add(points[done].weights, points[done].reference);
     }
     return points;
 }

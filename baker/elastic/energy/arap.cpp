@@ -42,7 +42,7 @@ BestRotation best_rotation(const Matrix3d& m)
 
 } // namespace
 
-Arap::Arap(const ShapeSet& set)
+Arap::Arap(const NormalizedPoses& set)
     : pose_count_(Eigen::Index(set.pose_count()))
     , dof_count_(set.dof_count())
     , cells_(std::size_t(set.dof_count() / 3))

@@ -12,7 +12,7 @@ namespace pliant {
 // Element i is the cell of vertex i.
 class Arap final : public Energy {
 public:
-    explicit Arap(const ShapeSet& set);
+    explicit Arap(const NormalizedPoses& set);
 
     std::size_t pose_count() const override { return std::size_t(pose_count_); }
     Eigen::Index dof_count() const override { return dof_count_; }

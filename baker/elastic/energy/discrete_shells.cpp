@@ -32,7 +32,7 @@ double angle_of(const Shape& shape, const std::array<std::uint32_t, 4>& v)
 
 } // namespace
 
-DiscreteShells::DiscreteShells(const ShapeSet& set, const ShellOptions& options)
+DiscreteShells::DiscreteShells(const NormalizedPoses& set, const ShellOptions& options)
     : options_(options)
     , pose_count_(Eigen::Index(set.pose_count()))
     , dof_count_(set.dof_count())
@@ -46,7 +46,7 @@ DiscreteShells::DiscreteShells(const ShapeSet& set, const ShellOptions& options)
     measure_hinges(set);
 }
 
-void DiscreteShells::measure_hinges(const ShapeSet& set)
+void DiscreteShells::measure_hinges(const NormalizedPoses& set)
 {
     const Eigen::Index count = Eigen::Index(hinges_.size());
     centres_.resize(count);

@@ -21,7 +21,7 @@ struct ShellOptions {
 // Elements 0 .. hinge_count-1 are hinges, then come the faces.
 class DiscreteShells final : public Energy {
 public:
-    DiscreteShells(const ShapeSet& set, const ShellOptions& options);
+    DiscreteShells(const NormalizedPoses& set, const ShellOptions& options);
 
     std::size_t pose_count() const override { return std::size_t(pose_count_); }
     Eigen::Index dof_count() const override { return dof_count_; }
@@ -44,7 +44,7 @@ private:
                        ElementResult& result) const;
     RuntimeElement runtime_hinge(std::size_t hinge, const Shape& reference) const;
     RuntimeElement runtime_face(std::size_t face, const Shape& reference) const;
-    void measure_hinges(const ShapeSet& set);
+    void measure_hinges(const NormalizedPoses& set);
     Metric rest_metric(std::size_t face, Eigen::Index pose) const
     {
         return rest_metrics_.block<3, 1>(3 * pose, Eigen::Index(face));

@@ -1,7 +1,7 @@
-// Elastic energies of deforming the poses of a ShapeSet into one shape y:
+// Elastic energies of deforming the poses of a NormalizedPoses into one shape y:
 //     W(w, y) = sum_k w_k W_k(y),    w_k >= 0, y in R^(3n).
-// All lengths are those of the ShapeSet (normalised). Everything is a sum of elements that look at a few vertices each, so
-// that the full energy, its stand-in by cubature and the runtime's version of an element come from one place.
+// All lengths are those of the NormalizedPoses (normalized). Everything is a sum of elements that look at a few vertices each, so
+// that the full energy, its surrogate energy by cubature and the runtime's version of an element come from one place.
 #pragma once
 
 #include "base/mesh/surface.h"

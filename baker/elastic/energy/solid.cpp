@@ -50,7 +50,7 @@ Eigen::Matrix<double, 12, 9> edges_to_vertices()
 
 } // namespace
 
-Solid::Solid(const ShapeSet& set, const SolidOptions& options)
+Solid::Solid(const NormalizedPoses& set, const SolidOptions& options)
     : law_(options.law)
     , pose_count_(set.pose_count())
     , dof_count_(set.dof_count())

@@ -17,7 +17,7 @@ struct SolidOptions {
 class Solid final : public Energy {
 public:
     // All tetrahedra of all poses must have a positive volume.
-    Solid(const ShapeSet& set, const SolidOptions& options);
+    Solid(const NormalizedPoses& set, const SolidOptions& options);
 
     std::size_t pose_count() const override { return pose_count_; }
     Eigen::Index dof_count() const override { return dof_count_; }

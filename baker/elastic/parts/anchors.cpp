@@ -34,7 +34,7 @@ std::vector<std::uint32_t> spread_vertices(const std::vector<std::uint32_t>& ver
 // Finds the best anchors of one vertex in balls around the nearest vertex of the other part.
 class AnchorSearch {
 public:
-    AnchorSearch(const ShapeSet& set, std::size_t part, std::uint32_t vertex, std::uint32_t nearest)
+    AnchorSearch(const NormalizedPoses& set, std::size_t part, std::uint32_t vertex, std::uint32_t nearest)
         : set_(set)
         , part_(part)
         , best_({ vertex, nearest, nearest, nearest })
@@ -71,7 +71,7 @@ private:
         best_ = vertices;
     }
 
-    const ShapeSet& set_;
+    const NormalizedPoses& set_;
     std::size_t part_;
     std::array<std::uint32_t, 4> best_;
     double quality_ = 0, worth_ = 0;
@@ -79,7 +79,7 @@ private:
 
 } // namespace
 
-TriangleMeasure measure_triangle(const ShapeSet& set, std::uint32_t a, std::uint32_t b, std::uint32_t c)
+TriangleMeasure measure_triangle(const NormalizedPoses& set, std::uint32_t a, std::uint32_t b, std::uint32_t c)
 {
     TriangleMeasure out = { infinity, infinity };
     for (const Shape& shape : set.shapes) {
@@ -92,7 +92,7 @@ TriangleMeasure measure_triangle(const ShapeSet& set, std::uint32_t a, std::uint
     return out;
 }
 
-bool can_anchor(const ShapeSet& set, const std::vector<std::uint32_t>& vertices, const Eigen::MatrixXd& columns,
+bool can_anchor(const NormalizedPoses& set, const std::vector<std::uint32_t>& vertices, const Eigen::MatrixXd& columns,
                 double quality)
 {
     constexpr std::size_t most = 10; // all triangles of a line are poor; of other sets, few among so many vertices are
@@ -104,7 +104,7 @@ bool can_anchor(const ShapeSet& set, const std::vector<std::uint32_t>& vertices,
     return false;
 }
 
-std::optional<Tie> tie_vertex(const ShapeSet& set, const Eigen::MatrixXd& columns, std::size_t part, std::uint32_t v,
+std::optional<Tie> tie_vertex(const NormalizedPoses& set, const Eigen::MatrixXd& columns, std::size_t part, std::uint32_t v,
                               const PartTrees& other)
 {
     const Neighbour nearest = other.vertices.nearest(v, 1, infinity);

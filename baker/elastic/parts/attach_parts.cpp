@@ -26,7 +26,7 @@ constexpr std::size_t min_ties = 12, max_ties = 400;
 constexpr double near_share = 0.25;
 
 // The parts that can anchor ties. If there is none, all parts with faces.
-std::vector<bool> find_possible_parents(const ShapeSet& set, const Parts& parts, const Eigen::MatrixXd& columns)
+std::vector<bool> find_possible_parents(const NormalizedPoses& set, const Parts& parts, const Eigen::MatrixXd& columns)
 {
     std::vector<bool> out(parts.count(), false);
     for (std::size_t p = 0; p < parts.surface_count; ++p)
@@ -94,7 +94,7 @@ double box_diagonal(const std::vector<std::uint32_t>& vertices, const Eigen::Mat
 
 class PartAttacher {
 public:
-    PartAttacher(const ShapeSet& set, const PartPoints& points, TieSet& out)
+    PartAttacher(const NormalizedPoses& set, const PartPoints& points, TieSet& out)
         : set_(set)
         , points_(points)
         , columns_(points.columns)
@@ -176,7 +176,7 @@ private:
         return gaps;
     }
 
-    const ShapeSet& set_;
+    const NormalizedPoses& set_;
     const PartPoints& points_;
     const Eigen::MatrixXd& columns_;
     TieSet& out_;
@@ -185,7 +185,7 @@ private:
 
 } // namespace
 
-void attach_parts(const ShapeSet& set, const Eigen::MatrixXd& columns, TieSet& out)
+void attach_parts(const NormalizedPoses& set, const Eigen::MatrixXd& columns, TieSet& out)
 {
     const PartPoints points = sample_parts(columns, set.triangles, out.parts, point_spacing * set.diagonal);
     out.tree = connect_parts(out.parts, find_possible_parents(set, out.parts, columns), points, set.masses);

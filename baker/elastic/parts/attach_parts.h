@@ -7,6 +7,6 @@ namespace pliant {
 
 // Fills in tree, distances and ties of `out`, whose parts must be known, at least two. `columns`: the set in pose space (3m
 // x n). Cost: n log n.
-void attach_parts(const ShapeSet& set, const Eigen::MatrixXd& columns, TieSet& out);
+void attach_parts(const NormalizedPoses& set, const Eigen::MatrixXd& columns, TieSet& out);
 
 } // namespace pliant

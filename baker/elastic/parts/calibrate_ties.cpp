@@ -44,7 +44,7 @@ std::vector<Weights> probe_weights(std::size_t pose_count)
     return out;
 }
 
-NewtonOptions rough_options(const ShapeSet& set)
+NewtonOptions rough_options(const NormalizedPoses& set)
 {
     NewtonOptions options;
     options.decrement = 1e-5;
@@ -55,8 +55,8 @@ NewtonOptions rough_options(const ShapeSet& set)
     return options;
 }
 
-// Minimises 1/2 x A x - b x subject to x >= lowest by coordinate descent. A: positive definite, ten to a few hundred rows.
-Eigen::VectorXd minimise_above(const Eigen::MatrixXd& a, const Eigen::VectorXd& b, double lowest)
+// Minimizes 1/2 x A x - b x subject to x >= lowest by coordinate descent. A: positive definite, ten to a few hundred rows.
+Eigen::VectorXd minimize_above(const Eigen::MatrixXd& a, const Eigen::VectorXd& b, double lowest)
 {
     Eigen::VectorXd x = Eigen::VectorXd::Ones(b.size());
     constexpr int sweeps = 200; // more than enough: the result is a try, kept only if it lowers the drift
@@ -92,7 +92,7 @@ Eigen::VectorXd balance_factors(const std::vector<const PartPlaces*>& places, co
     for (Eigen::Index j = 0; j < count; ++j)
         rows.middleRows<6>(6 * j) = wrenches(*places[std::size_t(j)], stiffness, unit, diagonal);
     const Eigen::MatrixXd matrix = rows.transpose() * rows + Eigen::MatrixXd::Identity(n, n) / double(n);
-    return minimise_above(matrix, Eigen::VectorXd::Constant(n, 1 / double(n)), min_factor);
+    return minimize_above(matrix, Eigen::VectorXd::Constant(n, 1 / double(n)), min_factor);
 }
 
 // The search for one group of ties (place_parts). Tries, in this order: the joint, if there is one; the ties as found;
@@ -113,7 +113,7 @@ public:
     const Eigen::VectorXd& first() const { return first_; }
     const Eigen::VectorXd& tried() const { return tried_; }
 
-    // Records the drift (normalised length) of the present try and selects the kind of the next one.
+    // Records the drift (normalized length) of the present try and selects the kind of the next one.
     void record(double drift, double goal)
     {
         if (is_done()) return;
@@ -162,7 +162,7 @@ private:
 // The searches of all groups, at all weights.
 class TieCalibration {
 public:
-    TieCalibration(TiedEnergy& energy, const ShapeSet& set, const std::vector<Weights>& weights)
+    TieCalibration(TiedEnergy& energy, const NormalizedPoses& set, const std::vector<Weights>& weights)
         : energy_(energy)
         , set_(set)
         , weights_(weights)
@@ -238,14 +238,14 @@ private:
     }
 
     TiedEnergy& energy_;
-    const ShapeSet& set_;
+    const NormalizedPoses& set_;
     const std::vector<Weights>& weights_;
     std::vector<StiffnessSearch> searches_;
 };
 
 } // namespace
 
-void calibrate_ties(TiedEnergy& energy, const ShapeSet& set, SolverKind solver, Progress* progress)
+void calibrate_ties(TiedEnergy& energy, const NormalizedPoses& set, SolverKind solver, Progress* progress)
 {
     const std::vector<Weights> weights = probe_weights(set.pose_count());
     TieCalibration calibration(energy, set, weights);

@@ -15,6 +15,6 @@ constexpr double drift_limit = 0.005;
 // softer. If some part still drifts by more than twice drift_limit, all ties keep their first stiffness.
 // Depends on the inner energy, the ties and the set only, so that every user of the same poses gets the same energy.
 // Cost: one average for each of those weights, then a few Newton steps for each weight and round.
-void calibrate_ties(TiedEnergy& energy, const ShapeSet& set, SolverKind solver, Progress* progress);
+void calibrate_ties(TiedEnergy& energy, const NormalizedPoses& set, SolverKind solver, Progress* progress);
 
 } // namespace pliant

@@ -75,7 +75,7 @@ std::vector<PartPlaces> place_parts(const TieSet& ties, const Eigen::VectorXd& w
     return out;
 }
 
-TieDrift measure_drift(const TieSet& ties, const ShapeSet& set, const Eigen::VectorXd& weights, const Shape& y)
+TieDrift measure_drift(const TieSet& ties, const NormalizedPoses& set, const Eigen::VectorXd& weights, const Shape& y)
 {
     TieDrift out;
     for (const PartPlaces& places : place_parts(ties, weights, y))

@@ -5,7 +5,7 @@
 
 namespace pliant {
 
-// The tied vertices of a part in a shape, 3 x ties, in normalised lengths. Column i is of tie first_tie + i.
+// The tied vertices of a part in a shape, 3 x ties, in normalized lengths. Column i is of tie first_tie + i.
 struct PartPlaces {
     std::size_t part, first_tie;
     Eigen::Matrix3Xd actual;   // their positions
@@ -27,6 +27,6 @@ struct TieDrift {
     std::size_t part = 0;
     std::uint32_t vertex = 0;
 };
-TieDrift measure_drift(const TieSet& ties, const ShapeSet& set, const Eigen::VectorXd& weights, const Shape& y);
+TieDrift measure_drift(const TieSet& ties, const NormalizedPoses& set, const Eigen::VectorXd& weights, const Shape& y);
 
 } // namespace pliant

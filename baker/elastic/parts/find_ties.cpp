@@ -9,7 +9,7 @@ namespace pliant {
 
 namespace {
 
-void find_joints(const ShapeSet& set, TieSet& out)
+void find_joints(const NormalizedPoses& set, TieSet& out)
 {
     for (std::size_t first = 0, last = 0; first < out.ties.size(); first = last) {
         last = end_of_part(out, first);
@@ -18,7 +18,7 @@ void find_joints(const ShapeSet& set, TieSet& out)
     }
 }
 
-void tie_seams(const ShapeSet& set, const Eigen::MatrixXd& columns, const std::vector<BorderEdge>& border, TieSet& out)
+void tie_seams(const NormalizedPoses& set, const Eigen::MatrixXd& columns, const std::vector<BorderEdge>& border, TieSet& out)
 {
     std::vector<std::size_t> part_of(std::size_t(columns.cols()), 0);
     for (std::size_t p = 0; p < out.parts.count(); ++p)
@@ -31,7 +31,7 @@ void tie_seams(const ShapeSet& set, const Eigen::MatrixXd& columns, const std::v
 
 } // namespace
 
-TieSet find_ties(const ShapeSet& set)
+TieSet find_ties(const NormalizedPoses& set)
 {
     TieSet out;
     if (set.is_solid()) return out;

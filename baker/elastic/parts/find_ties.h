@@ -7,6 +7,6 @@ namespace pliant {
 
 // No ties for a solid, and for a surface in one part without seams. No joint is in use yet (elastic/parts/calibrate_ties.h
 // decides). Cost: n log n.
-TieSet find_ties(const ShapeSet& set);
+TieSet find_ties(const NormalizedPoses& set);
 
 } // namespace pliant

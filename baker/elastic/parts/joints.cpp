@@ -42,7 +42,7 @@ Eigen::Matrix3Xd cloud_of(const Shape& shape, const std::vector<std::uint32_t>& 
     return out;
 }
 
-Body make_body(const ShapeSet& set, std::vector<std::uint32_t> vertices)
+Body make_body(const NormalizedPoses& set, std::vector<std::uint32_t> vertices)
 {
     Body body;
     const Eigen::Index poses = Eigen::Index(set.pose_count()), count = Eigen::Index(vertices.size());
@@ -121,7 +121,7 @@ double largest_rotation(const std::vector<Eigen::Matrix3d>& rotations)
 // Makes the terms of a joint between two bodies. Rows of the factors are r, e1, e2; e1 and e2 are axes of the parent.
 class JointMaker {
 public:
-    JointMaker(const ShapeSet& set, const Body& part, const Body& parent)
+    JointMaker(const NormalizedPoses& set, const Body& part, const Body& parent)
         : set_(set)
         , part_(part)
         , parent_(parent)
@@ -193,7 +193,7 @@ private:
         }
     }
 
-    const ShapeSet& set_;
+    const NormalizedPoses& set_;
     const Body& part_;
     const Body& parent_;
     Axes part_axes_, parent_axes_;
@@ -211,7 +211,7 @@ std::vector<std::uint32_t> anchors_of(const Tie* first, const Tie* last)
 
 } // namespace
 
-std::vector<PenaltyTerm> find_joint_terms(const ShapeSet& set, const Tie* first, const Tie* last)
+std::vector<PenaltyTerm> find_joint_terms(const NormalizedPoses& set, const Tie* first, const Tie* last)
 {
     last = first + std::min(std::size_t(last - first), max_vertices);
     if (last - first < 3) return {};

@@ -9,6 +9,6 @@ namespace pliant {
 // `first` ... `last`: all ties of one part, at least one. Returns the terms that can replace them (the pivot, then one per
 // direction of the part), or none unless the tied vertices and their anchors are each rigid and rotate far against each
 // other between two poses. Cost: constant per pose (at most 16 ties are used).
-std::vector<PenaltyTerm> find_joint_terms(const ShapeSet& set, const Tie* first, const Tie* last);
+std::vector<PenaltyTerm> find_joint_terms(const NormalizedPoses& set, const Tie* first, const Tie* last);
 
 } // namespace pliant

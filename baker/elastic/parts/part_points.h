@@ -15,7 +15,7 @@ struct PartPoints {
     std::vector<std::uint32_t> faces;                // per column: the face that was sampled, or no_face for a vertex
 };
 
-// `vertices`: the set in pose space, 3m x n. Faces with an edge longer than `spacing` (normalised length) are sampled at
+// `vertices`: the set in pose space, 3m x n. Faces with an edge longer than `spacing` (normalized length) are sampled at
 // that distance, or more coarsely if that would give more than 20,000 points plus two per vertex. Cost: linear in the number
 // of points.
 PartPoints sample_parts(const Eigen::MatrixXd& vertices, const std::vector<Triangle>& faces, const Parts& parts,

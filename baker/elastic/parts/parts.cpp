@@ -8,7 +8,7 @@ namespace pliant {
 
 namespace {
 
-UnionFind join_faces(const ShapeSet& set)
+UnionFind join_faces(const NormalizedPoses& set)
 {
     UnionFind faces(set.triangles.size());
     for (const Hinge& hinge : find_hinges(set.triangles, set.shapes[0])) faces.join(hinge.faces[0], hinge.faces[1]);
@@ -36,7 +36,7 @@ void add_surfaces(const std::vector<Triangle>& triangles, UnionFind faces, Parts
     parts.surface_count = parts.vertices.size();
 }
 
-void add_single_vertices(const ShapeSet& set, Parts& parts)
+void add_single_vertices(const NormalizedPoses& set, Parts& parts)
 {
     std::vector<bool> has_face(std::size_t(set.dof_count() / 3), false);
     for (const Triangle& triangle : set.triangles)
@@ -47,7 +47,7 @@ void add_single_vertices(const ShapeSet& set, Parts& parts)
 
 } // namespace
 
-Parts find_parts(const ShapeSet& set)
+Parts find_parts(const NormalizedPoses& set)
 {
     Parts parts;
     add_surfaces(set.triangles, join_faces(set), parts);

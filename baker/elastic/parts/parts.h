@@ -17,7 +17,7 @@ struct Parts {
 };
 
 // Cost: nearly linear in the number of faces.
-Parts find_parts(const ShapeSet& set);
+Parts find_parts(const NormalizedPoses& set);
 
 constexpr std::size_t no_part = ~std::size_t(0);
 

@@ -18,7 +18,7 @@ constexpr double seam_width = 0.05;
 
 class SeamFinder {
 public:
-    SeamFinder(const ShapeSet& set, const Eigen::MatrixXd& columns, const std::vector<BorderEdge>& border)
+    SeamFinder(const NormalizedPoses& set, const Eigen::MatrixXd& columns, const std::vector<BorderEdge>& border)
         : set_(set)
         , columns_(columns)
         , border_(border)
@@ -92,7 +92,7 @@ private:
         return !is_inside && std::binary_search(neighbours_.begin(), neighbours_.end(), std::make_pair(v, end));
     }
 
-    const ShapeSet& set_;
+    const NormalizedPoses& set_;
     const Eigen::MatrixXd& columns_;
     const std::vector<BorderEdge>& border_;
     std::vector<std::pair<std::uint32_t, std::uint32_t>> neighbours_; // along border edges, in both directions, sorted
@@ -101,7 +101,7 @@ private:
 
 } // namespace
 
-std::vector<BorderEdge> find_border(const ShapeSet& set)
+std::vector<BorderEdge> find_border(const NormalizedPoses& set)
 {
     using Edge = std::pair<std::uint32_t, std::uint32_t>;
     std::vector<Edge> inner;
@@ -117,7 +117,7 @@ std::vector<BorderEdge> find_border(const ShapeSet& set)
     return border;
 }
 
-std::vector<std::array<std::uint32_t, 4>> find_seams(const ShapeSet& set, const Eigen::MatrixXd& columns,
+std::vector<std::array<std::uint32_t, 4>> find_seams(const NormalizedPoses& set, const Eigen::MatrixXd& columns,
                                                      const std::vector<BorderEdge>& border)
 {
     return SeamFinder(set, columns, border).find();

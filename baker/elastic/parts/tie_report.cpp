@@ -19,7 +19,7 @@ void add(const TieDrift& drift, const Eigen::VectorXd& weights, WorstDrift& wors
     if (drift.largest > worst.drift.largest) worst = { drift, weights };
 }
 
-std::vector<PartSummary> describe_parts(const TieSet& ties, const ShapeSet& set)
+std::vector<PartSummary> describe_parts(const TieSet& ties, const NormalizedPoses& set)
 {
     std::vector<PartSummary> out;
     for (std::size_t p = 0; p < ties.parts.count(); ++p) {
@@ -33,7 +33,7 @@ std::vector<PartSummary> describe_parts(const TieSet& ties, const ShapeSet& set)
 
 } // namespace
 
-TieReport start_tie_report(const TieSet& ties, const ShapeSet& set)
+TieReport start_tie_report(const TieSet& ties, const NormalizedPoses& set)
 {
     TieReport report;
     report.part_count = ties.parts.count();
@@ -44,7 +44,7 @@ TieReport start_tie_report(const TieSet& ties, const ShapeSet& set)
     return report;
 }
 
-void add_check(const TieSet& ties, const ShapeSet& set, const Eigen::VectorXd& weights, const Shape& reference,
+void add_check(const TieSet& ties, const NormalizedPoses& set, const Eigen::VectorXd& weights, const Shape& reference,
                const Shape& blend, TieReport& report)
 {
     add(measure_drift(ties, set, weights, reference), weights, report.reference);

@@ -29,10 +29,10 @@ struct TieReport {
 };
 
 // The counts and parts, without drift.
-TieReport start_tie_report(const TieSet& ties, const ShapeSet& set);
+TieReport start_tie_report(const TieSet& ties, const NormalizedPoses& set);
 
 // Adds one check: the unreduced average (`reference`) and the blend at the same weights.
-void add_check(const TieSet& ties, const ShapeSet& set, const Eigen::VectorXd& weights, const Shape& reference,
+void add_check(const TieSet& ties, const NormalizedPoses& set, const Eigen::VectorXd& weights, const Shape& reference,
                const Shape& blend, TieReport& report);
 
 // Replaces vertex numbers of the elastic mesh by those in the files. `numbers`: per vertex; empty if they are the same.

@@ -13,7 +13,7 @@ namespace {
 constexpr double half_stiffness_spread = 0.005;
 
 // Mean over the poses of the 2 x 2 metric of the edges (b - a, c - a).
-Eigen::Matrix2d mean_metric(const ShapeSet& set, std::uint32_t a, std::uint32_t b, std::uint32_t c)
+Eigen::Matrix2d mean_metric(const NormalizedPoses& set, std::uint32_t a, std::uint32_t b, std::uint32_t c)
 {
     Eigen::Matrix2d sum = Eigen::Matrix2d::Zero();
     for (const Shape& shape : set.shapes) {
@@ -34,7 +34,7 @@ double tie_stiffness(const Eigen::Matrix3Xd& rest, double diagonal)
     return std::max(max_stiffness / softening, min_stiffness);
 }
 
-Tie make_tie(const ShapeSet& set, std::size_t part, const std::array<std::uint32_t, 4>& vertices)
+Tie make_tie(const NormalizedPoses& set, std::size_t part, const std::array<std::uint32_t, 4>& vertices)
 {
     Tie tie;
     tie.vertices = vertices;

@@ -39,7 +39,7 @@ struct TieSet {
     Parts parts;
     PartTree tree;
     std::vector<Tie> ties;         // grouped by part, then the seams
-    std::vector<double> distances; // from each part to its parent, normalised length; 0 for the root
+    std::vector<double> distances; // from each part to its parent, normalized length; 0 for the root
     std::vector<Joint> joints;     // in the order of their ties
     std::size_t seam_count = 0;    // the last ties hold seams (elastic/parts/seams.h)
 };
@@ -48,13 +48,13 @@ struct TieSet {
 // vertices.
 constexpr double max_stiffness = 0.3, min_stiffness = 0.01;
 
-// Stiffness for a place with these values in the poses (3 x m, normalised lengths). The more they differ between the poses,
+// Stiffness for a place with these values in the poses (3 x m, normalized lengths). The more they differ between the poses,
 // the softer: a tie pulls to their mean, and for an eye that rotates the mean is off the arc, so that a stiff tie would dent
 // it.
 double tie_stiffness(const Eigen::Matrix3Xd& rest, double diagonal);
 
 // Ties vertices[0], a vertex of `part`, to the anchors vertices[1..3].
-Tie make_tie(const ShapeSet& set, std::size_t part, const std::array<std::uint32_t, 4>& vertices);
+Tie make_tie(const NormalizedPoses& set, std::size_t part, const std::array<std::uint32_t, 4>& vertices);
 
 // The energy term of a tie.
 PenaltyTerm penalty_term_of(const Tie& tie);

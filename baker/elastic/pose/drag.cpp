@@ -31,7 +31,7 @@ NewtonOptions newton_options(bool is_last)
 
 class Dragger {
 public:
-    Dragger(const ShapeSet& rest, const Handles& handles, const SolidOptions& material)
+    Dragger(const NormalizedPoses& rest, const Handles& handles, const SolidOptions& material)
         : rest_(rest)
         , handles_(handles)
         , energy_(rest, material)
@@ -52,7 +52,7 @@ private:
     [[noreturn]] void give_up(double time) const;
     Positions final_positions() const;
 
-    const ShapeSet& rest_;
+    const NormalizedPoses& rest_;
     const Handles& handles_;
     Solid energy_;
     NewtonSolver solver_;
@@ -103,7 +103,7 @@ bool Dragger::try_step(double time, DragStep& step)
     bad_tet_ = worst_tet(start);
     if (bad_tet_ < rest_.tets.size()) return false;
     step.start_energy = energy_value(energy_, weights_, start);
-    const NewtonResult result = solver_.minimise(weights_, start, newton_options(time >= 1));
+    const NewtonResult result = solver_.minimize(weights_, start, newton_options(time >= 1));
     step.iterations += result.iterations;
     if (!result.has_converged) return false;
     y_ = result.y;
@@ -169,7 +169,7 @@ DragResult Dragger::run(const DragReport& report)
 
 } // namespace
 
-SmallestJ smallest_j(const ShapeSet& rest, const Shape& y)
+SmallestJ smallest_j(const NormalizedPoses& rest, const Shape& y)
 {
     SmallestJ smallest { std::numeric_limits<double>::infinity(), 0 };
     for (std::size_t t = 0; t < rest.tets.size(); ++t) {
@@ -179,7 +179,7 @@ SmallestJ smallest_j(const ShapeSet& rest, const Shape& y)
     return smallest;
 }
 
-DragResult drag(const ShapeSet& rest, const Handles& handles, const SolidOptions& material, const DragReport& report)
+DragResult drag(const NormalizedPoses& rest, const Handles& handles, const SolidOptions& material, const DragReport& report)
 {
     return Dragger(rest, handles, material).run(report);
 }

@@ -1,4 +1,4 @@
-// Moves the handles of a solid to their targets in steps; after each step the free vertices minimise the elastic energy.
+// Moves the handles of a solid to their targets in steps; after each step the free vertices minimize the elastic energy.
 #pragma once
 
 #include "elastic/energy/solid.h"
@@ -31,13 +31,13 @@ using DragReport = std::function<void(const DragStep&)>;
 // `rest`: to_shape_set() of the rest pose, with handles.vertices() as its fixed vertices. Throws Failure (failed, P4304) if
 // no step is short enough to keep every tetrahedron from turning over. Cost: a factorisation per step and per Newton
 // iteration.
-DragResult drag(const ShapeSet& rest, const Handles& handles, const SolidOptions& material, const DragReport& report = {});
+DragResult drag(const NormalizedPoses& rest, const Handles& handles, const SolidOptions& material, const DragReport& report = {});
 
 // The smallest ratio of a tetrahedron's volume to its volume at rest, and the tetrahedron.
 struct SmallestJ {
     double value = 0;
     std::size_t tet = 0;
 };
-SmallestJ smallest_j(const ShapeSet& rest, const Shape& y);
+SmallestJ smallest_j(const NormalizedPoses& rest, const Shape& y);
 
 } // namespace pliant

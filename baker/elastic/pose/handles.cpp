@@ -36,14 +36,14 @@ bool are_on_a_line(const Positions& points, double tolerance)
 
 } // namespace
 
-Handles::Handles(const Script& script, const Positions& rest, FindingList& findings)
+Handles::Handles(const Script& script, const Positions& rest, DiagnosticList& diagnostics)
     : lower_(rest.colwise().minCoeff().transpose())
     , extent_(rest.colwise().maxCoeff().transpose() - lower_)
     , diagonal_(extent_.norm())
     , owners_(std::size_t(rest.rows()), -1)
 {
-    const std::size_t errors_before = findings.error_count();
-    for (std::size_t line = 0; line < script.lines.size(); ++line) add_handle(script, line, rest, findings);
+    const std::size_t errors_before = diagnostics.error_count();
+    for (std::size_t line = 0; line < script.lines.size(); ++line) add_handle(script, line, rest, diagnostics);
     for (std::size_t v = 0; v < owners_.size(); ++v) {
         if (owners_[v] < 0) continue;
         vertices_.push_back(std::uint32_t(v));
@@ -51,7 +51,7 @@ Handles::Handles(const Script& script, const Positions& rest, FindingList& findi
     }
     rest_.resize(Eigen::Index(vertices_.size()), 3);
     for (std::size_t i = 0; i < vertices_.size(); ++i) rest_.row(Eigen::Index(i)) = rest.row(vertices_[i]);
-    if (findings.error_count() == errors_before) check_grip(script, findings);
+    if (diagnostics.error_count() == errors_before) check_grip(script, diagnostics);
 }
 
 void Handles::claim(std::size_t vertex, std::size_t line, Claim& claim)
@@ -74,7 +74,7 @@ bool Handles::contains(const Region& region, const Eigen::Vector3d& point) const
 }
 
 // Makes a handle of the vertices in the region of one line that no earlier line has.
-void Handles::add_handle(const Script& script, std::size_t line, const Positions& rest, FindingList& findings)
+void Handles::add_handle(const Script& script, std::size_t line, const Positions& rest, DiagnosticList& diagnostics)
 {
     const Region& region = script.lines[line].region;
     const std::string where = script.where(script.lines[line]);
@@ -84,16 +84,16 @@ void Handles::add_handle(const Script& script, std::size_t line, const Positions
         if (v < owners_.size())
             claim(v, line, found);
         else
-            findings.add(error_at(2812, where, fmt::format("uses vertex {}, the mesh has {}", v, owners_.size()),
+            diagnostics.add(error_at(2812, where, fmt::format("uses vertex {}, the mesh has {}", v, owners_.size()),
                                   "count from 0, in the order of the mesh file"));
     }
     for (Eigen::Index v = 0; v < rest.rows() && !is_list; ++v)
         if (contains(region, rest.row(v).transpose())) claim(std::size_t(v), line, found);
     if (found.count == 0 && found.taken > 0)
-        findings.add(error_at(2814, where, fmt::format("all {} vertices of the region belong to earlier lines", found.taken),
+        diagnostics.add(error_at(2814, where, fmt::format("all {} vertices of the region belong to earlier lines", found.taken),
                               "a vertex belongs to the first line that names it: put the smaller region first"));
     else if (found.count == 0 && !is_list)
-        findings.add(error_at(2813, where, "no vertex lies in the region",
+        diagnostics.add(error_at(2813, where, "no vertex lies in the region",
                               "points are fractions of the bounding box of the rest pose, radii of its diagonal"));
     Handle handle { script.lines[line].motions, found.count };
     for (Motion& motion : handle.motions) {
@@ -104,22 +104,22 @@ void Handles::add_handle(const Script& script, std::size_t line, const Positions
 }
 
 // Enough vertices to hold the body, some left to move, and something that moves.
-void Handles::check_grip(const Script& script, FindingList& findings) const
+void Handles::check_grip(const Script& script, DiagnosticList& diagnostics) const
 {
     if (script.lines.empty()) return;
     if (vertices_.size() < 3 || are_on_a_line(rest_, 1e-6 * diagonal_))
-        findings.add(error_at(2815, script.path,
+        diagnostics.add(error_at(2815, script.path,
                               fmt::format("{} vertices are held or moved{}: the body could still turn", vertices_.size(),
                                           vertices_.size() < 3 ? "" : ", all on a line"),
                               "let the regions contain three or more that do not lie on a line"));
     else if (vertices_.size() == owners_.size())
-        findings.add(error_at(2816, script.path,
+        diagnostics.add(error_at(2816, script.path,
                               fmt::format("all {} vertices are held or moved: none is free to follow", owners_.size()),
                               "leave the parts that are to bend out of the regions"));
     const bool is_moved
         = std::any_of(handles_.begin(), handles_.end(), [](const Handle& handle) { return !handle.motions.empty(); });
     if (!is_moved)
-        findings.add(error_at(2817, script.path, "every region is held: the result would be the rest pose",
+        diagnostics.add(error_at(2817, script.path, "every region is held: the result would be the rest pose",
                               "move or turn at least one of them"));
 }
 

@@ -8,9 +8,9 @@ namespace pliant {
 class Handles {
 public:
     // `rest`: as read, in the units and the order of the file. A vertex in several regions belongs to the first line that
-    // names it. Adds errors to `findings` (P2812 to P2817): a vertex that the mesh does not have, a region without vertices,
+    // names it. Adds errors to `diagnostics` (P2812 to P2817): a vertex that the mesh does not have, a region without vertices,
     // too few vertices to hold the body, none that is free, none that moves.
-    Handles(const Script& script, const Positions& rest, FindingList& findings);
+    Handles(const Script& script, const Positions& rest, DiagnosticList& diagnostics);
 
     const std::vector<std::uint32_t>& vertices() const { return vertices_; } // ascending
     std::size_t count(std::size_t handle) const { return handles_[handle].count; }
@@ -32,10 +32,10 @@ private:
     struct Claim {
         std::size_t count = 0, taken = 0; // new vertices, and those that belong to earlier lines
     };
-    void add_handle(const Script& script, std::size_t line, const Positions& rest, FindingList& findings);
+    void add_handle(const Script& script, std::size_t line, const Positions& rest, DiagnosticList& diagnostics);
     void claim(std::size_t vertex, std::size_t line, Claim& claim);
     bool contains(const Region& region, const Eigen::Vector3d& point) const;
-    void check_grip(const Script& script, FindingList& findings) const;
+    void check_grip(const Script& script, DiagnosticList& diagnostics) const;
 
     Eigen::Vector3d lower_, extent_;
     double diagonal_;

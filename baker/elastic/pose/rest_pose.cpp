@@ -7,12 +7,12 @@
 
 namespace pliant {
 
-std::optional<RestPose> read_rest_pose(const std::string& path, FindingList& findings)
+std::optional<RestPose> read_rest_pose(const std::string& path, DiagnosticList& diagnostics)
 {
-    std::optional<MeshFile> mesh = read_mesh(path, findings);
+    std::optional<MeshFile> mesh = read_mesh(path, diagnostics);
     if (!mesh) return std::nullopt;
     if (mesh->tets.empty()) {
-        findings.add(error_at(2609, path, "is a surface: a solid of tetrahedra is wanted here",
+        diagnostics.add(error_at(2609, path, "is a surface: a solid of tetrahedra is wanted here",
                               "give a .msh, .mesh, .veg or .vtk file; TetGen, fTetWild or Gmsh fill a surface"));
         return std::nullopt;
     }
@@ -20,14 +20,14 @@ std::optional<RestPose> read_rest_pose(const std::string& path, FindingList& fin
     rest.as_read = mesh->tets;
     std::vector<MeshFile> meshes;
     meshes.push_back(std::move(*mesh));
-    orient_tets(meshes, findings);
-    check_tets(meshes[0], check_volumes(meshes[0], nullptr, findings), findings);
+    orient_tets(meshes, diagnostics);
+    check_tets(meshes[0], check_volumes(meshes[0], nullptr, diagnostics), diagnostics);
     rest.mesh = std::move(meshes[0]);
     rest.boundary = boundary_of(rest.mesh.tets);
     return rest;
 }
 
-ShapeSet to_shape_set(const RestPose& rest, const std::vector<std::uint32_t>& fixed)
+NormalizedPoses to_shape_set(const RestPose& rest, const std::vector<std::uint32_t>& fixed)
 {
     PoseSet pose;
     pose.positions = { rest.mesh.positions };
@@ -35,7 +35,7 @@ ShapeSet to_shape_set(const RestPose& rest, const std::vector<std::uint32_t>& fi
     pose.tets = rest.mesh.tets;
     pose.regions = rest.mesh.regions;
     pose.fixed_vertices = fixed;
-    return normalise(pose);
+    return normalize(pose);
 }
 
 std::string encode_boundary(const RestPose& rest, const Positions& positions)

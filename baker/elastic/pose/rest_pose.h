@@ -14,11 +14,11 @@ struct RestPose {
     std::vector<Triangle> boundary;
 };
 
-// Adds all errors and warnings about the file to `findings` (P2001 to P2218, P2609). Empty if no solid could be read.
-std::optional<RestPose> read_rest_pose(const std::string& path, FindingList& findings);
+// Adds all errors and warnings about the file to `diagnostics` (P2001 to P2218, P2609). Empty if no solid could be read.
+std::optional<RestPose> read_rest_pose(const std::string& path, DiagnosticList& diagnostics);
 
 // The rest pose in the units of the solver, with these vertices fixed.
-ShapeSet to_shape_set(const RestPose& rest, const std::vector<std::uint32_t>& fixed);
+NormalizedPoses to_shape_set(const RestPose& rest, const std::vector<std::uint32_t>& fixed);
 
 // The boundary of a deformed state as a PLY file in memory.
 std::string encode_boundary(const RestPose& rest, const Positions& positions);

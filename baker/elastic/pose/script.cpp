@@ -21,10 +21,10 @@ bool is_motion(std::string_view word) { return word == "hold" || word == "move" 
 // Reads one line. Whatever returns false has reported an error.
 class LineParser {
 public:
-    LineParser(std::string_view line, std::string where, FindingList& findings)
+    LineParser(std::string_view line, std::string where, DiagnosticList& diagnostics)
         : rest_(line)
         , where_(std::move(where))
-        , findings_(findings)
+        , diagnostics_(diagnostics)
     {
         advance();
     }
@@ -37,7 +37,7 @@ private:
     void advance() { word_ = next_word(rest_, '#'); }
     bool fail(int number, std::string what, std::string hint)
     {
-        findings_.add(error_at(number, where_, std::move(what), std::move(hint)));
+        diagnostics_.add(error_at(number, where_, std::move(what), std::move(hint)));
         return false;
     }
     bool read_numbers(const char* name, const char* form, double* values, int count);
@@ -49,7 +49,7 @@ private:
 
     std::string_view rest_, word_;
     std::string where_;
-    FindingList& findings_;
+    DiagnosticList& diagnostics_;
 };
 
 std::optional<double> parse_number(std::string_view word)
@@ -173,24 +173,24 @@ bool LineParser::read_motions(std::vector<Motion>& motions)
 
 } // namespace
 
-Script read_script(const std::string& path, FindingList& findings)
+Script read_script(const std::string& path, DiagnosticList& diagnostics)
 {
     Script script;
     script.path = path;
-    std::optional<std::string> bytes = read_bytes(path, findings);
+    std::optional<std::string> bytes = read_bytes(path, diagnostics);
     if (!bytes) return script;
     if (bytes->compare(0, 3, "\xef\xbb\xbf") == 0) bytes->erase(0, 3);
-    const std::size_t errors_before = findings.error_count();
+    const std::size_t errors_before = diagnostics.error_count();
     LineReader lines(*bytes);
     while (lines.next()) {
         ScriptLine line;
         line.number = lines.number();
-        LineParser parser(lines.line(), script.where(line), findings);
+        LineParser parser(lines.line(), script.where(line), diagnostics);
         if (parser.is_empty()) continue;
         if (parser.read_region(line.region) && parser.read_motions(line.motions)) script.lines.push_back(std::move(line));
     }
-    if (script.lines.empty() && findings.error_count() == errors_before)
-        findings.add(error_at(2801, path, "has no line with a region", shapes_hint));
+    if (script.lines.empty() && diagnostics.error_count() == errors_before)
+        diagnostics.add(error_at(2801, path, "has no line with a region", shapes_hint));
     return script;
 }
 

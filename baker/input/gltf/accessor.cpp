@@ -42,7 +42,7 @@ template <class T> T value_at(const char* bytes)
     return value;
 }
 
-// glTF 2.0, section 3.11: what a normalised integer stands for.
+// glTF 2.0, section 3.11: what a normalized integer stands for.
 double number_at(const char* bytes, unsigned component_type, bool is_normalised)
 {
     switch (component_type) {
@@ -151,7 +151,7 @@ AccessorShape accessor_shape(const GltfDocument& document, const GltfValue& refe
     if (shape.components == 0) accessor.fail(2311, fmt::format("is of the unknown type {}", excerpt(type)));
     if (size_of(shape.component_type) == 0)
         accessor.fail(2311, fmt::format("is of the unknown component type {}", shape.component_type));
-    shape.is_normalised = accessor["normalized"].truth_or(false);
+    shape.is_normalised = accessor["normalized"].reference_or(false);
     shape.has_view = accessor["bufferView"].exists();
     return shape;
 }
@@ -187,7 +187,7 @@ std::vector<std::uint32_t> read_indices(const GltfDocument& document, const Gltf
         reference.fail(2311, fmt::format("component type {} cannot number anything", shape.component_type));
     const GltfNumbers numbers = read_numbers(document, reference, { components });
     std::vector<std::uint32_t> indices(static_cast<std::size_t>(numbers.size()));
-    // A uint32 fits into a double; normalised ones are nonsense here and come out as 0 or 1.
+    // A uint32 fits into a double; normalized ones are nonsense here and come out as 0 or 1.
     for (std::size_t i = 0; i < indices.size(); ++i) indices[i] = static_cast<std::uint32_t>(numbers.data()[i]);
     return indices;
 }

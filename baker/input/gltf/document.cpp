@@ -70,17 +70,17 @@ std::uint32_t u32_at(std::string_view bytes, std::size_t offset)
 
 void GltfValue::fail(int number, const std::string& what, const std::string& hint) const
 {
-    Finding finding { Finding::Severity::error, number, *file_, place_.empty() ? what : place_ + ": " + what,
+    Diagnostic diagnostic { Diagnostic::Severity::error, number, *file_, place_.empty() ? what : place_ + ": " + what,
                       hint.empty() ? "the file is damaged: export it again, a glTF validator says more" : hint };
-    throw Failure(ExitCode::bad_input, std::move(finding));
+    throw Failure(ExitCode::bad_input, std::move(diagnostic));
 }
 
 void GltfValue::expect(const char* what) const
 {
     const std::string expected = fmt::format("{} expected", what);
-    Finding finding = error_at(2306, *file_, fmt::format("{}: {}{}", place_, exists() ? "" : "is missing: ", expected),
+    Diagnostic diagnostic = error_at(2306, *file_, fmt::format("{}: {}{}", place_, exists() ? "" : "is missing: ", expected),
                                "the file is damaged: export it again, a glTF validator says more");
-    throw Failure(ExitCode::bad_input, std::move(finding));
+    throw Failure(ExitCode::bad_input, std::move(diagnostic));
 }
 
 GltfValue GltfValue::operator[](const char* key) const
@@ -118,9 +118,9 @@ std::size_t GltfValue::index(std::size_t count, const char* things) const
 {
     const std::uint64_t value = whole();
     if (value >= count) {
-        Finding finding = error_at(2307, *file_, fmt::format("{} is {}, the file has {} {}", place_, value, count, things),
+        Diagnostic diagnostic = error_at(2307, *file_, fmt::format("{} is {}, the file has {} {}", place_, value, count, things),
                                    "the file is damaged: export it again, a glTF validator says more");
-        throw Failure(ExitCode::bad_input, std::move(finding));
+        throw Failure(ExitCode::bad_input, std::move(diagnostic));
     }
     return static_cast<std::size_t>(value);
 }
@@ -152,7 +152,7 @@ std::string GltfValue::text() const
     return json_->get<std::string>();
 }
 
-bool GltfValue::truth_or(bool missing) const
+bool GltfValue::reference_or(bool missing) const
 {
     if (!json_) return missing;
     if (!json_->is_boolean()) expect("true or false");
@@ -173,9 +173,9 @@ bool is_gltf_name(std::string_view path)
 GltfDocument::GltfDocument(std::string path)
     : path_(std::move(path))
 {
-    FindingList findings;
-    std::optional<std::string> bytes = read_bytes(path_, findings);
-    if (!bytes) throw Failure(ExitCode::bad_input, findings.findings());
+    DiagnosticList diagnostics;
+    std::optional<std::string> bytes = read_bytes(path_, diagnostics);
+    if (!bytes) throw Failure(ExitCode::bad_input, diagnostics.diagnostics());
     read(std::move(*bytes));
 }
 
@@ -275,10 +275,10 @@ std::string GltfDocument::read_beside(const GltfValue& uri_value, const std::str
     if (std::mismatch(home.begin(), home.end(), place.begin(), place.end()).first != home.end())
         uri_value.fail(2309, fmt::format("{} leads out of the folder of this one", excerpt(uri)),
                        "only files beside the .gltf or below are opened: put them there, or pack all into one .glb");
-    FindingList findings;
-    std::optional<std::string> bytes = read_bytes(place.string(), findings);
+    DiagnosticList diagnostics;
+    std::optional<std::string> bytes = read_bytes(place.string(), diagnostics);
     if (!bytes)
-        uri_value.fail(2310, fmt::format("{} {}", excerpt(uri), findings.findings().at(0).what), "put the file there");
+        uri_value.fail(2310, fmt::format("{} {}", excerpt(uri), diagnostics.diagnostics().at(0).what), "put the file there");
     return std::move(*bytes);
 }
 
@@ -344,7 +344,7 @@ std::string GltfDocument::image(std::size_t index, std::string& why) const
         if (std::optional<std::string> bytes = decode_data_uri(uri)) return std::move(*bytes);
         why = "it is not base64 data";
     } catch (const Failure& failure) {
-        why = failure.findings().at(0).what;
+        why = failure.diagnostics().at(0).what;
     }
     return {};
 }

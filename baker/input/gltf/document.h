@@ -45,7 +45,7 @@ public:
     std::vector<double> numbers(std::size_t count) const;                      // exactly so many
     std::string text() const;
     std::string text_or(const char* missing) const { return exists() ? text() : missing; }
-    bool truth_or(bool missing) const;
+    bool reference_or(bool missing) const;
 
     [[noreturn]] void fail(int number, const std::string& what, const std::string& hint = {}) const;
 

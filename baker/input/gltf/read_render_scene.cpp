@@ -63,7 +63,7 @@ void put_parts(const GltfScene& scene, const Positions& normals, RenderScene& ou
 
 // Images without their places in the file; their bytes go to `out`. numbers[i]: the new number of image i, -1 if it is left out.
 GltfJson take_images(const GltfDocument& document, RenderScene& out, std::vector<int>& numbers,
-                     std::vector<Finding>& warnings)
+                     std::vector<Diagnostic>& warnings)
 {
     GltfJson images = GltfJson::array();
     const GltfValue list = document["images"];
@@ -139,7 +139,7 @@ void check_materials(const GltfDocument& document)
 
 } // namespace
 
-RenderScene render_scene(const GltfScene& scene, const Positions& normals, std::vector<Finding>& warnings)
+RenderScene render_scene(const GltfScene& scene, const Positions& normals, std::vector<Diagnostic>& warnings)
 {
     const GltfDocument& document = *scene.document;
     RenderScene out;

@@ -158,7 +158,7 @@ std::uint64_t vertex_count_of(const GltfMesh& mesh)
     return count;
 }
 
-void read_instances(GltfScene& scene, std::vector<Finding>& warnings)
+void read_instances(GltfScene& scene, std::vector<Diagnostic>& warnings)
 {
     const GltfDocument& document = *scene.document;
     const GltfValue meshes = document["meshes"];
@@ -236,7 +236,7 @@ std::size_t normalise_weights(const GltfScene& scene, const GltfInstance& instan
     return unequal;
 }
 
-void check_skins(GltfScene& scene, std::vector<Finding>& warnings)
+void check_skins(GltfScene& scene, std::vector<Diagnostic>& warnings)
 {
     std::vector<bool> is_done(scene.meshes.size(), false);
     std::size_t unequal = 0;
@@ -291,7 +291,7 @@ std::uint64_t GltfScene::vertex_count() const
     return count;
 }
 
-GltfScene read_scene(std::shared_ptr<const GltfDocument> document, std::vector<Finding>& warnings)
+GltfScene read_scene(std::shared_ptr<const GltfDocument> document, std::vector<Diagnostic>& warnings)
 {
     GltfScene scene;
     scene.document = std::move(document);

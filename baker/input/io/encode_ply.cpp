@@ -68,7 +68,7 @@ std::string encode_ply(const Positions& positions, const Polygons& faces, const 
 
 std::string encode_ply(const Positions& positions, const PoseSet& poses, bool all_vertices)
 {
-    if (poses.drawn) return encode_ply(drawn_positions(*poses.drawn, positions), poses.polygons);
+    if (poses.render_mesh) return encode_ply(render_mesh_positions(*poses.render_mesh, positions), poses.polygons);
     return encode_ply(positions, poses.polygons, { poses.source_vertices, poses.boundary_vertex_count }, all_vertices);
 }
 

@@ -125,32 +125,32 @@ void check_not_empty(const SourceFile& file, const MeshFile& mesh)
 
 } // namespace
 
-std::optional<MeshFile> read_mesh(const std::string& path, FindingList& findings)
+std::optional<MeshFile> read_mesh(const std::string& path, DiagnosticList& diagnostics)
 {
-    std::optional<std::string> bytes = read_bytes(path, findings);
+    std::optional<std::string> bytes = read_bytes(path, diagnostics);
     if (!bytes) return std::nullopt;
     if (starts_with(*bytes, "\xef\xbb\xbf")) bytes->erase(0, 3);
-    const SourceFile file { path, std::move(*bytes), &findings };
+    const SourceFile file { path, std::move(*bytes), &diagnostics };
 
-    const std::size_t errors_before = findings.error_count();
+    const std::size_t errors_before = diagnostics.error_count();
     const Format* format = choose_format(file);
     if (!format) return std::nullopt;
     MeshFile mesh;
     mesh.path = path;
     try {
-        if (format->read(file, mesh) && findings.error_count() == errors_before) check_not_empty(file, mesh);
+        if (format->read(file, mesh) && diagnostics.error_count() == errors_before) check_not_empty(file, mesh);
     } catch (const std::bad_alloc&) {
         file.error(2008, path, "does not fit into memory", "use a machine with more memory or a coarser mesh");
     }
-    if (findings.error_count() != errors_before) return std::nullopt;
+    if (diagnostics.error_count() != errors_before) return std::nullopt;
     return mesh;
 }
 
 MeshFile read_mesh(const std::string& path)
 {
-    FindingList findings;
-    std::optional<MeshFile> mesh = read_mesh(path, findings);
-    if (!mesh) throw Failure(ExitCode::bad_input, findings.findings());
+    DiagnosticList diagnostics;
+    std::optional<MeshFile> mesh = read_mesh(path, diagnostics);
+    if (!mesh) throw Failure(ExitCode::bad_input, diagnostics.diagnostics());
     return std::move(*mesh);
 }
 

@@ -23,7 +23,7 @@ namespace pliant {
 // Thread-safe.
 MeshFile read_mesh(const std::string& path);
 
-// The same for many files: findings are added to the list, and the result is empty if there was an error among them.
-std::optional<MeshFile> read_mesh(const std::string& path, FindingList& findings);
+// The same for many files: diagnostics are added to the list, and the result is empty if there was an error among them.
+std::optional<MeshFile> read_mesh(const std::string& path, DiagnosticList& diagnostics);
 
 } // namespace pliant

@@ -76,33 +76,33 @@ std::string_view without_plus(std::string_view word)
     return has_plus ? word.substr(1) : word;
 }
 
-std::optional<std::string> read_whole(const std::string& path, FindingList& findings)
+std::optional<std::string> read_whole(const std::string& path, DiagnosticList& diagnostics)
 {
     // Without O_NONBLOCK opening a pipe would wait for a writer before we can see that it is one.
     FileDescriptor file { ::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK) };
     struct stat status {};
     if (file.value < 0 || ::fstat(file.value, &status) != 0) {
-        findings.add(error_at(2001, path, fmt::format("cannot be read: {}", std::strerror(errno)),
+        diagnostics.add(error_at(2001, path, fmt::format("cannot be read: {}", std::strerror(errno)),
                               "check the name, and that you may read the file"));
         return std::nullopt;
     }
     if (!S_ISREG(status.st_mode)) {
-        findings.add(
+        diagnostics.add(
             error_at(2002, path, S_ISDIR(status.st_mode) ? "is a folder" : "is not a regular file", "name a mesh file"));
         return std::nullopt;
     }
     if (status.st_size > file_size_limit) {
-        findings.add(error_at(2008, path, fmt::format("has {} bytes, the limit is {}", status.st_size, file_size_limit),
+        diagnostics.add(error_at(2008, path, fmt::format("has {} bytes, the limit is {}", status.st_size, file_size_limit),
                               "simplify the mesh or use a binary format"));
         return std::nullopt;
     }
     try {
         std::string bytes(static_cast<std::size_t>(status.st_size), '\0');
         if (read_all(file.value, bytes)) return bytes;
-        findings.add(error_at(2001, path, fmt::format("cannot be read: {}", std::strerror(errno)),
+        diagnostics.add(error_at(2001, path, fmt::format("cannot be read: {}", std::strerror(errno)),
                               "check the disk or the network drive it is on"));
     } catch (const std::bad_alloc&) {
-        findings.add(error_at(2008, path, fmt::format("does not fit into memory: {} bytes", status.st_size),
+        diagnostics.add(error_at(2008, path, fmt::format("does not fit into memory: {} bytes", status.st_size),
                               "use a machine with more memory or a coarser mesh"));
     }
     return std::nullopt;
@@ -112,12 +112,12 @@ std::optional<std::string> read_whole(const std::string& path, FindingList& find
 
 void SourceFile::error(int number, std::string where, std::string what, std::string hint) const
 {
-    findings->add({ Finding::Severity::error, number, std::move(where), std::move(what), std::move(hint) });
+    diagnostics->add({ Diagnostic::Severity::error, number, std::move(where), std::move(what), std::move(hint) });
 }
 
-std::optional<std::string> read_bytes(const std::string& path, FindingList& findings)
+std::optional<std::string> read_bytes(const std::string& path, DiagnosticList& diagnostics)
 {
-    std::optional<std::string> bytes = read_whole(path, findings);
+    std::optional<std::string> bytes = read_whole(path, diagnostics);
     note_reading(path, bytes);
     return bytes;
 }

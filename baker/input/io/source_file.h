@@ -12,11 +12,11 @@
 
 namespace pliant {
 
-// A file while it is read: its bytes, and the place where findings go.
+// A file while it is read: its bytes, and the place where diagnostics go.
 struct SourceFile {
     std::string path;
     std::string bytes; // without a byte order mark
-    FindingList* findings = nullptr;
+    DiagnosticList* diagnostics = nullptr;
 
     // "run.obj:812"; line 0 stands for a binary file and gives the path alone.
     std::string at_line(std::size_t line) const { return line == 0 ? path : path + ":" + std::to_string(line); }
@@ -24,7 +24,7 @@ struct SourceFile {
 };
 
 // The bytes of a regular file. Errors P2001 (cannot be read), P2002 (not a regular file), P2008 (memory): empty result.
-std::optional<std::string> read_bytes(const std::string& path, FindingList& findings);
+std::optional<std::string> read_bytes(const std::string& path, DiagnosticList& diagnostics);
 
 // Lines of a text, whether they end with LF, CR LF or CR; the last needs no end.
 class LineReader {
@@ -100,7 +100,7 @@ private:
     MeshFile& mesh_;
 };
 
-// The readers proper. False if the file was left half read; errors are in file.findings either way.
+// The readers proper. False if the file was left half read; errors are in file.diagnostics either way.
 bool read_obj(const SourceFile& file, MeshFile& mesh);
 bool read_ply(const SourceFile& file, MeshFile& mesh);
 bool read_off(const SourceFile& file, MeshFile& mesh);

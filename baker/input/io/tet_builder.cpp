@@ -47,7 +47,7 @@ bool TetBuilder::finish()
         return false;
     }
     if (total != 0)
-        file_.findings->add(warning_at(2115, file_.path, fmt::format("{} left out: only tetrahedra count", list),
+        file_.diagnostics->add(warning_at(2115, file_.path, fmt::format("{} left out: only tetrahedra count", list),
                                        "harmless: they usually mark the boundary"));
     return true;
 }

@@ -21,7 +21,7 @@ namespace fs = std::filesystem;
 
 constexpr std::string_view temporary_infix = ".pliant-tmp-";
 
-[[noreturn]] void fail(Finding finding) { throw Failure(ExitCode::failed, std::move(finding)); }
+[[noreturn]] void fail(Diagnostic diagnostic) { throw Failure(ExitCode::failed, std::move(diagnostic)); }
 
 [[noreturn]] void fail_writing(const std::string& path, int system_error)
 {

@@ -23,11 +23,11 @@ struct HalfEdge {
 
 class Checker {
 public:
-    Checker(const MeshFile& mesh, ElasticSurface& surface, FindingList& findings)
+    Checker(const MeshFile& mesh, SimulationMesh& surface, DiagnosticList& diagnostics)
         : mesh_(mesh)
         , surface_(surface)
         , triangulation_(surface.triangulation)
-        , findings_(findings)
+        , diagnostics_(diagnostics)
     {
     }
 
@@ -46,10 +46,10 @@ private:
               std::string what, const char* hint) const
     {
         std::vector<Index> faces;
-        for (std::size_t i = 0; i < edges.size() && faces.size() < Finding::element_limit; ++i)
+        for (std::size_t i = 0; i < edges.size() && faces.size() < Diagnostic::element_limit; ++i)
             for (const HalfEdge* h = edges[i].first; h != edges[i].second; ++h) faces.push_back(face(*h));
         const std::string where = where_is_face(mesh_, face(edges[0].first[at]));
-        findings_.add(about_faces(warning_at(number, where, std::move(what), hint), faces));
+        diagnostics_.add(about_faces(warning_at(number, where, std::move(what), hint), faces));
     }
 
     template <class Visit> void for_each_edge(Visit visit) const
@@ -77,9 +77,9 @@ private:
     }
 
     const MeshFile& mesh_;
-    ElasticSurface& surface_;
+    SimulationMesh& surface_;
     const Triangulation& triangulation_;
-    FindingList& findings_;
+    DiagnosticList& diagnostics_;
     std::vector<HalfEdge> half_edges_; // sorted by edge, then by triangle
 };
 
@@ -148,7 +148,7 @@ void Checker::find_unreferenced_vertices()
         if (!is_used[vertex] && !surface_.is_welded(vertex)) unused.push_back(vertex);
     surface_.repairs.lone_vertex_count = unused.size();
     if (unused.empty()) return;
-    findings_.add(about_vertices(
+    diagnostics_.add(about_vertices(
         warning_at(2207, mesh_.path,
                    fmt::format("{} vertices belong to no face of the elastic mesh: {}", unused.size(), first_few(unused)),
                    "ties hold them to what lies beside them; remove them from all poses if they are nothing"),
@@ -182,7 +182,7 @@ void Checker::find_components()
     }
     std::vector<Index> smaller; // a face of each but the largest
     for (std::size_t i = 1; i < components.size(); ++i) smaller.push_back(triangulation_.faces[components[i]]);
-    findings_.add(about_faces(
+    diagnostics_.add(about_faces(
         warning_at(
             2208, mesh_.path,
             fmt::format("has {} components: {}{}", components.size(), list, components.size() > 5 ? ", ..." : ""),
@@ -210,7 +210,7 @@ void Checker::find_bow_ties()
     }
     for (Index vertex = 0; vertex < fan_counts.size(); ++vertex) {
         if (fan_counts[vertex] < 2) continue;
-        findings_.add(about_vertices(
+        diagnostics_.add(about_vertices(
             warning_at(2206, mesh_.path,
                        fmt::format("{} parts of the surface touch in vertex {} only", fan_counts[vertex], vertex),
                        "discrete shells can do it, ARAP cannot: split the vertex, alike in all poses"),
@@ -220,9 +220,9 @@ void Checker::find_bow_ties()
 
 } // namespace
 
-void check_connectivity(const MeshFile& first, ElasticSurface& surface, FindingList& findings)
+void check_connectivity(const MeshFile& first, SimulationMesh& surface, DiagnosticList& diagnostics)
 {
-    Checker(first, surface, findings).check();
+    Checker(first, surface, diagnostics).check();
 }
 
 } // namespace pliant

@@ -83,7 +83,7 @@ std::string where_is_tet(const MeshFile& mesh, std::size_t tet)
     return mesh.path + ":" + std::to_string(mesh.tet_lines[tet]);
 }
 
-void orient_tets(std::vector<MeshFile>& meshes, FindingList& findings)
+void orient_tets(std::vector<MeshFile>& meshes, DiagnosticList& diagnostics)
 {
     const Volumes volumes = measure(meshes[0]);
     const std::size_t count = meshes[0].tets.size();
@@ -91,19 +91,19 @@ void orient_tets(std::vector<MeshFile>& meshes, FindingList& findings)
     for (MeshFile& mesh : meshes) {
         for (Tetrahedron& tet : mesh.tets) std::swap(tet[2], tet[3]);
     }
-    findings.add(warning_at(
+    diagnostics.add(warning_at(
         2214, meshes[0].path,
         fmt::format("all {} tetrahedra number their corners the other way round: turned, in all poses alike", count),
         "harmless if the program that wrote the file counts so; if an axis was flipped, export again"));
 }
 
-bool check_volumes(const MeshFile& mesh, const MeshFile* first, FindingList& findings)
+bool check_volumes(const MeshFile& mesh, const MeshFile* first, DiagnosticList& diagnostics)
 {
-    check_precision(mesh, findings);
+    check_precision(mesh, diagnostics);
     const Volumes volumes = measure(mesh);
     const double unit3 = volumes.unit * volumes.unit * volumes.unit;
     if (first && volumes.negative_count != 0 && volumes.negative_count + volumes.flat_count == mesh.tets.size()) {
-        findings.add(error_at(3007, mesh.path,
+        diagnostics.add(error_at(3007, mesh.path,
                               fmt::format("is mirrored against {}: all its tetrahedra are inside out", first->path),
                               "the export flipped an axis of one of them: export both alike"));
         return false;
@@ -112,12 +112,12 @@ bool check_volumes(const MeshFile& mesh, const MeshFile* first, FindingList& fin
         const auto& [volume, edge] = volumes.shapes[t];
         if (has_repeated_vertex(mesh.tets[t])) continue; // P2211 says it better
         if (volumes.is_flat[t]) {
-            findings.add(error_at(2212, where_is_tet(mesh, t),
+            diagnostics.add(error_at(2212, where_is_tet(mesh, t),
                                   fmt::format("tetrahedron {} ({}) has no volume: {:.3g} with an edge of {:.3g}", t,
                                               corners_of(mesh.tets[t]), volume * unit3, edge * volumes.unit),
                                   "move its corners apart in this pose, or remove it from all poses"));
         } else if (volume < 0) {
-            findings.add(
+            diagnostics.add(
                 error_at(2213, where_is_tet(mesh, t),
                          fmt::format("tetrahedron {} ({}) is inverted: its volume is {:.3g}", t, corners_of(mesh.tets[t]),
                                      volume * unit3),

@@ -42,7 +42,7 @@ double half_size(const Positions& positions)
 }
 
 // A fan covers a polygon once only if the polygon is convex, or at least visible from its first corner.
-void check_fans(const MeshFile& mesh, const Triangulation& triangulation, const Positions& positions, FindingList& findings)
+void check_fans(const MeshFile& mesh, const Triangulation& triangulation, const Positions& positions, DiagnosticList& diagnostics)
 {
     const std::vector<Triangle>& triangles = triangulation.triangles;
     for (std::size_t begin = 0, end = 0; begin < triangles.size(); begin = end) {
@@ -53,7 +53,7 @@ void check_fans(const MeshFile& mesh, const Triangulation& triangulation, const 
         if (end - begin < 2) continue;
         for (std::size_t t = begin; t < end; ++t) {
             if (area_vector(positions, triangles[t]).dot(sum) > 0) continue;
-            findings.add(about_faces(
+            diagnostics.add(about_faces(
                 warning_at(2210, where_is_face(mesh, face),
                            fmt::format("face {} is not convex: the triangles from its first corner fold over", face),
                            "cut it into triangles before you export it, alike in all poses"),
@@ -82,13 +82,13 @@ Positions to_unit_box(const Positions& positions)
     return result;
 }
 
-void check_precision(const MeshFile& mesh, FindingList& findings)
+void check_precision(const MeshFile& mesh, DiagnosticList& diagnostics)
 {
     const Eigen::RowVector3d size = mesh.positions.colwise().maxCoeff() - mesh.positions.colwise().minCoeff();
     const double spacing = 2 * coordinate_rounding(mesh.positions);
     const bool is_point = !(size.norm() > 0); // P2202 says it better
     if (is_point || spacing <= coarse_spacing * size.norm()) return;
-    findings.add(
+    diagnostics.add(
         warning_at(2209, mesh.path,
                    fmt::format("is so far from the origin that its coordinates are {:.2g} apart, {:.1g} of its size",
                                spacing, spacing / size.norm()),
@@ -116,10 +116,10 @@ std::vector<FlatTriangle> find_flat_triangles(const MeshFile& mesh, const std::v
     return flat;
 }
 
-void check_shape(const MeshFile& mesh, const Triangulation& triangulation, FindingList& findings)
+void check_shape(const MeshFile& mesh, const Triangulation& triangulation, DiagnosticList& diagnostics)
 {
-    check_precision(mesh, findings);
-    check_fans(mesh, triangulation, to_unit_box(mesh.positions), findings);
+    check_precision(mesh, diagnostics);
+    check_fans(mesh, triangulation, to_unit_box(mesh.positions), diagnostics);
 }
 
 std::string where_is_face(const MeshFile& mesh, std::size_t face)

@@ -17,10 +17,10 @@ std::vector<FlatTriangle> find_flat_triangles(const MeshFile& mesh, const std::v
 
 // Checks the positions of one pose. Warnings: P2209 coordinates too coarse for the distance from the origin, P2210 a polygon whose fan
 // of triangles folds over.
-void check_shape(const MeshFile& mesh, const Triangulation& triangulation, FindingList& findings);
+void check_shape(const MeshFile& mesh, const Triangulation& triangulation, DiagnosticList& diagnostics);
 
 // The part of it that has nothing to do with surfaces: P2209.
-void check_precision(const MeshFile& mesh, FindingList& findings);
+void check_precision(const MeshFile& mesh, DiagnosticList& diagnostics);
 
 // Rounding of the coordinates of a pose, in its units: half the distance between neighbouring numbers at the largest coordinate,
 // of single precision if every coordinate is exactly a float (then that is where it came from), else of double.

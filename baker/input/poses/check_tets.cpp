@@ -15,9 +15,9 @@ using Edge = std::pair<Index, Index>; // ascending
 
 class TetChecker {
 public:
-    TetChecker(const MeshFile& mesh, FindingList& findings)
+    TetChecker(const MeshFile& mesh, DiagnosticList& diagnostics)
         : mesh_(mesh)
-        , findings_(findings)
+        , diagnostics_(diagnostics)
         , is_left_out_(mesh.tets.size(), false)
     {
     }
@@ -33,7 +33,7 @@ private:
     void find_components();
     void error(int number, std::size_t tet, std::string what, const char* hint) const
     {
-        findings_.add({ Finding::Severity::error, number, where_is_tet(mesh_, tet), std::move(what), hint });
+        diagnostics_.add({ Diagnostic::Severity::error, number, where_is_tet(mesh_, tet), std::move(what), hint });
     }
     template <class Visit> void for_each_face(Visit visit) const
     {
@@ -45,8 +45,8 @@ private:
     }
 
     const MeshFile& mesh_;
-    FindingList& findings_;
-    std::vector<bool> is_left_out_; // reported already, would only cause further findings
+    DiagnosticList& diagnostics_;
+    std::vector<bool> is_left_out_; // reported already, would only cause further diagnostics
     std::vector<TetFace> faces_;
 };
 
@@ -97,7 +97,7 @@ void TetChecker::find_duplicates()
 
 void TetChecker::check_faces(bool has_good_volumes)
 {
-    // Findings in the order of the file, not in that of the vertices.
+    // Diagnostics in the order of the file, not in that of the vertices.
     std::vector<std::pair<const TetFace*, const TetFace*>> bad;
     for_each_face([&](const TetFace* begin, const TetFace* end) {
         const bool is_opposed = end - begin == 2 && begin[0].is_even != begin[1].is_even;
@@ -143,7 +143,7 @@ void TetChecker::find_unused_vertices()
     for (std::size_t vertex = 0; vertex < is_used.size() && listed < 5; ++vertex) {
         if (!is_used[vertex]) list += fmt::format("{}{}", listed++ == 0 ? "" : ", ", vertex);
     }
-    findings_.add(
+    diagnostics_.add(
         error_at(2207, mesh_.path,
                  fmt::format("{} vertices belong to no tetrahedron: {}{}", count, list, count > listed ? ", ..." : ""),
                  "nothing says where they should go: remove them from all poses"));
@@ -169,7 +169,7 @@ void TetChecker::find_components()
     for (std::size_t i = 0; i < components.size() && i < 5; ++i) {
         list += fmt::format("{}{} tetrahedra with tetrahedron {}", i == 0 ? "" : ", ", sizes[components[i]], components[i]);
     }
-    findings_.add(
+    diagnostics_.add(
         error_at(2208, mesh_.path,
                  fmt::format("has {} components: {}{}", components.size(), list, components.size() > 5 ? ", ..." : ""),
                  "no elastic energy holds parts together that share no face: join them or bake them one by one"));
@@ -180,9 +180,9 @@ void TetChecker::find_components()
 // Where the boundary is no surface. It need not be one for the energy of a solid, but it seldom is meant: two parts that touch.
 class BoundaryChecker {
 public:
-    BoundaryChecker(const MeshFile& mesh, FindingList& findings)
+    BoundaryChecker(const MeshFile& mesh, DiagnosticList& diagnostics)
         : mesh_(mesh)
-        , findings_(findings)
+        , diagnostics_(diagnostics)
         , triangles_(boundary_of(mesh.tets))
     {
     }
@@ -211,7 +211,7 @@ private:
     void find_vertices();
 
     const MeshFile& mesh_;
-    FindingList& findings_;
+    DiagnosticList& diagnostics_;
     std::vector<Triangle> triangles_;
     std::vector<Side> sides_;   // those of an edge behind each other
     std::vector<bool> is_told_; // vertices at an edge that was reported
@@ -241,7 +241,7 @@ void BoundaryChecker::find_edges()
         is_told_[edge.first] = is_told_[edge.second] = true;
     });
     if (count == 0) return;
-    findings_.add(warning_at(
+    diagnostics_.add(warning_at(
         2217, mesh_.path,
         fmt::format("the boundary touches itself along {} edges, the first of them {} {}", count, first.first, first.second),
         "the parts can turn there as at a hinge: join them by a face, or give each vertices of its own"));
@@ -263,7 +263,7 @@ void BoundaryChecker::find_vertices()
     }
     for (Index vertex = 0; vertex < fan_counts.size(); ++vertex) {
         if (fan_counts[vertex] < 2 || is_told_[vertex]) continue;
-        findings_.add(about_vertices(
+        diagnostics_.add(about_vertices(
             warning_at(2217, mesh_.path, fmt::format("the boundary touches itself in vertex {}", vertex),
                        "the parts can turn there freely: join them by a face, or give each vertices of its own"),
             { vertex }));
@@ -272,11 +272,11 @@ void BoundaryChecker::find_vertices()
 
 } // namespace
 
-void check_tets(const MeshFile& mesh, bool has_good_volumes, FindingList& findings)
+void check_tets(const MeshFile& mesh, bool has_good_volumes, DiagnosticList& diagnostics)
 {
-    const std::size_t errors_before = findings.error_count();
-    TetChecker(mesh, findings).check(has_good_volumes);
-    if (findings.error_count() == errors_before) BoundaryChecker(mesh, findings).check();
+    const std::size_t errors_before = diagnostics.error_count();
+    TetChecker(mesh, diagnostics).check(has_good_volumes);
+    if (diagnostics.error_count() == errors_before) BoundaryChecker(mesh, diagnostics).check();
 }
 
 } // namespace pliant

@@ -36,21 +36,21 @@ std::string corners_of(const Polygons& faces, std::size_t face)
 
 } // namespace
 
-bool check_same_vertex_count(const MeshFile& first, const MeshFile& other, FindingList& findings)
+bool check_same_vertex_count(const MeshFile& first, const MeshFile& other, DiagnosticList& diagnostics)
 {
     if (first.positions.rows() == other.positions.rows()) return true;
-    findings.add(
+    diagnostics.add(
         error_at(3003, other.path,
                  fmt::format("has {} vertices, {} has {}", other.positions.rows(), first.path, first.positions.rows()),
                  "poses must be the same mesh in other positions: export them all from the same one"));
     return false;
 }
 
-bool check_same_faces(const MeshFile& first, const MeshFile& other, FindingList& findings)
+bool check_same_faces(const MeshFile& first, const MeshFile& other, DiagnosticList& diagnostics)
 {
     const Polygons &a = first.faces, &b = other.faces;
     const auto vertex_count = static_cast<std::size_t>(first.positions.rows());
-    if (!check_same_vertex_count(first, other, findings)) return false;
+    if (!check_same_vertex_count(first, other, diagnostics)) return false;
     std::size_t face = 0;
     const std::size_t common = std::min(a.count(), b.count());
     while (face < common && same_face(a, b, face)) ++face;
@@ -63,12 +63,12 @@ bool check_same_faces(const MeshFile& first, const MeshFile& other, FindingList&
         ? fmt::format("face {} is {} here and {} in {}", face, corners_of(b, face), corners_of(a, face), first.path)
         : fmt::format("has {} faces, {} has {}", b.count(), first.path, a.count());
     if (is_likely) {
-        findings.add(error_at(
+        diagnostics.add(error_at(
             3005, where_is_face(other, face),
             fmt::format("{}the same surface with other numbers: {}", is_proven ? "is " : "seems to be ", difference),
             "vertices or faces were reordered: export with 'keep vertex order'"));
     } else {
-        findings.add(error_at(3004, where_is_face(other, face), fmt::format("has other faces: {}", difference),
+        diagnostics.add(error_at(3004, where_is_face(other, face), fmt::format("has other faces: {}", difference),
                               "poses must be the same mesh in other positions: export them all from the same one"));
     }
     return false;

@@ -134,7 +134,7 @@ MirrorFit mirror_fit(const Shape& first, const Shape& other, const Eigen::Vector
 // walk seen half a step later is nearly one), and a sheet that bends the other way is exactly one. But an enclosing surface
 // would have to be turned inside out. So that is the error; a nearly exact mirror image of a sheet is a warning.
 void check_mirrored(const MeshFile& first, const MeshFile& other, const Shape& a, const Shape& b,
-                    const std::vector<Triangle>& triangles, FindingList& findings)
+                    const std::vector<Triangle>& triangles, DiagnosticList& diagnostics)
 {
     constexpr double open = 0.5;        // a hemisphere has 0.7, a face with its neck 0.2, a closed surface 0
     constexpr double enclosing = 0.005; // a human body has 0.1 to 0.2, a pillow ten times as wide as high 0.15
@@ -147,13 +147,13 @@ void check_mirrored(const MeshFile& first, const MeshFile& other, const Shape& a
     if (is_enclosing && ea.volume * eb.volume < 0) {
         const double smaller = std::min(std::abs(ea.volume), std::abs(eb.volume));
         if (smaller < alike * std::max(std::abs(ea.volume), std::abs(eb.volume))) {
-            findings.add(warning_at(3014, other.path,
+            diagnostics.add(warning_at(3014, other.path,
                                     fmt::format("is inside out for a large part (signed volume {:.3g}, {} has {:.3g})",
                                                 eb.volume, first.path, ea.volume),
                                     "right if it is meant to fold through itself; blends with it may do so, too"));
             return;
         }
-        findings.add(
+        diagnostics.add(
             error_at(3007, other.path,
                      fmt::format("is mirrored against {}: its surface is inside out (signed volume {:.3g} against {:.3g})",
                                  first.path, eb.volume, ea.volume),
@@ -163,14 +163,14 @@ void check_mirrored(const MeshFile& first, const MeshFile& other, const Shape& a
     if (is_enclosing) return;
     const MirrorFit fit = mirror_fit(a, b, lumped_masses(a, triangles));
     if (fit.proper < distinct || fit.improper > exact * fit.proper) return;
-    findings.add(warning_at(3011, other.path, fmt::format("is nearly a mirror image of {}", first.path),
+    diagnostics.add(warning_at(3011, other.path, fmt::format("is nearly a mirror image of {}", first.path),
                             "right if the sheet bends the other way; if not, an axis was flipped by the export"));
 }
 
 } // namespace
 
 void check_correspondence(const MeshFile& first, const MeshFile& other, const Triangulation& triangulation,
-                          FindingList& findings)
+                          DiagnosticList& diagnostics)
 {
     const double unit = box_size(first.positions);
     if (!(unit > 0) || !(box_size(other.positions) > 0)) return; // without areas: P2202
@@ -184,7 +184,7 @@ void check_correspondence(const MeshFile& first, const MeshFile& other, const Tr
     const bool is_larger = std::min(size_ratio, edge_ratio) > unit_mismatch;
     const bool is_smaller = std::max(size_ratio, edge_ratio) < 1 / unit_mismatch;
     if (is_larger || is_smaller) {
-        findings.add(error_at(3008, other.path,
+        diagnostics.add(error_at(3008, other.path,
                               fmt::format("scale {:.4g} against {}: unit mismatch?", size_ratio, first.path),
                               "export all poses in the same unit of length"));
     }
@@ -192,18 +192,18 @@ void check_correspondence(const MeshFile& first, const MeshFile& other, const Tr
     const double stretch = std::min(median_stretch(ratios, size_ratio), median_stretch(ratios, 1));
     const double spread = quantile(ratios, 0.9) / quantile(ratios, 0.1);
     if (stretch > hopeless_stretch || (stretch > suspicious_stretch && spread > suspicious_spread)) {
-        findings.add(error_at(3006, other.path,
+        diagnostics.add(error_at(3006, other.path,
                               fmt::format("does not seem to correspond to {}: median edge stretch {:.3g}x, spread {:.3g}x",
                                           first.path, stretch, spread),
                               "vertices must come in the same order in all poses: export with 'keep vertex order'"));
         return; // the rest would be nonsense
     }
     // A mirrored solid has negative volumes, which is proof; a thin one fits its mirror image as well as a sheet does.
-    if (first.tets.empty()) check_mirrored(first, other, a, b, triangulation.triangles, findings);
+    if (first.tets.empty()) check_mirrored(first, other, a, b, triangulation.triangles, diagnostics);
 }
 
 void check_distinct(const std::vector<MeshFile>& poses, const Triangulation& triangulation, bool align,
-                    FindingList& findings)
+                    DiagnosticList& diagnostics)
 {
     const double unit = box_size(poses[0].positions);
     if (!(unit > 0)) return;
@@ -238,9 +238,9 @@ void check_distinct(const std::vector<MeshFile>& poses, const Triangulation& tri
     for (const auto& [k, i] : repeats) {
         const std::string what = fmt::format("{} {}", meaning, poses[i].path);
         if (is_hopeless)
-            findings.add(error_at(3009, poses[k].path, what + ": nothing to blend", "give at least two different poses"));
+            diagnostics.add(error_at(3009, poses[k].path, what + ": nothing to blend", "give at least two different poses"));
         else
-            findings.add(warning_at(3010, poses[k].path, what, "it takes a weight of its own but adds no shape"));
+            diagnostics.add(warning_at(3010, poses[k].path, what, "it takes a weight of its own but adds no shape"));
     }
 }
 

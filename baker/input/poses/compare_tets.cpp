@@ -48,18 +48,18 @@ Polygons to_faces(const std::vector<Tetrahedron>& tets)
 
 } // namespace
 
-bool check_same_kind(const MeshFile& first, const MeshFile& other, FindingList& findings)
+bool check_same_kind(const MeshFile& first, const MeshFile& other, DiagnosticList& diagnostics)
 {
     if (first.tets.empty() == other.tets.empty()) return true;
     const auto kind = [](const MeshFile& mesh) { return mesh.tets.empty() ? "a surface" : "a solid of tetrahedra"; };
-    findings.add(error_at(3012, other.path, fmt::format("is {}, {} is {}", kind(other), first.path, kind(first)),
+    diagnostics.add(error_at(3012, other.path, fmt::format("is {}, {} is {}", kind(other), first.path, kind(first)),
                           "poses must be the same mesh in other positions: all surfaces or all solids"));
     return false;
 }
 
-bool check_same_tets(const MeshFile& first, const MeshFile& other, FindingList& findings)
+bool check_same_tets(const MeshFile& first, const MeshFile& other, DiagnosticList& diagnostics)
 {
-    if (!check_same_vertex_count(first, other, findings)) return false;
+    if (!check_same_vertex_count(first, other, diagnostics)) return false;
     const std::vector<Tetrahedron>&a = first.tets, &b = other.tets;
     std::size_t tet = 0;
     const std::size_t common = std::min(a.size(), b.size());
@@ -74,12 +74,12 @@ bool check_same_tets(const MeshFile& first, const MeshFile& other, FindingList& 
         ? fmt::format("tetrahedron {} is {} here and {} in {}", tet, corners_of(b[tet]), corners_of(a[tet]), first.path)
         : fmt::format("has {} tetrahedra, {} has {}", b.size(), first.path, a.size());
     if (is_likely) {
-        findings.add(
+        diagnostics.add(
             error_at(3005, where_is_tet(other, tet),
                      fmt::format("{}the same solid with other numbers: {}", is_proven ? "is " : "seems to be ", difference),
                      "vertices or tetrahedra were reordered: export all poses from the same mesh"));
     } else {
-        findings.add(error_at(3004, where_is_tet(other, tet), fmt::format("has other tetrahedra: {}", difference),
+        diagnostics.add(error_at(3004, where_is_tet(other, tet), fmt::format("has other tetrahedra: {}", difference),
                               "poses must be the same mesh in other positions: export them all from the same one"));
     }
     return false;

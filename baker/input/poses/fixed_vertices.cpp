@@ -35,12 +35,12 @@ double distance_from_line(const Positions& positions, const std::vector<std::uin
 
 } // namespace
 
-std::vector<std::uint32_t> read_fixed_vertices(const std::string& path, std::size_t vertex_count, FindingList& findings)
+std::vector<std::uint32_t> read_fixed_vertices(const std::string& path, std::size_t vertex_count, DiagnosticList& diagnostics)
 {
-    std::optional<std::string> bytes = read_bytes(path, findings);
+    std::optional<std::string> bytes = read_bytes(path, diagnostics);
     if (!bytes) return {};
     if (bytes->compare(0, 3, "\xef\xbb\xbf") == 0) bytes->erase(0, 3);
-    const SourceFile file { path, std::move(*bytes), &findings };
+    const SourceFile file { path, std::move(*bytes), &diagnostics };
     std::vector<std::uint32_t> fixed;
     LineReader lines(file.bytes);
     while (lines.next()) {
@@ -67,18 +67,18 @@ std::vector<std::uint32_t> read_fixed_vertices(const std::string& path, std::siz
 }
 
 void check_fixed_vertices(const std::string& path, const std::vector<std::uint32_t>& fixed, std::size_t vertex_count,
-                          const std::vector<MeshFile>& meshes, FindingList& findings)
+                          const std::vector<MeshFile>& meshes, DiagnosticList& diagnostics)
 {
     const Positions& first = meshes[0].positions;
     const double size = box_diagonal(first), rounding = coordinate_rounding(first);
     // Nearly on a line counts as on it: what holds the body there would be the last digits of the coordinates.
     if (fixed.size() < 3 || distance_from_line(first, fixed) <= tolerance * size + 4 * rounding) {
-        findings.add(error_at(2604, path,
+        diagnostics.add(error_at(2604, path,
                               fmt::format("{} vertices are fixed{}: the body could still turn", fixed.size(),
                                           fixed.size() < 3 ? "" : ", all on a line"),
                               "fix three or more that do not lie on a line, or none"));
     } else if (fixed.size() == vertex_count) {
-        findings.add(error_at(2605, path, fmt::format("all {} vertices are fixed: nothing could move", fixed.size()),
+        diagnostics.add(error_at(2605, path, fmt::format("all {} vertices are fixed: nothing could move", fixed.size()),
                               "name those only that hold the body"));
     }
     for (std::size_t k = 1; k < meshes.size(); ++k) {
@@ -87,7 +87,7 @@ void check_fixed_vertices(const std::string& path, const std::vector<std::uint32
         for (const std::uint32_t vertex : fixed) {
             const double distance = (pose.row(vertex) - first.row(vertex)).norm();
             if (distance <= allowed) continue;
-            findings.add(
+            diagnostics.add(
                 error_at(3013, meshes[k].path,
                          fmt::format("vertex {} is fixed, but lies {:.3g} away from where {} has it (allowed {:.2g})",
                                      vertex, distance, meshes[0].path, allowed),

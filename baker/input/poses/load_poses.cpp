@@ -21,41 +21,41 @@ namespace {
 // What the checks found out on the way.
 struct Checked {
     Triangulation triangulation;      // what is drawn and, of a solid, compared: of that its boundary
-    ElasticSurface surface;           // of surfaces
+    SimulationMesh surface;           // of surfaces
     std::vector<std::uint32_t> fixed; // by the numbers of the files
 };
 
-// Every pose on its own and against pose 0, as far as the earlier findings leave a meaning to the later questions. True if all poses
+// Every pose on its own and against pose 0, as far as the earlier diagnostics leave a meaning to the later questions. True if all poses
 // show the same mesh.
-bool check_surfaces(const std::vector<MeshFile>& meshes, double weld_tolerance, Checked& checked, FindingList& findings)
+bool check_surfaces(const std::vector<MeshFile>& meshes, double weld_tolerance, Checked& checked, DiagnosticList& diagnostics)
 {
     const MeshFile& first = meshes[0];
     std::vector<const MeshFile*> alike = { &first };
     for (std::size_t k = 1; k < meshes.size(); ++k)
-        if (check_same_kind(first, meshes[k], findings) && check_same_faces(first, meshes[k], findings))
+        if (check_same_kind(first, meshes[k], diagnostics) && check_same_faces(first, meshes[k], diagnostics))
             alike.push_back(&meshes[k]);
-    for (const MeshFile* mesh : alike) check_shape(*mesh, checked.triangulation, findings);
-    checked.surface = make_elastic_surface(alike, checked.triangulation, weld_tolerance, findings);
+    for (const MeshFile* mesh : alike) check_shape(*mesh, checked.triangulation, diagnostics);
+    checked.surface = make_simulation_mesh(alike, checked.triangulation, weld_tolerance, diagnostics);
     if (checked.surface.triangulation.triangles.empty()) return false; // said; nothing to look at
-    check_connectivity(first, checked.surface, findings);
+    check_connectivity(first, checked.surface, diagnostics);
     for (std::size_t k = 1; k < alike.size(); ++k)
-        check_correspondence(first, *alike[k], checked.surface.triangulation, findings);
+        check_correspondence(first, *alike[k], checked.surface.triangulation, diagnostics);
     return alike.size() == meshes.size();
 }
 
 // The same for solids.
-bool check_solids(const std::vector<MeshFile>& meshes, const Triangulation& boundary, FindingList& findings)
+bool check_solids(const std::vector<MeshFile>& meshes, const Triangulation& boundary, DiagnosticList& diagnostics)
 {
     const MeshFile& first = meshes[0];
-    check_tets(first, check_volumes(first, nullptr, findings), findings);
+    check_tets(first, check_volumes(first, nullptr, diagnostics), diagnostics);
     bool is_comparable = true;
     for (std::size_t k = 1; k < meshes.size(); ++k) {
-        if (!check_same_kind(first, meshes[k], findings) || !check_same_tets(first, meshes[k], findings)) {
+        if (!check_same_kind(first, meshes[k], diagnostics) || !check_same_tets(first, meshes[k], diagnostics)) {
             is_comparable = false;
             continue;
         }
-        check_volumes(meshes[k], &first, findings);
-        check_correspondence(first, meshes[k], boundary, findings);
+        check_volumes(meshes[k], &first, diagnostics);
+        check_correspondence(first, meshes[k], boundary, diagnostics);
     }
     return is_comparable;
 }
@@ -86,7 +86,7 @@ void renumber(PoseSet& poses)
 }
 
 // From the vertices of the files to those of the elastic surface; the former are drawn where they differ.
-void take_elastic(PoseSet& poses, Triangulation drawn, ElasticSurface surface)
+void take_elastic(PoseSet& poses, Triangulation drawn, SimulationMesh surface)
 {
     poses.repairs = surface.repairs;
     poses.triangles = std::move(surface.triangulation.triangles);
@@ -96,7 +96,7 @@ void take_elastic(PoseSet& poses, Triangulation drawn, ElasticSurface surface)
         if (!surface.is_welded(v)) sources.push_back(v);
         places[v] = surface.is_welded(v) ? places[surface.targets[v]] : static_cast<std::uint32_t>(sources.size() - 1);
     }
-    poses.drawn = draw_vertices(poses.polygons, std::move(drawn.triangles), places);
+    poses.render_mesh = copy_to_render_mesh(poses.polygons, std::move(drawn.triangles), places);
     for (Triangle& triangle : poses.triangles)
         for (std::uint32_t& vertex : triangle) vertex = places[vertex];
     poses.fixed_vertices = surface.joined(poses.fixed_vertices);
@@ -135,40 +135,40 @@ PoseSet to_pose_set(std::vector<MeshFile> meshes, Checked checked)
 }
 
 // The checks of what was read; the fixed vertices.
-Checked check_all(std::vector<MeshFile>& meshes, const LoadOptions& options, FindingList& findings)
+Checked check_all(std::vector<MeshFile>& meshes, const LoadOptions& options, DiagnosticList& diagnostics)
 {
     const bool is_solid = !meshes[0].tets.empty();
-    if (is_solid) orient_tets(meshes, findings);
+    if (is_solid) orient_tets(meshes, diagnostics);
     Checked checked;
     checked.triangulation = triangulate(meshes[0]);
-    const bool is_comparable = is_solid ? check_solids(meshes, checked.triangulation, findings)
-                                        : check_surfaces(meshes, options.weld_tolerance, checked, findings);
+    const bool is_comparable = is_solid ? check_solids(meshes, checked.triangulation, diagnostics)
+                                        : check_surfaces(meshes, options.weld_tolerance, checked, diagnostics);
     const std::size_t vertex_count = static_cast<std::size_t>(meshes[0].positions.rows());
     std::vector<std::uint32_t>& fixed = checked.fixed;
     for (const std::uint32_t v : options.fixed_vertices)
         if (v < vertex_count) fixed.push_back(v); // others belong to another mesh, as will be found out
     const bool has_fixed = !options.fixed_path.empty() || !fixed.empty();
     const std::string& name = options.fixed_path.empty() ? options.fixed_name : options.fixed_path;
-    const std::size_t errors_before = findings.error_count();
-    if (!options.fixed_path.empty()) fixed = read_fixed_vertices(options.fixed_path, vertex_count, findings);
-    if (!name.empty() && is_comparable && findings.error_count() == errors_before)
+    const std::size_t errors_before = diagnostics.error_count();
+    if (!options.fixed_path.empty()) fixed = read_fixed_vertices(options.fixed_path, vertex_count, diagnostics);
+    if (!name.empty() && is_comparable && diagnostics.error_count() == errors_before)
         check_fixed_vertices(name, is_solid ? fixed : checked.surface.joined(fixed),
-                             vertex_count - checked.surface.repairs.welded_count, meshes, findings);
+                             vertex_count - checked.surface.repairs.welded_count, meshes, diagnostics);
     if (is_comparable && meshes.size() > 1)
         check_distinct(meshes, is_solid ? checked.triangulation : checked.surface.triangulation, options.align && !has_fixed,
-                       findings);
+                       diagnostics);
     return checked;
 }
 
-// `has_first`: the first of the meshes is the first pose; else it could not be read, and the findings say why.
-PoseSet finish(std::vector<MeshFile> meshes, bool has_first, const LoadOptions& options, FindingList& findings,
-               std::vector<Finding>* warnings)
+// `has_first`: the first of the meshes is the first pose; else it could not be read, and the diagnostics say why.
+PoseSet finish(std::vector<MeshFile> meshes, bool has_first, const LoadOptions& options, DiagnosticList& diagnostics,
+               std::vector<Diagnostic>* warnings)
 {
     Checked checked;
-    if (has_first) checked = check_all(meshes, options, findings);
-    if (findings.has_errors()) throw Failure(ExitCode::bad_input, findings.findings());
+    if (has_first) checked = check_all(meshes, options, diagnostics);
+    if (diagnostics.has_errors()) throw Failure(ExitCode::bad_input, diagnostics.diagnostics());
     if (warnings) {
-        const std::vector<Finding> found = findings.findings();
+        const std::vector<Diagnostic> found = diagnostics.diagnostics();
         warnings->insert(warnings->end(), found.begin(), found.end());
     }
     return to_pose_set(std::move(meshes), std::move(checked));
@@ -181,17 +181,17 @@ std::string pose_name(const MeshFile& mesh)
     return mesh.name.empty() ? std::filesystem::path(mesh.path).stem().string() : mesh.name;
 }
 
-PoseSet load_poses(const std::vector<std::string>& paths, const LoadOptions& options, std::vector<Finding>* warnings)
+PoseSet load_poses(const std::vector<std::string>& paths, const LoadOptions& options, std::vector<Diagnostic>* warnings)
 {
-    FindingList findings(options.lines_per_number);
-    PoseSources read = read_pose_sources(paths, pose_count_limit, findings);
-    return finish(std::move(read.meshes), read.has_first, options, findings, warnings);
+    DiagnosticList diagnostics(options.lines_per_number);
+    PoseSources read = read_pose_sources(paths, pose_count_limit, diagnostics);
+    return finish(std::move(read.meshes), read.has_first, options, diagnostics, warnings);
 }
 
-PoseSet check_poses(std::vector<MeshFile> meshes, const LoadOptions& options, std::vector<Finding>* warnings)
+PoseSet check_poses(std::vector<MeshFile> meshes, const LoadOptions& options, std::vector<Diagnostic>* warnings)
 {
-    FindingList findings(options.lines_per_number);
-    return finish(std::move(meshes), true, options, findings, warnings);
+    DiagnosticList diagnostics(options.lines_per_number);
+    return finish(std::move(meshes), true, options, diagnostics, warnings);
 }
 
 } // namespace pliant

@@ -9,7 +9,7 @@ namespace pliant {
 
 struct LoadOptions {
     bool align = true;                 // poses will be aligned rigidly, so those that differ by a motion only are the same
-    std::size_t lines_per_number = 10; // findings of one kind that are told one by one
+    std::size_t lines_per_number = 10; // diagnostics of one kind that are told one by one
     std::string fixed_path;            // a text file of fixed vertices; then nothing is aligned. Empty: none is fixed
     std::vector<std::uint32_t> fixed_vertices; // the same by the files' numbers; those past the last one are left out
     std::string fixed_name;                    // what messages call fixed_vertices; empty: they are not judged
@@ -20,7 +20,7 @@ struct LoadOptions {
 constexpr std::size_t pose_count_limit = 12;
 
 // Reads 2 to 12 poses from mesh files and glTF files (input/poses/pose_source.h says what an argument may be) and checks that an elastic average of them exists: each file on its own (P2xxx) and against the first
-// (P3xxx). All findings of all files are gathered before anything is thrown.
+// (P3xxx). All diagnostics of all files are gathered before anything is thrown.
 //
 // Result of surfaces: positions as they are in the files, vertices in their order; the faces of the first file; their triangles. All
 // positions are finite, all triangles have an area in every pose and three vertices that no other one has. Vertices that lie on each
@@ -32,11 +32,11 @@ constexpr std::size_t pose_count_limit = 12;
 // Throws Failure (bad_input) with errors and warnings. Without errors, warnings are appended to `warnings` if it is not null.
 // Time and memory: proportional to the size of the files, plus sorting the edges.
 PoseSet load_poses(const std::vector<std::string>& paths, const LoadOptions& options = {},
-                   std::vector<Finding>* warnings = nullptr);
+                   std::vector<Diagnostic>* warnings = nullptr);
 
 // The same for poses that are in memory: two or more, each as read_mesh leaves it (finite coordinates, indices of vertices that there
 // are, faces of three corners or more).
-PoseSet check_poses(std::vector<MeshFile> meshes, const LoadOptions& options = {}, std::vector<Finding>* warnings = nullptr);
+PoseSet check_poses(std::vector<MeshFile> meshes, const LoadOptions& options = {}, std::vector<Diagnostic>* warnings = nullptr);
 
 // What people call a pose: its name, else that of its file without folder and extension.
 std::string pose_name(const MeshFile& mesh);

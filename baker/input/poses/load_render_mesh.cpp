@@ -64,16 +64,16 @@ void require_solid(const PoseSet& poses)
 
 } // namespace
 
-DrawnSurface load_drawn_surface(const std::string& path, const PoseSet& poses, std::vector<Finding>* warnings)
+RenderMesh load_render_mesh(const std::string& path, const PoseSet& poses, std::vector<Diagnostic>* warnings)
 {
     require_solid(poses); // before the file is read
-    return embed_surface(read_mesh(path), poses, warnings);
+    return embed_render_mesh(read_mesh(path), poses, warnings);
 }
 
-DrawnSurface embed_surface(MeshFile mesh, const PoseSet& poses, std::vector<Finding>* warnings)
+RenderMesh embed_render_mesh(MeshFile mesh, const PoseSet& poses, std::vector<Diagnostic>* warnings)
 {
     require_solid(poses);
-    DrawnSurface surface;
+    RenderMesh surface;
     surface.triangles = triangulate(mesh.faces).triangles;
     check_is_surface(mesh, surface.triangles);
     const double size = box_diagonal(poses.positions[0]);

@@ -36,7 +36,7 @@ struct Plan {
     std::string choice; // an argument that gives this pose alone
 };
 
-[[noreturn]] void usage(Finding finding) { throw Failure(ExitCode::usage, std::move(finding)); }
+[[noreturn]] void usage(Diagnostic diagnostic) { throw Failure(ExitCode::usage, std::move(diagnostic)); }
 
 std::string list_of(const std::vector<std::string>& names)
 {
@@ -105,7 +105,7 @@ double parse_seconds(const std::string& path, const std::string& word)
     return value;
 }
 
-std::vector<Plan> plan_animation(const GltfScene& scene, const std::string& wanted, FindingList& findings)
+std::vector<Plan> plan_animation(const GltfScene& scene, const std::string& wanted, DiagnosticList& diagnostics)
 {
     const GltfDocument& document = *scene.document;
     const std::size_t at = wanted.rfind('@'); // names may have one, times do not
@@ -119,7 +119,7 @@ std::vector<Plan> plan_animation(const GltfScene& scene, const std::string& want
     for (const std::string& word : split(wanted.substr(at + 1), ',')) {
         const double seconds = parse_seconds(document.path(), word);
         if (seconds > end)
-            findings.add(warning_at(
+            diagnostics.add(warning_at(
                 2322, document.path(),
                 fmt::format("{} s is after the end of animation {} ({:.6g} s): its end is taken", word, name, end),
                 fmt::format("take times from 0 to {:.6g}", end)));
@@ -129,7 +129,7 @@ std::vector<Plan> plan_animation(const GltfScene& scene, const std::string& want
     return plans;
 }
 
-std::vector<Plan> plan_poses(const GltfScene& scene, const PoseArgument& argument, FindingList& findings)
+std::vector<Plan> plan_poses(const GltfScene& scene, const PoseArgument& argument, DiagnosticList& diagnostics)
 {
     const std::string& choice = argument.choice;
     if (choice.empty()) {
@@ -139,7 +139,7 @@ std::vector<Plan> plan_poses(const GltfScene& scene, const PoseArgument& argumen
     }
     if (choice == "rest") return { rest_plan(argument.path) };
     if (choice.compare(0, 7, "target=") == 0) return plan_targets(scene, choice.substr(7));
-    if (choice.compare(0, 10, "animation=") == 0) return plan_animation(scene, choice.substr(10), findings);
+    if (choice.compare(0, 10, "animation=") == 0) return plan_animation(scene, choice.substr(10), diagnostics);
     usage(error_at(1211, argument.path, fmt::format("'#{}' is not understood", choice),
                    "write #rest, #target=NAME,NAME or #animation=NAME@SECONDS,SECONDS"));
 }
@@ -157,7 +157,7 @@ GltfState state_of(const GltfScene& scene, const Plan& plan)
     return state;
 }
 
-MeshFile make_pose(GltfFile& file, const Plan& plan, FindingList& findings)
+MeshFile make_pose(GltfFile& file, const Plan& plan, DiagnosticList& diagnostics)
 {
     const GltfScene& scene = file.scene;
     MeshFile mesh;
@@ -167,12 +167,12 @@ MeshFile make_pose(GltfFile& file, const Plan& plan, FindingList& findings)
     Positions normals;
     mesh.positions = evaluate(scene, state, file.drawn ? nullptr : &normals);
     if (!file.drawn) {
-        std::vector<Finding> warnings;
+        std::vector<Diagnostic> warnings;
         file.drawn = std::make_shared<const RenderScene>(render_scene(scene, normals, warnings));
-        for (Finding& warning : warnings) findings.add(std::move(warning));
+        for (Diagnostic& warning : warnings) diagnostics.add(std::move(warning));
     }
     mesh.scene = file.drawn;
-    const SourceFile source { mesh.path, "", &findings };
+    const SourceFile source { mesh.path, "", &diagnostics };
     for (Eigen::Index v = 0; v < mesh.positions.rows(); ++v)
         for (int c = 0; c < 3; ++c)
             if (!check_coordinate(source, 0, static_cast<std::size_t>(v), mesh.positions(v, c))) break;
@@ -193,8 +193,8 @@ struct Source {
 
 class Reader {
 public:
-    explicit Reader(FindingList& findings)
-        : findings_(findings)
+    explicit Reader(DiagnosticList& diagnostics)
+        : diagnostics_(diagnostics)
     {
     }
 
@@ -205,22 +205,22 @@ public:
         if (!source.is_gltf) return source;
         source.file = open(source.argument.path);
         if (source.file)
-            guard(source.argument.path, [&] { source.plans = plan_poses(source.file->scene, source.argument, findings_); });
+            guard(source.argument.path, [&] { source.plans = plan_poses(source.file->scene, source.argument, diagnostics_); });
         return source;
     }
 
     void read(const Source& source, std::vector<MeshFile>& meshes)
     {
         if (!source.is_gltf) {
-            if (std::optional<MeshFile> mesh = read_mesh(source.argument.path, findings_))
+            if (std::optional<MeshFile> mesh = read_mesh(source.argument.path, diagnostics_))
                 meshes.push_back(std::move(*mesh));
             return;
         }
         for (const Plan& plan : source.plans) {
-            const std::size_t errors = findings_.error_count();
+            const std::size_t errors = diagnostics_.error_count();
             guard(source.argument.path, [&] {
-                MeshFile mesh = make_pose(*source.file, plan, findings_);
-                if (findings_.error_count() == errors) meshes.push_back(std::move(mesh));
+                MeshFile mesh = make_pose(*source.file, plan, diagnostics_);
+                if (diagnostics_.error_count() == errors) meshes.push_back(std::move(mesh));
             });
         }
     }
@@ -233,36 +233,36 @@ private:
         if (known != files_.end()) return known->second.get();
         std::unique_ptr<GltfFile>& file = files_[path];
         guard(path, [&] {
-            std::vector<Finding> warnings;
+            std::vector<Diagnostic> warnings;
             auto opened = std::make_unique<GltfFile>();
             opened->scene = read_scene(std::make_shared<const GltfDocument>(path), warnings);
-            for (Finding& warning : warnings) findings_.add(std::move(warning));
+            for (Diagnostic& warning : warnings) diagnostics_.add(std::move(warning));
             file = std::move(opened);
         });
         return file.get();
     }
 
-    // Wrong files become findings; a wrong command line stays one.
+    // Wrong files become diagnostics; a wrong command line stays one.
     template <class Action> void guard(const std::string& path, Action action)
     {
         try {
             action();
         } catch (const Failure& failure) {
             if (failure.code() != ExitCode::bad_input) throw;
-            for (const Finding& finding : failure.findings()) findings_.add(finding);
+            for (const Diagnostic& diagnostic : failure.diagnostics()) diagnostics_.add(diagnostic);
         } catch (const std::bad_alloc&) {
-            findings_.add(
+            diagnostics_.add(
                 error_at(2008, path, "does not fit into memory", "use a machine with more memory or a coarser mesh"));
         }
     }
 
-    FindingList& findings_;
+    DiagnosticList& diagnostics_;
     std::map<std::string, std::unique_ptr<GltfFile>> files_;
 };
 
-void check_pose_count(const std::vector<Source>& sources, std::size_t count, std::size_t limit, const FindingList& findings)
+void check_pose_count(const std::vector<Source>& sources, std::size_t count, std::size_t limit, const DiagnosticList& diagnostics)
 {
-    if (count < 2 && !findings.has_errors())
+    if (count < 2 && !diagnostics.has_errors())
         throw Failure(ExitCode::bad_input,
                       error_at(3001, sources.empty() ? "" : sources[0].argument.path,
                                fmt::format("{} pose given, two or more are needed", count),
@@ -289,9 +289,9 @@ PoseArgument split_pose_argument(const std::string& argument)
     return { argument, "" };
 }
 
-PoseSources read_pose_sources(const std::vector<std::string>& arguments, std::size_t limit, FindingList& findings)
+PoseSources read_pose_sources(const std::vector<std::string>& arguments, std::size_t limit, DiagnosticList& diagnostics)
 {
-    Reader reader(findings);
+    Reader reader(diagnostics);
     std::vector<Source> sources;
     PoseSources out;
     // A long list of plain files needs no reading to be too long.
@@ -302,7 +302,7 @@ PoseSources read_pose_sources(const std::vector<std::string>& arguments, std::si
         sources.push_back(has_gltf ? reader.plan(argument) : Source { { argument, "" }, nullptr, {}, false });
         out.count += sources.back().is_gltf && sources.back().file ? sources.back().plans.size() : 1;
     }
-    check_pose_count(sources, out.count, limit, findings);
+    check_pose_count(sources, out.count, limit, diagnostics);
     for (const Source& source : sources) {
         reader.read(source, out.meshes);
         if (&source == &sources.front()) out.has_first = !out.meshes.empty();

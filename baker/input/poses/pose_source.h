@@ -31,7 +31,7 @@ struct PoseSources {
 // Vertices and triangles come as an engine decodes them: all primitives of triangles of all meshes in the default scene, in the order of the
 // nodes' numbers. Poses of one file share their RenderScene.
 // Wrong choices (P1211 to P1213) are thrown as Failure (usage); more than `limit` poses or fewer than two as P3002 and P3001 (bad_input),
-// before any is made. Everything else goes to the findings: P2xxx.
-PoseSources read_pose_sources(const std::vector<std::string>& arguments, std::size_t limit, FindingList& findings);
+// before any is made. Everything else goes to the diagnostics: P2xxx.
+PoseSources read_pose_sources(const std::vector<std::string>& arguments, std::size_t limit, DiagnosticList& diagnostics);
 
 } // namespace pliant

@@ -17,16 +17,16 @@ constexpr const char* drawn_hint = "it is drawn all the same; to be rid of this 
 
 class Builder {
 public:
-    Builder(const std::vector<const MeshFile*>& meshes, const Triangulation& drawn, FindingList& findings)
+    Builder(const std::vector<const MeshFile*>& meshes, const Triangulation& drawn, DiagnosticList& diagnostics)
         : meshes_(meshes)
         , first_(*meshes[0])
         , drawn_(drawn)
-        , findings_(findings)
+        , diagnostics_(diagnostics)
         , is_left_out_(drawn.triangles.size(), false)
     {
     }
 
-    ElasticSurface build(double weld_tolerance);
+    SimulationMesh build(double weld_tolerance);
 
 private:
     void join_vertices(double tolerance);
@@ -41,12 +41,12 @@ private:
     const std::vector<const MeshFile*>& meshes_;
     const MeshFile& first_;
     const Triangulation& drawn_;
-    FindingList& findings_;
+    DiagnosticList& diagnostics_;
     std::vector<bool> is_left_out_; // per drawn triangle
-    ElasticSurface out_;
+    SimulationMesh out_;
 };
 
-ElasticSurface Builder::build(double weld_tolerance)
+SimulationMesh Builder::build(double weld_tolerance)
 {
     join_vertices(weld_tolerance);
     leave_out_repeated();
@@ -57,8 +57,8 @@ ElasticSurface Builder::build(double weld_tolerance)
         out_.triangulation.triangles.push_back(welded(t));
         out_.triangulation.faces.push_back(drawn_.faces[t]);
     }
-    if (out_.triangulation.triangles.empty() && !findings_.has_errors())
-        findings_.add(error_at(2221, first_.path, "no face has an area in all poses", "nothing of it can be elastic"));
+    if (out_.triangulation.triangles.empty() && !diagnostics_.has_errors())
+        diagnostics_.add(error_at(2221, first_.path, "no face has an area in all poses", "nothing of it can be elastic"));
     return std::move(out_);
 }
 
@@ -72,9 +72,9 @@ void Builder::warn(int number, const MeshFile& mesh, std::string what, std::vect
 {
     faces.erase(std::unique(faces.begin(), faces.end()), faces.end());
     if (faces.size() > 1) what += fmt::format(" ({} faces: {})", faces.size(), first_few(faces));
-    Finding finding = { Finding::Severity::warning, number, where_is_face(mesh, faces[0]),
+    Diagnostic diagnostic = { Diagnostic::Severity::warning, number, where_is_face(mesh, faces[0]),
                         fmt::format("{}: {}", what, left_out), drawn_hint };
-    findings_.add(about_faces(std::move(finding), faces));
+    diagnostics_.add(about_faces(std::move(diagnostic), faces));
 }
 
 void Builder::join_vertices(double tolerance)
@@ -87,11 +87,11 @@ void Builder::join_vertices(double tolerance)
         if (out_.is_welded(v)) joined.push_back(v);
     out_.repairs.welded_count = joined.size();
     if (joined.empty()) return;
-    Finding finding = warning_at(2220, first_.path,
+    Diagnostic diagnostic = warning_at(2220, first_.path,
                                  fmt::format("{} of {} vertices lie on others in all poses and are welded to them: {}",
                                              joined.size(), out_.targets.size(), first_few(joined)),
                                  "right for seams; --weld 0 keeps them apart");
-    findings_.add(about_vertices(std::move(finding), joined));
+    diagnostics_.add(about_vertices(std::move(diagnostic), joined));
 }
 
 void Builder::leave_out_repeated()
@@ -156,7 +156,7 @@ bool Builder::judge_flat(const MeshFile& pose, const std::vector<FlatTriangle>& 
         where = mesh;
     }
     if (worst <= flat_part_limit) return true;
-    findings_.add(error_at(
+    diagnostics_.add(error_at(
         2221, where_is_face(pose, drawn_.faces[flat[0].triangle]),
         fmt::format("face {} and others have no area: {} triangles, {:.1f} % of the surface of {}, {:.0f} % allowed",
                     drawn_.faces[flat[0].triangle], flat.size(), 100 * worst, where->path, 100 * flat_part_limit),
@@ -196,7 +196,7 @@ void Builder::leave_out_duplicates()
 
 } // namespace
 
-std::vector<Index> ElasticSurface::joined(std::vector<Index> vertices) const
+std::vector<Index> SimulationMesh::joined(std::vector<Index> vertices) const
 {
     for (Index& vertex : vertices) vertex = targets[vertex];
     std::sort(vertices.begin(), vertices.end());
@@ -212,10 +212,10 @@ std::string first_few(const std::vector<Index>& numbers)
     return numbers.size() > few ? list + ", ..." : list;
 }
 
-ElasticSurface make_elastic_surface(const std::vector<const MeshFile*>& meshes, const Triangulation& drawn,
-                                    double weld_tolerance, FindingList& findings)
+SimulationMesh make_simulation_mesh(const std::vector<const MeshFile*>& meshes, const Triangulation& drawn,
+                                    double weld_tolerance, DiagnosticList& diagnostics)
 {
-    return Builder(meshes, drawn, findings).build(weld_tolerance);
+    return Builder(meshes, drawn, diagnostics).build(weld_tolerance);
 }
 
 } // namespace pliant

@@ -7,7 +7,7 @@
 namespace pliant {
 
 // By the numbers of the files: vertices that `targets` joins are one, and triangles name the one that stands for all.
-struct ElasticSurface {
+struct SimulationMesh {
     std::vector<std::uint32_t> targets; // per vertex of the files
     Triangulation triangulation;        // the triangles that are left, in the order of the files, and the face of each
     SurfaceRepairs repairs;
@@ -23,8 +23,8 @@ constexpr double flat_part_limit = 0.1;
 // `meshes`: pose 0 and others with the same faces; `drawn`: all triangles. A triangle is left out, and said in one line a file and kind
 // (warnings), if its corners are not three vertices (P2201), if it has no area in some pose (P2202), or if another one has the same
 // vertices (P2205). P2220 says what was welded. Error: P2221 too little of the surface is left.
-ElasticSurface make_elastic_surface(const std::vector<const MeshFile*>& meshes, const Triangulation& drawn,
-                                    double weld_tolerance, FindingList& findings);
+SimulationMesh make_simulation_mesh(const std::vector<const MeshFile*>& meshes, const Triangulation& drawn,
+                                    double weld_tolerance, DiagnosticList& diagnostics);
 
 // "5, 7, 9, 11, 12, ...": some numbers of a longer list, for messages.
 std::string first_few(const std::vector<std::uint32_t>& numbers);

@@ -54,7 +54,7 @@ std::string format_version(const pliant_asset& asset)
     return fmt::format("{}.{}", header.format_major, header.format_minor);
 }
 
-bool has_drawn_surface(const std::string& certificate)
+bool has_render_mesh(const std::string& certificate)
 {
     const auto json = nlohmann::json::parse(certificate, nullptr, false);
     return json.is_object() && json.contains("surface");

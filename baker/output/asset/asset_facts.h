@@ -27,6 +27,6 @@ std::uint64_t frame_size(const pliant_asset& asset);
 std::string format_version(const pliant_asset& asset);
 
 // Whether the asset draws a surface of its own and not the mesh of its poses, by its certificate (JSON text).
-bool has_drawn_surface(const std::string& certificate);
+bool has_render_mesh(const std::string& certificate);
 
 } // namespace pliant

@@ -72,16 +72,16 @@ Eigen::MatrixXd combine(const Eigen::MatrixXd& differences, const RuntimeElement
 BakedElement bake_element(const AssetModel& asset, std::size_t i)
 {
     const BlendModel& model = asset.model;
-    const StandIn& stand_in = *model.stand_in;
-    const std::size_t id = stand_in.elements()[i];
+    const SurrogateEnergy& surrogate = *model.surrogate;
+    const std::size_t id = surrogate.elements()[i];
     BakedElement baked;
-    baked.element = stand_in.energy().runtime_element(id, asset.surrogate_reference);
-    baked.weight = stand_in.weights()[Eigen::Index(i)];
+    baked.element = surrogate.energy().runtime_element(id, asset.surrogate_reference);
+    baked.weight = surrogate.weights()[Eigen::Index(i)];
     std::size_t count = 0;
-    const std::uint32_t* vertices = stand_in.energy().element_vertices(id, count);
-    Eigen::MatrixXd local(stand_in.rows(i).rows(), 1 + model.root.cols());
-    local.col(0) = stand_in.origin_rows(i) + stand_in.rows(i) * model.mean;
-    local.rightCols(model.root.cols()) = stand_in.rows(i) * model.root;
+    const std::uint32_t* vertices = surrogate.energy().element_vertices(id, count);
+    Eigen::MatrixXd local(surrogate.rows(i).rows(), 1 + model.root.cols());
+    local.col(0) = surrogate.origin_rows(i) + surrogate.rows(i) * model.mean;
+    local.rightCols(model.root.cols()) = surrogate.rows(i) * model.root;
     const auto place
         = [&](std::uint32_t vertex) { return 3 * Eigen::Index(std::find(vertices, vertices + count, vertex) - vertices); };
     const auto& differences = baked.element.differences;
@@ -121,7 +121,7 @@ void put_batch(Bytes& out, pliant_format_batch& record, const Batch& batch)
 Bytes encode_elements(const AssetModel& asset)
 {
     std::map<std::tuple<std::uint32_t, std::uint32_t, bool>, Batch> batches;
-    for (std::size_t i = 0; i < asset.model.stand_in->element_count(); ++i) {
+    for (std::size_t i = 0; i < asset.model.surrogate->element_count(); ++i) {
         BakedElement baked = bake_element(asset, i);
         const auto key = std::make_tuple(baked.element.kind, baked.element.valence, baked.element.is_closed);
         batches[key].push_back(std::move(baked));
@@ -154,7 +154,7 @@ Bytes encode_elements(const AssetModel& asset)
 // The polynomial of z, one table per pose.
 Bytes encode_quartic(const BlendModel& model)
 {
-    const Quartic quartic = model.stand_in->quartic()->transformed(model.mean, model.root);
+    const Quartic quartic = model.surrogate->quartic()->transformed(model.mean, model.root);
     Bytes out;
     for (std::size_t k = 0; k < quartic.pose_count(); ++k) {
         const Eigen::VectorXd table = quartic.coefficients(k);
@@ -164,7 +164,7 @@ Bytes encode_quartic(const BlendModel& model)
     return out;
 }
 
-void put_coefficients(Bytes& out, const Predictor& function)
+void put_coefficients(Bytes& out, const RadialFunction& function)
 {
     for (Eigen::Index i = 0; i < function.coefficients.rows(); ++i) put_padded(out, function.coefficients.row(i));
 }
@@ -183,7 +183,7 @@ Bytes encode_predictor(const BlendModel& model)
 // LOAD has no centres of its own: the runtime computes their powers once for both.
 Bytes encode_load(const BlendModel& model)
 {
-    const Predictor &load = *model.load, &predictor = model.predictor;
+    const RadialFunction &load = *model.load, &predictor = model.predictor;
     if (load.centres.empty() || load.centres != predictor.centres
         || load.coefficients.rows() != predictor.coefficients.rows()
         || load.coefficients.cols() != predictor.coefficients.cols())
@@ -308,7 +308,7 @@ void add_model_chunks(const AssetModel& asset, std::vector<Chunk>& chunks)
 {
     const BlendModel& model = asset.model;
     chunks.push_back({ PLIANT_CHUNK_SOLVER, required, encode_solver(asset) });
-    if (model.stand_in->quartic())
+    if (model.surrogate->quartic())
         chunks.push_back({ PLIANT_CHUNK_QUARTIC, required, encode_quartic(model) });
     else
         chunks.push_back({ PLIANT_CHUNK_ELEMENTS, required, encode_elements(asset) });

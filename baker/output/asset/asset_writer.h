@@ -30,7 +30,7 @@ struct StoredMesh {
 
 // What an asset is made of. Set, subspace and model are borrowed.
 struct AssetModel {
-    const ShapeSet& set;
+    const NormalizedPoses& set;
     const Subspace& subspace;
     const BlendModel& model;
     Shape surrogate_reference; // the shape of the surrogate energy's mesh at q = mean

@@ -62,9 +62,9 @@ RuntimeBlender::RuntimeBlender(const std::vector<std::uint8_t>& bytes, const std
 
 RuntimeBlender RuntimeBlender::from_file(const std::string& path, bool verify_checksums)
 {
-    FindingList findings;
-    const std::optional<std::string> bytes = read_bytes(path, findings);
-    if (!bytes) throw Failure(ExitCode::bad_input, findings.findings());
+    DiagnosticList diagnostics;
+    const std::optional<std::string> bytes = read_bytes(path, diagnostics);
+    if (!bytes) throw Failure(ExitCode::bad_input, diagnostics.diagnostics());
     return RuntimeBlender(std::vector<std::uint8_t>(bytes->begin(), bytes->end()), path, verify_checksums);
 }
 

@@ -52,7 +52,7 @@ Frame principal_frame(const Subspace& subspace, const Eigen::MatrixXd& reachable
     return frame;
 }
 
-StoredShape store_shape(const ShapeSet& set, const Subspace& subspace, const Embedding* embedding,
+StoredShape store_shape(const NormalizedPoses& set, const Subspace& subspace, const Embedding* embedding,
                         const Eigen::MatrixXd& reachable, double error)
 {
     const auto drawn = [&](const Eigen::MatrixXd& columns) { return embedding ? apply(*embedding, columns) : columns; };

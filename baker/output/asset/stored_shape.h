@@ -26,20 +26,20 @@ Frame principal_frame(const Subspace& subspace, const Eigen::MatrixXd& reachable
 
 struct StoredShape {
     Frame frame;
-    Eigen::VectorXd rest; // 3 x vertices: the shape at the frame's origin, relative to the set's, normalised units
+    Eigen::VectorXd rest; // 3 x vertices: the shape at the frame's origin, relative to the set's, normalized units
     std::vector<std::uint8_t>
         basis; // chunk BASC; empty: BASI in single precision is smaller, or the only one that is exact enough
     std::vector<std::uint8_t> bounds; // chunk BNDS
-    double largest_error = 0; // of a vertex by fewer bits, over `reachable` made wider by reach_margin; normalised units
+    double largest_error = 0; // of a vertex by fewer bits, over `reachable` made wider by reach_margin; normalized units
 };
 
 // Blends are kept to the error within this many times their box's middle: weights in between training weights.
 constexpr double reach_margin = 1.05;
 
-// The basis so that no vertex is off by more than `error` (normalised units) at any of the coordinates `reachable` (d x samples), hence
+// The basis so that no vertex is off by more than `error` (normalized units) at any of the coordinates `reachable` (d x samples), hence
 // nowhere in their convex hull, made wider by reach_margin. error = 0: as it is. `embedding`: of what is drawn, or null.
 // Cost: some ten products of the basis with `reachable`.
-StoredShape store_shape(const ShapeSet& set, const Subspace& subspace, const Embedding* embedding,
+StoredShape store_shape(const NormalizedPoses& set, const Subspace& subspace, const Embedding* embedding,
                         const Eigen::MatrixXd& reachable, double error);
 
 } // namespace pliant

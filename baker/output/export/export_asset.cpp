@@ -110,9 +110,9 @@ std::size_t add_times(Glb& glb, std::size_t count, double frames_per_second)
     return glb.add_floats(times, 1, Glb::Target::none, true);
 }
 
-std::vector<Finding> warnings_about(const ExportReport& report)
+std::vector<Diagnostic> warnings_about(const ExportReport& report)
 {
-    std::vector<Finding> warnings;
+    std::vector<Diagnostic> warnings;
     if (report.target_count == 0) return warnings;
     if (report.target_count > many_targets)
         warnings.push_back(

@@ -16,7 +16,7 @@ struct ExportedFile {
 };
 
 // What of it may not work in some engine: P5202, P5203, P5205.
-std::vector<Finding> warnings_about(const ExportReport& report);
+std::vector<Diagnostic> warnings_about(const ExportReport& report);
 
 // Weights from pose to pose, through the mean and back to the first, eased in and out: `seconds` long.
 std::vector<std::vector<float>> default_path(std::size_t pose_count, double seconds, double frames_per_second);

@@ -178,7 +178,7 @@ Rows subspace_rows(const Json& c)
     return rows;
 }
 
-Rows stand_in_rows(const Json& c)
+Rows surrogate_rows(const Json& c)
 {
     Rows rows;
     add_word(rows, "Kind", c, "stand_in/kind");
@@ -236,7 +236,7 @@ CertificateFacts read_certificate_facts(const std::string& text, std::size_t pos
     facts.places = places_of(c, pose_count);
     facts.groups = { { "Elastic material", material_rows(c) },
                      { "Reduced space", subspace_rows(c) },
-                     { "Stand-in for the energy", stand_in_rows(c) },
+                     { "Stand-in for the energy", surrogate_rows(c) },
                      { "Measured", measured_rows(c) },
                      { "The bake", bake_rows(c) } };
     facts.pretty = c.dump(2, ' ', false, Json::error_handler_t::replace);

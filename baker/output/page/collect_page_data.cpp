@@ -142,31 +142,31 @@ void add_warnings(RuntimeBlender& blender, const PagePainter& painter, const Cer
                   const ReportFile* report, const Blends& blends, PageData& data)
 {
     if (report)
-        for (const Finding& finding : report->warnings) data.warnings.push_back({ finding, {} });
+        for (const Diagnostic& diagnostic : report->warnings) data.warnings.push_back({ diagnostic, {} });
     else
         for (const NamedPlace& place : facts.places)
             if (place.number == 4406) data.warnings.push_back({ warning_at(4406, "", place.what, ""), {} });
     std::map<int, std::size_t> seen;
     std::size_t picture_count = 0;
     for (PageWarning& warning : data.warnings) {
-        std::size_t skip = seen[warning.finding.number]++;
+        std::size_t skip = seen[warning.diagnostic.number]++;
         const NamedPlace* place = nullptr;
         for (const NamedPlace& candidate : facts.places)
-            if (candidate.number == warning.finding.number && skip-- == 0) {
+            if (candidate.number == warning.diagnostic.number && skip-- == 0) {
                 place = &candidate;
                 break;
             }
-        std::vector<std::uint32_t> vertices = warning.finding.vertices;
+        std::vector<std::uint32_t> vertices = warning.diagnostic.vertices;
         if (place && place->vertex < blender.asset().vertex_count) vertices.push_back(std::uint32_t(place->vertex));
-        if ((vertices.empty() && warning.finding.faces.empty()) || picture_count == marked_limit) continue;
+        if ((vertices.empty() && warning.diagnostic.faces.empty()) || picture_count == marked_limit) continue;
         const Coordinates q = place ? blender.solve(std::vector<float>(place->weights.begin(), place->weights.end()), false)
                                     : blends.poses[0];
-        PagePicture picture = painter.draw_marked(painter.shape(q), vertices, warning.finding.faces, marked_size);
+        PagePicture picture = painter.draw_marked(painter.shape(q), vertices, warning.diagnostic.faces, marked_size);
         if (picture.marks.empty()) continue; // nothing of it is drawn
         picture.title = place ? weights_in_words(place->weights, data.poses) : data.poses[0];
         picture.note = picture.marks[0].label;
-        if (vertices.size() + warning.finding.faces.size() > 1)
-            picture.note += fmt::format(" and {} more", vertices.size() + warning.finding.faces.size() - 1);
+        if (vertices.size() + warning.diagnostic.faces.size() > 1)
+            picture.note += fmt::format(" and {} more", vertices.size() + warning.diagnostic.faces.size() - 1);
         warning.picture = std::move(picture);
         ++picture_count;
     }

@@ -156,7 +156,7 @@ std::string warnings_section(const PageData& data)
     if (data.warnings.empty()) return section("warnings", "Warnings", "None.", "");
     std::string body;
     for (const PageWarning& warning : data.warnings) {
-        const Finding& f = warning.finding;
+        const Diagnostic& f = warning.diagnostic;
         body += fmt::format("<div class=\"warning\"><div><p><span class=\"code\">P{:04}</span> {}{}</p>", f.number,
                             f.where.empty() ? "" : escape_html(f.where) + ": ", escape_html(f.what));
         if (!f.hint.empty()) body += fmt::format("<p class=\"note\">{}</p>", escape_html(f.hint));

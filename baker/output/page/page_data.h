@@ -47,7 +47,7 @@ struct PageStage {
 };
 
 struct PageWarning {
-    Finding finding;
+    Diagnostic diagnostic;
     std::optional<PagePicture> picture; // of the elements that it names
 };
 

@@ -51,7 +51,7 @@ PagePainter::PagePainter(const RuntimeBlender& blender, const std::vector<std::v
     : blender_(blender)
     , faces_(blender.faces())
     , view_size_(view.size)
-    , has_file_numbers_(!has_drawn_surface(blender.certificate()))
+    , has_file_numbers_(!has_render_mesh(blender.certificate()))
 {
     const pliant_asset& asset = blender.asset();
     const std::size_t memory = pliant_normals_memory(&asset);

@@ -53,7 +53,7 @@ public:
         for (const Json& value : member(json, name, within, Json::value_t::array, "a list of numbers")) {
             if (!value.is_number_unsigned() || value.get<std::uint64_t>() > 0xFFFFFFFFu)
                 refuse(within + name, "a list of numbers of vertices or faces");
-            if (out.size() < Finding::element_limit) out.push_back(value.get<std::uint32_t>());
+            if (out.size() < Diagnostic::element_limit) out.push_back(value.get<std::uint32_t>());
         }
         return out;
     }
@@ -75,9 +75,9 @@ std::vector<PageStage> stages_of(const Json& json, const Reader& reader)
 }
 
 // A report of an earlier version has none.
-std::vector<Finding> warnings_of(const Json& json, const Reader& reader)
+std::vector<Diagnostic> warnings_of(const Json& json, const Reader& reader)
 {
-    std::vector<Finding> warnings;
+    std::vector<Diagnostic> warnings;
     if (!json.contains("warnings")) return warnings;
     const Json& list = reader.member(json, "warnings", "", Json::value_t::array, "a list of warnings");
     for (std::size_t i = 0; i < std::min(list.size(), warning_limit); ++i) {
@@ -86,15 +86,15 @@ std::vector<Finding> warnings_of(const Json& json, const Reader& reader)
         const Json& number
             = reader.member(list[i], "number", within, Json::value_t::number_unsigned, "the number of a message");
         if (number.get<std::uint64_t>() > 9999) reader.refuse(within + "number", "the number of a message");
-        Finding finding;
-        finding.severity = Finding::Severity::warning;
-        finding.number = number.get<int>();
-        finding.where = reader.text(list[i], "where", within);
-        finding.what = reader.text(list[i], "what", within);
-        finding.hint = reader.text(list[i], "hint", within);
-        finding.vertices = reader.numbers(list[i], "vertices", within);
-        finding.faces = reader.numbers(list[i], "faces", within);
-        warnings.push_back(std::move(finding));
+        Diagnostic diagnostic;
+        diagnostic.severity = Diagnostic::Severity::warning;
+        diagnostic.number = number.get<int>();
+        diagnostic.where = reader.text(list[i], "where", within);
+        diagnostic.what = reader.text(list[i], "what", within);
+        diagnostic.hint = reader.text(list[i], "hint", within);
+        diagnostic.vertices = reader.numbers(list[i], "vertices", within);
+        diagnostic.faces = reader.numbers(list[i], "faces", within);
+        warnings.push_back(std::move(diagnostic));
     }
     return warnings;
 }

@@ -12,7 +12,7 @@ namespace pliant {
 struct ReportFile {
     std::string asset; // as the report names it: relative to its own folder, or absolute
     std::vector<PageStage> stages;
-    std::vector<Finding> warnings;
+    std::vector<Diagnostic> warnings;
 };
 
 // Throws Failure (bad_input) naming `path`: P5301 not JSON, P5302 a member that is missing or of the wrong type, P5303 no asset named.

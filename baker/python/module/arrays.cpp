@@ -13,12 +13,12 @@ namespace {
 
 bool read_positions(const double* numbers, std::size_t vertex_count, const SourceFile& source, MeshFile& mesh)
 {
-    const std::size_t errors = source.findings->error_count();
+    const std::size_t errors = source.diagnostics->error_count();
     mesh.positions = Eigen::Map<const Positions>(numbers, static_cast<Eigen::Index>(vertex_count), 3);
     for (std::size_t v = 0; v < vertex_count; ++v)
         for (std::size_t c = 0; c < 3; ++c)
             if (!check_coordinate(source, 0, v, numbers[3 * v + c])) break;
-    return source.findings->error_count() == errors;
+    return source.diagnostics->error_count() == errors;
 }
 
 void read_faces(const Array<std::int64_t, 2>& faces, const SourceFile& source, MeshFile& mesh)
@@ -39,11 +39,11 @@ void read_tets(const Array<std::int64_t, 2>& tets, const SourceFile& source, Mes
 }
 
 // Counts before any memory is taken; an array of n cells holds them all, so only the limits of the format can be passed.
-void check_counts(std::size_t vertex_count, std::size_t cell_count, std::size_t corner_count, FindingList& findings)
+void check_counts(std::size_t vertex_count, std::size_t cell_count, std::size_t corner_count, DiagnosticList& diagnostics)
 {
-    check_count({ "poses", "", &findings }, 0, "vertex", vertex_count, vertex_count_limit, vertex_count, 1);
-    check_count({ "faces", "", &findings }, 0, "face", cell_count, face_count_limit, cell_count, 1);
-    check_count({ "faces", "", &findings }, 0, "corner", corner_count, corner_count_limit, corner_count, 1);
+    check_count({ "poses", "", &diagnostics }, 0, "vertex", vertex_count, vertex_count_limit, vertex_count, 1);
+    check_count({ "faces", "", &diagnostics }, 0, "face", cell_count, face_count_limit, cell_count, 1);
+    check_count({ "faces", "", &diagnostics }, 0, "corner", corner_count, corner_count_limit, corner_count, 1);
 }
 
 } // namespace
@@ -52,26 +52,26 @@ SourcePoses poses_of_arrays(const Array<double, 3>& positions, const std::option
                             const std::optional<Array<std::int64_t, 2>>& tets, const std::vector<std::string>& names,
                             const std::string& label)
 {
-    FindingList findings;
+    DiagnosticList diagnostics;
     const std::size_t pose_count = positions.shape(0), vertex_count = positions.shape(1);
     const Array<std::int64_t, 2>& cells = tets ? *tets : faces.value();
-    check_counts(vertex_count, cells.shape(0), cells.size(), findings);
+    check_counts(vertex_count, cells.shape(0), cells.size(), diagnostics);
     SourcePoses out;
-    for (std::size_t k = 0; k < pose_count && !findings.has_errors(); ++k) {
+    for (std::size_t k = 0; k < pose_count && !diagnostics.has_errors(); ++k) {
         MeshFile& mesh = out.meshes.emplace_back();
         mesh.path = fmt::format("{}[{}]", label, k);
         mesh.name = names.at(k);
-        read_positions(positions.data() + 3 * vertex_count * k, vertex_count, { mesh.path, "", &findings }, mesh);
+        read_positions(positions.data() + 3 * vertex_count * k, vertex_count, { mesh.path, "", &diagnostics }, mesh);
         if (k > 0) {
             mesh.faces = out.meshes[0].faces;
             mesh.tets = out.meshes[0].tets;
         } else if (tets) {
-            read_tets(*tets, { "tets", "", &findings }, mesh);
+            read_tets(*tets, { "tets", "", &diagnostics }, mesh);
         } else {
-            read_faces(*faces, { "faces", "", &findings }, mesh);
+            read_faces(*faces, { "faces", "", &diagnostics }, mesh);
         }
     }
-    if (findings.has_errors()) throw Failure(ExitCode::bad_input, findings.findings());
+    if (diagnostics.has_errors()) throw Failure(ExitCode::bad_input, diagnostics.diagnostics());
     return out;
 }
 

@@ -28,11 +28,11 @@ namespace {
 // Failure becomes what the package makes of it.
 void raise_failure(const Failure& failure)
 {
-    nb::list findings;
-    for (const Finding& f : failure.findings())
-        findings.append(
-            nb::make_tuple(f.severity == Finding::Severity::error, f.number, nb::str(f.where.c_str()), f.what, f.hint));
-    const nb::object error = nb::module_::import_("pliant._errors").attr("from_findings")(int(failure.code()), findings);
+    nb::list diagnostics;
+    for (const Diagnostic& f : failure.diagnostics())
+        diagnostics.append(
+            nb::make_tuple(f.severity == Diagnostic::Severity::error, f.number, nb::str(f.where.c_str()), f.what, f.hint));
+    const nb::object error = nb::module_::import_("pliant._errors").attr("from_findings")(int(failure.code()), diagnostics);
     PyErr_SetObject(reinterpret_cast<PyObject*>(Py_TYPE(error.ptr())), error.ptr());
 }
 
@@ -46,19 +46,19 @@ void translate(const std::exception_ptr& exception, void*)
 }
 
 // Python hears of warnings by number, text and hint; where they are in a file stands in front of the text.
-void tell(const std::vector<Finding>& warnings, Progress& progress)
+void tell(const std::vector<Diagnostic>& warnings, Progress& progress)
 {
-    for (const Finding& w : warnings) progress.warn(w.number, w.where.empty() ? w.what : w.where + ": " + w.what, w.hint);
+    for (const Diagnostic& w : warnings) progress.warn(w.number, w.where.empty() ? w.what : w.where + ": " + w.what, w.hint);
 }
 
 SourcePoses load_sources(const std::vector<std::string>& paths, const Listener& listener)
 {
     SourcePoses out;
     work_interruptibly(listener, 0, [&](Progress& progress) {
-        FindingList findings;
-        out.meshes = read_pose_sources(paths, pose_count_limit, findings).meshes;
-        if (findings.has_errors()) throw Failure(ExitCode::bad_input, findings.findings());
-        tell(findings.findings(), progress);
+        DiagnosticList diagnostics;
+        out.meshes = read_pose_sources(paths, pose_count_limit, diagnostics).meshes;
+        if (diagnostics.has_errors()) throw Failure(ExitCode::bad_input, diagnostics.diagnostics());
+        tell(diagnostics.diagnostics(), progress);
     });
     return out;
 }
@@ -79,14 +79,14 @@ public:
         kept_.push_back(warning_at(number, "", what, hint));
         target_.warn(number, what, hint);
     }
-    const std::vector<Finding>& kept() const { return kept_; }
+    const std::vector<Diagnostic>& kept() const { return kept_; }
 
 private:
     Progress& target_;
-    std::vector<Finding> kept_;
+    std::vector<Diagnostic> kept_;
 };
 
-PoseSet check(const SourcePoses& poses, const EnergyOptions& options, std::vector<Finding>& warnings, Progress& progress)
+PoseSet check(const SourcePoses& poses, const EnergyOptions& options, std::vector<Diagnostic>& warnings, Progress& progress)
 {
     PoseSet out = check_poses(poses.meshes, load_options(options), &warnings);
     tell(warnings, progress);
@@ -102,14 +102,14 @@ nb::object bake_poses(const SourcePoses& poses, const nb::dict& given, const Sou
     const unsigned threads = given.contains("threads") ? nb::cast<unsigned>(given["threads"]) : 0;
     BakedAsset baked;
     std::optional<ToleranceMiss> miss;
-    std::vector<Finding> warnings;
+    std::vector<Diagnostic> warnings;
     work_interruptibly(listener, threads, [&](Progress& progress) {
         const PoseSet set = check(poses, options.energy, warnings, progress);
-        std::vector<Finding> of_surface;
+        std::vector<Diagnostic> of_surface;
         if (surface)
-            options.drawn = std::make_shared<const DrawnSurface>(embed_surface(surface->meshes.at(0), set, &of_surface));
+            options.render_mesh = std::make_shared<const RenderMesh>(embed_render_mesh(surface->meshes.at(0), set, &of_surface));
         else if (!surface_path.empty())
-            options.drawn = std::make_shared<const DrawnSurface>(load_drawn_surface(surface_path, set, &of_surface));
+            options.render_mesh = std::make_shared<const RenderMesh>(load_render_mesh(surface_path, set, &of_surface));
         tell(of_surface, progress);
         warnings.insert(warnings.end(), of_surface.begin(), of_surface.end());
         KeepingProgress keeping(progress);
@@ -128,7 +128,7 @@ nb::object bake_poses(const SourcePoses& poses, const nb::dict& given, const Sou
 // By the numbers of the files.
 Positions in_input_order(const PoseSet& poses, const Positions& positions)
 {
-    if (poses.drawn) return drawn_positions(*poses.drawn, positions);
+    if (poses.render_mesh) return render_mesh_positions(*poses.render_mesh, positions);
     if (poses.source_vertices.empty()) return positions;
     Positions out(positions.rows(), 3);
     for (std::size_t v = 0; v < poses.source_vertices.size(); ++v)
@@ -140,7 +140,7 @@ Positions in_input_order(const PoseSet& poses, const Positions& positions)
 std::vector<double> averages(const PoseSet& poses, const std::vector<Weights>& wanted, const EnergyOptions& options,
                              Progress& progress)
 {
-    const ShapeSet set = normalise(poses, options.keep_placement);
+    const NormalizedPoses set = normalize(poses, options.keep_placement);
     const std::unique_ptr<Energy> energy = make_energy(set, options);
     SolverPool pool(*energy, set, options.solver);
     const NewtonOptions newton;
@@ -175,11 +175,11 @@ nb::object average_poses(const SourcePoses& poses, const Array<double, 2>& weigh
     std::vector<Weights> wanted;
     for (std::size_t row = 0; row < count; ++row) {
         const double* start = weights.data() + row * m;
-        wanted.push_back(normalised_weights(std::vector<double>(start, start + m), poses.meshes.size()));
+        wanted.push_back(normalized_weights(std::vector<double>(start, start + m), poses.meshes.size()));
     }
     std::vector<double> out;
     work_interruptibly(listener, threads, [&](Progress& progress) {
-        std::vector<Finding> warnings;
+        std::vector<Diagnostic> warnings;
         const PoseSet set = check(poses, options, warnings, progress);
         if (!wanted.empty()) out = averages(set, wanted, options, progress);
     });
@@ -217,13 +217,13 @@ std::vector<std::string> names_of(const SourcePoses& poses)
 
 nb::bytes read_file(const std::string& path)
 {
-    FindingList findings;
+    DiagnosticList diagnostics;
     std::optional<std::string> bytes;
     {
         const nb::gil_scoped_release unlocked;
-        bytes = read_bytes(path, findings);
+        bytes = read_bytes(path, diagnostics);
     }
-    if (!bytes) throw Failure(ExitCode::bad_input, findings.findings());
+    if (!bytes) throw Failure(ExitCode::bad_input, diagnostics.diagnostics());
     return nb::bytes(bytes->data(), bytes->size());
 }
 

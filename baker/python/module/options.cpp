@@ -20,7 +20,7 @@ template <class T> void take(const nb::dict& given, const char* name, T& value)
 // Names of the command line that no certificate has.
 std::string spelled(CubatureSolver solver) { return solver == CubatureSolver::nn_htp ? "nn-htp" : "nnls"; }
 
-std::string spelled(StandInKind kind) { return kind == StandInKind::automatic ? "auto" : name_of(kind); }
+std::string spelled(SurrogateKind kind) { return kind == SurrogateKind::automatic ? "auto" : name_of(kind); }
 
 template <class Enum> std::string spelled(Enum value) { return name_of(value); }
 
@@ -67,8 +67,8 @@ BakeOptions bake_options(const nb::dict& given)
     BakeOptions options;
     options.energy = energy_options(given);
     take_choice(given, "subspace", options.subspace, { SubspaceKind::adaptive, SubspaceKind::krylov, SubspaceKind::barbic });
-    take_choice(given, "energy", options.stand_in,
-                { StandInKind::automatic, StandInKind::quartic, StandInKind::cubature, StandInKind::ghost });
+    take_choice(given, "energy", options.surrogate,
+                { SurrogateKind::automatic, SurrogateKind::quartic, SurrogateKind::cubature, SurrogateKind::ghost });
     take_choice(given, "cubature", options.cubature_solver, { CubatureSolver::nnls, CubatureSolver::nn_htp });
     take(given, "tolerance", options.tolerance);
     take(given, "tolerance_max", options.tolerance_max);

@@ -17,7 +17,7 @@ void add(AdaptiveSubspace& out, std::vector<CheckPoint> points)
 {
     for (CheckPoint& point : points) {
         out.unconverged_count += !point.has_converged;
-        out.averages.push_back({ point.weights, std::move(point.truth) });
+        out.averages.push_back({ point.weights, std::move(point.reference) });
     }
 }
 
@@ -27,7 +27,7 @@ AdaptiveSubspace build_adaptive_subspace(const AverageFamily& family, const Know
                                          const std::vector<Weights>& training, const std::vector<Weights>& check_weights,
                                          const AdaptiveOptions& options, Progress* progress)
 {
-    const ShapeSet& set = family.pool().set();
+    const NormalizedPoses& set = family.pool().set();
     AdaptiveSubspace out;
     out.averages.push_back(mean);
     add(out, sweep(family, out.averages, { training.begin() + 1, training.end() }, progress));

@@ -48,7 +48,7 @@ Factored orthonormalise(const Eigen::MatrixXd& vectors, const Eigen::MatrixXd& d
 
 } // namespace
 
-Subspace build_subspace(const ShapeSet& set, const Eigen::MatrixXd& vectors, Eigen::Index max_dimension)
+Subspace build_subspace(const NormalizedPoses& set, const Eigen::MatrixXd& vectors, Eigen::Index max_dimension)
 {
     const Eigen::Index m = Eigen::Index(set.pose_count());
     Eigen::MatrixXd differences(set.dof_count(), m - 1);

@@ -22,32 +22,32 @@ std::vector<Weights> centres_of(const TrainingSet& training)
     return centres;
 }
 
-double mean_energy(const StandIn& stand_in, const TrainingSet& training)
+double mean_energy(const SurrogateEnergy& surrogate, const TrainingSet& training)
 {
     double energy = 0;
     for (std::size_t t = 0; t < training.weights.size(); ++t)
-        energy += stand_in.value(training.weights[t], training.averages[t]);
+        energy += surrogate.value(training.weights[t], training.averages[t]);
     return std::max(energy / double(training.weights.size()), 1e-13); // identical poses have no energy
 }
 
 // Mean of the Hessians at the averages: it serves all weights better than the one at the mean does, which is softer in directions that
 // stiffen away from there.
-Eigen::MatrixXd mean_hessian(const StandIn& stand_in, const TrainingSet& training)
+Eigen::MatrixXd mean_hessian(const SurrogateEnergy& surrogate, const TrainingSet& training)
 {
     std::vector<Eigen::MatrixXd> hessians(training.weights.size());
     for_each_task(hessians.size(), [&](std::size_t t, std::size_t) {
-        hessians[t] = stand_in.hessian(training.weights[t], training.averages[t], HessianKind::exact);
+        hessians[t] = surrogate.hessian(training.weights[t], training.averages[t], HessianKind::exact);
     });
     return std::accumulate(hessians.begin() + 1, hessians.end(), hessians[0]) / double(hessians.size());
 }
 
-BlendModel model_around(std::shared_ptr<const StandIn> stand_in, const TrainingSet& training, const Eigen::VectorXd& mean)
+BlendModel model_around(std::shared_ptr<const SurrogateEnergy> surrogate, const TrainingSet& training, const Eigen::VectorXd& mean)
 {
     BlendModel model;
     model.mean = mean;
-    model.root = inverse_root(mean_hessian(*stand_in, training), metric_floor);
-    model.energy_scale = mean_energy(*stand_in, training);
-    model.stand_in = std::move(stand_in);
+    model.root = inverse_root(mean_hessian(*surrogate, training), metric_floor);
+    model.energy_scale = mean_energy(*surrogate, training);
+    model.surrogate = std::move(surrogate);
     return model;
 }
 
@@ -66,75 +66,75 @@ Eigen::MatrixXd pose_columns(const Subspace& subspace, std::size_t training_coun
 
 } // namespace
 
-MinimiseResult BlendModel::solve(const Weights& w, double tolerance) const
+MinimizeResult BlendModel::solve(const Weights& w, double tolerance) const
 {
-    MinimiseOptions options;
+    MinimizeOptions options;
     options.tolerance = tolerance;
     options.scale = energy_scale;
     const Eigen::VectorXd linear = load ? (*load)(w) : Eigen::VectorXd(Eigen::VectorXd::Zero(root.cols()));
     Eigen::VectorXd by_q;
     const Objective objective = [&](const Eigen::VectorXd& z, Eigen::VectorXd& gradient) {
-        const double value = stand_in->gradient(w, coordinates(z), by_q);
+        const double value = surrogate->gradient(w, coordinates(z), by_q);
         gradient = root.transpose() * by_q + linear;
         return value + linear.dot(z);
     };
     const Eigen::Index d = root.cols();
-    MinimiseResult result = minimise(objective, predictor(w), Eigen::MatrixXd::Identity(d, d), options);
+    MinimizeResult result = minimize(objective, predictor(w), Eigen::MatrixXd::Identity(d, d), options);
     result.q = coordinates(result.q);
     return result;
 }
 
-BlendModel plain_model(std::shared_ptr<const StandIn> stand_in, const TrainingSet& training, const Subspace& subspace)
+BlendModel plain_model(std::shared_ptr<const SurrogateEnergy> surrogate, const TrainingSet& training, const Subspace& subspace)
 {
-    const MinimiseResult mean = minimise_newton(*stand_in, training.weights[0], training.averages[0], 1e-8, 100);
-    BlendModel model = model_around(std::move(stand_in), training, mean.q);
+    const MinimizeResult mean = minimize_newton(*surrogate, training.weights[0], training.averages[0], 1e-8, 100);
+    BlendModel model = model_around(std::move(surrogate), training, mean.q);
     const Eigen::MatrixXd metric = model.root * model.root.transpose();
     Eigen::MatrixXd q = pose_columns(subspace, training.weights.size());
     for_each_task(training.weights.size(), [&](std::size_t t, std::size_t) {
-        MinimiseOptions options;
+        MinimizeOptions options;
         options.scale = model.energy_scale;
         const Objective objective = [&](const Eigen::VectorXd& at, Eigen::VectorXd& gradient) {
-            return model.stand_in->gradient(training.weights[t], at, gradient);
+            return model.surrogate->gradient(training.weights[t], at, gradient);
         };
-        q.col(Eigen::Index(t)) = minimise(objective, training.averages[t], metric, options).q;
+        q.col(Eigen::Index(t)) = minimize(objective, training.averages[t], metric, options).q;
     });
-    model.predictor = fit_predictor(centres_of(training), whitened(model, q));
+    model.predictor = fit_radial_function(centres_of(training), whitened(model, q));
     return model;
 }
 
-BlendModel loaded_model(std::shared_ptr<const StandIn> stand_in, const TrainingSet& training, const Subspace& subspace)
+BlendModel loaded_model(std::shared_ptr<const SurrogateEnergy> surrogate, const TrainingSet& training, const Subspace& subspace)
 {
-    BlendModel model = model_around(std::move(stand_in), training, training.averages[0]);
+    BlendModel model = model_around(std::move(surrogate), training, training.averages[0]);
     Eigen::MatrixXd q = pose_columns(subspace, training.weights.size());
     Eigen::MatrixXd loads = Eigen::MatrixXd::Zero(q.rows(), q.cols());
     for (std::size_t t = 0; t < training.weights.size(); ++t) {
         Eigen::VectorXd gradient;
-        model.stand_in->gradient(training.weights[t], training.averages[t], gradient);
+        model.surrogate->gradient(training.weights[t], training.averages[t], gradient);
         loads.col(Eigen::Index(t)) = -model.root.transpose() * gradient;
         q.col(Eigen::Index(t)) = training.averages[t];
     }
-    model.load = fit_predictor(centres_of(training), loads);
-    model.predictor = fit_predictor(centres_of(training), whitened(model, q));
+    model.load = fit_radial_function(centres_of(training), loads);
+    model.predictor = fit_radial_function(centres_of(training), whitened(model, q));
     return model;
 }
 
-BlendError blend_error(const BlendModel& model, const Subspace& subspace, const ShapeSet& set,
+BlendError blend_error(const BlendModel& model, const Subspace& subspace, const NormalizedPoses& set,
                        const std::vector<CheckPoint>& checks)
 {
-    const Energy& energy = model.stand_in->energy();
+    const Energy& energy = model.surrogate->energy();
     const TieSet* ties
         = energy.dof_count() == set.dof_count() ? ties_of(energy) : nullptr; // a ghost's are of other vertices
-    std::vector<double> errors(checks.size()), drifts(checks.size(), 0), of_truths(checks.size(), 0);
+    std::vector<double> errors(checks.size()), drifts(checks.size(), 0), of_reference(checks.size(), 0);
     for_each_task(checks.size(), [&](std::size_t i, std::size_t) {
         const Shape shape = subspace.shape(model.solve(checks[i].weights).q);
-        errors[i] = relative_distance(set, shape, checks[i].truth);
+        errors[i] = relative_distance(set, shape, checks[i].reference);
         if (!ties) return;
         drifts[i] = measure_drift(*ties, set, checks[i].weights, shape).largest;
-        of_truths[i] = measure_drift(*ties, set, checks[i].weights, checks[i].truth).largest;
+        of_reference[i] = measure_drift(*ties, set, checks[i].weights, checks[i].reference).largest;
     });
     BlendError out;
     for (double drift : drifts) out.drift = std::max(out.drift, drift);
-    for (double drift : of_truths) out.drift_of_truths = std::max(out.drift_of_truths, drift);
+    for (double drift : of_reference) out.drift_of_references = std::max(out.drift_of_references, drift);
     for (double error : errors) {
         out.mean += error / double(errors.size());
         out.largest = std::max(out.largest, error);

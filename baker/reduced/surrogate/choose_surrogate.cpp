@@ -22,14 +22,14 @@ constexpr double aim = 0.75;
 // Where the tolerance is missed with the most dimensions, an error this much larger is as good.
 constexpr double reachable = 1.1;
 
-// Blends follow the truths: where those drift, nothing that is fitted to them can be asked to drift less.
-double wanted_drift(const BlendError& error, const StandInOptions& options)
+// Blends follow the reference averages: where those drift, nothing that is fitted to them can be asked to drift less.
+double wanted_drift(const BlendError& error, const SurrogateOptions& options)
 {
-    return std::max(aim * options.drift, reachable * error.drift_of_truths);
+    return std::max(aim * options.drift, reachable * error.drift_of_references);
 }
 
 // Mean and largest error count alike, each in units of what is wanted of it; parts only where they drift too far.
-double score(const BlendError& error, const StandInOptions& options)
+double score(const BlendError& error, const SurrogateOptions& options)
 {
     return error.mean / options.tolerance + error.largest / options.largest()
         + std::max(0.0, error.drift - wanted_drift(error, options)) / options.drift;
@@ -37,22 +37,22 @@ double score(const BlendError& error, const StandInOptions& options)
 
 } // namespace
 
-bool is_enough(const BlendError& error, const StandInOptions& options)
+bool is_enough(const BlendError& error, const SurrogateOptions& options)
 {
     return error.mean < aim * options.tolerance && error.largest < aim * options.largest()
         && error.drift <= wanted_drift(error, options);
 }
 
-ChosenModel fit_model(std::shared_ptr<const StandIn> stand_in, const Subspace& subspace, const ShapeSet& set,
+ChosenModel fit_model(std::shared_ptr<const SurrogateEnergy> surrogate, const Subspace& subspace, const NormalizedPoses& set,
                       const TrainingSet& training, const std::vector<CheckPoint>& checks, bool may_load,
-                      const StandInOptions& options)
+                      const SurrogateOptions& options)
 {
-    StandInReport report;
-    report.curvature = measure_curvature(*stand_in, training);
-    BlendModel plain = plain_model(stand_in, training, subspace);
+    SurrogateReport report;
+    report.curvature = measure_curvature(*surrogate, training);
+    BlendModel plain = plain_model(surrogate, training, subspace);
     report.plain = blend_error(plain, subspace, set, checks);
     if (!may_load || (checks.empty() && report.curvature.lowest <= 0)) return { std::move(plain), report };
-    BlendModel loaded = loaded_model(std::move(stand_in), training, subspace);
+    BlendModel loaded = loaded_model(std::move(surrogate), training, subspace);
     report.loaded = blend_error(loaded, subspace, set, checks);
     report.has_load = checks.empty() || score(report.loaded, options) < score(report.plain, options);
     return { report.has_load ? std::move(loaded) : std::move(plain), report };
@@ -65,18 +65,18 @@ std::size_t count_for(std::size_t per_dimension, Eigen::Index dimension)
     return per_dimension * std::max<std::size_t>(8, std::size_t(dimension));
 }
 
-std::shared_ptr<const StandIn> fit_elements(CubatureFit& fit, std::size_t count)
+std::shared_ptr<const SurrogateEnergy> fit_elements(CubatureFit& fit, std::size_t count)
 {
-    auto stand_in = std::make_shared<const StandIn>(fit.fit(count));
-    for (int round = 0; round < 2 && fit.stiffen(*stand_in) > 0; ++round)
-        stand_in = std::make_shared<const StandIn>(fit.fit(count));
-    return stand_in;
+    auto surrogate = std::make_shared<const SurrogateEnergy>(fit.fit(count));
+    for (int round = 0; round < 2 && fit.stiffen(*surrogate) > 0; ++round)
+        surrogate = std::make_shared<const SurrogateEnergy>(fit.fit(count));
+    return surrogate;
 }
 
 } // namespace
 
-ChosenModel choose_cubature(const ReducedEnergy& reduced, const ShapeSet& set, const TrainingSet& training,
-                            const std::vector<CheckPoint>& checks, const StandInOptions& options, Progress* progress)
+ChosenModel choose_cubature(const ReducedEnergy& reduced, const NormalizedPoses& set, const TrainingSet& training,
+                            const std::vector<CheckPoint>& checks, const SurrogateOptions& options, Progress* progress)
 {
     const Subspace& subspace = reduced.subspace();
     CubatureOptions cubature;
@@ -88,12 +88,12 @@ ChosenModel choose_cubature(const ReducedEnergy& reduced, const ShapeSet& set, c
         if (checks.empty() && per_dimension < size_without_checks) continue;
         const std::size_t count
             = options.element_count ? options.element_count : count_for(per_dimension, subspace.dimension());
-        std::shared_ptr<const StandIn> stand_in = fit_elements(fit, count);
+        std::shared_ptr<const SurrogateEnergy> surrogate = fit_elements(fit, count);
         if (progress) progress->update("cubature", 0.99, fmt::format("{} elements: error of blends", count));
-        ChosenModel here = fit_model(std::move(stand_in), subspace, set, training, checks, true, options);
+        ChosenModel here = fit_model(std::move(surrogate), subspace, set, training, checks, true, options);
         here.report.residual = fit.residual();
         const bool gets_convex = here.report.curvature.lowest > 0 && best.report.curvature.lowest <= 0;
-        const bool is_better = !best.model.stand_in || gets_convex
+        const bool is_better = !best.model.surrogate || gets_convex
             || score(here.report.error(), options) < worthwhile * score(best.report.error(), options);
         if (is_better) best = std::move(here);
         const bool is_convex = best.report.curvature.lowest > 0;
@@ -103,11 +103,11 @@ ChosenModel choose_cubature(const ReducedEnergy& reduced, const ShapeSet& set, c
     return best;
 }
 
-Eigen::Index choose_dimension(Eigen::Index least, Eigen::Index most, const StandInOptions& options,
+Eigen::Index choose_dimension(Eigen::Index least, Eigen::Index most, const SurrogateOptions& options,
                               const std::function<BlendError(Eigen::Index)>& error_at)
 {
     // What is out of reach is brought as near as the most dimensions do, but not by more of them than that takes.
-    StandInOptions wanted = options;
+    SurrogateOptions wanted = options;
     const BlendError best = error_at(most);
     wanted.tolerance = std::max(options.tolerance, reachable * best.mean / aim);
     wanted.tolerance_max = std::max(options.largest(), reachable * best.largest / aim);

@@ -9,7 +9,7 @@
 
 namespace pliant {
 
-struct StandInOptions {
+struct SurrogateOptions {
     double tolerance = 1e-3;       // wanted total error, mean over the checks
     double tolerance_max = 0;      // and the largest; 0: three times the tolerance is aimed at
     std::size_t element_count = 0; // 0: as few as keep the tolerance, four to twelve per dimension
@@ -20,11 +20,11 @@ struct StandInOptions {
     double largest() const { return tolerance_max > 0 ? tolerance_max : 3 * tolerance; }
 };
 
-struct StandInReport {
+struct SurrogateReport {
     Curvature curvature;
     double residual = 0;   // of the cubature fit
     BlendError plain;      // over the checks, without the dead load
-    BlendError loaded;     // with it; zeros if the stand-in is not convex
+    BlendError loaded;     // with it; zeros if the surrogate energy is not convex
     bool has_load = false; // kept: it lowers the error
 
     const BlendError& error() const { return has_load ? loaded : plain; }
@@ -33,25 +33,25 @@ struct StandInReport {
 // A model and how good it is.
 struct ChosenModel {
     BlendModel model;
-    StandInReport report;
+    SurrogateReport report;
 };
 
 // Whether blends keep the tolerance at the checks with something in hand for other weights.
-bool is_enough(const BlendError& error, const StandInOptions& options);
+bool is_enough(const BlendError& error, const SurrogateOptions& options);
 
 // Cubature of growing size until the blends at the checks keep the tolerance, or more elements do not help.
-ChosenModel choose_cubature(const ReducedEnergy& reduced, const ShapeSet& set, const TrainingSet& training,
-                            const std::vector<CheckPoint>& checks, const StandInOptions& options, Progress* progress);
+ChosenModel choose_cubature(const ReducedEnergy& reduced, const NormalizedPoses& set, const TrainingSet& training,
+                            const std::vector<CheckPoint>& checks, const SurrogateOptions& options, Progress* progress);
 
-// The model of a given stand-in; with a dead load if `may_load` and it helps. Without checks it is kept if the stand-in is convex.
-ChosenModel fit_model(std::shared_ptr<const StandIn> stand_in, const Subspace& subspace, const ShapeSet& set,
+// The model of a given surrogate energy; with a dead load if `may_load` and it helps. Without checks it is kept if the surrogate energy is convex.
+ChosenModel fit_model(std::shared_ptr<const SurrogateEnergy> surrogate, const Subspace& subspace, const NormalizedPoses& set,
                       const TrainingSet& training, const std::vector<CheckPoint>& checks, bool may_load,
-                      const StandInOptions& options);
+                      const SurrogateOptions& options);
 
 // The smallest dimension from `least` to `most` with enough accuracy, by bisection: `error_at` measures one, and is called last for
 // the one that is returned. Where the tolerance is out of
 // reach, the smallest that is about as good as `most`.
-Eigen::Index choose_dimension(Eigen::Index least, Eigen::Index most, const StandInOptions& options,
+Eigen::Index choose_dimension(Eigen::Index least, Eigen::Index most, const SurrogateOptions& options,
                               const std::function<BlendError(Eigen::Index)>& error_at);
 
 } // namespace pliant

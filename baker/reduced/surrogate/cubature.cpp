@@ -32,7 +32,7 @@ constexpr Eigen::Index hessian_probe_columns = 6;
 constexpr float audible = 1e-6f;
 
 // Directions that are softer than this in whitened coordinates, where the true Hessian of the mean has 1, are checked against the
-// true curvature; the stand-in should have at least half of it.
+// true curvature; the surrogate energy should have at least half of it.
 constexpr double soft_curvature = 0.3;
 constexpr std::size_t stiffened_at_a_time = 32;
 
@@ -228,21 +228,21 @@ Eigen::VectorXd target_rows(const ReducedEnergy& reduced, const TrainingSet& tra
     return target;
 }
 
-// Whitened Hessian of the stand-in at a training average.
-Eigen::MatrixXd whitened_hessian(const StandIn& stand_in, const TrainingSet& training, std::size_t t)
+// Whitened Hessian of the surrogate energy at a training average.
+Eigen::MatrixXd whitened_hessian(const SurrogateEnergy& surrogate, const TrainingSet& training, std::size_t t)
 {
-    return training.root.transpose() * stand_in.hessian(training.weights[t], training.averages[t], HessianKind::exact)
+    return training.root.transpose() * surrogate.hessian(training.weights[t], training.averages[t], HessianKind::exact)
         * training.root;
 }
 
 } // namespace
 
-Curvature measure_curvature(const StandIn& stand_in, const TrainingSet& training)
+Curvature measure_curvature(const SurrogateEnergy& surrogate, const TrainingSet& training)
 {
     std::vector<Curvature> all(training.weights.size());
     for_each_task(all.size(), [&](std::size_t t, std::size_t) {
         const Eigen::VectorXd values
-            = Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(whitened_hessian(stand_in, training, t), Eigen::EigenvaluesOnly)
+            = Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(whitened_hessian(surrogate, training, t), Eigen::EigenvaluesOnly)
                   .eigenvalues();
         all[t] = { values[0], values[values.size() - 1] };
     });
@@ -296,7 +296,7 @@ void CubatureFit::silence(Eigen::Index before)
     }
 }
 
-StandIn CubatureFit::fit(std::size_t element_count)
+SurrogateEnergy CubatureFit::fit(std::size_t element_count)
 {
     const std::size_t wanted = std::min(element_count, candidates_.size());
     const auto tell = [&](std::size_t found) {
@@ -316,15 +316,15 @@ StandIn CubatureFit::fit(std::size_t element_count)
         weights[Eigen::Index(i)] = chosen[i].second;
     }
     const Subspace& subspace = reduced_.subspace();
-    return StandIn(reduced_.energy(), subspace.origin, subspace.basis, std::move(elements), std::move(weights));
+    return SurrogateEnergy(reduced_.energy(), subspace.origin, subspace.basis, std::move(elements), std::move(weights));
 }
 
-std::size_t CubatureFit::stiffen(const StandIn& stand_in)
+std::size_t CubatureFit::stiffen(const SurrogateEnergy& surrogate)
 {
     // The softest direction at every training average.
     std::vector<std::pair<double, Probe>> soft(training_.weights.size());
     for_each_task(soft.size(), [&](std::size_t t, std::size_t) {
-        const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(whitened_hessian(stand_in, training_, t));
+        const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(whitened_hessian(surrogate, training_, t));
         soft[t]
             = { eigen.eigenvalues()[0],
                 { Probe::Kind::curvature, t, training_.weights[t], training_.averages[t], 1, eigen.eigenvectors().col(0) } };

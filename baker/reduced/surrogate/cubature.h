@@ -18,12 +18,12 @@ struct CubatureOptions {
     std::uint64_t seed = 1;
 };
 
-// Smallest and largest eigenvalue of S^T H S over the training averages, H the stand-in's Hessian and S S^T the inverse of the true
-// one at the mean: 1 is perfect there, a lowest one <= 0 is no stand-in.
+// Smallest and largest eigenvalue of S^T H S over the training averages, H the surrogate energy's Hessian and S S^T the inverse of the true
+// one at the mean: 1 is perfect there, a lowest one <= 0 is no surrogate energy.
 struct Curvature {
     double lowest = 0, highest = 0;
 };
-Curvature measure_curvature(const StandIn& stand_in, const TrainingSet& training);
+Curvature measure_curvature(const SurrogateEnergy& surrogate, const TrainingSet& training);
 
 // One joint element set for all poses. The fit sees, all whitened by training.root: reduced forces of single poses at averages and of
 // combinations at perturbed averages, forces at averages that must cancel (equilibrium), and columns of the Hessian.
@@ -34,11 +34,11 @@ public:
                 Progress* progress);
 
     // The best found set of at most `element_count` elements; continues from the last, smaller one.
-    StandIn fit(std::size_t element_count);
+    SurrogateEnergy fit(std::size_t element_count);
 
-    // Adds the curvature of `stand_in` along its softest directions, where they are far softer than the true ones or concave, as
-    // rows of the fit. The number of directions found; 0: the stand-in is convex enough.
-    std::size_t stiffen(const StandIn& stand_in);
+    // Adds the curvature of `surrogate` along its softest directions, where they are far softer than the true ones or concave, as
+    // rows of the fit. The number of directions found; 0: the surrogate energy is convex enough.
+    std::size_t stiffen(const SurrogateEnergy& surrogate);
 
     double residual() const { return found_.residual; } // relative, of all rows
 
@@ -51,7 +51,7 @@ private:
     Progress* progress_;
     CubatureSolver solver_;
     std::vector<std::size_t> candidates_;
-    StandIn all_;             // the candidates at weight 1
+    SurrogateEnergy all_;             // the candidates at weight 1
     Eigen::MatrixXf columns_; // rows x candidates
     Eigen::VectorXd target_;
     SparseFit found_;

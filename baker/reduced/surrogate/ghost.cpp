@@ -21,7 +21,7 @@ struct MeshTraits : OpenMesh::DefaultTraits {
 };
 using HalfEdgeMesh = OpenMesh::TriMesh_ArrayKernelT<MeshTraits>;
 
-HalfEdgeMesh to_half_edges(const ShapeSet& set)
+HalfEdgeMesh to_half_edges(const NormalizedPoses& set)
 {
     HalfEdgeMesh mesh;
     mesh.request_face_normals();
@@ -45,7 +45,7 @@ HalfEdgeMesh to_half_edges(const ShapeSet& set)
 
 } // namespace
 
-Ghost make_ghost(const ShapeSet& set, const Subspace& subspace, std::size_t vertex_count)
+Ghost make_ghost(const NormalizedPoses& set, const Subspace& subspace, std::size_t vertex_count)
 {
     require_manifold(set.triangles, std::size_t(set.dof_count() / 3), set.source_vertices, "--energy ghost",
                      "repair it alike in all poses, or use --energy cubature, which needs none");

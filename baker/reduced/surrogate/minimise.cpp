@@ -5,10 +5,10 @@
 
 namespace pliant {
 
-MinimiseResult minimise(const Objective& objective, const Eigen::VectorXd& start, const Eigen::MatrixXd& inverse_hessian,
-                        const MinimiseOptions& options)
+MinimizeResult minimize(const Objective& objective, const Eigen::VectorXd& start, const Eigen::MatrixXd& inverse_hessian,
+                        const MinimizeOptions& options)
 {
-    MinimiseResult result;
+    MinimizeResult result;
     result.q = start;
     Eigen::VectorXd gradient(start.size()), next_gradient(start.size());
     result.value = objective(start, gradient);

@@ -18,16 +18,16 @@ ReducedSolver::ReducedSolver(const Energy& energy, const Subspace& subspace, con
     metric_ = root_ * root_.transpose();
 }
 
-MinimiseResult ReducedSolver::solve(const Weights& w, const Eigen::VectorXd& start) const
+MinimizeResult ReducedSolver::solve(const Weights& w, const Eigen::VectorXd& start) const
 {
-    MinimiseOptions options;
+    MinimizeOptions options;
     options.tolerance = 1e-4; // in the energy metric: leaves well below a tolerance of 1e-4 in shape
     options.scale = energy_scale_;
-    return minimise([&](const Eigen::VectorXd& q, Eigen::VectorXd& gradient) { return reduced_.gradient(w, q, gradient); },
+    return minimize([&](const Eigen::VectorXd& q, Eigen::VectorXd& gradient) { return reduced_.gradient(w, q, gradient); },
                     start, metric_, options);
 }
 
-ReducedStarts::ReducedStarts(const ReducedSolver& solver, const ShapeSet& set)
+ReducedStarts::ReducedStarts(const ReducedSolver& solver, const NormalizedPoses& set)
     : solver_(solver)
 {
     for (std::size_t k = 0; k < set.pose_count(); ++k)
@@ -47,7 +47,7 @@ void ReducedStarts::fit()
 {
     Eigen::MatrixXd values(solver_.subspace().dimension(), Eigen::Index(coordinates_.size()));
     for (std::size_t i = 0; i < coordinates_.size(); ++i) values.col(Eigen::Index(i)) = coordinates_[i];
-    predictor_ = fit_predictor(weights_, values);
+    predictor_ = fit_radial_function(weights_, values);
 }
 
 Eigen::VectorXd ReducedStarts::operator()(const Weights& w) const
@@ -64,13 +64,13 @@ Eigen::VectorXd ReducedStarts::operator()(const Weights& w) const
                                                                                                               : near;
 }
 
-SubspaceError subspace_error(const ReducedSolver& solver, const ShapeSet& set, const std::vector<CheckPoint>& checks)
+SubspaceError subspace_error(const ReducedSolver& solver, const NormalizedPoses& set, const std::vector<CheckPoint>& checks)
 {
     std::vector<double> errors(checks.size());
     for_each_task(checks.size(), [&](std::size_t i, std::size_t) {
-        // From the projection of the truth: the reduced minimum that belongs to it.
-        const Eigen::VectorXd q = solver.solve(checks[i].weights, project(solver.subspace(), checks[i].truth, set.masses)).q;
-        errors[i] = relative_distance(set, solver.subspace().shape(q), checks[i].truth);
+        // From the projection of the reference average: the reduced minimum that belongs to it.
+        const Eigen::VectorXd q = solver.solve(checks[i].weights, project(solver.subspace(), checks[i].reference, set.masses)).q;
+        errors[i] = relative_distance(set, solver.subspace().shape(q), checks[i].reference);
     });
     SubspaceError out;
     for (std::size_t i = 0; i < checks.size(); ++i) {

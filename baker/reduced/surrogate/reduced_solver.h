@@ -13,9 +13,9 @@ public:
     // energy there. Energy and subspace must outlive it; a copy of the subspace is not made.
     ReducedSolver(const Energy& energy, const Subspace& subspace, const SparseLower& mean_hessian, double energy_scale);
 
-    // The minimiser of W(w, .) in the subspace, by BFGS from `start`. May be called by several tasks at a time.
+    // The minimizer of W(w, .) in the subspace, by BFGS from `start`. May be called by several tasks at a time.
     // Cost: 5 to 40 gradients of the full mesh.
-    MinimiseResult solve(const Weights& w, const Eigen::VectorXd& start) const;
+    MinimizeResult solve(const Weights& w, const Eigen::VectorXd& start) const;
 
     const Subspace& subspace() const { return reduced_.subspace(); }
     const ReducedEnergy& energy() const { return reduced_; }
@@ -32,7 +32,7 @@ private:
 // Where a reduced solve starts: a smooth interpolation of known averages and the poses, or the nearest of them if that is lower.
 class ReducedStarts {
 public:
-    ReducedStarts(const ReducedSolver& solver, const ShapeSet& set);
+    ReducedStarts(const ReducedSolver& solver, const NormalizedPoses& set);
 
     // Another known average, by its coordinates; ignored next to one that is there. Call fit() before the next use.
     void add(const Weights& w, const Eigen::VectorXd& q);
@@ -44,15 +44,15 @@ private:
     const ReducedSolver& solver_;
     std::vector<Weights> weights_;
     std::vector<Eigen::VectorXd> coordinates_;
-    Predictor predictor_;
+    RadialFunction predictor_;
 };
 
-// Error of the subspace alone: the exact reduced blend next to each truth, relative L2.
+// Error of the subspace alone: the exact reduced blend next to each reference average, relative L2.
 struct SubspaceError {
     double mean = 0, largest = 0;
     Weights worst_weights;
 };
-SubspaceError subspace_error(const ReducedSolver& solver, const ShapeSet& set, const std::vector<CheckPoint>& checks);
+SubspaceError subspace_error(const ReducedSolver& solver, const NormalizedPoses& set, const std::vector<CheckPoint>& checks);
 
 // Eigenvalues of the reduced Hessian below this fraction of the largest are treated as this: rigid motions that the subspace holds
 // almost exactly have none, and without a floor they would be amplified without bound.

@@ -6,7 +6,7 @@
 
 namespace pliant {
 
-StandIn::StandIn(const Energy& energy, const Shape& origin, const Eigen::MatrixXd& basis, std::vector<std::size_t> elements,
+SurrogateEnergy::SurrogateEnergy(const Energy& energy, const Shape& origin, const Eigen::MatrixXd& basis, std::vector<std::size_t> elements,
                  Eigen::VectorXd weights)
     : energy_(energy)
     , dimension_(basis.cols())
@@ -27,14 +27,14 @@ StandIn::StandIn(const Energy& energy, const Shape& origin, const Eigen::MatrixX
     }
 }
 
-StandIn::StandIn(const Energy& energy, Quartic quartic)
+SurrogateEnergy::SurrogateEnergy(const Energy& energy, Quartic quartic)
     : energy_(energy)
     , dimension_(quartic.dimension())
     , quartic_(std::make_shared<const Quartic>(std::move(quartic)))
 {
 }
 
-double StandIn::value(const Weights& w, const Eigen::VectorXd& q) const
+double SurrogateEnergy::value(const Weights& w, const Eigen::VectorXd& q) const
 {
     if (quartic_) return quartic_->value(w, q);
     ElementResult result;
@@ -47,7 +47,7 @@ double StandIn::value(const Weights& w, const Eigen::VectorXd& q) const
     return sum;
 }
 
-double StandIn::gradient(const Weights& w, const Eigen::VectorXd& q, Eigen::VectorXd& gradient) const
+double SurrogateEnergy::gradient(const Weights& w, const Eigen::VectorXd& q, Eigen::VectorXd& gradient) const
 {
     if (quartic_) return quartic_->gradient(w, q, gradient);
     ElementResult result;
@@ -62,7 +62,7 @@ double StandIn::gradient(const Weights& w, const Eigen::VectorXd& q, Eigen::Vect
     return sum;
 }
 
-Eigen::MatrixXd StandIn::hessian(const Weights& w, const Eigen::VectorXd& q, HessianKind kind) const
+Eigen::MatrixXd SurrogateEnergy::hessian(const Weights& w, const Eigen::VectorXd& q, HessianKind kind) const
 {
     if (quartic_) {
         Eigen::MatrixXd hessian = quartic_->hessian(w, q);
@@ -112,10 +112,10 @@ Eigen::MatrixXd ReducedEnergy::hessian_times(const Weights& w, const Eigen::Vect
 }
 
 template <class Model>
-MinimiseResult minimise_newton(const Model& model, const Weights& w, const Eigen::VectorXd& start, double tolerance,
+MinimizeResult minimize_newton(const Model& model, const Weights& w, const Eigen::VectorXd& start, double tolerance,
                                int max_iterations)
 {
-    MinimiseResult result;
+    MinimizeResult result;
     result.q = start;
     Eigen::VectorXd gradient, trial_gradient;
     result.value = model.gradient(w, start, gradient);
@@ -152,7 +152,7 @@ MinimiseResult minimise_newton(const Model& model, const Weights& w, const Eigen
     return result;
 }
 
-template MinimiseResult minimise_newton(const StandIn&, const Weights&, const Eigen::VectorXd&, double, int);
-template MinimiseResult minimise_newton(const ReducedEnergy&, const Weights&, const Eigen::VectorXd&, double, int);
+template MinimizeResult minimize_newton(const SurrogateEnergy&, const Weights&, const Eigen::VectorXd&, double, int);
+template MinimizeResult minimize_newton(const ReducedEnergy&, const Weights&, const Eigen::VectorXd&, double, int);
 
 } // namespace pliant

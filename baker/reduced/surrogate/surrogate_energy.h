@@ -1,4 +1,4 @@
-// The stand-in energy: a few weighted elements seen through the subspace, or a polynomial. In double precision this is what the runtime
+// The surrogate energy energy: a few weighted elements seen through the subspace, or a polynomial. In double precision this is what the runtime
 // evaluates in single; with all elements at weight 1, and as the polynomial, it is the reduced energy itself.
 #pragma once
 
@@ -11,15 +11,15 @@
 
 namespace pliant {
 
-class StandIn {
+class SurrogateEnergy {
 public:
     // Elements of `energy` with their weights. `origin` and `basis` are those of the mesh that `energy` lives on: the full one for
-    // cubature, the decimated one for a ghost. The energy must outlive the stand-in.
-    StandIn(const Energy& energy, const Shape& origin, const Eigen::MatrixXd& basis, std::vector<std::size_t> elements,
+    // cubature, the decimated one for a ghost. The energy must outlive the surrogate energy.
+    SurrogateEnergy(const Energy& energy, const Shape& origin, const Eigen::MatrixXd& basis, std::vector<std::size_t> elements,
             Eigen::VectorXd weights);
 
     // The reduced energy of a St. Venant-Kirchhoff solid; no elements.
-    StandIn(const Energy& energy, Quartic quartic);
+    SurrogateEnergy(const Energy& energy, Quartic quartic);
 
     // Null: a sum of elements.
     const Quartic* quartic() const { return quartic_.get(); }
@@ -66,7 +66,7 @@ private:
 
 // Newton with projected Hessians where needed, for the few solves that start far away (d small: a factorisation is free).
 template <class Model>
-MinimiseResult minimise_newton(const Model& model, const Weights& w, const Eigen::VectorXd& start, double tolerance,
+MinimizeResult minimize_newton(const Model& model, const Weights& w, const Eigen::VectorXd& start, double tolerance,
                                int max_iterations = 60);
 
 } // namespace pliant

@@ -11,7 +11,7 @@
 
 namespace pliant {
 
-std::vector<ProjectedAverage> project_averages(const Energy& energy, const Subspace& subspace, const ShapeSet& set,
+std::vector<ProjectedAverage> project_averages(const Energy& energy, const Subspace& subspace, const NormalizedPoses& set,
                                                const std::vector<KnownAverage>& averages, Progress* progress)
 {
     std::vector<Weights> taken;
@@ -66,7 +66,7 @@ TrainingSet training_of(const ReducedSolver& reduced, const std::vector<Projecte
     return training;
 }
 
-TrainingSet solve_training_set(const ReducedSolver& reduced, const ShapeSet& set, std::vector<Weights> weights,
+TrainingSet solve_training_set(const ReducedSolver& reduced, const NormalizedPoses& set, std::vector<Weights> weights,
                                Progress* progress)
 {
     SharedProgress shared(progress);
@@ -75,7 +75,7 @@ TrainingSet solve_training_set(const ReducedSolver& reduced, const ShapeSet& set
     training.weights = std::move(weights);
     training.root = reduced.root();
     ReducedStarts starts(reduced, set);
-    const MinimiseResult mean = minimise_newton(reduced.energy(), training.weights[0], starts(training.weights[0]), 1e-6);
+    const MinimizeResult mean = minimize_newton(reduced.energy(), training.weights[0], starts(training.weights[0]), 1e-6);
     if (!mean.has_converged && mean.iterations == 0)
         throw Failure(ExitCode::failed,
                       error_at(4401, "", "the reduced average of all poses does not converge",
@@ -92,14 +92,14 @@ TrainingSet solve_training_set(const ReducedSolver& reduced, const ShapeSet& set
         const std::size_t end = std::min(training.weights.size(), done + std::max<std::size_t>(8, done));
         shared.describe("reduced averages", double(done) / double(training.weights.size()),
                         fmt::format("{} of {}", done, training.weights.size()));
-        std::vector<MinimiseResult> wave(end - done);
+        std::vector<MinimizeResult> wave(end - done);
         for_each_task(wave.size(), [&](std::size_t i, std::size_t) {
             shared.update("", 0);
             const Weights& w = training.weights[done + i];
             wave[i] = reduced.solve(w, starts(w));
-            if (!wave[i].has_converged) wave[i] = minimise_newton(reduced.energy(), w, wave[i].q, 1e-6, 20);
+            if (!wave[i].has_converged) wave[i] = minimize_newton(reduced.energy(), w, wave[i].q, 1e-6, 20);
         });
-        for (MinimiseResult& result : wave) {
+        for (MinimizeResult& result : wave) {
             training.unconverged_count += !result.has_converged;
             training.energy_scale += result.value;
             starts.add(training.weights[training.averages.size()], result.q);

@@ -1,4 +1,4 @@
-// Where the stand-in is trained and the predictor fitted: weights, and the reduced averages at them.
+// Where the surrogate energy is trained and the predictor fitted: weights, and the reduced averages at them.
 #pragma once
 
 #include "base/common/progress.h"
@@ -14,7 +14,7 @@ struct TrainingSet {
         root; // S with S S^T = an inverse reduced Hessian (mean over the averages; of reduced ones the one at the mean): metric of all fits
     double energy_scale = 1; // mean energy over the averages
     int unconverged_count = 0;
-    // Of true averages: what the mesh does there, which is what a stand-in is to do at `averages`. Empty for reduced ones.
+    // Of true averages: what the mesh does there, which is what a surrogate energy is to do at `averages`. Empty for reduced ones.
     std::vector<const Shape*> shapes;
     std::vector<Eigen::MatrixXd> stiffness; // d x d, in q
 };
@@ -30,16 +30,16 @@ struct ProjectedAverage {
 
 // Those of all averages, which must outlive them; ones next to others, or to poses, are left out. Leading parts of the results belong to leading dimensions.
 // Cost: an assembly of the Hessian each.
-std::vector<ProjectedAverage> project_averages(const Energy& energy, const Subspace& subspace, const ShapeSet& set,
+std::vector<ProjectedAverage> project_averages(const Energy& energy, const Subspace& subspace, const NormalizedPoses& set,
                                                const std::vector<KnownAverage>& averages, Progress* progress);
 
-// Training data from averages (the first one for equal weights): the q that minimises energy + nearness / 2 |y(q) - a|^2. With nearness
+// Training data from averages (the first one for equal weights): the q that minimizes energy + nearness / 2 |y(q) - a|^2. With nearness
 // 0 these are reduced averages, too far from a since a subspace is too stiff; with a large one projections, as near as can be, but
 // creased where triangles are small. In between soft directions follow the average, stiff ones the energy.
 TrainingSet training_of(const ReducedSolver& reduced, const std::vector<ProjectedAverage>& averages, double nearness);
 
 // Solves the exact reduced problem at all training weights (the equal ones first). Throws Failure (P4401) if the mean does not converge.
-TrainingSet solve_training_set(const ReducedSolver& reduced, const ShapeSet& set, std::vector<Weights> weights,
+TrainingSet solve_training_set(const ReducedSolver& reduced, const NormalizedPoses& set, std::vector<Weights> weights,
                                Progress* progress);
 
 } // namespace pliant

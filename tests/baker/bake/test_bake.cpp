@@ -31,13 +31,13 @@ struct Variant {
 // The averages of a bent tube, with Newton's default accuracy.
 struct TubeFamily {
     explicit TubeFamily(std::size_t pose_count)
-        : set(normalise(tube_poses(pose_count)))
+        : set(normalize(tube_poses(pose_count)))
         , energy(set, ShellOptions())
         , pool(energy, set, default_solver())
         , family(pool, NewtonOptions(), nullptr)
     {
     }
-    ShapeSet set;
+    NormalizedPoses set;
     DiscreteShells energy;
     SolverPool pool;
     AverageFamily family;
@@ -54,7 +54,7 @@ std::vector<Variant> variants()
     out[1].options.energy.shell.membrane = Membrane::stvk;
     out[2].options.energy.shell.membrane = Membrane::edge;
     out[3].options.energy.material = Material::arap;
-    out[4].options.stand_in = StandInKind::ghost;
+    out[4].options.surrogate = SurrogateKind::ghost;
     out[4].options.ghost_vertex_count = 120;
     return out;
 }
@@ -94,7 +94,7 @@ TEST_CASE("every material bakes to an asset whose blends are near the unreduced 
         for (std::size_t k = 0; k < 3; ++k) { // a pose alone is reproduced: aligned to pose 0, in input units
             std::vector<float> w(3, 0.f);
             w[k] = 1;
-            const ShapeSet set = normalise(poses);
+            const NormalizedPoses set = normalize(poses);
             CHECK(relative(blender.positions(blender.solve(w, false)), to_input_units(set, set.shapes[k])) < 2e-5);
         }
         const EnergyOptions read = read_energy_options(blender.certificate(), variant.name);
@@ -107,7 +107,7 @@ TEST_CASE("the origin is what the runtime adds: single precision")
 {
     PoseSet poses = tube_poses(3);
     for (Positions& positions : poses.positions) positions.rowwise() += Eigen::RowVector3d(0.1, 1.0 / 3, -7.7);
-    const ShapeSet set = normalise(poses);
+    const NormalizedPoses set = normalize(poses);
     for (int c = 0; c < 3; ++c) { // by a variable that no compiler looks through
         volatile float single = float(set.origin[c]);
         CHECK(set.origin[c] == double(single));
@@ -116,7 +116,7 @@ TEST_CASE("the origin is what the runtime adds: single precision")
 
 TEST_CASE("the adaptive subspace converges in d, far below Algorithm 1, and fills a dimension that was asked for")
 {
-    const ShapeSet set = normalise(tube_poses(3));
+    const NormalizedPoses set = normalize(tube_poses(3));
     const DiscreteShells energy(set, ShellOptions());
     SolverPool pool(energy, set, default_solver());
     NewtonOptions newton;
@@ -209,7 +209,7 @@ TEST_CASE("training data lie between the reduced average and the projection of t
 
 TEST_CASE("the smallest dimension that keeps the tolerance is found, and the last one measured is the one chosen")
 {
-    StandInOptions options;
+    SurrogateOptions options;
     options.tolerance = 1e-2;
     for (Eigen::Index needed : { 3, 4, 17, 40, 41 }) {
         Eigen::Index last = 0;
@@ -233,12 +233,12 @@ TEST_CASE("the smallest dimension that keeps the tolerance is found, and the las
 
 TEST_CASE("all poses lead to one average, and a branch is known by its energy")
 {
-    const ShapeSet set = normalise(tube_poses(3));
+    const NormalizedPoses set = normalize(tube_poses(3));
     const DiscreteShells energy(set, ShellOptions());
     SolverPool pool(energy, set, default_solver());
     AverageFamily family(pool, NewtonOptions(), nullptr), same(pool, NewtonOptions(), nullptr, 2);
     CHECK(family.mean().has_converged);
-    CHECK(family.findings().empty());
+    CHECK(family.branches().empty());
     CHECK(same.start_pose() == 2);
     CHECK(relative_distance(set, same.mean().y, family.mean().y) < 1e-5);
     Weights w(3);
@@ -246,8 +246,8 @@ TEST_CASE("all poses lead to one average, and a branch is known by its energy")
     const FamilyPoint point = family.at(w, 0, nullptr);
     CHECK(point.jumps.empty());
     const CheckPoint check = family.check(w, set.shapes[1], 0, 0, nullptr); // from a far pose: the same minimum
-    CHECK(relative_distance(set, check.truth, point.average.y) < 1e-4);
-    CHECK(check.findings.empty());
+    CHECK(relative_distance(set, check.reference, point.average.y) < 1e-4);
+    CHECK(check.branches.empty());
     CHECK(check.error > 0.01);
 }
 
@@ -264,8 +264,8 @@ TEST_CASE("averages followed from their neighbours are those followed from the m
         CAPTURE(i);
         CHECK(points[i].weights == weights[i]);
         CHECK(points[i].has_converged);
-        CHECK(points[i].findings.empty());
-        CHECK(relative_distance(set, points[i].truth, family.at(weights[i], 0, nullptr).average.y) < 1e-4);
+        CHECK(points[i].branches.empty());
+        CHECK(relative_distance(set, points[i].reference, family.at(weights[i], 0, nullptr).average.y) < 1e-4);
     }
     CHECK(swept < pool.factorization_count() - before - swept);
 }
@@ -281,7 +281,7 @@ TEST_CASE("a bake says what it measured, and the certificate holds it")
     CHECK(r.check.blends.size() == 12);
     CHECK(r.check.meets_tolerance);
     CHECK(r.check.mean_error < 1e-3);
-    CHECK(r.fit.stand_in.curvature.lowest > 0);
+    CHECK(r.fit.surrogate.curvature.lowest > 0);
     CHECK(r.check.cell_ratio > 0.1);
     CHECK(read_start_pose(r.certificate) == r.start_pose);
     CHECK(r.certificate.find("\"meets_tolerance\": true") != std::string::npos);

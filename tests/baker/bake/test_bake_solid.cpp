@@ -20,19 +20,19 @@ namespace {
 struct Variant {
     const char* name;
     BakeOptions options;
-    StandInKind stand_in;
+    SurrogateKind surrogate;
     bool is_held; // by the vertices of one end
 };
 
 std::vector<Variant> variants()
 {
     BakeOptions stvk, cubature, mooney_rivlin;
-    cubature.stand_in = StandInKind::cubature;
+    cubature.surrogate = SurrogateKind::cubature;
     mooney_rivlin.energy.material = Material::mooney_rivlin;
-    return { { "bar_quartic", stvk, StandInKind::quartic, false },
-             { "bar_stvk", cubature, StandInKind::cubature, false },
-             { "bar_mooney_rivlin", mooney_rivlin, StandInKind::cubature, false },
-             { "bar_held", stvk, StandInKind::quartic, true } };
+    return { { "bar_quartic", stvk, SurrogateKind::quartic, false },
+             { "bar_stvk", cubature, SurrogateKind::cubature, false },
+             { "bar_mooney_rivlin", mooney_rivlin, SurrogateKind::cubature, false },
+             { "bar_held", stvk, SurrogateKind::quartic, true } };
 }
 
 // The vertices at z = 0, where the twist moves nothing once it is centred on the axis.
@@ -54,8 +54,8 @@ TEST_CASE("solids bake to assets whose blends are near the unreduced average")
         const BakedAsset baked = bake(poses, variant.options, silent);
         const BakeReport& report = baked.report;
         CHECK(report.check.meets_tolerance);
-        CHECK(report.fit.kind == variant.stand_in);
-        CHECK((report.fit.element_count == 0) == (variant.stand_in == StandInKind::quartic));
+        CHECK(report.fit.kind == variant.surrogate);
+        CHECK((report.fit.element_count == 0) == (variant.surrogate == SurrogateKind::quartic));
         CHECK(report.check.cell_ratio > 0.5);
         for (const BlendCheck& check : report.check.blends) {
             CHECK(check.has_converged);
@@ -64,7 +64,7 @@ TEST_CASE("solids bake to assets whose blends are near the unreduced average")
         CHECK(report.check.runtime_error < 1e-5); // C runtime against double precision
         RuntimeBlender blender(baked.bytes, variant.name);
         write_for_reference(variant.name, baked, blender, { { 1, 1 }, { 0.2f, 0.8f }, { 0.9f, 0.1f } });
-        const ShapeSet set = normalise(poses);
+        const NormalizedPoses set = normalize(poses);
         for (std::size_t k = 0; k < 2; ++k) {
             std::vector<float> w(2, 0.f);
             w[k] = 1;
@@ -98,10 +98,10 @@ TEST_CASE("the average of poses that are held converges by the forces on free ve
 {
     PoseSet poses = twisted_bar(2, 6, 1.5);
     hold_one_end(poses);
-    const ShapeSet set = normalise(poses);
+    const NormalizedPoses set = normalize(poses);
     const Solid solid(set, {});
     NewtonSolver solver(solid, set, default_solver());
-    const NewtonResult mean = solver.minimise(equal_weights(2), set.shapes[0], {});
+    const NewtonResult mean = solver.minimize(equal_weights(2), set.shapes[0], {});
     CHECK(mean.has_converged);
     CHECK(mean.residual < 1e-6);
     for (std::uint32_t v : poses.fixed_vertices)
@@ -117,16 +117,16 @@ TEST_CASE("materials and stand-ins of the other sort are refused")
         try {
             bake(poses, options, silent);
         } catch (const Failure& failure) {
-            return failure.findings()[0].number;
+            return failure.diagnostics()[0].number;
         }
         return 0;
     };
     options.energy.material = Material::arap;
     CHECK(number_of() == 1206);
     options.energy.material = Material::mooney_rivlin;
-    options.stand_in = StandInKind::quartic;
+    options.surrogate = SurrogateKind::quartic;
     CHECK(number_of() == 1207);
-    options.stand_in = StandInKind::ghost;
+    options.surrogate = SurrogateKind::ghost;
     CHECK(number_of() == 1208);
 }
 
@@ -145,7 +145,7 @@ TEST_CASE("above 32 dimensions auto takes cubature and says why")
     }
     const BakedAsset baked = bake(poses, options, silent);
     REQUIRE(baked.report.fit.dimension == 33);
-    CHECK(baked.report.fit.kind == StandInKind::cubature);
+    CHECK(baked.report.fit.kind == SurrogateKind::cubature);
     CHECK(baked.report.fit.reason.find("32") != std::string::npos);
 }
 

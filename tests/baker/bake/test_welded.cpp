@@ -23,7 +23,7 @@ struct Source {
     std::vector<Positions> poses;
     std::vector<Triangle> faces;
 
-    PoseSet load(std::vector<Finding>* warnings = nullptr, const LoadOptions& options = {}) const
+    PoseSet load(std::vector<Diagnostic>* warnings = nullptr, const LoadOptions& options = {}) const
     {
         const pliant_test::TemporaryFolder folder;
         std::vector<std::string> paths;
@@ -72,10 +72,10 @@ Source small_tube()
     return { { tube.pose(0, 0), tube.pose(1.2, 0.5) }, tube.triangles() };
 }
 
-std::vector<int> numbers_of(const std::vector<Finding>& findings)
+std::vector<int> numbers_of(const std::vector<Diagnostic>& diagnostics)
 {
     std::vector<int> numbers;
-    for (const Finding& finding : findings) numbers.push_back(finding.number);
+    for (const Diagnostic& diagnostic : diagnostics) numbers.push_back(diagnostic.number);
     return numbers;
 }
 
@@ -88,7 +88,7 @@ std::vector<std::uint32_t> weld_all(const std::vector<Positions>& poses, double 
 
 double mean_energy(const PoseSet& poses)
 {
-    const ShapeSet set = normalise(poses);
+    const NormalizedPoses set = normalize(poses);
     return energy_value(*make_energy(set, {}), equal_weights(2), set.shapes[1]);
 }
 
@@ -133,7 +133,7 @@ TEST_CASE("vertices are one if they lie on each other in all poses")
 TEST_CASE("a flat-shaded mesh has the elastic mesh of the joined one, and is drawn as it is")
 {
     const Source tube = small_tube(), split = tube.split();
-    std::vector<Finding> warnings;
+    std::vector<Diagnostic> warnings;
     const PoseSet poses = split.load(&warnings);
     CHECK(numbers_of(warnings) == std::vector<int> { 2220 });
     CHECK(poses.vertex_count() == 62);
@@ -145,16 +145,16 @@ TEST_CASE("a flat-shaded mesh has the elastic mesh of the joined one, and is dra
                 REQUIRE(poses.positions[k].row(poses.triangles[f][c]) == tube.poses[k].row(tube.faces[f][c]));
     CHECK(mean_energy(poses) == doctest::Approx(mean_energy(tube.load())).epsilon(1e-12));
 
-    REQUIRE(poses.drawn);
-    CHECK(poses.drawn->triangles == split.faces);
-    CHECK(drawn_positions(*poses.drawn, poses.positions[1]) == split.poses[1]);
+    REQUIRE(poses.render_mesh);
+    CHECK(poses.render_mesh->triangles == split.faces);
+    CHECK(render_mesh_positions(*poses.render_mesh, poses.positions[1]) == split.poses[1]);
     for (std::uint32_t v = 0; v < poses.vertex_count(); ++v)
         REQUIRE(split.poses[1].row(poses.file_number(v)) == poses.positions[1].row(v));
     CHECK(encode_ply(poses.positions[1], poses) == encode_ply(split.poses[1], poses.polygons));
 
     // A mesh without seams is taken as it is.
     const PoseSet joined = tube.load();
-    CHECK(!joined.drawn);
+    CHECK(!joined.render_mesh);
     CHECK(joined.source_vertices.empty());
     CHECK(joined.triangles == tube.faces);
     LoadOptions apart;
@@ -173,7 +173,7 @@ TEST_CASE("faces without an energy are left out and change nothing")
     tube.faces.push_back({ t[0], t[1], t[0] });
     tube.faces.push_back({ t[1], t[2], t[0] });
     tube.faces.push_back({ t[2], t[1], t[0] });
-    std::vector<Finding> warnings;
+    std::vector<Diagnostic> warnings;
     const PoseSet poses = tube.load(&warnings);
     CHECK(numbers_of(warnings) == std::vector<int> { 2201, 2202, 2205, 2207 });
     CHECK(poses.repairs.repeated_count == 1);
@@ -182,10 +182,10 @@ TEST_CASE("faces without an energy are left out and change nothing")
     CHECK(poses.repairs.lone_vertex_count == 1);
     CHECK(poses.repairs.component_count == 1);
     CHECK(poses.triangles == small_tube().faces);
-    REQUIRE(poses.drawn);
-    CHECK(poses.drawn->triangles == tube.faces);
+    REQUIRE(poses.render_mesh);
+    CHECK(poses.render_mesh->triangles == tube.faces);
     CHECK(mean_energy(poses) == doctest::Approx(energy).epsilon(1e-3)); // the lone vertex has a part in the alignment
-    const ShapeSet set = normalise(poses);
+    const NormalizedPoses set = normalize(poses);
     CHECK(set.masses.minCoeff() > 0);
     CHECK(set.masses.sum() == doctest::Approx(1).epsilon(1e-14));
     CHECK(set.masses[62] == doctest::Approx(1e-3 / 62).epsilon(0.05));
@@ -222,7 +222,7 @@ TEST_CASE("faces that are turned over have the same energy")
     Source tube = small_tube();
     const double energy = mean_energy(tube.load());
     for (std::size_t f = 0; f < tube.faces.size(); f += 3) std::swap(tube.faces[f][0], tube.faces[f][1]);
-    std::vector<Finding> warnings;
+    std::vector<Diagnostic> warnings;
     const PoseSet poses = tube.load(&warnings);
     CHECK(numbers_of(warnings) == std::vector<int> { 2204 });
     CHECK(mean_energy(poses) == doctest::Approx(energy).epsilon(1e-12));
@@ -239,7 +239,7 @@ TEST_CASE("a seam is no part of a fixed vertex's number")
         split.load(nullptr, options);
         FAIL("they move");
     } catch (const Failure& failure) {
-        CHECK(failure.findings().back().number == 3013);
+        CHECK(failure.diagnostics().back().number == 3013);
     }
     Source still = split;
     still.poses[1].topRows(9) = still.poses[0].topRows(9);
@@ -253,7 +253,7 @@ TEST_CASE("a flat-shaded mesh bakes as the joined one does")
 {
     const PoseSet split = small_tube().split().load();
     PoseSet joined = split; // the same numbering, so the same arithmetic
-    joined.drawn = nullptr;
+    joined.render_mesh = nullptr;
     joined.source_vertices.clear();
     joined.repairs = {};
     joined.polygons = Polygons();
@@ -273,15 +273,15 @@ TEST_CASE("a flat-shaded mesh bakes as the joined one does")
         const std::vector<float> q = drawn.solve({ 1 - w, w }, false);
         CHECK(q == plain.solve({ 1 - w, w }, false));
         const std::vector<float> rows = drawn.positions(q), vertices = plain.positions(q);
-        for (std::size_t v = 0; v < split.drawn->embedding.count(); ++v)
+        for (std::size_t v = 0; v < split.render_mesh->embedding.count(); ++v)
             for (std::size_t c = 0; c < 3; ++c)
-                REQUIRE(rows[3 * v + c] == vertices[3 * split.drawn->embedding.corners[v][0] + c]);
+                REQUIRE(rows[3 * v + c] == vertices[3 * split.render_mesh->embedding.corners[v][0] + c]);
     }
     CHECK(drawn.certificate().find("\"welded_vertices\": 298") != std::string::npos);
     CHECK(plain.certificate().find("\"elastic\"") == std::string::npos);
     CHECK(read_energy_options(drawn.certificate(), "split").weld_tolerance == default_weld_tolerance);
     CHECK(read_energy_options(plain.certificate(), "joined").weld_tolerance == 0);
-    CHECK(!has_drawn_surface(drawn.certificate()));
+    CHECK(!has_render_mesh(drawn.certificate()));
 }
 
 TEST_CASE("the average does not depend on how the file splits and numbers its vertices")
@@ -289,14 +289,14 @@ TEST_CASE("the average does not depend on how the file splits and numbers its ve
     const Source tube = small_tube();
     const PoseSet split = tube.split().load(), joined = tube.load();
     const auto average = [](const PoseSet& poses) {
-        const ShapeSet set = normalise(poses);
+        const NormalizedPoses set = normalize(poses);
         const std::unique_ptr<Energy> energy = make_energy(set, {});
         SolverPool pool(*energy, set, SolverKind::eigen);
         AverageFamily family(pool, {}, nullptr);
         REQUIRE(family.mean().has_converged);
         return to_input_units(set, family.mean().y);
     };
-    const Positions rows = drawn_positions(*split.drawn, average(split)), vertices = average(joined);
+    const Positions rows = render_mesh_positions(*split.render_mesh, average(split)), vertices = average(joined);
     for (std::size_t c = 0; c < 3 * tube.faces.size(); ++c)
         REQUIRE((rows.row(Eigen::Index(c)) - vertices.row(tube.faces[c / 3][c % 3])).norm() < 1e-6 * 6);
 }
@@ -314,17 +314,17 @@ TEST_CASE("a fin on three faces bakes, reproduces its poses and keeps them apart
         pose.row(62) = middle + 0.4 * (middle - inside).normalized();
     }
     tube.faces.push_back({ t[0], t[1], 62 });
-    std::vector<Finding> warnings;
+    std::vector<Diagnostic> warnings;
     const PoseSet poses = tube.load(&warnings);
     CHECK(numbers_of(warnings) == std::vector<int> { 2203 });
-    CHECK(!poses.drawn);
+    CHECK(!poses.render_mesh);
     Progress silent;
     const BakedAsset asset = bake(poses, quick_bake(), silent);
     CHECK(asset.report.check.mean_error < 1e-2);
     RuntimeBlender blender(asset.bytes, "fin", true);
     for (std::size_t k = 0; k < 2; ++k) {
         const float* q = pliant_asset_pose_coordinates(&blender.asset(), std::uint32_t(k));
-        const ShapeSet set = normalise(poses);
+        const NormalizedPoses set = normalize(poses);
         const Shape shape = from_input_units(set, blender.positions(std::vector<float>(q, q + blender.asset().dimension)));
         CHECK((shape - set.shapes[k]).norm() < 1e-5 * set.shapes[k].norm());
     }

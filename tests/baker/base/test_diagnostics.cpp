@@ -1,4 +1,4 @@
-// Findings: their text, and that thousands of them do not flood.
+// Diagnostics: their text, and that thousands of them do not flood.
 #include <doctest/doctest.h>
 
 #include "base/common/diagnostics.h"
@@ -17,37 +17,37 @@ TEST_CASE("text of a finding")
 
 TEST_CASE("at most ten lines of a kind, then the number of the others and where they are")
 {
-    FindingList list;
+    DiagnosticList list;
     for (int i = 0; i < 1000; ++i) {
         const std::string file = i < 500 ? "a.obj" : "c:b.obj";
         list.add(error_at(2103, file + ":" + std::to_string(i), "face", "hint"));
         if (i % 300 == 0) list.add(warning_at(2206, "a.obj", "vertex", "other hint"));
     }
     CHECK(list.error_count() == 1000);
-    const std::vector<Finding> findings = list.findings();
-    REQUIRE(findings.size() == 11 + 4);
+    const std::vector<Diagnostic> diagnostics = list.diagnostics();
+    REQUIRE(diagnostics.size() == 11 + 4);
     std::size_t lines = 0, hints = 0;
-    for (const Finding& finding : findings) {
-        lines += finding.number == 2103;
-        hints += !finding.hint.empty();
+    for (const Diagnostic& diagnostic : diagnostics) {
+        lines += diagnostic.number == 2103;
+        hints += !diagnostic.hint.empty();
     }
     CHECK(lines == 11);
     CHECK(hints == 2); // once a kind, behind its last line
     bool has_overflow = false;
-    for (const Finding& finding : findings)
-        has_overflow |= finding.what == "... and 990 more in a.obj, c:b.obj" && finding.hint == "hint";
+    for (const Diagnostic& diagnostic : diagnostics)
+        has_overflow |= diagnostic.what == "... and 990 more in a.obj, c:b.obj" && diagnostic.hint == "hint";
     CHECK(has_overflow);
 }
 
 TEST_CASE("warnings alone are no errors; different advice is all given")
 {
-    FindingList list(2);
+    DiagnosticList list(2);
     list.add(warning_at(2206, "a", "one", "x"));
     list.add(warning_at(2206, "a", "two", "y"));
     CHECK(!list.has_errors());
-    REQUIRE(list.findings().size() == 2);
-    CHECK(list.findings()[0].hint == "x");
-    CHECK(list.findings()[1].hint == "y");
+    REQUIRE(list.diagnostics().size() == 2);
+    CHECK(list.diagnostics()[0].hint == "x");
+    CHECK(list.diagnostics()[1].hint == "y");
 }
 
 TEST_CASE("the silent progress")

@@ -75,9 +75,9 @@ int number_of(const std::string& name, const std::string& text, const PoseSet& p
 {
     const TemporaryFile file(name, text);
     try {
-        load_drawn_surface(file.path, poses);
+        load_render_mesh(file.path, poses);
     } catch (const Failure& failure) {
-        return failure.findings()[0].number;
+        return failure.diagnostics()[0].number;
     }
     return 0;
 }
@@ -157,7 +157,7 @@ TEST_CASE("an asset that draws a surface blends as the embedded solid does")
         options.position_error = 0; // each would be packed by itself
         Progress silent;
         const BakedAsset plain = bake(poses, options, silent);
-        options.drawn = std::make_shared<const DrawnSurface>(load_drawn_surface(file.path, poses));
+        options.render_mesh = std::make_shared<const RenderMesh>(load_render_mesh(file.path, poses));
         const BakedAsset drawn = bake(poses, options, silent);
         RuntimeBlender solid(plain.bytes, "plain"), surface(drawn.bytes, "drawn", true);
         CHECK(surface.asset().vertex_count == 204);
@@ -171,15 +171,15 @@ TEST_CASE("an asset that draws a surface blends as the embedded solid does")
             const std::vector<float> vertices = solid.positions(q);
             const Eigen::VectorXd blend
                 = Eigen::Map<const Eigen::VectorXf>(vertices.data(), Eigen::Index(vertices.size())).cast<double>();
-            CHECK(relative(surface.positions(q), apply(options.drawn->embedding, blend)) < 1e-6);
+            CHECK(relative(surface.positions(q), apply(options.render_mesh->embedding, blend)) < 1e-6);
         }
-        REQUIRE(drawn.report.check.drawn);
-        CHECK(drawn.report.check.drawn->mean > 0);
-        CHECK(drawn.report.check.drawn->mean <= drawn.report.check.drawn->largest);
-        CHECK(drawn.report.check.drawn->mean < 2 * drawn.report.check.mean_error);
+        REQUIRE(drawn.report.check.render_mesh);
+        CHECK(drawn.report.check.render_mesh->mean > 0);
+        CHECK(drawn.report.check.render_mesh->mean <= drawn.report.check.render_mesh->largest);
+        CHECK(drawn.report.check.render_mesh->mean < 2 * drawn.report.check.mean_error);
         CHECK(drawn.report.check.mean_error == plain.report.check.mean_error);
-        CHECK(has_drawn_surface(surface.certificate()));
-        CHECK(!has_drawn_surface(solid.certificate()));
+        CHECK(has_render_mesh(surface.certificate()));
+        CHECK(!has_render_mesh(solid.certificate()));
     }
 }
 
@@ -201,17 +201,17 @@ TEST_CASE("what a surface may not be")
 TEST_CASE("vertices a little outside are warned of, and counted")
 {
     const PoseSet poses = twisted_bar(2, 6, 1); // the diagonal is 6.16
-    const auto load = [&](double half, std::vector<Finding>& warnings) {
+    const auto load = [&](double half, std::vector<Diagnostic>& warnings) {
         const TemporaryFile file("tube.obj", tube_text(half, 7));
-        return load_drawn_surface(file.path, poses, &warnings);
+        return load_render_mesh(file.path, poses, &warnings);
     };
-    std::vector<Finding> warnings;
+    std::vector<Diagnostic> warnings;
     CHECK(load(0.45, warnings).outside_count == 0);
-    const DrawnSurface near = load(0.51, warnings);
+    const RenderMesh near = load(0.51, warnings);
     CHECK(near.outside_count == 35);
     CHECK(near.largest_weight > 1);
     CHECK(warnings.empty());
-    const DrawnSurface farther = load(0.6, warnings);
+    const RenderMesh farther = load(0.6, warnings);
     CHECK(farther.farthest_outside == doctest::Approx(std::sqrt(0.02) / std::sqrt(38.0)));
     REQUIRE(warnings.size() == 1);
     CHECK(warnings[0].number == 2607);

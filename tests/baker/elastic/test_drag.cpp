@@ -33,25 +33,25 @@ struct Folder {
 // The bar of twisted_bar.h at rest: along z, 1 x 1 x 6.
 struct Bar {
     Folder folder;
-    FindingList findings;
+    DiagnosticList diagnostics;
     RestPose rest;
 
     Bar()
     {
         const PoseSet poses = twisted_bar(cells, length_cells, 0);
-        rest = *read_rest_pose(folder.file("bar.msh", encode_msh(poses.positions[0], poses.tets)), findings);
-        REQUIRE(!findings.has_errors());
+        rest = *read_rest_pose(folder.file("bar.msh", encode_msh(poses.positions[0], poses.tets)), diagnostics);
+        REQUIRE(!diagnostics.has_errors());
     }
     Handles handles(const std::string& script)
     {
-        const Handles result(read_script(folder.file("script.txt", script), findings), rest.mesh.positions, findings);
-        for (const Finding& finding : findings.findings()) INFO(finding.where << ": " << finding.what);
-        REQUIRE(!findings.has_errors());
+        const Handles result(read_script(folder.file("script.txt", script), diagnostics), rest.mesh.positions, diagnostics);
+        for (const Diagnostic& diagnostic : diagnostics.diagnostics()) INFO(diagnostic.where << ": " << diagnostic.what);
+        REQUIRE(!diagnostics.has_errors());
         return result;
     }
 };
 
-Shape to_solver_units(const ShapeSet& set, const Positions& positions)
+Shape to_solver_units(const NormalizedPoses& set, const Positions& positions)
 {
     Shape shape(positions.size());
     for (Eigen::Index i = 0; i < shape.size(); ++i) shape[i] = (positions(i / 3, i % 3) - set.origin[i % 3]) / set.length;
@@ -61,7 +61,7 @@ Shape to_solver_units(const ShapeSet& set, const Positions& positions)
 // Drags, and checks what must hold of every result.
 Positions drag_and_check(const Bar& bar, const Handles& handles, SolidLaw law)
 {
-    const ShapeSet set = to_shape_set(bar.rest, handles.vertices());
+    const NormalizedPoses set = to_shape_set(bar.rest, handles.vertices());
     const SolidOptions material { law, -1 };
     int steps = 0;
     const DragResult result = drag(set, handles, material, [&](const DragStep& step) {
@@ -134,13 +134,13 @@ TEST_CASE("motion that leaves no room is given up, not forced")
     Bar bar;
     // The end is to come to the other side of the foot: the body between them would be inside out.
     const Handles handles = bar.handles("box 0 0 0  1 1 0.45  hold\nbox 0 0 0.55  1 1 1  move 0 0 -0.5\n");
-    const ShapeSet set = to_shape_set(bar.rest, handles.vertices());
+    const NormalizedPoses set = to_shape_set(bar.rest, handles.vertices());
     try {
         drag(set, handles, { SolidLaw::mooney_rivlin, -1 });
         FAIL("a body turned inside out was taken for a pose");
     } catch (const Failure& failure) {
         CHECK(failure.code() == ExitCode::failed);
-        CHECK(failure.findings()[0].number == 4304);
+        CHECK(failure.diagnostics()[0].number == 4304);
         CHECK(std::string(failure.what()).find("stuck at") != std::string::npos);
     }
 }

@@ -14,10 +14,10 @@ using namespace pliant;
 
 namespace {
 
-// The set as the golden numbers mean it: no alignment, no normalisation.
-ShapeSet raw_set(const golden::Case& c)
+// The set as the golden numbers mean it: no alignment, no normalization.
+NormalizedPoses raw_set(const golden::Case& c)
 {
-    ShapeSet set;
+    NormalizedPoses set;
     for (std::size_t i = 0; i < c.faces.size(); i += 3)
         set.triangles.push_back({ c.faces[i], c.faces[i + 1], c.faces[i + 2] });
     for (const auto& pose : c.poses) set.shapes.push_back(Eigen::Map<const Shape>(pose.data(), Eigen::Index(pose.size())));
@@ -26,7 +26,7 @@ ShapeSet raw_set(const golden::Case& c)
     return set;
 }
 
-std::unique_ptr<Energy> make(const std::string& name, const ShapeSet& set)
+std::unique_ptr<Energy> make(const std::string& name, const NormalizedPoses& set)
 {
     if (name == "arap") return std::make_unique<Arap>(set);
     ShellOptions options;
@@ -46,7 +46,7 @@ double relative(const Eigen::VectorXd& a, const Eigen::VectorXd& b) { return (a 
 template <class Test> void for_all_models(Test test)
 {
     for (const golden::Case& c : golden::cases()) {
-        const ShapeSet set = raw_set(c);
+        const NormalizedPoses set = raw_set(c);
         for (const golden::Model& model : c.models) {
             CAPTURE(c.name);
             CAPTURE(model.name);
@@ -59,7 +59,7 @@ template <class Test> void for_all_models(Test test)
 
 TEST_CASE("energies equal the independent numbers to 1e-12")
 {
-    for_all_models([](const golden::Case& c, const golden::Model& model, const ShapeSet& set, const Energy& energy) {
+    for_all_models([](const golden::Case& c, const golden::Model& model, const NormalizedPoses& set, const Energy& energy) {
         for (std::size_t k = 0; k < set.pose_count(); ++k) {
             const double value = energy_value(energy, corner_weights(set.pose_count(), k), vector(c.config));
             CHECK(std::abs(value - model.energies[k]) <= 1e-12 * std::abs(model.energies[k]));
@@ -73,7 +73,7 @@ TEST_CASE("energies equal the independent numbers to 1e-12")
 
 TEST_CASE("gradients equal the independent numbers to 1e-10, Hessian products to 1e-9")
 {
-    for_all_models([](const golden::Case& c, const golden::Model& model, const ShapeSet&, const Energy& energy) {
+    for_all_models([](const golden::Case& c, const golden::Model& model, const NormalizedPoses&, const Energy& energy) {
         Shape gradient = Shape::Zero(energy.dof_count());
         add_gradient(energy, vector(c.weights), vector(c.config), gradient);
         CHECK(relative(gradient, vector(model.gradient)) < 1e-10);
@@ -86,18 +86,18 @@ TEST_CASE("gradients equal the independent numbers to 1e-10, Hessian products to
 
 TEST_CASE("averages equal the independent ones to 1e-8 after rigid alignment")
 {
-    for_all_models([](const golden::Case& c, const golden::Model& model, const ShapeSet& set, const Energy& energy) {
+    for_all_models([](const golden::Case& c, const golden::Model& model, const NormalizedPoses& set, const Energy& energy) {
         if (model.average.empty()) return;
         for (SolverKind kind : { SolverKind::cholmod, SolverKind::eigen }) {
             NewtonSolver solver(energy, set, kind);
             NewtonOptions options;
             options.decrement = 1e-14;
-            const NewtonResult result = solver.minimise(vector(c.weights), set.shapes[0], options);
+            const NewtonResult result = solver.minimize(vector(c.weights), set.shapes[0], options);
             CHECK(result.has_converged);
             Shape aligned = result.y;
-            const Shape truth = vector(model.average);
-            apply(best_rigid_motion(aligned, truth, set.masses), aligned);
-            CHECK(relative(aligned, truth) < 1e-8);
+            const Shape reference = vector(model.average);
+            apply(best_rigid_motion(aligned, reference, set.masses), aligned);
+            CHECK(relative(aligned, reference) < 1e-8);
             CHECK(std::abs(result.energy - model.average_energy) <= 1e-10 * std::abs(model.average_energy));
         }
     });
@@ -117,7 +117,7 @@ TEST_CASE("ARAP cells are never negative, however obtuse the triangles")
         poses.triangles.push_back({ 1 + i, 7 + i, 1 + (i + 1) % 6 });
     }
     poses.positions = { flat };
-    const ShapeSet set = normalise(poses);
+    const NormalizedPoses set = normalize(poses);
     const Arap energy(set);
     ElementResult result;
     for (std::size_t e = 0; e < energy.element_count(); ++e) {
@@ -136,7 +136,7 @@ TEST_CASE("ARAP cells are never negative, however obtuse the triangles")
 
 TEST_CASE("rigid motions do no work at a pose: the Hessian has exactly six null modes and is positive semidefinite")
 {
-    for_all_models([](const golden::Case& c, const golden::Model& model, const ShapeSet& set, const Energy& energy) {
+    for_all_models([](const golden::Case& c, const golden::Model& model, const NormalizedPoses& set, const Energy& energy) {
         if (set.dof_count() < 18 && std::string(model.name) == "arap") return; // too few edges for a stiff ARAP
         HessianAssembler assembler(energy);
         const Weights w = corner_weights(c.poses.size(), 0);
@@ -153,7 +153,7 @@ TEST_CASE("rigid motions do no work at a pose: the Hessian has exactly six null 
 
 TEST_CASE("projected Hessians are positive semidefinite everywhere")
 {
-    for_all_models([](const golden::Case& c, const golden::Model&, const ShapeSet&, const Energy& energy) {
+    for_all_models([](const golden::Case& c, const golden::Model&, const NormalizedPoses&, const Energy& energy) {
         HessianAssembler assembler(energy);
         const Shape far = vector(c.config) + 0.2 * vector(c.direction);
         assembler.assemble(vector(c.weights), far, HessianKind::projected);
@@ -165,7 +165,7 @@ TEST_CASE("projected Hessians are positive semidefinite everywhere")
 
 TEST_CASE("exact Hessians are the finite differences of gradients")
 {
-    for_all_models([](const golden::Case& c, const golden::Model&, const ShapeSet&, const Energy& energy) {
+    for_all_models([](const golden::Case& c, const golden::Model&, const NormalizedPoses&, const Energy& energy) {
         const Shape x = vector(c.config), direction = vector(c.direction);
         const double step = 1e-6;
         Shape plus = Shape::Zero(x.size()), minus = plus;
@@ -181,7 +181,7 @@ TEST_CASE("exact Hessians are the finite differences of gradients")
 TEST_CASE("fold-over hinges are found and damped")
 {
     const golden::Case c = golden::cases()[1]; // a single hinge
-    ShapeSet set = raw_set(c);
+    NormalizedPoses set = raw_set(c);
     ShellOptions options;
     options.thickness = 0.1;
     CHECK(DiscreteShells(set, options).foldover_hinges().empty());

@@ -24,10 +24,10 @@ Eigen::VectorXd vector(const std::vector<double>& v)
 
 double relative(const Eigen::VectorXd& a, const Eigen::VectorXd& b) { return (a - b).norm() / b.norm(); }
 
-// Poses X and Y as they are: no alignment, no normalisation.
-ShapeSet raw_set(const golden::SolidCase& c)
+// Poses X and Y as they are: no alignment, no normalization.
+NormalizedPoses raw_set(const golden::SolidCase& c)
 {
-    ShapeSet set;
+    NormalizedPoses set;
     for (std::size_t i = 0; i < c.tets.size(); i += 4)
         set.tets.push_back({ c.tets[i], c.tets[i + 1], c.tets[i + 2], c.tets[i + 3] });
     set.shapes = { vector(c.rest), vector(c.current) };
@@ -35,12 +35,12 @@ ShapeSet raw_set(const golden::SolidCase& c)
     return set;
 }
 
-Solid make(const golden::SolidCase& c, const ShapeSet& set)
+Solid make(const golden::SolidCase& c, const NormalizedPoses& set)
 {
     SolidOptions options;
     options.law = c.is_mooney_rivlin ? SolidLaw::mooney_rivlin : SolidLaw::stvk;
     // The moduli of the numbers as a Young's modulus and Poisson's ratio: mu10 is 0.4 of the shear modulus.
-    ShapeSet scaled = set;
+    NormalizedPoses scaled = set;
     const double shear = c.is_mooney_rivlin ? c.a / 0.4 : c.b, bulk = c.is_mooney_rivlin ? 2 * c.c : c.a + 2 * c.b / 3;
     options.poisson = (3 * bulk - 2 * shear) / (2 * (3 * bulk + shear));
     return Solid(scaled, options);
@@ -60,7 +60,7 @@ template <class Test> void for_all_cases(Test test)
     for (const golden::SolidCase& c : golden::solid_cases()) {
         CAPTURE(c.name);
         CAPTURE(c.is_mooney_rivlin);
-        const ShapeSet set = raw_set(c);
+        const NormalizedPoses set = raw_set(c);
         test(c, set, make(c, set));
     }
 }
@@ -69,7 +69,7 @@ template <class Test> void for_all_cases(Test test)
 
 TEST_CASE("energies, gradients and Hessian products of solids equal the independent numbers")
 {
-    for_all_cases([](const golden::SolidCase& c, const ShapeSet&, const Solid& solid) {
+    for_all_cases([](const golden::SolidCase& c, const NormalizedPoses&, const Solid& solid) {
         const double scale = young(c);
         const Shape y = vector(c.current);
         CHECK(std::abs(scale * energy_value(solid, from_rest, y) - c.energy) <= 1e-12 * c.energy);
@@ -90,12 +90,12 @@ TEST_CASE("energies, gradients and Hessian products of solids equal the independ
 
 TEST_CASE("averages of solids have the edge lengths and energies of the independent ones")
 {
-    for_all_cases([](const golden::SolidCase& c, const ShapeSet& set, const Solid& solid) {
+    for_all_cases([](const golden::SolidCase& c, const NormalizedPoses& set, const Solid& solid) {
         for (const golden::SolidAverage& average : c.averages) {
             NewtonSolver solver(solid, set, SolverKind::eigen);
             NewtonOptions options;
             options.decrement = 1e-14;
-            const NewtonResult result = solver.minimise(vector(average.weights), set.shapes[0], options);
+            const NewtonResult result = solver.minimize(vector(average.weights), set.shapes[0], options);
             CHECK(result.has_converged);
             CHECK(std::abs(young(c) * result.energy - average.energy) <= 1e-9 * average.energy);
             Eigen::VectorXd lengths(average.edge_lengths.size());
@@ -108,7 +108,7 @@ TEST_CASE("averages of solids have the edge lengths and energies of the independ
 
 TEST_CASE("a solid at rest has exactly no energy, six null modes, and none of it depends on where it stands")
 {
-    for_all_cases([](const golden::SolidCase& c, const ShapeSet& set, const Solid& solid) {
+    for_all_cases([](const golden::SolidCase& c, const NormalizedPoses& set, const Solid& solid) {
         CHECK(energy_value(solid, from_rest, set.shapes[0]) == 0);
         HessianAssembler assembler(solid);
         assembler.assemble(from_rest, set.shapes[0], HessianKind::exact);
@@ -155,7 +155,7 @@ double runtime_energy(const RuntimeElement& e, Eigen::Index pose, const Eigen::M
 
 TEST_CASE("the runtime's tetrahedra have the energy of the baker's, relative to the reference")
 {
-    for_all_cases([](const golden::SolidCase& c, const ShapeSet& set, const Solid& solid) {
+    for_all_cases([](const golden::SolidCase& c, const NormalizedPoses& set, const Solid& solid) {
         Shape reference = 0.5 * (set.shapes[0] + set.shapes[1]), y = set.shapes[1] + 0.05 * vector(c.direction);
         for (std::size_t t = 0; t < set.tets.size(); ++t) {
             const RuntimeElement e = solid.runtime_element(t, reference);
@@ -186,7 +186,7 @@ TEST_CASE("the runtime's tetrahedra have the energy of the baker's, relative to 
 
 TEST_CASE("the quartic is the energy of the mesh, to 1e-12, in any coordinates")
 {
-    const ShapeSet set = normalise(twisted_bar(2, 6, 1.5));
+    const NormalizedPoses set = normalize(twisted_bar(2, 6, 1.5));
     const Solid solid(set, {});
     Eigen::MatrixXd directions = Eigen::MatrixXd::Zero(set.dof_count(), 4);
     for (Eigen::Index j = 0; j < 4; ++j)
@@ -262,7 +262,7 @@ TEST_CASE("the twisted bar of the paper's Table II has the independent energies"
         const PoseSet bar = twisted_bar(8, 48, expected.angle);
         CHECK(bar.vertex_count() == 3969);
         CHECK(bar.tets.size() == 15360);
-        const ShapeSet set = normalise(bar, true);
+        const NormalizedPoses set = normalize(bar, true);
         const Solid solid(set, { expected.law, -1 });
         const double unit = std::pow(set.length, 3);
         CHECK(unit * energy_value(solid, corner_weights(2, 0), set.shapes[1])
@@ -270,7 +270,7 @@ TEST_CASE("the twisted bar of the paper's Table II has the independent energies"
         CHECK(unit * energy_value(solid, corner_weights(2, 1), set.shapes[0])
               == doctest::Approx(expected.twisted_to_straight).epsilon(1e-10));
         NewtonSolver solver(solid, set, default_solver());
-        const NewtonResult mean = solver.minimise(equal_weights(2), set.shapes[0], {});
+        const NewtonResult mean = solver.minimize(equal_weights(2), set.shapes[0], {});
         CHECK(mean.has_converged);
         CHECK(unit * mean.energy == doctest::Approx(expected.average).epsilon(1e-6));
     }

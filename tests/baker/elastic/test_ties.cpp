@@ -42,13 +42,13 @@ Eigen::MatrixXd dense_hessian(const Energy& energy, const Weights& w, const Shap
 struct Fixture {
     explicit Fixture(const PartsMesh& mesh = {}, std::size_t pose_count = 3)
         : poses(mesh.poses(pose_count))
-        , set(normalise(poses))
+        , set(normalize(poses))
         , energy(make_energy(set, EnergyOptions()))
         , ties(*ties_of(*energy))
     {
     }
     PoseSet poses;
-    ShapeSet set;
+    NormalizedPoses set;
     std::unique_ptr<Energy> energy;
     const TieSet& ties;
 };
@@ -74,7 +74,7 @@ TEST_CASE("parts are found and each hangs on the body")
 
 TEST_CASE("a surface in one part has no ties")
 {
-    const ShapeSet set = normalise(tube_poses(2));
+    const NormalizedPoses set = normalize(tube_poses(2));
     CHECK(find_ties(set).ties.empty());
     CHECK(ties_of(*make_energy(set, EnergyOptions())) == nullptr);
 }
@@ -135,7 +135,7 @@ PoseSet hinged_tubes(const std::vector<double>& angles, bool is_closed)
     return poses;
 }
 
-Shape shape_of(const ShapeSet& set, const Positions& positions)
+Shape shape_of(const NormalizedPoses& set, const Positions& positions)
 {
     std::vector<float> values;
     for (Eigen::Index v = 0; v < positions.rows(); ++v)
@@ -144,7 +144,7 @@ Shape shape_of(const ShapeSet& set, const Positions& positions)
 }
 
 // The energy of a character with one joint, with it or with the ties in its place.
-std::unique_ptr<Energy> with_joint(const ShapeSet& set, bool is_used)
+std::unique_ptr<Energy> with_joint(const NormalizedPoses& set, bool is_used)
 {
     TieSet ties = find_ties(set);
     std::vector<double> stiffness;
@@ -160,7 +160,7 @@ std::unique_ptr<Energy> with_joint(const ShapeSet& set, bool is_used)
 TEST_CASE("derivatives are finite differences, projected Hessians are positive semidefinite")
 {
     const Fixture f;
-    const ShapeSet hinged = normalise(hinged_tubes({ 0, 0.8, 2 }, false));
+    const NormalizedPoses hinged = normalize(hinged_tubes({ 0, 0.8, 2 }, false));
     const auto jointed = with_joint(hinged, true);
     const Weights w = Eigen::Vector3d(0.2, 0.5, 0.3);
     for (const auto& [energy, set] : { std::make_pair(f.energy.get(), &f.set), std::make_pair(jointed.get(), &hinged) }) {
@@ -193,7 +193,7 @@ TEST_CASE("derivatives are finite differences, projected Hessians are positive s
 
 TEST_CASE("a joint turns a rigid part in step, and is rest at the poses")
 {
-    const ShapeSet set = normalise(hinged_tubes({ 0, 0.8, 2 }, true));
+    const NormalizedPoses set = normalize(hinged_tubes({ 0, 0.8, 2 }, true));
     const TieSet ties = find_ties(set);
     REQUIRE(ties.joints.size() == 1);
     CHECK(ties.joints[0].terms.size() == 4);
@@ -216,7 +216,7 @@ TEST_CASE("a joint turns a rigid part in step, and is rest at the poses")
     Shape half = shape_of(set, hinged_tubes({ 1 }, true).positions[0]);
     CHECK(measure_drift(ties, set, w, half).largest < 1e-3); // not 0: the joint is found to a part of what it hardly matters
     const auto farthest = [&](const Energy& one) {
-        Shape y = NewtonSolver(one, set, default_solver()).minimise(w, half, NewtonOptions()).y;
+        Shape y = NewtonSolver(one, set, default_solver()).minimize(w, half, NewtonOptions()).y;
         align_to(set, half, y);
         double out = 0;
         for (std::uint32_t v = 0; v < std::uint32_t(set.masses.size()); ++v)
@@ -262,7 +262,7 @@ TEST_CASE("ties do not see rigid motions, the order of the poses or the unit")
 
     PoseSet scaled = f.poses;
     for (Positions& positions : scaled.positions) positions *= 1000;
-    const ShapeSet scaled_set = normalise(scaled);
+    const NormalizedPoses scaled_set = normalize(scaled);
     CHECK(energy_value(*make_energy(scaled_set, EnergyOptions()), w, y) == doctest::Approx(value).epsilon(1e-6));
 
     // A mirrored part is not at rest: the place knows sides.
@@ -285,7 +285,7 @@ TEST_CASE("touching parts that lie in one plane are held to first order")
     square << 0, 0, 0, 1, 0, 0, 1, 1, 0, 0, 1, 0, 1, 0, 0, 2, 0, 0, 2, 1, 0, 1, 1, 0;
     poses.positions = { square, 1.2 * square };
     poses.names = { "a", "b" };
-    const ShapeSet set = normalise(poses);
+    const NormalizedPoses set = normalize(poses);
     const auto energy = make_energy(set, EnergyOptions());
     REQUIRE(ties_of(*energy) != nullptr);
     const Eigen::VectorXd values = Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(
@@ -328,13 +328,13 @@ TEST_CASE("what stands on a large face hangs on it, far from its corners")
     add_box(poses, Row(-2, -0.1, -0.5), { Row(2, 0, 0.5), Row(2, 0, 0.5), Row(2, 0, 0.5) });
     add_box(poses, Row(-0.4, 0, -0.1), { Row(-0.2, 0.5, 0.1), Row(-0.2, 1.5, 0.1), Row(-0.2, 0.5, 0.1) });
     add_box(poses, Row(0, 0, -0.1), { Row(0.2, 0.5, 0.1), Row(0.2, 0.5, 0.1), Row(0.2, 1.5, 0.1) });
-    const ShapeSet set = normalise(poses);
+    const NormalizedPoses set = normalize(poses);
     const TieSet ties = find_ties(set);
     CHECK(ties.tree.parents == std::vector<std::size_t> { no_part, 0, 0 });
     CHECK(ties.distances[1] < 0.01 * set.diagonal);
     const auto energy = make_energy(set, EnergyOptions());
     const Weights w = Eigen::Vector3d(0.2, 0.5, 0.3);
-    const Shape y = NewtonSolver(*energy, set, default_solver()).minimise(w, set.shapes[0], NewtonOptions()).y;
+    const Shape y = NewtonSolver(*energy, set, default_solver()).minimize(w, set.shapes[0], NewtonOptions()).y;
     CHECK(measure_drift(*ties_of(*energy), set, w, y).largest < drift_limit);
 }
 
@@ -343,7 +343,7 @@ TEST_CASE("a plate under a heavier post is tied where the post stands")
     PoseSet poses;
     add_box(poses, Row(-2, -2, -0.1), { Row(2, 2, 0), Row(2, 2, 0) });
     add_box(poses, Row(-1.2, -1.2, 0), { Row(1.2, 1.2, 2.6), Row(1.2, 1.2, 3) });
-    const ShapeSet set = normalise(poses);
+    const NormalizedPoses set = normalize(poses);
     const TieSet ties = find_ties(set);
     REQUIRE(ties.tree.parents == std::vector<std::size_t> { 1, no_part });
     CHECK(ties.distances[0] < 0.01 * set.diagonal);
@@ -365,7 +365,7 @@ TEST_CASE("what is next to a part much smaller than the way to it is tied")
     add_box(poses, Row(0, 0, 0), { Row(4, 1, 1), Row(4, 1, 1.2) });
     add_box(poses, Row(4.3, 0.5, 0.5), { Row(4.33, 0.53, 0.53), Row(4.33, 0.53, 0.53) });
     add_box(poses, Row(4.9, 0.4, 0.4), { Row(5.1, 0.6, 0.6), Row(5.1, 0.6, 0.6) });
-    const ShapeSet set = normalise(poses);
+    const NormalizedPoses set = normalize(poses);
     const TieSet ties = find_ties(set);
     std::vector<std::size_t> counts(ties.parts.count(), 0);
     for (const Tie& tie : ties.ties) ++counts[tie.part];
@@ -411,7 +411,7 @@ PoseSet cracked_sheet(bool is_joined)
 TEST_CASE("borders that lie on borders are tied to them")
 {
     for (const bool is_joined : { false, true }) {
-        const ShapeSet set = normalise(cracked_sheet(is_joined));
+        const NormalizedPoses set = normalize(cracked_sheet(is_joined));
         const TieSet ties = find_ties(set);
         CHECK(ties.parts.count() >= 2); // touching in one vertex is two
         // The lower strip's vertices between the ends of the upper one's edges, at least.
@@ -429,13 +429,13 @@ TEST_CASE("lips that touch at rest and open in one of many poses are not tied")
     PoseSet poses = cracked_sheet(true);
     const Positions shut = poses.positions[0];
     while (poses.positions.size() < 11) poses.positions.push_back(shut), poses.names.push_back("shut");
-    const std::size_t seams_shut = find_ties(normalise(poses)).seam_count;
+    const std::size_t seams_shut = find_ties(normalize(poses)).seam_count;
     CHECK(seams_shut > 0);
     Positions open = shut; // by 0.15 of an edge, which is 0.04 of it in the root mean square over all poses
     const Eigen::RowVector3d across = (shut.row(9) - shut.row(0)).normalized();
     for (Eigen::Index v = 19; v < 19 + 4; ++v) open.row(v) += 0.15 * (shut.row(20) - shut.row(19)).norm() * across;
     poses.positions.push_back(open), poses.names.push_back("open");
-    const TieSet ties = find_ties(normalise(poses));
+    const TieSet ties = find_ties(normalize(poses));
     CHECK(ties.seam_count == 0);
 }
 
@@ -443,7 +443,7 @@ TEST_CASE("ties are calibrated so that parts that rotate far keep their place")
 {
     PartsMesh mesh;
     mesh.eye_turn = 1.2;
-    const ShapeSet set = normalise(mesh.poses(3));
+    const NormalizedPoses set = normalize(mesh.poses(3));
     const auto plain = tie_parts(std::make_unique<DiscreteShells>(set, ShellOptions()), find_ties(set)),
                calibrated = make_energy(set, EnergyOptions());
     const auto worst_drift = [&](const Energy& energy) {
@@ -453,7 +453,7 @@ TEST_CASE("ties are calibrated so that parts that rotate far keep their place")
                                           Eigen::Vector3d(0.3, 0, 0.7), Eigen::Vector3d(0.3, 0.3, 0.4) })
             worst = std::max(
                 worst,
-                measure_drift(*ties_of(energy), set, w, solver.minimise(w, set.shapes[0], NewtonOptions()).y).largest);
+                measure_drift(*ties_of(energy), set, w, solver.minimize(w, set.shapes[0], NewtonOptions()).y).largest);
         return worst;
     };
     const double before = worst_drift(*plain), after = worst_drift(*calibrated);
@@ -493,7 +493,7 @@ TEST_CASE("a character in several parts bakes, and its parts keep their place")
     options.check_count = 12;
     const BakedAsset baked = bake(poses, options, silent);
     CHECK(baked.report.check.mean_error < 3e-3);
-    const ShapeSet set = normalise(poses);
+    const NormalizedPoses set = normalize(poses);
     const TieSet ties = find_ties(set);
     REQUIRE(baked.report.check.ties.has_value());
     CHECK(baked.report.check.ties->part_count == 4);
@@ -518,7 +518,7 @@ TEST_CASE("study: what the stiffness of ties does" * doctest::skip())
     for (const double turn : { 0.8, 0.3 }) {
         PartsMesh mesh;
         mesh.eye_turn = turn;
-        const ShapeSet set = normalise(mesh.poses(3));
+        const NormalizedPoses set = normalize(mesh.poses(3));
         for (const double stiffness : { 0.001, 0.01, 0.1, 0.3, 1.0, 10.0, 0.0 }) { // 0: as find_ties has it
             TieSet ties = find_ties(set);
             for (Tie& tie : ties.ties)
@@ -534,7 +534,7 @@ TEST_CASE("study: what the stiffness of ties does" * doctest::skip())
             double eye_drift = 0, jacket_drift = 0;
             for (const Eigen::Vector3d& w : { Eigen::Vector3d(1, 1, 0), Eigen::Vector3d(0, 1, 1), Eigen::Vector3d(1, 0, 1),
                                               Eigen::Vector3d(1, 1, 1) }) {
-                const NewtonResult result = solver.minimise(w / w.sum(), set.shapes[0], NewtonOptions());
+                const NewtonResult result = solver.minimize(w / w.sum(), set.shapes[0], NewtonOptions());
                 steps += result.iterations;
                 eye_drift = std::max(eye_drift, measure_drift(eye, set, w, result.y).largest);
                 jacket_drift = std::max(jacket_drift, measure_drift(jacket, set, w, result.y).largest);

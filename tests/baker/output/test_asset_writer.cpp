@@ -19,17 +19,17 @@ using namespace pliant;
 
 namespace {
 
-// A small tube whose stand-in has all elements at wrong weights, as if few had been chosen badly.
+// A small tube whose surrogate energy has all elements at wrong weights, as if few had been chosen badly.
 struct Problem {
     Problem()
         : poses(tube_poses(3, Tube { 10, 6 }))
-        , set(normalise(poses))
+        , set(normalize(poses))
         , energy(set, ShellOptions())
         , solver(energy, set, default_solver())
         , subspace(build_krylov_subspace(solver, { 1, 0, 256 }, nullptr))
         , reduced(energy, subspace)
         , training(train(solver, subspace, 12))
-        , stand_in(std::make_shared<const StandIn>(energy, subspace.origin, subspace.basis, all_elements(), wrong_weights()))
+        , surrogate(std::make_shared<const SurrogateEnergy>(energy, subspace.origin, subspace.basis, all_elements(), wrong_weights()))
         , corner_count(set.pose_count())
     {
         // Poses are averages as well: known at the corners.
@@ -55,15 +55,15 @@ struct Problem {
     BlendModel model() const
     {
         BlendModel out;
-        out.stand_in = stand_in;
+        out.surrogate = surrogate;
         out.mean = training.averages[0];
-        out.root = inverse_root(stand_in->hessian(training.weights[0], out.mean, HessianKind::exact), metric_floor);
+        out.root = inverse_root(surrogate->hessian(training.weights[0], out.mean, HessianKind::exact), metric_floor);
         out.energy_scale = training.energy_scale;
         const Eigen::PartialPivLU<Eigen::MatrixXd> to_z(out.root);
         Eigen::MatrixXd starts(out.root.cols(), Eigen::Index(training.weights.size()));
         for (Eigen::Index i = 0; i < starts.cols(); ++i)
             starts.col(i) = to_z.solve(training.averages[std::size_t(i)] - out.mean);
-        out.predictor = fit_predictor(training.weights, starts);
+        out.predictor = fit_radial_function(training.weights, starts);
         return out;
     }
 
@@ -91,16 +91,16 @@ struct Problem {
         return out; // the last ones are the poses
     }
 
-    // What holds the stand-in at the averages: minus its gradients by z there.
-    Predictor load(const BlendModel& model) const
+    // What holds the surrogate energy at the averages: minus its gradients by z there.
+    RadialFunction load(const BlendModel& model) const
     {
         Eigen::MatrixXd forces(model.root.cols(), Eigen::Index(training.weights.size()));
         for (Eigen::Index i = 0; i < forces.cols(); ++i) {
             Eigen::VectorXd gradient;
-            stand_in->gradient(training.weights[std::size_t(i)], training.averages[std::size_t(i)], gradient);
+            surrogate->gradient(training.weights[std::size_t(i)], training.averages[std::size_t(i)], gradient);
             forces.col(i) = -model.root.transpose() * gradient;
         }
-        return fit_predictor(training.weights, forces);
+        return fit_radial_function(training.weights, forces);
     }
 
     // Largest distance of the runtime's answers from the averages, relative to the largest difference between poses.
@@ -121,13 +121,13 @@ struct Problem {
     }
 
     PoseSet poses;
-    ShapeSet set;
+    NormalizedPoses set;
     DiscreteShells energy;
     NewtonSolver solver;
     Subspace subspace;
     ReducedEnergy reduced;
     TrainingSet training;
-    std::shared_ptr<const StandIn> stand_in;
+    std::shared_ptr<const SurrogateEnergy> surrogate;
     std::size_t corner_count;
 };
 
@@ -160,7 +160,7 @@ TEST_CASE("a dead load without the predictor's centres is refused")
     model.load->centres.pop_back();
     CHECK_THROWS_AS(p.encode(p.asset(model)), std::invalid_argument);
     model.load = p.load(model);
-    model.predictor = Predictor();
+    model.predictor = RadialFunction();
     CHECK_THROWS_AS(p.encode(p.asset(model)), std::invalid_argument);
 }
 
@@ -194,7 +194,7 @@ TEST_CASE("smoothing groups are written unless every vertex is its own")
 
 namespace {
 
-// The farthest vertex of the runtime's shape from the subspace's, normalised units; checks the box round it, too.
+// The farthest vertex of the runtime's shape from the subspace's, normalized units; checks the box round it, too.
 double farthest_vertex(const Problem& p, const StoredShape& stored, const RuntimeBlender& blender, const Eigen::VectorXd& q)
 {
     const Eigen::VectorXf to_runtime = stored.frame.stored(q).cast<float>();

@@ -19,10 +19,10 @@ std::uint32_t word_at(const std::string& bytes, std::size_t at)
     return word;
 }
 
-std::vector<int> numbers_of(const std::vector<Finding>& findings)
+std::vector<int> numbers_of(const std::vector<Diagnostic>& diagnostics)
 {
     std::vector<int> numbers;
-    for (const Finding& finding : findings) numbers.push_back(finding.number);
+    for (const Diagnostic& diagnostic : diagnostics) numbers.push_back(diagnostic.number);
     return numbers;
 }
 
@@ -114,7 +114,7 @@ TEST_CASE("P5201: what 32 bits cannot count is refused")
         check_glb_size(0x100000000ull);
         FAIL("accepted");
     } catch (const Failure& failure) {
-        CHECK(failure.findings()[0].number == 5201);
+        CHECK(failure.diagnostics()[0].number == 5201);
     }
 }
 

@@ -37,7 +37,7 @@ int number_of(const std::string& path)
         return 0;
     } catch (const Failure& failure) {
         CHECK(failure.code() == ExitCode::bad_input);
-        return failure.findings().at(0).number;
+        return failure.diagnostics().at(0).number;
     }
 }
 
@@ -100,17 +100,17 @@ TEST_CASE("a log notes every file once, and what could not be read")
 {
     const Folder folder;
     const std::string a = folder.write("a", "abc"), missing = (folder.path / "missing").string();
-    FindingList findings;
+    DiagnosticList diagnostics;
     const ReadLog outer;
-    read_bytes(a, findings);
+    read_bytes(a, diagnostics);
     {
         const ReadLog inner;
-        read_bytes(missing, findings);
-        read_bytes(missing, findings);
+        read_bytes(missing, diagnostics);
+        read_bytes(missing, diagnostics);
         CHECK(inner.files().size() == 1);
         CHECK(inner.files()[0].digest.empty());
     }
-    read_bytes(a, findings);
+    read_bytes(a, diagnostics);
     REQUIRE(outer.files().size() == 1);
     CHECK(outer.files()[0].path == a);
     CHECK(outer.files()[0].digest == sha256_hex("abc"));

@@ -16,7 +16,7 @@ namespace {
 
 struct Problem {
     Problem(std::size_t pose_count, const Tube& tube)
-        : set(normalise(tube_poses(pose_count, tube)))
+        : set(normalize(tube_poses(pose_count, tube)))
         , energy(set, ShellOptions())
         , solver(energy, set, default_solver())
     {
@@ -38,7 +38,7 @@ struct Problem {
         for (Eigen::Index i = 0; i < diagonal.size(); ++i) diagonal[i] = set.masses[i / 3];
         return diagonal;
     }
-    ShapeSet set;
+    NormalizedPoses set;
     DiscreteShells energy;
     NewtonSolver solver;
 };

@@ -20,7 +20,7 @@ constexpr double no_energy = 1e-18;
 
 struct Problem {
     explicit Problem(const PoseSet& poses, bool keep_placement = false)
-        : set(normalise(poses, keep_placement))
+        : set(normalize(poses, keep_placement))
         , energy(set, ShellOptions())
         , solver(energy, set, default_solver())
     {
@@ -30,19 +30,19 @@ struct Problem {
 
     Shape average(const Weights& w, std::size_t start = 0)
     {
-        const NewtonResult result = solver.minimise(w, set.shapes[start], tight);
+        const NewtonResult result = solver.minimize(w, set.shapes[start], tight);
         CHECK((result.has_converged || result.energy < no_energy));
         return result.y;
     }
     Shape reduced_average(const Subspace& subspace, const Weights& w, std::size_t start = 0) const
     {
         const Eigen::VectorXd q = subspace.pose_coordinates.col(Eigen::Index(start));
-        const MinimiseResult result = minimise_newton(ReducedEnergy(energy, subspace), w, q, 1e-10);
+        const MinimizeResult result = minimize_newton(ReducedEnergy(energy, subspace), w, q, 1e-10);
         CHECK((result.has_converged || result.value < no_energy));
         return subspace.shape(result.q);
     }
 
-    ShapeSet set;
+    NormalizedPoses set;
     DiscreteShells energy;
     NewtonSolver solver;
     NewtonOptions tight;

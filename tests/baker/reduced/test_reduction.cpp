@@ -19,12 +19,12 @@ namespace {
 
 struct Problem {
     explicit Problem(std::size_t pose_count)
-        : set(normalise(tube_poses(pose_count)))
+        : set(normalize(tube_poses(pose_count)))
         , energy(set, ShellOptions())
         , solver(energy, set, default_solver())
     {
     }
-    ShapeSet set;
+    NormalizedPoses set;
     DiscreteShells energy;
     NewtonSolver solver;
 };
@@ -38,7 +38,7 @@ TEST_CASE("normalised poses have unit mean area, unit mass, and meet pose 0")
     const Eigen::Matrix3d turn = Eigen::AngleAxisd(2.0, Eigen::Vector3d(1, 2, 3).normalized()).toRotationMatrix();
     PoseSet moved = poses;
     moved.positions[1] = ((poses.positions[1] * turn.transpose()).rowwise() + Eigen::RowVector3d(100, -20, 3)).eval();
-    const ShapeSet a = normalise(poses), b = normalise(moved);
+    const NormalizedPoses a = normalize(poses), b = normalize(moved);
     CHECK(a.masses.sum() == doctest::Approx(1));
     double area = 0;
     for (const Shape& s : a.shapes) area += triangle_areas(s, a.triangles).sum() / 3;
@@ -87,7 +87,7 @@ TEST_CASE("tangents of the curve of averages equal finite differences (paper, eq
     Weights w(2), direction(2);
     w << 1 - step, step;
     direction << -1, 1;
-    Shape moved = p.solver.minimise(w, p.set.shapes[0], tight).y;
+    Shape moved = p.solver.minimize(w, p.set.shapes[0], tight).y;
     apply(best_rigid_motion(moved, p.set.shapes[0], p.set.masses), moved);
     const Shape tangent = p.solver.weight_derivative(corner_weights(2, 0), p.set.shapes[0], direction);
     const Shape difference = (moved - p.set.shapes[0]) / step;
@@ -102,7 +102,7 @@ TEST_CASE("CHOLMOD and Eigen find the same average")
     NewtonOptions tight;
     tight.decrement = 1e-12;
     const Weights w = equal_weights(3);
-    const NewtonResult a = p.solver.minimise(w, p.set.shapes[0], tight), b = other.minimise(w, p.set.shapes[0], tight);
+    const NewtonResult a = p.solver.minimize(w, p.set.shapes[0], tight), b = other.minimize(w, p.set.shapes[0], tight);
     CHECK(a.has_converged);
     CHECK(b.has_converged);
     CHECK((a.y - b.y).norm() < 1e-7 * a.y.norm());
@@ -175,15 +175,15 @@ TEST_CASE("with all elements at weight one the stand-in is the reduced energy")
     const Subspace subspace = build_krylov_subspace(p.solver, { 0, 6, 256 }, nullptr);
     std::vector<std::size_t> all(p.energy.element_count());
     for (std::size_t i = 0; i < all.size(); ++i) all[i] = i;
-    const StandIn stand_in(p.energy, subspace.origin, subspace.basis, all, Eigen::VectorXd::Ones(Eigen::Index(all.size())));
+    const SurrogateEnergy surrogate(p.energy, subspace.origin, subspace.basis, all, Eigen::VectorXd::Ones(Eigen::Index(all.size())));
     const ReducedEnergy reduced(p.energy, subspace);
     Weights w(3);
     w << 0.2, 0.5, 0.3;
     const Eigen::VectorXd q = subspace.pose_coordinates * w;
     Eigen::VectorXd g1, g2;
-    CHECK(stand_in.gradient(w, q, g1) == doctest::Approx(reduced.gradient(w, q, g2)).epsilon(1e-12));
+    CHECK(surrogate.gradient(w, q, g1) == doctest::Approx(reduced.gradient(w, q, g2)).epsilon(1e-12));
     CHECK((g1 - g2).norm() < 1e-11 * g2.norm());
-    const Eigen::MatrixXd h1 = stand_in.hessian(w, q, HessianKind::exact), h2 = reduced.hessian(w, q, HessianKind::exact);
+    const Eigen::MatrixXd h1 = surrogate.hessian(w, q, HessianKind::exact), h2 = reduced.hessian(w, q, HessianKind::exact);
     CHECK((h1 - h2).norm() < 1e-11 * h2.norm());
 }
 
@@ -199,17 +199,17 @@ TEST_CASE("a few elements give the reduced average within a per cent, and the er
     double errors[2];
     for (int i = 0; i < 2; ++i) {
         const std::size_t count = std::size_t(i == 0 ? 3 : 8) * std::size_t(subspace.dimension());
-        const StandIn stand_in = fit.fit(count);
-        CHECK(measure_curvature(stand_in, training).lowest > 0.05);
-        CHECK(stand_in.element_count() <= count);
+        const SurrogateEnergy surrogate = fit.fit(count);
+        CHECK(measure_curvature(surrogate, training).lowest > 0.05);
+        CHECK(surrogate.element_count() <= count);
         Weights w(3);
         w << 0.15, 0.6, 0.25;
-        MinimiseOptions minimise_options;
-        minimise_options.scale = training.energy_scale;
-        const auto exact = minimise([&](const Eigen::VectorXd& q, Eigen::VectorXd& g) { return reduced.gradient(w, q, g); },
-                                    training.averages[0], metric, minimise_options);
-        const auto fast = minimise([&](const Eigen::VectorXd& q, Eigen::VectorXd& g) { return stand_in.gradient(w, q, g); },
-                                   training.averages[0], metric, minimise_options);
+        MinimizeOptions minimize_options;
+        minimize_options.scale = training.energy_scale;
+        const auto exact = minimize([&](const Eigen::VectorXd& q, Eigen::VectorXd& g) { return reduced.gradient(w, q, g); },
+                                    training.averages[0], metric, minimize_options);
+        const auto fast = minimize([&](const Eigen::VectorXd& q, Eigen::VectorXd& g) { return surrogate.gradient(w, q, g); },
+                                   training.averages[0], metric, minimize_options);
         CHECK(exact.has_converged);
         CHECK(fast.has_converged);
         errors[i] = (exact.q - fast.q).norm() / mass_norm(subspace.shape(exact.q), p.set.masses);
@@ -236,7 +236,7 @@ TEST_CASE("elements that hardly deform get no weight")
         const Triangle t = poses.triangles[f];
         poses.triangles.push_back({ t[0] + first, t[1] + first, t[2] + first });
     }
-    const ShapeSet set = normalise(poses);
+    const NormalizedPoses set = normalize(poses);
     const auto energy = make_energy(set, EnergyOptions());
     NewtonSolver solver(*energy, set, default_solver());
     const Subspace subspace = build_krylov_subspace(solver, { 1, 0, 256 }, nullptr);
@@ -246,9 +246,9 @@ TEST_CASE("elements that hardly deform get no weight")
         CubatureOptions options;
         options.solver = pursuit;
         CubatureFit fit(reduced, training, options, nullptr);
-        const StandIn stand_in = fit.fit(std::size_t(16 * subspace.dimension()));
-        CHECK(stand_in.element_count() > std::size_t(subspace.dimension()));
-        CHECK(stand_in.weights().maxCoeff() < 1e6);
+        const SurrogateEnergy surrogate = fit.fit(std::size_t(16 * subspace.dimension()));
+        CHECK(surrogate.element_count() > std::size_t(subspace.dimension()));
+        CHECK(surrogate.weights().maxCoeff() < 1e6);
     }
 }
 
@@ -260,13 +260,13 @@ TEST_CASE(
     const ReducedEnergy reduced(p.energy, subspace);
     const TrainingSet training = train(p.solver, subspace, 24);
     CubatureFit fit(reduced, training, CubatureOptions(), nullptr);
-    const auto stand_in = std::make_shared<const StandIn>(fit.fit(std::size_t(8 * subspace.dimension())));
-    const BlendModel model = loaded_model(stand_in, training, subspace);
+    const auto surrogate = std::make_shared<const SurrogateEnergy>(fit.fit(std::size_t(8 * subspace.dimension())));
+    const BlendModel model = loaded_model(surrogate, training, subspace);
     Eigen::MatrixXd sum = Eigen::MatrixXd::Zero(subspace.dimension(), subspace.dimension());
     for (std::size_t t = 0; t < training.weights.size(); ++t) {
-        sum += model.root.transpose() * stand_in->hessian(training.weights[t], training.averages[t], HessianKind::exact)
+        sum += model.root.transpose() * surrogate->hessian(training.weights[t], training.averages[t], HessianKind::exact)
             * model.root / double(training.weights.size());
-        const MinimiseResult average = model.solve(training.weights[t]);
+        const MinimizeResult average = model.solve(training.weights[t]);
         CHECK((average.q - training.averages[t]).norm() < 1e-5 * training.averages[t].norm());
     }
     CHECK((sum - Eigen::MatrixXd::Identity(sum.rows(), sum.cols())).norm() < 1e-9);
@@ -275,7 +275,7 @@ TEST_CASE(
 TEST_CASE("a ghost keeps a subset of the vertices, in all poses")
 {
     Tube fine { 60, 24 };
-    const ShapeSet set = normalise(tube_poses(2, fine));
+    const NormalizedPoses set = normalize(tube_poses(2, fine));
     DiscreteShells energy(set, ShellOptions());
     NewtonSolver solver(energy, set, default_solver());
     const Subspace subspace = build_krylov_subspace(solver, { 1, 0, 256 }, nullptr);
@@ -300,9 +300,9 @@ TEST_CASE("a predictor interpolates its data and reproduces linear functions")
     for (Eigen::Index i = 0; i < slope.size(); ++i) slope.data()[i] = random.normal();
     for (Eigen::Index i = 0; i < 30; ++i) values.col(i) = slope * centres[std::size_t(i)];
     const Weights w = random.weights(4, false);
-    CHECK((fit_predictor(centres, values)(w) - slope * w).norm() < 1e-10);
+    CHECK((fit_radial_function(centres, values)(w) - slope * w).norm() < 1e-10);
     for (Eigen::Index i = 0; i < values.size(); ++i) values.data()[i] = random.normal();
-    const Predictor predictor = fit_predictor(centres, values);
+    const RadialFunction predictor = fit_radial_function(centres, values);
     for (std::size_t i = 0; i < centres.size(); ++i)
         CHECK((predictor(centres[i]) - values.col(Eigen::Index(i))).norm() < 1e-9);
 }
@@ -311,10 +311,10 @@ TEST_CASE("the error of a shape does not see rigid motions, and is zero for the 
 {
     Problem p(2);
     const Weights w = equal_weights(2);
-    const Shape truth = p.solver.minimise(w, p.set.shapes[0], NewtonOptions()).y;
-    Shape moved = truth;
+    const Shape reference = p.solver.minimize(w, p.set.shapes[0], NewtonOptions()).y;
+    Shape moved = reference;
     apply({ Eigen::AngleAxisd(1.0, Eigen::Vector3d::UnitY()).toRotationMatrix(), { 1, 2, 3 } }, moved);
-    const ShapeError error = shape_error(p.energy, p.set, w, moved, truth);
+    const ShapeError error = shape_error(p.energy, p.set, w, moved, reference);
     CHECK(error.relative_l2 < 1e-12);
     CHECK(std::abs(error.energy_excess) < 1e-9);
 }

@@ -23,11 +23,11 @@ int main(int argc, char** argv)
 {
     const std::string folder = std::string(argc > 2 ? argv[1] : ".") + "/";
     try {
-        pliant::FindingList findings;
+        pliant::DiagnosticList diagnostics;
         const pliant::PoseSources read
-            = pliant::read_pose_sources(std::vector<std::string>(argv + std::min(argc, 2), argv + argc), 1000, findings);
-        for (const pliant::Finding& finding : findings.findings())
-            std::fprintf(stderr, "%s\n", pliant::to_text(finding).c_str());
+            = pliant::read_pose_sources(std::vector<std::string>(argv + std::min(argc, 2), argv + argc), 1000, diagnostics);
+        for (const pliant::Diagnostic& diagnostic : diagnostics.diagnostics())
+            std::fprintf(stderr, "%s\n", pliant::to_text(diagnostic).c_str());
         for (std::size_t k = 0; k < read.meshes.size(); ++k) {
             const pliant::MeshFile& mesh = read.meshes[k];
             std::printf("pose %s %td %zu %zu\n", mesh.name.c_str(), mesh.positions.rows(), mesh.faces.count(),
@@ -41,7 +41,7 @@ int main(int argc, char** argv)
             const pliant::VertexAttribute* normals = first.scene ? first.scene->find("NORMAL") : nullptr;
             if (normals) write_array(folder + "normals", normals->values.data(), normals->values.size());
         }
-        return findings.has_errors() ? 3 : 0;
+        return diagnostics.has_errors() ? 3 : 0;
     } catch (const pliant::Failure& failure) {
         std::fprintf(stderr, "%s\n", failure.what());
         return static_cast<int>(failure.code());

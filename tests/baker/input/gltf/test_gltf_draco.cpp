@@ -22,9 +22,9 @@ std::unique_ptr<draco::Mesh> decode(const std::string& data)
     return result.ok() ? std::move(result).value() : nullptr;
 }
 
-std::vector<MeshFile> read(const std::string& path, FindingList& findings)
+std::vector<MeshFile> read(const std::string& path, DiagnosticList& diagnostics)
 {
-    return read_pose_sources({ path, path }, 100, findings).meshes;
+    return read_pose_sources({ path, path }, 100, diagnostics).meshes;
 }
 
 // Positions of points in order, bit for bit; corners of faces in order, from vertex `first` and face `face` on.
@@ -58,8 +58,8 @@ TEST_CASE("sequential and edgebreaker data, in the decoder's order, with a morph
         REQUIRE(wanted);
         REQUIRE(wanted->num_points() == n);
         pliant_test::write_bytes(folder / "a.glb", pliant_test::draco_glb(data, n, n));
-        FindingList findings;
-        const std::vector<MeshFile> poses = read(folder / "a.glb", findings);
+        DiagnosticList diagnostics;
+        const std::vector<MeshFile> poses = read(folder / "a.glb", diagnostics);
         REQUIRE(poses.size() == 4);
         CHECK(is_same(*wanted, poses[0]));
         for (Eigen::Index v = 0; v < poses[0].positions.rows(); ++v)
@@ -78,10 +78,10 @@ TEST_CASE("a morph target with another number of vertices than were decoded")
     const std::size_t n = pliant_test::grid_positions().size() / 3;
     const std::string data = pliant_test::encode_draco(draco::MESH_SEQUENTIAL_ENCODING);
     pliant_test::write_bytes(folder / "a.glb", pliant_test::draco_glb(data, n, n - 1));
-    FindingList findings;
-    read(folder / "a.glb", findings);
-    REQUIRE(findings.has_errors());
-    CHECK(findings.findings().at(0).number == 2317);
+    DiagnosticList diagnostics;
+    read(folder / "a.glb", diagnostics);
+    REQUIRE(diagnostics.has_errors());
+    CHECK(diagnostics.diagnostics().at(0).number == 2317);
 }
 
 TEST_CASE("an attribute that the data do not have")
@@ -90,10 +90,10 @@ TEST_CASE("an attribute that the data do not have")
     std::string glb = pliant_test::draco_glb(pliant_test::encode_draco(draco::MESH_SEQUENTIAL_ENCODING), 49, 49);
     glb.replace(glb.rfind("\"TEXCOORD_0\":1}"), 15, "\"TEXCOORD_0\":9}");
     pliant_test::write_bytes(folder / "a.glb", glb);
-    FindingList findings;
-    read(folder / "a.glb", findings);
-    REQUIRE(findings.has_errors());
-    CHECK(findings.findings().at(0).number == 2318);
+    DiagnosticList diagnostics;
+    read(folder / "a.glb", diagnostics);
+    REQUIRE(diagnostics.has_errors());
+    CHECK(diagnostics.diagnostics().at(0).number == 2318);
 }
 
 TEST_CASE("real files of others' making")
@@ -114,8 +114,8 @@ TEST_CASE("real files of others' making")
         text.resize(json_size, ' ');
         const pliant_test::TemporaryFolder folder;
         pliant_test::write_bytes(folder / "a.glb", bytes.substr(0, 20) + text + bytes.substr(20 + json_size));
-        FindingList findings;
-        const std::vector<MeshFile> poses = read(folder / "a.glb", findings);
+        DiagnosticList diagnostics;
+        const std::vector<MeshFile> poses = read(folder / "a.glb", diagnostics);
         REQUIRE(poses.size() >= 2);
         Eigen::Index first = 0;
         std::size_t face = 0;

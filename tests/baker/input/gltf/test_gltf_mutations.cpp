@@ -1,5 +1,5 @@
 // Damaged glTF files: random mutations of good ones, in child processes. Whatever the bytes, reading ends within five seconds, in meshes
-// whose indices are in range or in numbered findings, and never in a crash, another exception, or much memory.
+// whose indices are in range or in numbered diagnostics, and never in a crash, another exception, or much memory.
 #include <doctest/doctest.h>
 
 #include "../io/mutation_loop.h"
@@ -57,12 +57,12 @@ bool is_sane(const MeshFile& mesh)
 // True if reading did what it promises.
 bool read_is_sane(const std::vector<std::string>& arguments)
 {
-    FindingList findings;
+    DiagnosticList diagnostics;
     try {
-        const PoseSources poses = read_pose_sources(arguments, 100, findings);
+        const PoseSources poses = read_pose_sources(arguments, 100, diagnostics);
         for (const MeshFile& mesh : poses.meshes)
             if (!is_sane(mesh)) return false;
-        return findings.has_errors() || poses.meshes.size() == poses.count;
+        return diagnostics.has_errors() || poses.meshes.size() == poses.count;
     } catch (const Failure& failure) { // a target or an animation may have got another name
         return failure.code() == ExitCode::usage || failure.code() == ExitCode::bad_input;
     } catch (...) {
@@ -89,10 +89,10 @@ TEST_CASE("skin, morph target, animation, texture, sparse accessor")
     {
         const pliant_test::TemporaryFolder folder;
         pliant_test::write_bytes(folder / "a.glb", sample);
-        FindingList findings;
-        REQUIRE(read_pose_sources({ folder / "a.glb", folder / "a.glb#animation=Run@0,0.4,1" }, 100, findings).meshes.size()
+        DiagnosticList diagnostics;
+        REQUIRE(read_pose_sources({ folder / "a.glb", folder / "a.glb#animation=Run@0,0.4,1" }, 100, diagnostics).meshes.size()
                 == 5);
-        REQUIRE(!findings.has_errors());
+        REQUIRE(!diagnostics.has_errors());
     }
     CHECK(first_failure(sample, choices) == -1);
 }

@@ -60,13 +60,13 @@ inline std::string data_folder()
     return std::filesystem::is_directory(folder) ? folder : "";
 }
 
-// Number of the first finding of what `action` throws; 0 if it throws nothing.
+// Number of the first diagnostic of what `action` throws; 0 if it throws nothing.
 template <class Action> int number_of(Action action)
 {
     try {
         action();
     } catch (const pliant::Failure& failure) {
-        return failure.findings().at(0).number;
+        return failure.diagnostics().at(0).number;
     }
     return 0;
 }

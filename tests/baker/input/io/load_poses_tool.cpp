@@ -36,9 +36,9 @@ Arguments parse(int argc, char** argv)
     return arguments;
 }
 
-void print(const std::vector<pliant::Finding>& findings)
+void print(const std::vector<pliant::Diagnostic>& diagnostics)
 {
-    for (const pliant::Finding& finding : findings) std::fprintf(stderr, "load_poses_tool: %s\n", to_text(finding).c_str());
+    for (const pliant::Diagnostic& diagnostic : diagnostics) std::fprintf(stderr, "load_poses_tool: %s\n", to_text(diagnostic).c_str());
 }
 
 } // namespace
@@ -48,7 +48,7 @@ int main(int argc, char** argv)
     const Arguments arguments = parse(argc, argv);
     try {
         if (!arguments.output.empty()) pliant::probe_output(arguments.output, arguments.poses);
-        std::vector<pliant::Finding> warnings;
+        std::vector<pliant::Diagnostic> warnings;
         pliant::LoadOptions options;
         options.fixed_path = arguments.fixed;
         const pliant::PoseSet poses = pliant::load_poses(arguments.poses, options, &warnings);
@@ -59,7 +59,7 @@ int main(int argc, char** argv)
                     poses.polygons.count(), poses.triangles.size());
         return 0;
     } catch (const pliant::Failure& failure) {
-        print(failure.findings());
+        print(failure.diagnostics());
         return static_cast<int>(failure.code());
     }
 }

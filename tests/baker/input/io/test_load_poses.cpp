@@ -84,15 +84,15 @@ std::vector<int> numbers_of(const std::vector<Positions>& poses, const std::vect
         paths.push_back(folder / ("pose" + std::to_string(paths.size()) + ".off"));
         write_off(paths.back(), pose, triangles);
     }
-    std::vector<Finding> findings;
+    std::vector<Diagnostic> diagnostics;
     try {
-        load_poses(paths, {}, &findings);
+        load_poses(paths, {}, &diagnostics);
     } catch (const Failure& failure) {
         CHECK(failure.code() == ExitCode::bad_input);
-        findings = failure.findings();
+        diagnostics = failure.diagnostics();
     }
     std::vector<int> numbers;
-    for (const Finding& finding : findings) numbers.push_back(finding.number);
+    for (const Diagnostic& diagnostic : diagnostics) numbers.push_back(diagnostic.number);
     return numbers;
 }
 
@@ -135,7 +135,7 @@ TEST_CASE("all files are looked at before anything is thrown")
         FAIL("was accepted");
     } catch (const Failure& failure) {
         Numbers numbers;
-        for (const Finding& finding : failure.findings()) numbers.push_back(finding.number);
+        for (const Diagnostic& diagnostic : failure.diagnostics()) numbers.push_back(diagnostic.number);
         CHECK(numbers == Numbers { 2106, 2103, 2105, 2107, 2001 });
     }
 }

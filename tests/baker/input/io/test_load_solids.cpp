@@ -93,7 +93,7 @@ double volume_inside(const Positions& positions, const std::vector<Triangle>& tr
 
 struct Loaded {
     PoseSet poses;
-    std::vector<Finding> findings; // errors too
+    std::vector<Diagnostic> diagnostics; // errors too
 };
 
 // Writes the poses as Gmsh files, and vertices to be fixed; loads them.
@@ -115,9 +115,9 @@ Loaded load(const std::vector<Solid>& solids, const std::vector<std::uint32_t>& 
     }
     Loaded result;
     try {
-        result.poses = load_poses(paths, options, &result.findings);
+        result.poses = load_poses(paths, options, &result.diagnostics);
     } catch (const Failure& failure) {
-        result.findings = failure.findings();
+        result.diagnostics = failure.diagnostics();
     }
     return result;
 }
@@ -125,7 +125,7 @@ Loaded load(const std::vector<Solid>& solids, const std::vector<std::uint32_t>& 
 std::vector<int> numbers_of(const Loaded& loaded)
 {
     std::vector<int> numbers;
-    for (const Finding& finding : loaded.findings) numbers.push_back(finding.number);
+    for (const Diagnostic& diagnostic : loaded.diagnostics) numbers.push_back(diagnostic.number);
     numbers.erase(std::unique(numbers.begin(), numbers.end()), numbers.end());
     return numbers;
 }
@@ -172,7 +172,7 @@ TEST_CASE("the boundary comes first, outward; what lies inside follows")
     const Solid block = make_block(3);
     const Positions pose = bent(block.positions, 0.1);
     const Loaded loaded = load({ block, { pose, block.tets } });
-    REQUIRE(loaded.findings.empty());
+    REQUIRE(loaded.diagnostics.empty());
     const PoseSet& poses = loaded.poses;
     CHECK(poses.boundary_vertex_count == 64 - 8);
     CHECK(poses.triangles.size() == 6 * 9 * 2);
@@ -243,7 +243,7 @@ TEST_CASE("a shuffled pose does not correspond")
     }
     const Loaded renumbered = load({ block, shuffled });
     CHECK(numbers_of(renumbered) == Numbers { 3005 });
-    CHECK(renumbered.findings[0].what.find("is the same solid with other numbers: tetrahedron 0 is ") == 0);
+    CHECK(renumbered.diagnostics[0].what.find("is the same solid with other numbers: tetrahedron 0 is ") == 0);
 }
 
 TEST_CASE("fixed vertices: in the set's numbering, in the same place in all poses")
@@ -259,7 +259,7 @@ TEST_CASE("fixed vertices: in the set's numbering, in the same place in all pose
     std::vector<std::uint32_t> twice(fixed.rbegin(), fixed.rend());
     twice.insert(twice.end(), fixed.begin(), fixed.end());
     const Loaded loaded = load({ block, { pose, block.tets } }, twice);
-    REQUIRE(loaded.findings.empty());
+    REQUIRE(loaded.diagnostics.empty());
     const PoseSet& poses = loaded.poses;
     REQUIRE(poses.fixed_vertices.size() == 16);
     CHECK(std::is_sorted(poses.fixed_vertices.begin(), poses.fixed_vertices.end()));
@@ -273,7 +273,7 @@ TEST_CASE("fixed vertices: in the set's numbering, in the same place in all pose
     pose(fixed[3], 1) += 1e-3;
     const Loaded moved = load({ block, { pose, block.tets } }, fixed);
     CHECK(numbers_of(moved) == Numbers { 3013 });
-    CHECK(moved.findings[0].what.find("vertex " + std::to_string(fixed[3]) + " is fixed") == 0);
+    CHECK(moved.diagnostics[0].what.find("vertex " + std::to_string(fixed[3]) + " is fixed") == 0);
     CHECK(numbers_of(load({ block, { pose, block.tets } }, { 0, 1 })) == Numbers { 2604, 3013 });
     // Nothing is aligned, so a turned copy is another pose.
     const std::vector<std::uint32_t> wrong = { 0, 1, 64 };
@@ -354,7 +354,7 @@ TEST_CASE("real solids load, with a bent second pose")
         const TemporaryFolder folder;
         const Positions pose = sheared(mesh.positions);
         pliant_test::write_bytes(folder / "pose.msh", encode_msh(pose, mesh.tets));
-        std::vector<Finding> warnings;
+        std::vector<Diagnostic> warnings;
         const PoseSet poses = load_poses({ path, folder / "pose.msh" }, {}, &warnings);
         CHECK(warnings.size() == c.left_out);
         check_promises(poses, { mesh.positions, pose });
@@ -369,7 +369,7 @@ TEST_CASE("a Vega solid has the surface that came with it")
     const MeshFile solid = read_mesh(data + "/tet_small/beam3_tet.veg"),
                    surface = read_mesh(data + "/tet_small/beam3_tet_surface.obj");
     const Loaded loaded = load({ { solid.positions, solid.tets }, { sheared(solid.positions), solid.tets } });
-    REQUIRE(loaded.findings.empty());
+    REQUIRE(loaded.diagnostics.empty());
     CHECK(loaded.poses.triangles.size() == surface.faces.count());
     CHECK(loaded.poses.boundary_vertex_count == std::size_t(surface.positions.rows()));
     std::vector<Triangle> faces;

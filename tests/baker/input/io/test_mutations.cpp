@@ -1,5 +1,5 @@
 // Damaged files: random mutations of good ones, in child processes. Whatever the bytes, reading ends within five seconds, in a mesh
-// whose indices are in range or in numbered findings, and never in a crash, another exception, or a failed allocation.
+// whose indices are in range or in numbered diagnostics, and never in a crash, another exception, or a failed allocation.
 #include <doctest/doctest.h>
 
 #include "input/io/encode_ply.h"
@@ -100,10 +100,10 @@ std::string mutate(std::string bytes, std::mt19937& random)
 // True if reading did what it promises.
 bool read_is_sane(const std::string& path)
 {
-    FindingList findings;
+    DiagnosticList diagnostics;
     try {
-        const std::optional<MeshFile> mesh = read_mesh(path, findings);
-        if (!mesh) return findings.has_errors();
+        const std::optional<MeshFile> mesh = read_mesh(path, diagnostics);
+        if (!mesh) return diagnostics.has_errors();
         bool is_sane = mesh->positions.allFinite() && mesh->faces.offsets.back() == mesh->faces.indices.size();
         for (const std::uint32_t index : mesh->faces.indices)
             is_sane &= index < static_cast<std::uint64_t>(mesh->positions.rows());

@@ -347,10 +347,10 @@ TEST_CASE("OBJ: what is wrong is named with its line")
         FAIL("was accepted");
     } catch (const Failure& failure) {
         CHECK(failure.code() == ExitCode::bad_input);
-        const Finding& finding = failure.findings().at(0);
-        CHECK(finding.where.substr(finding.where.size() - 7) == "a.obj:5");
-        CHECK(finding.what == "face 1 uses vertex 9001, the file has 3 (counted from 1)");
-        CHECK(!finding.hint.empty());
+        const Diagnostic& diagnostic = failure.diagnostics().at(0);
+        CHECK(diagnostic.where.substr(diagnostic.where.size() - 7) == "a.obj:5");
+        CHECK(diagnostic.what == "face 1 uses vertex 9001, the file has 3 (counted from 1)");
+        CHECK(!diagnostic.hint.empty());
     }
 }
 

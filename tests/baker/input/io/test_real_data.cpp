@@ -33,7 +33,7 @@ TEST_CASE("real data loads without errors")
                              "human_pair", "ict_face", "makehuman_body", "mhr_body", "mhr_body_hi" }) {
         CAPTURE(set);
         const std::vector<std::string> paths = files_in(data + "/" + set, ".ply");
-        std::vector<Finding> warnings;
+        std::vector<Diagnostic> warnings;
         const PoseSet poses = load_poses(paths, {}, &warnings);
         CHECK(poses.pose_count() == paths.size());
         // The saddle bends the other way, which is its mirror image; nothing else is remarkable.
@@ -59,10 +59,10 @@ TEST_CASE("real data, spoilt")
     for (const char* set : { "cloth_ball", "ict_face/original_obj" }) {
         CAPTURE(set);
         const bool is_obj = std::string(set) != "cloth_ball";
-        std::vector<Finding> warnings;
+        std::vector<Diagnostic> warnings;
         const PoseSet poses = load_poses(files_in(data + "/" + set, is_obj ? ".obj" : ".ply"), {}, &warnings);
         CHECK(poses.repairs.component_count > 1);
-        CHECK(std::any_of(warnings.begin(), warnings.end(), [](const Finding& f) { return f.number == 2208; }));
+        CHECK(std::any_of(warnings.begin(), warnings.end(), [](const Diagnostic& f) { return f.number == 2208; }));
     }
 
     const TemporaryFolder folder;

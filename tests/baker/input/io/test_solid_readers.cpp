@@ -61,26 +61,26 @@ TEST_CASE("every layout arrives bit for bit, what is no tetrahedron is left out 
     const pliant_test::SampleSolid solid = pliant_test::sample_solid();
     for (const Sample& s : pliant_test::solid_samples()) {
         CAPTURE(s.name);
-        FindingList findings;
+        DiagnosticList diagnostics;
         pliant_test::write_bytes(folder() / s.file, s.bytes);
-        const std::optional<MeshFile> mesh = read_mesh(folder() / s.file, findings);
-        REQUIRE_MESSAGE(mesh, (findings.findings().empty() ? "" : to_text(findings.findings()[0])));
+        const std::optional<MeshFile> mesh = read_mesh(folder() / s.file, diagnostics);
+        REQUIRE_MESSAGE(mesh, (diagnostics.diagnostics().empty() ? "" : to_text(diagnostics.diagnostics()[0])));
         CHECK(same_bits(mesh->positions, solid.positions));
         CHECK(mesh->tets == solid.tets);
         CHECK(mesh->faces.count() == 0);
         const bool is_text = s.name.find("endian") == std::string::npos;
         CHECK(mesh->tet_lines.size() == (is_text ? 3 : 0));
         if (s.file == "a.veg") {
-            CHECK(findings.findings().empty());
+            CHECK(diagnostics.diagnostics().empty());
             REQUIRE(mesh->regions.materials.size() == 2);
             CHECK(mesh->regions.materials[0].name == "A");
             CHECK(mesh->regions.materials[1].young == 2.5e7);
             CHECK(mesh->regions.materials[1].poisson == 0.3);
             CHECK(mesh->regions.of_tet == std::vector<std::uint32_t> { 1, 0, 1 });
         } else {
-            REQUIRE(findings.findings().size() == 1);
-            CHECK(findings.findings()[0].number == 2115);
-            CHECK(findings.findings()[0].what == "2 triangles left out: only tetrahedra count");
+            REQUIRE(diagnostics.diagnostics().size() == 1);
+            CHECK(diagnostics.diagnostics()[0].number == 2115);
+            CHECK(diagnostics.diagnostics()[0].what == "2 triangles left out: only tetrahedra count");
             CHECK(mesh->regions.of_tet.empty());
         }
     }
@@ -113,10 +113,10 @@ TEST_CASE("a file cut off anywhere ends in an error, or has lost nothing of its 
         CAPTURE(s.name);
         for (std::size_t size = 0; size < s.bytes.size(); ++size) {
             CAPTURE(size);
-            FindingList findings;
+            DiagnosticList diagnostics;
             pliant_test::write_bytes(folder() / s.file, s.bytes.substr(0, size));
-            const std::optional<MeshFile> mesh = read_mesh(folder() / s.file, findings);
-            REQUIRE(mesh.has_value() != findings.has_errors());
+            const std::optional<MeshFile> mesh = read_mesh(folder() / s.file, diagnostics);
+            REQUIRE(mesh.has_value() != diagnostics.has_errors());
             if (!mesh) continue;
             REQUIRE(same_bits(mesh->positions, solid.positions));
             REQUIRE(mesh->tets == solid.tets);
@@ -132,10 +132,10 @@ TEST_CASE("a byte that is another one never crashes a reader")
             for (const char c : { '\0', '-', '9', '\xff', '\n' }) {
                 std::string changed = s.bytes;
                 changed[i] = c;
-                FindingList findings;
+                DiagnosticList diagnostics;
                 pliant_test::write_bytes(folder() / s.file, changed);
-                const std::optional<MeshFile> mesh = read_mesh(folder() / s.file, findings);
-                REQUIRE(mesh.has_value() != findings.has_errors());
+                const std::optional<MeshFile> mesh = read_mesh(folder() / s.file, diagnostics);
+                REQUIRE(mesh.has_value() != diagnostics.has_errors());
                 if (!mesh) continue;
                 REQUIRE(mesh->positions.allFinite());
                 for (const Tetrahedron& tet : mesh->tets) {

@@ -17,7 +17,7 @@ using pliant_test::write_bytes;
 
 namespace {
 
-// Both ways of finding the same fault: before the work and while writing.
+// Both ways of diagnostic the same fault: before the work and while writing.
 int number_writing(const std::string& path)
 {
     const int while_writing = number_of([&] { write_file_atomically(path, "new"); });

@@ -77,7 +77,7 @@ PageData small_page(std::size_t pose_count)
     data.has_report = true;
     data.stages = { { "subspace", 12.5 }, { hostile, 1.5 } };
     PageWarning warning;
-    warning.finding = warning_at(4406, hostile, hostile, hostile);
+    warning.diagnostic = warning_at(4406, hostile, hostile, hostile);
     warning.picture = small_picture("marked");
     data.warnings = { warning };
     return data;
@@ -96,8 +96,8 @@ int number_of(const std::string& report)
         parse_report(report, "r.json");
     } catch (const Failure& failure) {
         CHECK(failure.code() == ExitCode::bad_input);
-        CHECK_FALSE(failure.findings()[0].hint.empty());
-        return failure.findings()[0].number;
+        CHECK_FALSE(failure.diagnostics()[0].hint.empty());
+        return failure.diagnostics()[0].number;
     }
     return 0;
 }
@@ -180,7 +180,7 @@ TEST_CASE("a certificate of a stranger is read as far as it makes sense")
     CHECK_FALSE(read_certificate_facts("[1]", 2).is_readable);
     CHECK_FALSE(read_certificate_facts(std::string(100000, '['), 2).is_readable);
     const CertificateFacts odd = read_certificate_facts(
-        R"({"tolerance":"x","meets_tolerance":3,"energy":[],"stand_in":null,"branches":[1,{"weights":[1,1],"vertex":-1}],
+        R"({"tolerance":"x","meets_tolerance":3,"energy":[],"surrogate":null,"branches":[1,{"weights":[1,1],"vertex":-1}],
             "measured":{"checks":[{"relative_l2":1e-3,"weights":[1]},{"relative_l2":-1,"weights":[1,1]},
                                   {"relative_l2":1e-3,"weights":[0,0]},{"relative_l2":1e-3,"weights":["a",1]},7,
                                   {"relative_l2":2e-3,"weights":[1,3]}]}})",
@@ -210,9 +210,9 @@ TEST_CASE("the report of a bake names its asset and its warnings and is read bac
     BakeReport bake;
     bake.certificate = certificate_json(2);
     bake.stages = { { "load", 0.5 }, { "check", 2 } };
-    const Finding turned = about_faces(warning_at(2204, "a.obj:7", "faces 3 and 4", "turn them"), { 3, 4 });
-    const Finding lone = about_vertices(warning_at(2207, "a.obj", "lone", ""), many_vertices());
-    CHECK(lone.vertices.size() == Finding::element_limit);
+    const Diagnostic turned = about_faces(warning_at(2204, "a.obj:7", "faces 3 and 4", "turn them"), { 3, 4 });
+    const Diagnostic lone = about_vertices(warning_at(2207, "a.obj", "lone", ""), many_vertices());
+    CHECK(lone.vertices.size() == Diagnostic::element_limit);
     CHECK(about_faces(turned, { 4, 5 }).faces == std::vector<std::uint32_t> { 3, 4, 5 }); // each once
     const std::string text = write_report(bake, "../hero.pliant", { turned, lone });
     const ReportFile report = parse_report(text, "r.json");
@@ -224,7 +224,7 @@ TEST_CASE("the report of a bake names its asset and its warnings and is read bac
     CHECK(report.warnings[0].number == 2204);
     CHECK(report.warnings[0].where == "a.obj:7");
     CHECK(report.warnings[0].faces == std::vector<std::uint32_t> { 3, 4 });
-    CHECK(report.warnings[1].vertices.size() == Finding::element_limit);
+    CHECK(report.warnings[1].vertices.size() == Diagnostic::element_limit);
     CHECK_NOTHROW(check_same_bake(text, bake.certificate, "r.json", "hero.pliant"));
     // A name that is not UTF-8 does not stop the report.
     CHECK(parse_report(write_report(bake, "h\xFFro.pliant", {}), "r.json").asset == "h\xEF\xBF\xBDro.pliant");
@@ -257,7 +257,7 @@ TEST_CASE("a report that is none is refused by number: P5301 to P5304")
         check_same_bake(R"({"asset":"a","tolerance":2})", R"({"tolerance":1})", "r.json", "a");
         FAIL("another bake passes");
     } catch (const Failure& failure) {
-        CHECK(failure.findings()[0].number == 5304);
+        CHECK(failure.diagnostics()[0].number == 5304);
     }
     CHECK(looks_like_json("\xEF\xBB\xBF \n{"));
     CHECK_FALSE(looks_like_json(""));
