@@ -325,8 +325,9 @@ PLIANT_API void pliant_normals_compute(const pliant_normals* normals, const floa
 /** Morph target weights for engines that draw a `pliant export --morph` GLB. With `weights` (dimension floats, in the order
    of the targets) the engine draws the shape of `q`: w_j = (q_j - low_j) / (high_j - low_j). They lie in [0,1] for all
    blends that the baker examined, with a margin. They are not clamped: an engine that does not clamp them either draws the
-   exact shape for any q. `weights` may be the same array as `q`. PLIANT_ERROR_ABSENT: the asset has no ranges (older than format 1.3);
-   the GLB's extras hold the ranges that it was exported with. Cost: dimension divisions. */
+   exact shape for any q. `weights` may be the same array as `q`.
+   PLIANT_ERROR_ABSENT: the asset has no ranges (older than format 1.3); the GLB's extras hold the ranges that it was
+   exported with. Cost: dimension divisions. */
 PLIANT_API pliant_result pliant_morph_weights(const pliant_asset* asset, const float* q, float* weights);
 
 /** Finds the asset inside a `pliant export --embed` GLB of `glb_size` bytes. The asset is the first item in the GLB's binary
