@@ -188,7 +188,7 @@ PLIANT_API pliant_gl_result pliant_gl_update(pliant_gl_instance* instance, const
    dimension, all are used. pliant_columns_needed returns the number that a distant character needs. */
 PLIANT_API pliant_gl_result pliant_gl_update_columns(pliant_gl_instance* instance, const float* q, uint32_t columns);
 
-/** Sets up the vertex array that is bound; call it once per vertex array. Attribute `position` reads the positions, attribute
+/** Sets up the bound vertex array; call it once per vertex array. Attribute `position` reads the positions, attribute
    `normal` the normals; -1 leaves an attribute out. Enables both attributes, makes index_buffer the element buffer of the
    vertex array, and sets GL_ARRAY_BUFFER to 0. */
 PLIANT_API pliant_gl_result pliant_gl_bind_attributes(const pliant_gl_instance* instance, int32_t position, int32_t normal);
