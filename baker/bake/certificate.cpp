@@ -1,6 +1,7 @@
 #include "bake/certificate.h"
 
 #include "base/common/diagnostics.h"
+#include "base/common/version.h"
 
 #include <nlohmann/json.hpp>
 

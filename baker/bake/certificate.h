@@ -10,9 +10,6 @@
 
 namespace pliant {
 
-// What made an asset: in its certificate, and in stamps (pipeline/stamp.h).
-constexpr const char* baker_version = "pliant 0.1.0";
-
 // No times, no paths: the same input and options give the same text.
 std::string write_certificate(const BakeReport& report, const BakeOptions& options,
                               const std::vector<std::string>& pose_names);

@@ -1,7 +1,7 @@
 // The `pliant` tool: one program, one verb per task.
 #include "cli/verbs.h"
 
-#include "bake/certificate.h"
+#include "base/common/version.h"
 
 #include <cstdio>
 #include <fmt/core.h>
@@ -60,7 +60,7 @@ int main(int argc, char** argv)
         { "bake", add_bake(app) },         { "check", add_check(app) },     { "average", add_average(app) },
         { "blend", add_blend(app) },       { "measure", add_measure(app) }, { "info", add_info(app) },
         { "validate", add_validate(app) }, { "export", add_export(app) },   { "bake-all", add_bake_all(app) },
-        { "report", add_report(app) },
+        { "report", add_report(app) },     { "pose", add_pose(app) },
     };
     try {
         app.parse(argc, argv);

@@ -1,5 +1,6 @@
-#include "bake/make_energy.h"
 #include "cli/verbs.h"
+
+#include "bake/make_energy.h"
 
 #include "bake/warnings.h"
 #include "base/common/parallel.h"

@@ -1,10 +1,11 @@
+#include "cli/verbs.h"
+
 #include "bake/bake.h"
 #include "bake/certificate.h"
 #include "bake/warnings.h"
 #include "base/common/sha256.h"
 #include "cli/bake_request.h"
 #include "cli/config_options.h"
-#include "cli/verbs.h"
 #include "input/io/write_file.h"
 #include "pipeline/depfile.h"
 #include "pipeline/stamp.h"

@@ -1,5 +1,6 @@
-#include "cli/manifest.h"
 #include "cli/verbs.h"
+
+#include "cli/manifest.h"
 #include "input/io/source_file.h"
 #include "input/io/write_file.h"
 

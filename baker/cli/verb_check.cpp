@@ -1,6 +1,7 @@
+#include "cli/verbs.h"
+
 #include "bake/estimate.h"
 #include "bake/make_energy.h"
-#include "cli/verbs.h"
 
 #include "bake/certificate.h"
 #include "elastic/energy/discrete_shells.h"

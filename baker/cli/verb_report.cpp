@@ -3,6 +3,7 @@
 #include "input/io/source_file.h"
 #include "input/io/write_file.h"
 #include "output/page/collect_page_data.h"
+#include "output/page/page.h"
 
 #include <filesystem>
 #include <fmt/core.h>

@@ -19,6 +19,7 @@ Verb add_bake_all(CLI::App& app);
 Verb add_check(CLI::App& app);
 Verb add_average(CLI::App& app);
 Verb add_blend(CLI::App& app);
+Verb add_pose(CLI::App& app);
 Verb add_measure(CLI::App& app);
 Verb add_info(CLI::App& app);
 Verb add_validate(CLI::App& app);

@@ -2,6 +2,7 @@
 
 #include "bake/certificate.h"
 #include "base/common/sha256.h"
+#include "base/common/version.h"
 #include "input/io/source_file.h"
 #include "input/poses/pose_source.h"
 

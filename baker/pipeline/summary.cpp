@@ -1,8 +1,10 @@
+#include "pipeline/batch.h"
+
 #include "bake/certificate.h"
 #include "base/common/diagnostics.h"
+#include "base/common/version.h"
 #include "input/io/source_file.h"
 #include "output/asset/runtime_blender.h"
-#include "pipeline/batch.h"
 
 #include <algorithm>
 #include <filesystem>

@@ -92,7 +92,7 @@ void CornerMesh::split(int h, const Vec3& p)
 bool CornerMesh::can_collapse(int h) const
 {
     const int a = origin(h), b = target(h), c = origin(previous(h)), d = origin(previous(twin_[h]));
-    // Link condition: the ends share exactly the two opposite vertices, and neither of those is left with two neighbours.
+    // Link condition: both ends share exactly the two opposite vertices, and each of those keeps at least three neighbours.
     int common = 0;
     for_each_out(a, [&](int g) { common += adjacent(b, target(g)); });
     return common == 2 && valence(c) > 3 && valence(d) > 3 && valence(a) + valence(b) > 6;
@@ -141,14 +141,14 @@ void CornerMesh::flip(int h)
 Mesh CornerMesh::mesh() const
 {
     Mesh mesh;
-    std::vector<int32_t> number(points_.size(), -1);
+    std::vector<std::int32_t> number(points_.size(), -1);
     for (int h = 0; h < half_edge_count(); h += 3) {
         if (!half_edge_alive(h)) continue;
         Face face;
         for (int i = 0; i < 3; ++i) {
-            int32_t& n = number[origin_[h + i]];
+            std::int32_t& n = number[origin_[h + i]];
             if (n < 0) {
-                n = int32_t(mesh.points.size());
+                n = std::int32_t(mesh.points.size());
                 mesh.points.push_back(points_[origin_[h + i]]);
             }
             face[i] = n;

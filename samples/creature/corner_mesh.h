@@ -1,12 +1,12 @@
-// A closed triangle mesh that can be edited: edges split, collapsed and flipped.
+// A closed triangle mesh whose edges can be split, collapsed and flipped.
 #pragma once
 
 #include "types.h"
 
 namespace pliant::creature {
 
-/// Half-edge h runs from `origin(h)` to `target(h)` in face h / 3; `twin(h)` is its opposite. Faces and vertices that an
-/// edit removes stay in the arrays, marked, until `mesh()` leaves them out.
+// Half-edge h runs from `origin(h)` to `target(h)` in face h / 3; `twin(h)` is its opposite. Edits only mark faces and
+// vertices as removed; `mesh()` omits them.
 class CornerMesh {
 public:
     explicit CornerMesh(const Mesh& mesh);
@@ -26,10 +26,10 @@ public:
     const Vec3& point(int v) const { return points_[v]; }
     void move(int v, const Vec3& p) { points_[v] = p; }
     double length(int h) const { return (points_[target(h)] - points_[origin(h)]).norm(); }
-    /// Twice the area times the unit normal.
+    // Twice the area times the unit normal.
     Vec3 face_normal(int face) const;
 
-    /// Calls f(h) for every half-edge h that leaves v.
+    // Calls f(h) for every half-edge h that leaves v.
     template <class F> void for_each_out(int v, F&& f) const
     {
         int h = out_[v];
@@ -41,17 +41,17 @@ public:
     int valence(int v) const;
     bool adjacent(int u, int v) const;
 
-    /// Puts a new vertex at `p` on the edge of h.
+    // Splits the edge of h with a new vertex at `p`.
     void split(int h, const Vec3& p);
-    /// True if merging origin(h) into target(h) keeps the mesh a manifold.
+    // True if merging origin(h) into target(h) keeps the mesh a manifold.
     bool can_collapse(int h) const;
-    /// Merges origin(h) into target(h); needs can_collapse(h).
+    // Merges origin(h) into target(h); needs can_collapse(h).
     void collapse(int h);
-    /// True if the flipped edge does not exist yet and both ends keep at least three neighbours.
+    // True if the flipped edge does not exist yet and both ends keep at least three neighbours.
     bool can_flip(int h) const;
     void flip(int h);
 
-    /// The mesh without removed elements; vertices in the order of their first use by a face.
+    // The mesh without removed elements; vertices are in the order of their first use by a face.
     Mesh mesh() const;
 
 private:

@@ -1,4 +1,5 @@
 #include "creature.h"
+
 #include "anatomy.h"
 #include "polygonise.h"
 #include "remesh.h"
@@ -9,7 +10,7 @@ namespace pliant::creature {
 Character build_character(int vertex_count)
 {
     const Anatomy anatomy = build_anatomy();
-    // Fine enough to keep toes and gills apart; the remesher decides the final density.
+    // Fine enough to separate toes and gills; the remesher sets the final density.
     const double cell = 0.06;
     const Mesh rough = polygonise(anatomy.skin, anatomy.box_min, anatomy.box_max, cell);
     const Mesh bind = remesh(rough, anatomy.skin, anatomy.sizing, vertex_count, 12);

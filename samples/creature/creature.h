@@ -1,4 +1,4 @@
-// The whole generator as one function.
+// The generator as one function.
 #pragma once
 
 #include "types.h"
@@ -17,7 +17,7 @@ struct Character {
     std::vector<NamedShape> poses; // the first is "rest"
 };
 
-/// Builds the character with about `vertex_count` vertices (8,000 to 20,000). Deterministic. Takes seconds.
+// Builds the character with about `vertex_count` vertices (8,000 to 20,000). Deterministic. Takes seconds.
 Character build_character(int vertex_count);
 
 } // namespace pliant::creature

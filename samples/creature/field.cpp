@@ -4,10 +4,9 @@
 #include <cmath>
 
 namespace pliant::creature {
-
 namespace {
 
-/// Quadratic smooth minimum (Quilez): differs from min(a, b) only where they are within `k` of each other.
+// Quadratic smooth minimum (Quilez): differs from min(a, b) only where a and b differ by less than `k`.
 double smooth_min(double a, double b, double k)
 {
     const double h = std::max(k - std::abs(a - b), 0.0) / k;
@@ -23,7 +22,7 @@ Profile::Profile(std::initializer_list<std::pair<double, double>> knots)
         value_.push_back(v);
     }
     slope_.assign(position_.size(), 0.0);
-    for (size_t i = 1; i + 1 < position_.size(); ++i)
+    for (std::size_t i = 1; i + 1 < position_.size(); ++i)
         slope_[i] = (value_[i + 1] - value_[i - 1]) / (position_[i + 1] - position_[i - 1]);
 }
 
@@ -31,7 +30,7 @@ double Profile::operator()(double s) const
 {
     if (s <= position_.front()) return value_.front();
     if (s >= position_.back()) return value_.back();
-    size_t i = 0;
+    std::size_t i = 0;
     while (position_[i + 1] < s) ++i;
     const double h = position_[i + 1] - position_[i];
     const double x = (s - position_[i]) / h, y = 1.0 - x;
@@ -52,7 +51,7 @@ Shape lathe(const Axis& axis, const Profile& width, const Profile& height)
     const double middle = 0.5 * (width.first() + width.last()), half = 0.5 * (width.last() - width.first());
     Shape shape;
     shape.centre = axis.at(middle);
-    // Slack: splines may overshoot their knots a little.
+    // With some slack, because splines may overshoot their knots.
     shape.radius = 1.05 * (half + std::max(width.largest(), height.largest()));
     shape.distance = [=](const Vec3& p) {
         const Vec3 l = axis.local(p);
@@ -99,7 +98,7 @@ Shape smooth_union(std::vector<Shape> shapes, double fillet)
     shape.radius += fillet;
     shape.distance = [shapes = std::move(shapes), fillet](const Vec3& p) {
         double d = shapes.front().distance(p);
-        for (size_t i = 1; i < shapes.size(); ++i)
+        for (std::size_t i = 1; i < shapes.size(); ++i)
             if (shapes[i].lower_bound(p) < d + fillet) d = smooth_min(d, shapes[i].distance(p), fillet);
         return d;
     };
@@ -120,7 +119,7 @@ Shape smooth_difference(Shape body, Shape tool, double fillet)
 
 Vec3 gradient(const Shape& shape, const Vec3& p)
 {
-    // A thousandth of the smallest feature: far above rounding (1e-16 / 1e-4), far below any curvature.
+    // A thousandth of the smallest feature: far above the rounding error (1e-16 / 1e-4), far below any radius of curvature.
     const double h = 1e-4;
     Vec3 g;
     for (int i = 0; i < 3; ++i) {
@@ -137,7 +136,7 @@ Vec3 project(const Shape& shape, Vec3 p)
         // Three digits finer than float32 resolves in a body of ten units.
         if (std::abs(d) < 1e-9) break;
         const Vec3 g = gradient(shape, p);
-        // The slope of a scaled ellipsoid may fall below 1; the bound keeps a step from leaving the neighbourhood.
+        // The gradient of a scaled ellipsoid may be shorter than 1; the bound keeps a step near the surface.
         const double step = d / std::max(g.squaredNorm(), 0.1);
         p -= step * g;
     }

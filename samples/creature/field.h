@@ -1,4 +1,4 @@
-// Implicit shapes: functions that are negative inside, positive outside and about as steep as a distance.
+// Implicit shapes: functions that are negative inside, positive outside and approximate the signed distance.
 #pragma once
 
 #include "types.h"
@@ -8,18 +8,18 @@
 
 namespace pliant::creature {
 
-/// A shape and a ball that contains it, so that shapes far from a query need not be evaluated.
+// A shape and its bounding ball, with which a query skips distant shapes.
 struct Shape {
     std::function<double(const Vec3&)> distance;
     Vec3 centre = Vec3::Zero();
     double radius = 0.0;
 
-    /// A lower bound of `distance(p)`, at the cost of one square root.
+    // A lower bound of `distance(p)`, at the cost of one square root.
     double lower_bound(const Vec3& p) const { return (p - centre).norm() - radius; }
 };
 
-/// A smooth function of one variable through given knots: cubic Hermite pieces with Catmull-Rom slopes, slope zero at both
-/// ends, constant beyond them. Knots are (position, value), positions increasing.
+// A smooth function of one variable through given knots: a cubic Hermite spline with Catmull-Rom slopes, zero slope at both
+// ends, and constant beyond them. Knots are pairs (position, value) with increasing positions.
 class Profile {
 public:
     Profile(std::initializer_list<std::pair<double, double>> knots);
@@ -32,8 +32,8 @@ private:
     std::vector<double> position_, value_, slope_;
 };
 
-/// A straight line with a frame: `tangent` along it, `side` and `up` across, all of unit length and orthogonal. The frame
-/// may be left-handed: limbs of the right side are mirror images of those of the left.
+// A straight line with an orthonormal frame: `tangent` along it, `side` and `up` across. The frame may be left-handed,
+// because the right limbs are mirror images of the left ones.
 struct Axis {
     Vec3 origin = Vec3::Zero();
     Vec3 tangent = Vec3::UnitX(), side = Vec3::UnitY(), up = Vec3::UnitZ();
@@ -43,27 +43,27 @@ struct Axis {
     Vec3 local(const Vec3& p) const;
 };
 
-/// A body around a line with elliptic cross-sections: `width(s)` and `height(s)` are the semi-axes along side and up. Its
-/// ends, at the first and last knot, are round.
+// A body around an axis with elliptic cross-sections: `width(s)` and `height(s)` are the semi-axes along side and up. Its
+// ends, at the first and last knot, are rounded.
 Shape lathe(const Axis& axis, const Profile& width, const Profile& height);
 
-/// An ellipsoid with the given semi-axes along tangent, side and up of `axis`, centred at its origin.
+// An ellipsoid with the given semi-axes along tangent, side and up of `axis`, centred at its origin.
 Shape ellipsoid(const Axis& axis, const Vec3& semi_axes);
 
-/// The convex hull of two balls.
+// The convex hull of two balls.
 Shape round_cone(const Vec3& a, double radius_a, const Vec3& b, double radius_b);
 
-/// The union of shapes, their seams filled with a fillet of about `fillet` width. Later shapes are joined to the union of
-/// the earlier ones. Associative only up to the fillets, so the order matters a little.
+// The union of shapes with fillets of about `fillet` width along the seams. Each shape is joined to the union of the earlier
+// ones; the fillets depend slightly on the order.
 Shape smooth_union(std::vector<Shape> shapes, double fillet);
 
-/// `body` without `tool`, the rim rounded.
+// `body` minus `tool`, with a rounded rim.
 Shape smooth_difference(Shape body, Shape tool, double fillet);
 
-/// The gradient by central differences.
+// The gradient by central differences.
 Vec3 gradient(const Shape& shape, const Vec3& p);
 
-/// The point of the surface next to `p`, for `p` close to it: Newton steps along the gradient.
+// Projects a point near the surface onto it, by Newton steps along the gradient.
 Vec3 project(const Shape& shape, Vec3 p);
 
 } // namespace pliant::creature

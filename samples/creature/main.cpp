@@ -12,26 +12,26 @@
 
 namespace {
 
-constexpr int kFewestVertices = 8000, kMostVertices = 20000, kDefaultVertices = 12000;
+constexpr int min_vertices = 8000, max_vertices = 20000, default_vertices = 12000;
 
-constexpr char kHelp[] = "usage: creature -o DIR [--vertices N]\n"
-                         "\n"
-                         "Writes five poses of one character, same vertices and faces, as binary PLY files:\n"
-                         "DIR/creature_rest.ply, _reach, _curl, _leap, _twist. DIR must exist.\n"
-                         "\n"
-                         "  -o, --output DIR   the folder to write to\n"
-                         "  --vertices N       about this many vertices, 8000 to 20000 (default 12000)\n"
-                         "  --help             this text\n"
-                         "\n"
-                         "exit code: 0 done, 1 failed while working, 2 wrong usage\n";
+constexpr char help_text[] = "usage: creature -o DIR [--vertices N]\n"
+                             "\n"
+                             "Writes five poses of one character, same vertices and faces, as binary PLY files:\n"
+                             "DIR/creature_rest.ply, _reach, _curl, _leap, _twist. DIR must exist.\n"
+                             "\n"
+                             "  -o, --output DIR   the folder to write to\n"
+                             "  --vertices N       about this many vertices, 8000 to 20000 (default 12000)\n"
+                             "  --help             this text\n"
+                             "\n"
+                             "exit code: 0 done, 1 failed while working, 2 wrong usage\n";
 
 struct Options {
     std::string folder;
-    int vertex_count = kDefaultVertices;
+    int vertex_count = default_vertices;
     bool help = false;
 };
 
-/// Returns an empty text, or what is wrong with the command line.
+// Returns an empty text, or what is wrong with the command line.
 std::string parse(int argc, char** argv, Options& options)
 {
     for (int i = 1; i < argc; ++i) {
@@ -49,8 +49,8 @@ std::string parse(int argc, char** argv, Options& options)
         }
         const char* end = argv[i] + std::strlen(argv[i]);
         const auto [stop, error] = std::from_chars(argv[i], end, options.vertex_count);
-        if (error != std::errc() || stop != end || options.vertex_count < kFewestVertices
-            || options.vertex_count > kMostVertices)
+        if (error != std::errc() || stop != end || options.vertex_count < min_vertices
+            || options.vertex_count > max_vertices)
             return "--vertices: '" + std::string(argv[i]) + "' is not a whole number from 8000 to 20000";
     }
     return options.folder.empty() ? "no output folder given" : "";
@@ -67,10 +67,10 @@ int main(int argc, char** argv)
         return 2;
     }
     if (options.help) {
-        std::fputs(kHelp, stdout);
+        std::fputs(help_text, stdout);
         return 0;
     }
-    // Building takes seconds; a wrong folder should not have to wait for it.
+    // Checked first: building takes seconds.
     std::error_code ignored;
     if (!std::filesystem::is_directory(options.folder, ignored)) {
         std::fprintf(stderr, "creature: error: %s is not a folder\nhint: create it first\n", options.folder.c_str());

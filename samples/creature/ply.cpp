@@ -6,17 +6,16 @@
 #include <stdexcept>
 
 namespace pliant::creature {
-
 namespace {
 
-void put_u32(std::string& bytes, uint32_t value)
+void put_u32(std::string& bytes, std::uint32_t value)
 {
     for (int shift = 0; shift < 32; shift += 8) bytes.push_back(char(value >> shift & 0xff));
 }
 
 void put_f32(std::string& bytes, float value)
 {
-    uint32_t bits;
+    std::uint32_t bits;
     std::memcpy(&bits, &value, sizeof bits);
     put_u32(bytes, bits);
 }
@@ -30,7 +29,7 @@ std::string encode(const std::vector<Vec3>& points, const std::vector<Face>& fac
         for (int i = 0; i < 3; ++i) put_f32(bytes, float(p[i]));
     for (const Face& f : faces) {
         bytes.push_back(3);
-        for (int32_t v : f) put_u32(bytes, uint32_t(v));
+        for (std::int32_t v : f) put_u32(bytes, std::uint32_t(v));
     }
     return bytes;
 }
@@ -56,7 +55,7 @@ void write_file(const std::string& path, const std::string& bytes)
     fail(path, "write", error);
 }
 
-/// Removes the temporary files that are left when it goes out of scope.
+// Removes the remaining temporary files when it goes out of scope.
 struct Temporaries {
     std::vector<std::string> paths;
     ~Temporaries()

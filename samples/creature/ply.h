@@ -1,4 +1,4 @@
-// Binary PLY files, written whole or not at all.
+// Binary PLY files, written completely or not at all.
 #pragma once
 
 #include "types.h"
@@ -12,9 +12,9 @@ struct PlyFile {
     const std::vector<Vec3>& points;
 };
 
-/// Writes a set of meshes with the same faces: float32 positions, little-endian. Every file is first written under a
-/// temporary name beside its own; only when all are complete are they renamed, in order. Throws std::runtime_error naming
-/// the file and the reason; no temporary file is left then.
+// Writes meshes with the same faces: float32 positions, little-endian. Writes every file under a temporary name in the
+// same folder, and renames them in order once all are complete. Throws std::runtime_error with the file and the reason;
+// no temporary file is left behind.
 void write_ply_set(const std::vector<PlyFile>& files, const std::vector<Face>& faces);
 
 } // namespace pliant::creature

@@ -5,12 +5,11 @@
 #include <stdexcept>
 
 namespace pliant::creature {
-
 namespace {
 
 // The six tetrahedra around the main diagonal of a cube (Kuhn's triangulation): neighbouring cubes agree on their faces.
 // Bit i of a corner number is its offset along axis i.
-constexpr int kTetrahedra[6][4]
+constexpr int tetrahedra[6][4]
     = { { 0, 1, 3, 7 }, { 0, 1, 5, 7 }, { 0, 2, 3, 7 }, { 0, 2, 6, 7 }, { 0, 4, 5, 7 }, { 0, 4, 6, 7 } };
 
 class Marcher {
@@ -20,7 +19,7 @@ public:
         , cell_(cell)
     {
         for (int i = 0; i < 3; ++i) count_[i] = int(std::ceil((box_max[i] - box_min[i]) / cell)) + 1;
-        values_.resize(size_t(count_[0]) * count_[1] * count_[2]);
+        values_.resize(std::size_t(count_[0]) * count_[1] * count_[2]);
         for (int z = 0; z < count_[2]; ++z)
             for (int y = 0; y < count_[1]; ++y)
                 for (int x = 0; x < count_[0]; ++x) values_[index(x, y, z)] = shape.distance(position(x, y, z));
@@ -36,7 +35,7 @@ public:
     }
 
 private:
-    size_t index(int x, int y, int z) const { return x + size_t(count_[0]) * (y + size_t(count_[1]) * z); }
+    std::size_t index(int x, int y, int z) const { return x + std::size_t(count_[0]) * (y + std::size_t(count_[1]) * z); }
     Vec3 position(int x, int y, int z) const { return origin_ + cell_ * Vec3(x, y, z); }
     bool on_border(int x, int y, int z) const
     {
@@ -49,7 +48,7 @@ private:
         for (int c = 0; c < 8; ++c) inside |= (corner_value(x, y, z, c) < 0.0) << c;
         if (inside == 0 || inside == 255) return;
         if (on_border(x, y, z)) throw std::runtime_error("the surface reaches the border of the grid");
-        for (const auto& tet : kTetrahedra) march_tetrahedron(x, y, z, tet);
+        for (const auto& tet : tetrahedra) march_tetrahedron(x, y, z, tet);
     }
 
     double corner_value(int x, int y, int z, int c) const
@@ -75,31 +74,32 @@ private:
         } else if (out_count == 1) {
             add_face(cut(in[0], out[0]), cut(in[1], out[0]), cut(in[2], out[0]), outward);
         } else {
-            const int32_t q[4] = { cut(in[0], out[0]), cut(in[0], out[1]), cut(in[1], out[1]), cut(in[1], out[0]) };
+            const std::int32_t q[4] = { cut(in[0], out[0]), cut(in[0], out[1]), cut(in[1], out[1]), cut(in[1], out[0]) };
             add_face(q[0], q[1], q[2], outward);
             add_face(q[0], q[2], q[3], outward);
         }
     }
 
-    /// In Kuhn's triangulation the bits of the first corner of an edge are contained in those of the second, so the first
-    /// corner and the difference of the bits name the edge.
-    int32_t vertex_on_edge(int x, int y, int z, int a, int b)
+    // In Kuhn's triangulation the bits of an edge's first corner are a subset of the bits of its second corner, so the first
+    // corner and the differing bits identify the edge.
+    std::int32_t vertex_on_edge(int x, int y, int z, int a, int b)
     {
-        int32_t& slot = edge_vertex_[index(x + (a & 1), y + (a >> 1 & 1), z + (a >> 2)) * 8 + (a ^ b)];
+        std::int32_t& slot = edge_vertex_[index(x + (a & 1), y + (a >> 1 & 1), z + (a >> 2)) * 8 + (a ^ b)];
         if (slot < 0) {
             const double va = corner_value(x, y, z, a), vb = corner_value(x, y, z, b);
-            // Kept off the corners so that no triangle is degenerate; projection onto the surface follows anyway.
+            // Kept away from the corners, so that no triangle is degenerate; the remesher projects vertices onto the
+            // surface.
             const double t = std::clamp(va / (va - vb), 0.1, 0.9);
-            slot = int32_t(mesh_.points.size());
+            slot = std::int32_t(mesh_.points.size());
             mesh_.points.push_back((1.0 - t) * corner_position(x, y, z, a) + t * corner_position(x, y, z, b));
         }
         return slot;
     }
 
-    void add_face(int32_t a, int32_t b, int32_t c, const Vec3& outward)
+    void add_face(std::int32_t a, std::int32_t b, std::int32_t c, const Vec3& outward)
     {
         const auto& p = mesh_.points;
-        // The plane of the cut separates inside from outside corners, so this sign is never in doubt.
+        // The cut separates inner from outer corners, so this sign is never ambiguous.
         if ((p[b] - p[a]).cross(p[c] - p[a]).dot(outward) < 0.0) std::swap(b, c);
         mesh_.faces.push_back({ a, b, c });
     }
@@ -108,7 +108,7 @@ private:
     double cell_;
     int count_[3];
     std::vector<double> values_;
-    std::vector<int32_t> edge_vertex_;
+    std::vector<std::int32_t> edge_vertex_;
     Mesh mesh_;
 };
 

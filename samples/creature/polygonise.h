@@ -5,8 +5,8 @@
 
 namespace pliant::creature {
 
-/// The zero level of `shape` inside the box, by marching tetrahedra (six per cell of a cubic grid): always a closed oriented
-/// manifold as long as the surface stays inside the box, but with poor triangles. Throws std::runtime_error if it does not.
+// The zero level of `shape` inside the box, by marching tetrahedra (six per cell of a cubic grid): always a closed oriented
+// manifold, but with poor triangles. Throws std::runtime_error if the surface reaches the border of the box.
 Mesh polygonise(const Shape& shape, const Vec3& box_min, const Vec3& box_max, double cell);
 
 } // namespace pliant::creature

@@ -1,11 +1,9 @@
-// The five poses, as data.
-#include "rig.h"
+#include "poses.h"
 
 namespace pliant::creature {
-
 namespace {
 
-/// The gills' natural curve, alike on both sides; `flare` raises them.
+// The natural curve of the gills, symmetric; `flare` raises them.
 void add_gills(std::vector<Bend>& bends, double flare)
 {
     for (const char* side : { ".left", ".right" }) {

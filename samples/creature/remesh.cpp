@@ -1,15 +1,16 @@
 #include "remesh.h"
+
 #include "corner_mesh.h"
 
 #include <algorithm>
 #include <cmath>
 
 namespace pliant::creature {
-
 namespace {
 
-/// Share of the way to its goal that a vertex moves in one relaxation step: all move at once, and whole steps overshoot.
-constexpr double kRelaxation = 0.6;
+// The share of its full step that a vertex moves in one relaxation: all vertices move at once, so full steps would
+// overshoot.
+constexpr double relaxation = 0.6;
 
 class Remesher {
 public:
@@ -30,7 +31,7 @@ public:
         for (int i = 0; i < 3; ++i) relax();
     }
 
-    /// Relaxation shortens edges in creases: removes the shortest without starting over.
+    // Removes the short edges that relaxation leaves in creases, without splitting again.
     void finish()
     {
         for (int i = 0; i < 3; ++i) {
@@ -40,8 +41,8 @@ public:
         }
     }
 
-    /// The edge length that would give `vertex_count` vertices: the area in units of the local sizing, a vertex of an even
-    /// mesh owning sqrt(3)/2 of a squared edge length.
+    // The edge length that would give `vertex_count` vertices: in an even mesh each vertex covers sqrt(3)/2 of a squared
+    // edge length, and areas are measured in units of the local sizing.
     double edge_length_for(int vertex_count) const
     {
         double area = 0.0;
@@ -61,7 +62,7 @@ public:
 private:
     Vec3 middle(int h) const { return 0.5 * (mesh_.point(mesh_.origin(h)) + mesh_.point(mesh_.target(h))); }
     double relative_length(int h) const { return mesh_.length(h) / (edge_length_ * sizing_(middle(h))); }
-    /// Every edge once: the half-edge with the smaller number speaks for it.
+    // Visits every edge once: its half-edge with the smaller number represents it.
     bool speaks(int h) const { return mesh_.half_edge_alive(h) && h < mesh_.twin(h); }
 
     void split_long_edges()
@@ -77,7 +78,7 @@ private:
                 mesh_.collapse(h);
     }
 
-    /// No long edges, which would be split again, and no face turned by more than about 60 degrees.
+    // The collapse creates no long edges, which would be split again, and turns no face by more than about 60 degrees.
     bool collapse_is_good(int h) const
     {
         const int a = mesh_.origin(h), b = mesh_.target(h);
@@ -100,7 +101,7 @@ private:
             if (speaks(h) && flip_gain(h) > 0 && mesh_.can_flip(h) && flip_is_good(h)) mesh_.flip(h);
     }
 
-    /// By how much the flip lowers the sum of squared deviations from valence 6.
+    // The decrease of the sum of squared deviations from valence 6.
     int flip_gain(int h) const
     {
         const int ends[4] = { mesh_.origin(h), mesh_.target(h), mesh_.origin(CornerMesh::previous(h)),
@@ -113,7 +114,7 @@ private:
         return gain;
     }
 
-    /// The two new faces look the same way as the old ones.
+    // The two new faces have nearly the same orientation as the old ones.
     bool flip_is_good(int h) const
     {
         const int g = mesh_.twin(h);
@@ -125,7 +126,7 @@ private:
         return n0.dot(old) > 0.7 * n0.norm() && n1.dot(old) > 0.7 * n1.norm();
     }
 
-    /// Every vertex moves to the centroid of its ring, faces weighted by area over sizing, and back onto the surface.
+    // Every vertex moves to the centroid of its ring, faces weighted by area over sizing, and back onto the surface.
     void relax()
     {
         std::vector<Vec3> target(mesh_.vertex_count());
@@ -144,7 +145,7 @@ private:
             });
             normal.normalize();
             const Vec3 step = sum / weight_sum - mesh_.point(v);
-            target[v] = mesh_.point(v) + kRelaxation * (step - step.dot(normal) * normal);
+            target[v] = mesh_.point(v) + relaxation * (step - step.dot(normal) * normal);
         }
         for (int v = 0; v < mesh_.vertex_count(); ++v)
             if (mesh_.vertex_alive(v)) mesh_.move(v, project(shape_, target[v]));
@@ -164,7 +165,7 @@ Mesh remesh(const Mesh& mesh, const Shape& shape, const Sizing& sizing, int vert
     double correction = 1.0;
     for (int i = 0; i < rounds; ++i) {
         remesher.round(correction * remesher.edge_length_for(vertex_count));
-        // The thresholds 4/5 and 4/3 do not balance exactly: steer by the count reached, early enough to settle.
+        // The thresholds 4/5 and 4/3 do not balance exactly: correct by the count reached, except in the last rounds.
         if (i >= 2 && i + 3 < rounds) correction *= std::sqrt(double(remesher.vertex_count()) / vertex_count);
     }
     remesher.finish();

@@ -5,12 +5,12 @@
 
 namespace pliant::creature {
 
-/// Wanted edge length at a point, relative to the mesh's mean density: 1 on plain regions, less where detail is fine.
+// Wanted edge length at a point, relative to that of plain regions: 1 there, less at fine detail.
 using Sizing = std::function<double(const Vec3&)>;
 
-/// Remeshes `mesh`, which lies near the zero level of `shape`, to about `vertex_count` well-shaped triangles on that level
-/// (Botsch and Kobbelt, "A Remeshing Approach to Multiresolution Modeling", SGP 2004: split, collapse, flip, relax), in
-/// `rounds` rounds. Topology is kept. Cost: linear in vertices and rounds.
+// Remeshes `mesh`, which lies near the zero level of `shape`, to about `vertex_count` vertices on that level with
+// well-shaped triangles, in `rounds` rounds of split, collapse, flip and relax (Botsch and Kobbelt, "A Remeshing Approach
+// to Multiresolution Modeling", SGP 2004). Keeps the topology. Cost: linear in vertices and rounds.
 Mesh remesh(const Mesh& mesh, const Shape& shape, const Sizing& sizing, int vertex_count, int rounds);
 
 } // namespace pliant::creature

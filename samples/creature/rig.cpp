@@ -5,13 +5,12 @@
 #include <cmath>
 
 namespace pliant::creature {
-
 namespace {
 
-constexpr double kDegree = 3.14159265358979323846 / 180.0;
+constexpr double degree = 3.14159265358979323846 / 180.0;
 
-/// Cumulated share, in [0, 1], of a bend that lies before fraction x of its range: the integral of a trapezoid with
-/// smoothed ramps of a quarter of the range, so curvature starts and ends softly and its peak is 4/3 of the mean.
+// The share of a bend, in [0, 1], before fraction x of its range: the integral of a trapezoid with smoothed ramps of a
+// quarter of the range, so that curvature starts and ends smoothly, with a peak of 4/3 of its mean.
 double bend_share(double x)
 {
     const double ramp = 0.25, height = 1.0 / (1.0 - ramp);
@@ -23,20 +22,20 @@ double bend_share(double x)
     return height * (x - 0.5 * ramp);
 }
 
-/// Accumulated (side, up, twist) of all bends at parameter s, in radians; its derivative is the curvature and twist rate.
+// Accumulated (side, up, twist) of all bends at parameter s, in radians; its derivative is the curvature and twist rate.
 Vec3 accumulated(const std::vector<Bend>& bends, const std::string& part, double s)
 {
     Vec3 sum = Vec3::Zero();
     for (const Bend& b : bends) {
         if (b.part != part) continue;
         const double low = std::min(b.from, b.to), high = std::max(b.from, b.to);
-        // A curve has the same curvature vector in both directions, but a twist from `from` to `to` changes its sign.
+        // The curvature vector of a curve does not depend on its direction, but the sign of a twist does.
         sum += bend_share((s - low) / (high - low)) * Vec3(b.side, b.up, b.from < b.to ? b.twist : -b.twist);
     }
-    return kDegree * sum;
+    return degree * sum;
 }
 
-/// exp of the skew matrix that turns the tangent (first column of a frame) by `side` and `up`.
+// The rotation that turns the tangent (first column of a frame) by `side` and `up` radians.
 Mat3 turn(double side, double up)
 {
     const Vec3 axis(0.0, -up, side);
@@ -57,7 +56,7 @@ BentAxis::BentAxis(const Part& part, const std::vector<Bend>& bends, const Vec3&
     : axis_(part.axis)
 {
     const int steps_before = 400 * (part.first < 0.0), steps_after = 400;
-    // One step size for both sides of the root, so that sample i lies at first_ + i * step_.
+    // The same step on both sides of the root, so that sample i is at first_ + i * step_.
     step_ = std::max(-part.first, part.last) / 400.0;
     first_ = -steps_before * step_;
     samples_.resize(steps_before + steps_after + 1);
@@ -116,7 +115,7 @@ Eigen::MatrixXd skin_weights(const Mesh& bind, const Anatomy& anatomy)
     for (int v = 0; v < n; ++v) {
         int nearest = 0;
         double best = 1e300;
-        for (size_t p = 0; p < anatomy.parts.size(); ++p) {
+        for (std::size_t p = 0; p < anatomy.parts.size(); ++p) {
             const double d = anatomy.parts[p].shape.distance(bind.points[v]);
             if (d < best) {
                 best = d;
@@ -125,8 +124,8 @@ Eigen::MatrixXd skin_weights(const Mesh& bind, const Anatomy& anatomy)
         }
         label(v, nearest) = 1.0;
     }
-    // Smoothing by two implicit steps of diffusion over the graph of edges: (I + t L) is an M-matrix with row sums 1, so
-    // weights stay within [0, 1] and keep their sum. t is in squared edge lengths: seams become some 2 sqrt(2 t) edges wide.
+    // Smooths by two implicit steps of diffusion on the edge graph. I + t L is an M-matrix with row sums 1, so weights
+    // stay in [0, 1] and keep their sum. t is in squared edge lengths: seams become about 2 sqrt(2 t) edges wide.
     const double t = 6.0;
     std::vector<Eigen::Triplet<double>> entries;
     for (const Face& f : bind.faces)
@@ -145,21 +144,21 @@ Eigen::MatrixXd skin_weights(const Mesh& bind, const Anatomy& anatomy)
 std::vector<Vec3> pose_points(const Mesh& bind, const Anatomy& anatomy, const Eigen::MatrixXd& weights, const Pose& pose)
 {
     const Mat3 body
-        = (Eigen::AngleAxisd(kDegree * pose.yaw, Vec3::UnitZ()) * Eigen::AngleAxisd(-kDegree * pose.pitch, Vec3::UnitY())
-           * Eigen::AngleAxisd(kDegree * pose.roll, Vec3::UnitX()))
+        = (Eigen::AngleAxisd(degree * pose.yaw, Vec3::UnitZ()) * Eigen::AngleAxisd(-degree * pose.pitch, Vec3::UnitY())
+           * Eigen::AngleAxisd(degree * pose.roll, Vec3::UnitX()))
               .toRotationMatrix();
     std::vector<BentAxis> bent;
     const Part& spine = anatomy.parts[0];
     bent.emplace_back(spine, pose.bends, body * spine.axis.origin, body * frame_of(spine.axis));
-    for (size_t p = 1; p < anatomy.parts.size(); ++p) {
+    for (std::size_t p = 1; p < anatomy.parts.size(); ++p) {
         const Part& part = anatomy.parts[p];
         const Mat3 turned = bent[0].rotation(spine.axis.local(part.axis.origin).x());
         bent.emplace_back(part, pose.bends, bent[0].map(part.axis.origin), turned * frame_of(part.axis));
     }
     std::vector<Vec3> points(bind.points.size(), Vec3::Zero());
-    for (size_t v = 0; v < points.size(); ++v)
-        for (size_t p = 0; p < bent.size(); ++p)
-            // Diffusion leaves traces everywhere; below this they cannot be seen in float32.
+    for (std::size_t v = 0; v < points.size(); ++v)
+        for (std::size_t p = 0; p < bent.size(); ++p)
+            // Diffusion gives every part a weight everywhere; smaller ones have no effect in float32.
             if (weights(v, p) > 1e-9) points[v] += weights(v, p) * bent[p].map(bind.points[v]);
     return points;
 }

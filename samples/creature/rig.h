@@ -1,37 +1,19 @@
-// Poses: every part is bent and twisted along its axis, and the skin follows.
+// Poses the character: every part is bent and twisted along its axis, and the skin follows.
 #pragma once
 
 #include "anatomy.h"
+#include "poses.h"
 
 namespace pliant::creature {
 
-/// One bend of a part: between the parameters `from` and `to` of its axis the axis turns, along a rounded arc, by `side`
-/// degrees towards its side direction and by `up` degrees towards its up direction, and the cross-sections turn by `twist`
-/// degrees about the axis, counted from side to up, on the way from `from` to `to`. Directions are those of the untwisted,
-/// rotation-minimising frame, so twist does not deflect the bends behind it.
-struct Bend {
-    std::string part;
-    double from, to;
-    double side, up, twist;
-};
-
-struct Pose {
-    std::string name;
-    double pitch, roll, yaw; // of the whole body about the root, in degrees
-    std::vector<Bend> bends;
-};
-
-/// The five poses of the character; the first is "rest".
-std::vector<Pose> character_poses();
-
-/// Where one part goes: a map of space that carries each cross-section of the bind axis rigidly onto the bent axis. Lengths
-/// along the axis are kept exactly.
+// The deformation of one part: maps each cross-section of the bind axis rigidly onto the bent axis. Lengths along the
+// axis are kept exactly.
 class BentAxis {
 public:
-    /// `root` and `root_frame` (columns tangent, side, up) are where the axis' parameter 0 goes.
+    // root, root_frame (columns tangent, side, up): position and frame of the bent axis at parameter 0.
     BentAxis(const Part& part, const std::vector<Bend>& bends, const Vec3& root, const Mat3& root_frame);
     Vec3 map(const Vec3& bind_point) const;
-    /// How directions at parameter s of the bind axis turn.
+    // The rotation of directions at parameter s of the bind axis.
     Mat3 rotation(double s) const;
 
 private:
@@ -47,10 +29,10 @@ private:
     std::vector<Sample> samples_;
 };
 
-/// Per vertex and part: how much the part carries the vertex. Weights are smooth over the mesh, non-negative, and sum to 1.
+// Skinning weights, a row per vertex and a column per part: smooth over the mesh, non-negative, with sum 1.
 Eigen::MatrixXd skin_weights(const Mesh& bind, const Anatomy& anatomy);
 
-/// The bind shape's vertices in a pose.
+// The vertices of the bind shape in a pose.
 std::vector<Vec3> pose_points(const Mesh& bind, const Anatomy& anatomy, const Eigen::MatrixXd& weights, const Pose& pose);
 
 } // namespace pliant::creature

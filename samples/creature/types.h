@@ -1,4 +1,4 @@
-// The two plain types that every stage of the generator passes on.
+// The types that all stages of the generator share.
 #pragma once
 
 #include <Eigen/Core>
@@ -11,9 +11,9 @@ namespace pliant::creature {
 
 using Vec3 = Eigen::Vector3d;
 using Mat3 = Eigen::Matrix3d;
-using Face = std::array<int32_t, 3>;
+using Face = std::array<std::int32_t, 3>;
 
-/// A closed triangle mesh; faces are counter-clockwise seen from outside.
+// A closed triangle mesh; faces are counter-clockwise seen from outside.
 struct Mesh {
     std::vector<Vec3> points;
     std::vector<Face> faces;

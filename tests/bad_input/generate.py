@@ -6,6 +6,7 @@ import random
 import struct
 
 import gltf_files
+import pose_scripts
 import solids
 
 CASES = dict(solids.CASES)
@@ -530,6 +531,7 @@ for needs_manifold in ("arap_fin", "ghost_fin"):
 
 gltf_files.add_cases(good)
 CASES.update(gltf_files.CASES)
+CASES.update(pose_scripts.CASES)
 
 
 def generate(name, folder):

@@ -54,7 +54,7 @@ case $way in
         install_runtime
         folder=$(dirname "$(find "$work_dir/prefix" -name pliant.pc)")
         export PKG_CONFIG_PATH=$folder
-        pkg-config --print-errors --exists 'pliant >= 0.1.0'
+        pkg-config --print-errors --exists 'pliant'
         # Word splitting wanted: the flags are words.
         # shellcheck disable=SC2046
         "${CC:-cc}" -std=c99 "$here/consumer/main.c" -o "$work_dir/consumer" $(pkg-config --cflags --libs pliant)

@@ -14,17 +14,21 @@ Window = Atom = Time = ctypes.c_ulong
 
 
 class ClientMessage(ctypes.Structure):
-    _fields_ = [("type", ctypes.c_int), ("serial", ctypes.c_ulong), ("send_event", ctypes.c_int), ("display", ctypes.c_void_p),
+    _fields_ = [("type", ctypes.c_int), ("serial", ctypes.c_ulong), ("send_event", ctypes.c_int),
+                ("display", ctypes.c_void_p),
                 ("window", Window), ("message_type", Atom), ("format", ctypes.c_int), ("data", ctypes.c_long * 5)]
 
 
 class SelectionRequest(ctypes.Structure):
-    _fields_ = [("type", ctypes.c_int), ("serial", ctypes.c_ulong), ("send_event", ctypes.c_int), ("display", ctypes.c_void_p),
-                ("owner", Window), ("requestor", Window), ("selection", Atom), ("target", Atom), ("property", Atom), ("time", Time)]
+    _fields_ = [("type", ctypes.c_int), ("serial", ctypes.c_ulong), ("send_event", ctypes.c_int),
+                ("display", ctypes.c_void_p),
+                ("owner", Window), ("requestor", Window), ("selection", Atom), ("target", Atom), ("property", Atom),
+                ("time", Time)]
 
 
 class Selection(ctypes.Structure):
-    _fields_ = [("type", ctypes.c_int), ("serial", ctypes.c_ulong), ("send_event", ctypes.c_int), ("display", ctypes.c_void_p),
+    _fields_ = [("type", ctypes.c_int), ("serial", ctypes.c_ulong), ("send_event", ctypes.c_int),
+                ("display", ctypes.c_void_p),
                 ("requestor", Window), ("selection", Atom), ("target", Atom), ("property", Atom), ("time", Time)]
 
 
@@ -37,11 +41,14 @@ SELECTION_REQUEST, SELECTION_NOTIFY, CLIENT_MESSAGE = 30, 31, 33
 X.XOpenDisplay.restype = ctypes.c_void_p
 X.XDefaultRootWindow.restype = X.XInternAtom.restype = X.XCreateSimpleWindow.restype = ctypes.c_ulong
 for name, types in {"XInternAtom": [ctypes.c_void_p, ctypes.c_char_p, ctypes.c_int], "XDefaultRootWindow": [ctypes.c_void_p],
-                    "XCreateSimpleWindow": [ctypes.c_void_p, Window] + 2 * [ctypes.c_int] + 3 * [ctypes.c_uint] + 2 * [ctypes.c_ulong],
+                    "XCreateSimpleWindow": [ctypes.c_void_p, Window] + 2 * [ctypes.c_int] + 3 * [ctypes.c_uint]
+                    + 2 * [ctypes.c_ulong],
                     "XSetSelectionOwner": [ctypes.c_void_p, Atom, Window, Time], "XPending": [ctypes.c_void_p],
-                    "XNextEvent": [ctypes.c_void_p, ctypes.c_void_p], "XFlush": [ctypes.c_void_p], "XFree": [ctypes.c_void_p],
+                    "XNextEvent": [ctypes.c_void_p, ctypes.c_void_p], "XFlush": [ctypes.c_void_p],
+                    "XFree": [ctypes.c_void_p],
                     "XSendEvent": [ctypes.c_void_p, Window, ctypes.c_int, ctypes.c_long, ctypes.c_void_p],
-                    "XChangeProperty": [ctypes.c_void_p, Window, Atom, Atom] + 2 * [ctypes.c_int] + [ctypes.c_char_p, ctypes.c_int],
+                    "XChangeProperty": [ctypes.c_void_p, Window, Atom, Atom] + 2 * [ctypes.c_int]
+                    + [ctypes.c_char_p, ctypes.c_int],
                     "XQueryTree": [ctypes.c_void_p, Window] + 4 * [ctypes.c_void_p],
                     "XGetWindowProperty": [ctypes.c_void_p, Window, Atom] + 2 * [ctypes.c_long] + [ctypes.c_int, Atom]
                     + 5 * [ctypes.c_void_p]}.items():
@@ -66,8 +73,8 @@ def children():
 
 def text_of(window, name):
     kind, format_, count, after, data = Atom(), ctypes.c_int(), ctypes.c_ulong(), ctypes.c_ulong(), ctypes.c_void_p()
-    X.XGetWindowProperty(display, window, atom(name), 0, 1024, 0, 0, ctypes.byref(kind), ctypes.byref(format_), ctypes.byref(count),
-                         ctypes.byref(after), ctypes.byref(data))
+    X.XGetWindowProperty(display, window, atom(name), 0, 1024, 0, 0, ctypes.byref(kind), ctypes.byref(format_),
+                         ctypes.byref(count), ctypes.byref(after), ctypes.byref(data))
     if not data.value:
         return None
     text = ctypes.string_at(data.value, count.value * max(format_.value // 8, 1))

@@ -28,7 +28,8 @@ def skip(reason):
 def make_asset(folder, *more, poses=3):
     path = folder / "tube.pliant"
     subprocess.run([sys.executable, ROOT / "tests/runtime/tiny_asset.py", path, "--mesh", "tube", "--poses", str(poses),
-                    "--dim", str(max(6, poses - 1)), "--material", "neo-hookean", *more], check=True, stdout=subprocess.DEVNULL)
+                    "--dim", str(max(6, poses - 1)), "--material", "neo-hookean", *more],
+                   check=True, stdout=subprocess.DEVNULL)
     return path
 
 

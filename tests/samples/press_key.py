@@ -1,4 +1,7 @@
-"""Presses a key in the only window of an X display: press_key.py KEYSYM BEFORE.png AFTER.png; pictures of the screen before and after."""
+"""Presses a key in the only window of an X display, and saves pictures of the screen before and after it.
+
+Usage: press_key.py KEYSYM BEFORE.png AFTER.png
+"""
 import ctypes
 import sys
 import time
@@ -10,7 +13,8 @@ Window = ctypes.c_ulong
 
 
 class Key(ctypes.Structure):
-    _fields_ = [("type", ctypes.c_int), ("serial", ctypes.c_ulong), ("send_event", ctypes.c_int), ("display", ctypes.c_void_p),
+    _fields_ = [("type", ctypes.c_int), ("serial", ctypes.c_ulong), ("send_event", ctypes.c_int),
+                ("display", ctypes.c_void_p),
                 ("window", Window), ("root", Window), ("subwindow", Window), ("time", ctypes.c_ulong), ("x", ctypes.c_int),
                 ("y", ctypes.c_int), ("x_root", ctypes.c_int), ("y_root", ctypes.c_int), ("state", ctypes.c_uint),
                 ("keycode", ctypes.c_uint), ("same_screen", ctypes.c_int), ("pad", ctypes.c_long * 12)]

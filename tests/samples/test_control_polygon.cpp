@@ -1,7 +1,7 @@
 // The mathematics of the player: coordinates in the control polygon, and the motion of the point.
-#include "asset_file.h"
-#include "control_polygon.h"
-#include "motion.h"
+#include "blend/asset_file.h"
+#include "blend/control_polygon.h"
+#include "blend/motion.h"
 
 #include <doctest/doctest.h>
 #include <glm/geometric.hpp>
@@ -25,30 +25,29 @@ double sum(const std::vector<double>& weights)
 
 TEST_CASE("one weight in a corner, exactly")
 {
-    for (uint32_t count : { 2u, 3u, 4u, 5u, 7u, 12u, 64u }) {
+    for (std::uint32_t count : { 2u, 3u, 4u, 5u, 7u, 12u, 64u }) {
         const ControlPolygon polygon(count);
         REQUIRE(polygon.corner_count() == count);
-        for (uint32_t k = 0; k < count; ++k) {
+        for (std::uint32_t k = 0; k < count; ++k) {
             const std::vector<double> weights = polygon.weights(polygon.corners()[k]);
-            for (uint32_t i = 0; i < count; ++i) CHECK(weights[i] == (i == k ? 1.0 : 0.0));
+            for (std::uint32_t i = 0; i < count; ++i) CHECK(weights[i] == (i == k ? 1.0 : 0.0));
         }
     }
 }
 
 TEST_CASE("two weights on an edge, linear along it")
 {
-    for (uint32_t count : { 2u, 3u, 5u, 8u }) {
+    for (std::uint32_t count : { 2u, 3u, 5u, 8u }) {
         const ControlPolygon polygon(count);
-        for (uint32_t k = 0; k < count; ++k) {
-            const uint32_t next = (k + 1) % count;
+        for (std::uint32_t k = 0; k < count; ++k) {
+            const std::uint32_t next = (k + 1) % count;
             for (double t : { 0.125, 0.5, 0.8 }) {
                 const std::vector<double> weights
                     = polygon.weights((1.0 - t) * polygon.corners()[k] + t * polygon.corners()[next]);
                 CHECK(weights[k] == doctest::Approx(1.0 - t).epsilon(1e-12));
                 CHECK(weights[next] == doctest::Approx(t).epsilon(1e-12));
-                for (uint32_t i = 0; i < count; ++i) {
+                for (std::uint32_t i = 0; i < count; ++i)
                     if (i != k && i != next) CHECK(weights[i] == 0.0);
-                }
             }
         }
     }
@@ -58,7 +57,7 @@ TEST_CASE("inside: positive, sum one, and the weighted corners give the point ba
 {
     std::mt19937 random(1);
     std::uniform_real_distribution<double> anywhere(-1.0, 1.0);
-    for (uint32_t count : { 2u, 3u, 4u, 5u, 6u, 9u, 64u }) {
+    for (std::uint32_t count : { 2u, 3u, 4u, 5u, 6u, 9u, 64u }) {
         const ControlPolygon polygon(count);
         for (int i = 0; i < 200; ++i) {
             const glm::dvec2 point = polygon.nearest_inside({ anywhere(random), anywhere(random) });
@@ -83,12 +82,11 @@ TEST_CASE("a point outside counts as the nearest inside")
 
 TEST_CASE("the idle path is closed, stays inside, visits every corner and has no jumps")
 {
-    for (uint32_t count : { 2u, 3u, 5u, 10u }) {
+    for (std::uint32_t count : { 2u, 3u, 5u, 10u }) {
         const ControlPolygon polygon(count);
         CHECK(glm::distance(polygon.idle_point(0.0), polygon.idle_point(1.0)) < 1e-12);
-        for (uint32_t k = 0; k < count; ++k) {
+        for (std::uint32_t k = 0; k < count; ++k)
             CHECK(glm::distance(polygon.idle_point(static_cast<double>(k) / count), polygon.corners()[k]) < 1e-9);
-        }
         const int steps = 1000 * static_cast<int>(count);
         for (int i = 0; i < steps; ++i) {
             const glm::dvec2 point = polygon.idle_point(static_cast<double>(i) / steps);

@@ -1,4 +1,7 @@
-"""Crowds rebuilt by pliant::gl, and blended parts from back to front: test_player_crowd.py CASE PLAYER (player_support.py)."""
+"""Crowds rebuilt by pliant::gl, and blended parts from back to front.
+
+Usage: test_player_crowd.py CASE PLAYER (player_support.py).
+"""
 import json
 import os
 import shutil
@@ -40,7 +43,7 @@ class Variables:
 # ---------------------------------------------------------------------------------------------------------- assets --
 
 def seamed_tube(columns, rows):
-    """A tube that is split along its length, as texture coordinates split it: first and last vertex of a ring lie at one place."""
+    """A tube that is split along its length, as at a texture seam: first and last vertex of a ring are at one place."""
     rings = tiny_mesh.tube(columns, rows)[0].reshape(columns, rows, 3)
     return np.concatenate([rings, rings[:, :1]], axis=1).reshape(-1, 3), tiny_mesh.grid_faces(columns, rows + 1, False)
 
@@ -145,9 +148,11 @@ def case_rebuild_refused(folder):
 
 
 def press_g(asset, folder, variables):
-    script = ('"$0" "$1" --crowd 3 --size 800x620 --rebuild cpu & player=$!; "$2" -B "$3" G "$4" "$5"; code=$?; kill -0 $player || code=9; '
+    script = ('"$0" "$1" --crowd 3 --size 800x620 --rebuild cpu & player=$!; "$2" -B "$3" G "$4" "$5"; code=$?; '
+              'kill -0 $player || code=9; '
               'kill $player; exit $code')
-    command = ["xvfb-run", "-a", "-e", "/dev/stderr", "-s", "-screen 0 800x620x24", "bash", "-c", script, PLAYER, asset, sys.executable,
+    command = ["xvfb-run", "-a", "-e", "/dev/stderr", "-s", "-screen 0 800x620x24", "bash", "-c", script,
+               PLAYER, asset, sys.executable,
                Path(__file__).with_name("press_key.py"), folder / "before.png", folder / "after.png"]
     with Variables(variables):
         result = subprocess.run(list(map(str, command)), capture_output=True, text=True, timeout=240)
@@ -193,19 +198,22 @@ def case_layers(folder):
     for who in (("--weights", "1,0"), ("--crowd", "1", "--rebuild", "gpu")):
         for view, nearer in (("0,5", "blue"), ("180,5", "red")):
             red, blue = colours_at(picture(asset, folder, *who, f"--view={view}"), (0.47, 0.45, 0.53, 0.55))
-            assert (blue > red + 20) if nearer == "blue" else (red > blue + 20), f"{who}, {view}: red {red:.0f}, blue {blue:.0f}"
+            assert (blue > red + 20) if nearer == "blue" else (red > blue + 20), (
+                f"{who}, {view}: red {red:.0f}, blue {blue:.0f}")
 
 
 def case_layers_crowd(folder):
-    """Where the red half of one character and the blue one of another overlap, the nearer character's is over the other's."""
+    """Where the red half of one character overlaps the blue half of another, the nearer one is drawn over the other."""
     asset = make_panes(folder, 0, 1.5)
     path = write_path(folder, [[1, 0]])
     for rebuild in ("cpu", "gpu"):
         for view, nearer in (("0,5", "blue"), ("180,5", "red")):
-            run(asset, "--crowd", "2", "--rebuild", rebuild, f"--view={view}", "--sequence", folder / "c_%d.png", "--path", path, "--size", "320x240")
+            run(asset, "--crowd", "2", "--rebuild", rebuild, f"--view={view}", "--sequence", folder / "c_%d.png",
+                "--path", path, "--size", "320x240")
             image = np.asarray(Image.open(folder / "c_0.png").convert("RGB")).astype(float)
             red, blue = colours_at(image, (0.47, 0.45, 0.53, 0.55))
-            assert (blue > red + 20) if nearer == "blue" else (red > blue + 20), f"{rebuild}, {view}: red {red:.0f}, blue {blue:.0f}"
+            assert (blue > red + 20) if nearer == "blue" else (red > blue + 20), (
+                f"{rebuild}, {view}: red {red:.0f}, blue {blue:.0f}")
 
 
 with tempfile.TemporaryDirectory(prefix="pliant_player_") as temporary:

@@ -1,12 +1,12 @@
-// The parts of the player that need no graphics: paths of weights, unreduced averages, distances, playback, crowds' places.
-#include "alignment.h"
-#include "crowd.h"
-#include "error.h"
-#include "frame_times.h"
-#include "heat.h"
-#include "playback.h"
-#include "truth.h"
-#include "weight_path.h"
+// The parts of the player that need no OpenGL: weight paths, unreduced averages, distances, playback, places of a crowd.
+#include "blend/alignment.h"
+#include "blend/crowd.h"
+#include "blend/error.h"
+#include "blend/frame_times.h"
+#include "blend/heat.h"
+#include "blend/playback.h"
+#include "blend/truth.h"
+#include "blend/weight_path.h"
 
 #include <doctest/doctest.h>
 #include <glm/common.hpp>
@@ -26,7 +26,7 @@ using namespace pliant::player;
 
 namespace {
 
-// A file that is there as long as the object lives.
+// A file that exists as long as the object.
 class TemporaryFile {
 public:
     explicit TemporaryFile(const std::string& bytes)
@@ -149,7 +149,7 @@ TEST_CASE("every damage of a mesh is refused")
 {
     const std::string good = ply();
     CHECK(ply_error(good) == 0);
-    for (size_t length = 0; length < good.size(); ++length) {
+    for (std::size_t length = 0; length < good.size(); ++length) {
         CAPTURE(length);
         CHECK(ply_error(good.substr(0, length)) == 5914);
     }
@@ -172,8 +172,8 @@ TEST_CASE("every damage of a mesh is refused")
 TEST_CASE("distances on the scale")
 {
     CHECK(heat_of_share(0.0f) == 0.0f);
-    CHECK(heat_of_share(kLowestHeat) == 0.0f);
-    CHECK(heat_of_share(kHighestHeat) == doctest::Approx(1.0f));
+    CHECK(heat_of_share(lowest_heat) == 0.0f);
+    CHECK(heat_of_share(highest_heat) == doctest::Approx(1.0f));
     CHECK(heat_of_share(1.0f) == 1.0f);
     CHECK(heat_of_share(1e-3f) == doctest::Approx(1.0f / 3.0f)); // a decade of three
     CHECK(heat_of_share(std::numeric_limits<float>::quiet_NaN()) == 0.0f);
@@ -199,10 +199,10 @@ TEST_CASE("rigid motions are found again, and never mirror")
         mirrored.emplace_back(-x.x, x.y, x.z);
     }
     const RigidMotion motion = best_motion(from, onto, from.size());
-    for (size_t i = 0; i < from.size(); ++i) CHECK(glm::distance(motion(from[i]), glm::dvec3(onto[i])) < 1e-6);
+    for (std::size_t i = 0; i < from.size(); ++i) CHECK(glm::distance(motion(from[i]), glm::dvec3(onto[i])) < 1e-6);
     CHECK(glm::determinant(best_motion(from, mirrored, from.size()).rotation) == doctest::Approx(1.0));
     CHECK(glm::length(best_motion(from, from, 1)(from[0]) - glm::dvec3(from[0]))
-          < 1e-6); // one point: no direction to turn to
+          < 1e-6); // a single point has no orientation
     CHECK(best_motion({}, {}, 0)(glm::dvec3(1.0)) == glm::dvec3(1.0));
 }
 
@@ -230,7 +230,7 @@ TEST_CASE("the path plays, pauses, and gives way to the point")
     for (double weight : playback.weights()) CHECK(weight == doctest::Approx(1.0 / 3.0));
     playback.toggle_play();
     CHECK(playback.plays());
-    CHECK(playback.weights() == path.at(0.5)); // goes on where it was
+    CHECK(playback.weights() == path.at(0.5)); // continues where it was
 }
 
 TEST_CASE("given weights stay until the point moves")
@@ -277,16 +277,16 @@ TEST_CASE("frame times: medians of the last 120")
 TEST_CASE("a crowd stands apart, around the middle, inside its extent")
 {
     const Extent one { { -1, 0, -2 }, { 1, 3, 2 }, { { -1, 0, 0 }, { 1, 3, 0 }, { 0, 1, -2 }, { 0, 1, 2 } } };
-    for (uint32_t count : { 1u, 2u, 7u, 100u }) {
+    for (std::uint32_t count : { 1u, 2u, 7u, 100u }) {
         CAPTURE(count);
         const std::vector<glm::vec3> places = crowd_places(count, { 2.0f, 4.0f });
         REQUIRE(places.size() == count);
         glm::vec3 middle(0.0f);
         const Extent all = extent_of_crowd(one, places);
-        for (size_t i = 0; i < count; ++i) {
+        for (std::size_t i = 0; i < count; ++i) {
             middle += places[i];
             CHECK(places[i].y == 0.0f);
-            for (size_t j = 0; j < i; ++j) {
+            for (std::size_t j = 0; j < i; ++j) {
                 const glm::vec3 apart = glm::abs(places[i] - places[j]);
                 CHECK((apart.x > 1.99f || apart.z > 3.99f));
             }

@@ -1,6 +1,7 @@
 // MEDIT's format (INRIA), text: .mesh.
-#include "input/io/number_reader.h"
 #include "input/io/tet_builder.h"
+
+#include "input/io/number_reader.h"
 
 #include <algorithm>
 #include <array>

@@ -1,7 +1,8 @@
 // Gmsh's format: 2.2 and 4.1, ASCII and binary.
+#include "input/io/tet_builder.h"
+
 #include "input/io/msh_elements.h"
 #include "input/io/number_reader.h"
-#include "input/io/tet_builder.h"
 
 #include <algorithm>
 #include <fmt/format.h>

@@ -1,6 +1,7 @@
 // VTK's legacy format, ASCII and binary (big-endian): unstructured grids, cells in the layout of version 3.0 or of 5.1.
-#include "input/io/number_reader.h"
 #include "input/io/tet_builder.h"
+
+#include "input/io/number_reader.h"
 
 #include <algorithm>
 #include <array>

@@ -1,6 +1,7 @@
+#include "input/poses/check_connectivity.h"
+
 #include "base/common/union_find.h"
 #include "input/poses/check_surface.h"
-#include "input/poses/simulation_mesh.h"
 
 #include <algorithm>
 #include <fmt/format.h>
@@ -222,12 +223,6 @@ void Checker::find_bow_ties()
 void check_connectivity(const MeshFile& first, ElasticSurface& surface, FindingList& findings)
 {
     Checker(first, surface, findings).check();
-}
-
-std::string where_is_face(const MeshFile& mesh, std::size_t face)
-{
-    if (face >= mesh.face_lines.size()) return mesh.path;
-    return mesh.path + ":" + std::to_string(mesh.face_lines[face]);
 }
 
 } // namespace pliant

@@ -1,6 +1,7 @@
+#include "input/poses/check_solid.h"
+
 #include "base/common/union_find.h"
 #include "base/mesh/solid.h"
-#include "input/poses/check_solid.h"
 
 #include <algorithm>
 #include <fmt/format.h>

@@ -1,7 +1,8 @@
+#include "input/poses/compare_poses.h"
+
 #include "base/mesh/renumbering.h"
 #include "base/mesh/solid.h"
 #include "input/poses/check_solid.h"
-#include "input/poses/compare_poses.h"
 
 #include <algorithm>
 #include <fmt/format.h>

@@ -2,6 +2,7 @@
 
 #include "base/mesh/render_mesh.h"
 #include "base/mesh/solid.h"
+#include "input/poses/check_connectivity.h"
 #include "input/poses/check_solid.h"
 #include "input/poses/check_surface.h"
 #include "input/poses/compare_poses.h"

@@ -26,12 +26,6 @@ constexpr double flat_part_limit = 0.1;
 ElasticSurface make_elastic_surface(const std::vector<const MeshFile*>& meshes, const Triangulation& drawn,
                                     double weld_tolerance, FindingList& findings);
 
-// Checks and counts how the triangles hang together, positions unseen; `first` names file and lines. Warnings, for none of this keeps
-// discrete shells from working: P2203 edges of three or more faces, P2204 neighbours of opposite orientation, P2206 bow-tie vertices,
-// P2207 vertices without a triangle, P2208 several components (parts that touch in single vertices only can turn there freely, so they
-// count as several).
-void check_connectivity(const MeshFile& first, ElasticSurface& surface, FindingList& findings);
-
 // "5, 7, 9, 11, 12, ...": some numbers of a longer list, for messages.
 std::string first_few(const std::vector<std::uint32_t>& numbers);
 

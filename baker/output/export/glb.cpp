@@ -1,6 +1,7 @@
 #include "output/export/glb.h"
 
 #include "base/common/diagnostics.h"
+#include "base/common/version.h"
 #include "pliant_format.h"
 
 #include <algorithm>
@@ -53,7 +54,7 @@ void check_glb_size(std::uint64_t size)
 Glb::Glb(std::string_view leading)
     : leading_size_(leading.size())
 {
-    json_["asset"] = { { "version", "2.0" }, { "generator", "pliant 0.1.0" } };
+    json_["asset"] = { { "version", "2.0" }, { "generator", baker_version } };
     json_["buffers"] = Json::array({ Json::object() });
     json_["bufferViews"] = Json::array();
     json_["accessors"] = Json::array();

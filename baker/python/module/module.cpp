@@ -10,6 +10,7 @@
 #include "bake/make_energy.h"
 #include "bake/warnings.h"
 #include "base/common/parallel.h"
+#include "base/common/version.h"
 #include "input/io/source_file.h"
 #include "input/io/write_file.h"
 #include "input/poses/load_render_mesh.h"
@@ -238,6 +239,7 @@ void write_file(const std::string& path, const nb::bytes& bytes)
 NB_MODULE(_core, m)
 {
     nb::register_exception_translator(translate);
+    m.def("version", [] { return std::string(version); });
     m.def("has_cholmod", &has_cholmod);
     m.def("read_file", &read_file, nb::arg("path"));
     m.def("write_file", &write_file, nb::arg("path"), nb::arg("data"));

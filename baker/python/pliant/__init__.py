@@ -18,9 +18,10 @@ from typing import TYPE_CHECKING
 from ._asset import Asset
 from ._bake import average, bake
 from ._errors import Error, Finding, PliantWarning, ToleranceError
+from ._module import core
 from ._poses import Poses, load_poses
 
-__version__ = "0.1.0"
+__version__ = core.version()
 __all__ = ["Asset", "Error", "Finding", "PliantWarning", "Poses", "ToleranceError", "average", "bake", "load_poses"]
 
 if TYPE_CHECKING:

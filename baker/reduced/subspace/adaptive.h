@@ -23,7 +23,7 @@ struct AdaptiveSubspace {
 };
 
 // The family of averages a(w) is smooth in w, so that a basis of snapshots converges exponentially where the Krylov basis of Algorithm
-// 1 stalls (THEORY.md, section 3). Averages at the training weights (the equal ones first, where `mean` is) are followed from each
+// 1 stalls (reduced/THEORY.md, section 1). Averages at the training weights (the equal ones first, where `mean` is) are followed from each
 // other; differences of the poses are kept exactly, and of the averages the leading directions. No snapshot is taken at the checks.
 AdaptiveSubspace build_adaptive_subspace(const AverageFamily& family, const KnownAverage& mean,
                                          const std::vector<Weights>& training, const std::vector<Weights>& check_weights,

@@ -1,4 +1,4 @@
-// Generates the character and checks that its poses are what Pliant's examples promise. Usage: creature_test [VERTICES].
+// Generates the character and checks the properties that README.md promises. Usage: creature_test [VERTICES].
 #include "../creature.h"
 #include "mesh_checks.h"
 
@@ -32,10 +32,10 @@ void test_topology(const Character& character, int wanted_vertices)
     expect(topology.euler_characteristic == 2, "genus 0");
 }
 
-/// Says between which places of the rest pose the worst crossings are: every tenth of the list.
+// Prints the places of up to ten crossings, in the rest pose.
 void report_crossings(const ShapeReport& report, const NamedShape& rest)
 {
-    for (size_t i = 0; i < report.crossings.size(); i += 1 + report.crossings.size() / 10) {
+    for (std::size_t i = 0; i < report.crossings.size(); i += 1 + report.crossings.size() / 10) {
         const Vec3 &a = rest.points[report.crossings[i][0]], &b = rest.points[report.crossings[i][1]];
         std::printf("    at (%.1f %.1f %.1f) with (%.1f %.1f %.1f)\n", a.x(), a.y(), a.z(), b.x(), b.y(), b.z());
     }
@@ -61,7 +61,7 @@ void test_shapes(const Character& character)
     }
 }
 
-/// Elastic examples: hardly any edge changes its length much from any pose to any other.
+// Few edges change their length much between any two poses.
 void test_stretch(const Character& character)
 {
     for (const NamedShape& from : character.poses)

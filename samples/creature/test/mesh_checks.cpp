@@ -10,7 +10,6 @@
 #include <tuple>
 
 namespace pliant::creature {
-
 namespace {
 
 using HalfEdges = std::map<std::pair<int, int>, int>; // (origin, target) -> opposite vertex
@@ -25,25 +24,25 @@ HalfEdges half_edges_of(const std::vector<Face>& faces)
 
 double angle_between(const Vec3& a, const Vec3& b) { return std::atan2(a.cross(b).norm(), a.dot(b)); }
 
-/// The dihedral angle of Pliant's hinges: 0 when flat.
+// The dihedral angle of Pliant's hinges: 0 when flat.
 double dihedral(const Vec3& x0, const Vec3& x1, const Vec3& x2, const Vec3& x3)
 {
     const Vec3 e = x1 - x0, n1 = e.cross(x2 - x0), n2 = (x3 - x0).cross(e);
     return std::atan2(e.dot(n1.cross(n2)) / e.norm(), n1.dot(n2));
 }
 
-/// True if the open segment pq passes through the triangle (Moeller and Trumbore).
+// True if the open segment pq passes through the triangle (Moeller and Trumbore).
 bool pierces(const Vec3& p, const Vec3& q, const Vec3& a, const Vec3& b, const Vec3& c)
 {
     const Vec3 d = q - p, e1 = b - a, e2 = c - a, h = d.cross(e2);
     const double det = e1.dot(h);
-    if (det == 0.0) return false; // parallel: a crossing shows at another edge
+    if (det == 0.0) return false; // parallel: another edge shows the crossing
     const Vec3 s = p - a, k = s.cross(e1);
     const double u = s.dot(h) / det, v = d.dot(k) / det, t = e2.dot(k) / det;
     return u >= 0.0 && v >= 0.0 && u + v <= 1.0 && t > 0.0 && t < 1.0;
 }
 
-/// Edges that pierce faces, found with a grid whose cells are as large as the longest edge.
+// Edges that pierce faces, found with a grid whose cells are as large as the longest edge.
 std::vector<std::array<int, 2>> find_crossings(const std::vector<Vec3>& points, const std::vector<Face>& faces,
                                                const HalfEdges& edges, double cell)
 {
@@ -55,7 +54,7 @@ std::vector<std::array<int, 2>> find_crossings(const std::vector<Vec3>& points, 
                 for (int x = a.x(); x <= b.x(); ++x) visit({ x, y, z });
     };
     std::map<Cell, std::vector<int>> grid;
-    for (size_t i = 0; i < faces.size(); ++i) {
+    for (std::size_t i = 0; i < faces.size(); ++i) {
         const Vec3 &a = points[faces[i][0]], &b = points[faces[i][1]], &c = points[faces[i][2]];
         for_cells(a.cwiseMin(b).cwiseMin(c), a.cwiseMax(b).cwiseMax(c), [&](const Cell& at) { grid[at].push_back(int(i)); });
     }
@@ -102,7 +101,7 @@ TopologyReport check_topology(int vertex_count, const std::vector<Face>& faces)
     report.all_vertices_used = std::all_of(degree.begin(), degree.end(), [](int d) { return d > 0; });
     for (int v = 0; v < vertex_count; ++v) report.components += root(v) == v;
     report.euler_characteristic = vertex_count - int(edges.size() / 2) + int(faces.size());
-    // One fan per vertex: walking around it meets all its half-edges.
+    // Each vertex has one fan: a walk around it visits all its half-edges.
     for (int v = 0; v < vertex_count && report.closed_manifold; ++v) {
         int steps = 0;
         for (int u = leaving[v].first; u >= 0 && (steps == 0 || u != leaving[v].first) && steps <= degree[v]; ++steps)
@@ -149,9 +148,9 @@ ShapeReport check_shape(const std::vector<Vec3>& points, const std::vector<Face>
 StretchReport check_stretch(const std::vector<Vec3>& from, const std::vector<Vec3>& to, const std::vector<Face>& faces)
 {
     StretchReport report { 0.0, 1e300, 0.0 };
-    size_t outside = 0;
+    std::size_t outside = 0;
     for (const Face& f : faces)
-        for (int i = 0; i < 3; ++i) { // every edge comes twice: no share changes
+        for (int i = 0; i < 3; ++i) { // every edge is counted twice, which does not change the share
             const int u = f[i], v = f[(i + 1) % 3];
             const double ratio = (to[u] - to[v]).norm() / (from[u] - from[v]).norm();
             outside += ratio < 0.6 || ratio > 1.7;

@@ -2,6 +2,7 @@
 import hashlib
 import json
 import pathlib
+import re
 import sys
 import tempfile
 
@@ -58,7 +59,7 @@ def test_what_counts(folder):
     write_json(moved / "m.json", manifest)
     stamp = moved / "a.pliant.stamp"
     text = stamp.read_text(encoding="utf-8")
-    stamp.write_text(text.replace("pliant 0.1.0", "pliant 0.0.9"), encoding="utf-8")
+    stamp.write_text(re.sub(r"pliant \d+\.\d+\.\d+", "pliant 0.0.0", text), encoding="utf-8")
     reason("another version of the baker")
     for damaged, words in (("{", "no stamp"), ("[]", "no stamp"), (text.replace('"inputs"', '"x"'), "the stamp is damaged"),
                            (text.replace('"path": "poses/rest.obj"', '"path": 7'), "the stamp is damaged"), ("[" * 100000, "no stamp")):

@@ -1,0 +1,187 @@
+#include "elastic/pose/drag.h"
+
+#include "base/mesh/tets.h"
+#include "elastic/average/newton.h"
+
+#include <algorithm>
+#include <cmath>
+#include <fmt/format.h>
+#include <limits>
+
+namespace pliant {
+
+namespace {
+
+// A start where some tetrahedron keeps less than this fraction of its volume is no useful guess of the minimum.
+constexpr double least_shrink = 0.2;
+
+// Below this fraction of the nominal step there is no way on.
+constexpr double shortest_step = 1.0 / 256;
+
+// A rough equilibrium suffices to start the next step; the last one is written.
+constexpr double rough = 1e-5, precise = 1e-10;
+
+NewtonOptions newton_options(bool is_last)
+{
+    NewtonOptions options;
+    options.decrement = is_last ? precise : rough;
+    options.max_iterations = is_last ? 60 : 25;
+    return options;
+}
+
+class Dragger {
+public:
+    Dragger(const ShapeSet& rest, const Handles& handles, const SolidOptions& material)
+        : rest_(rest)
+        , handles_(handles)
+        , energy_(rest, material)
+        , solver_(energy_, rest, default_solver())
+        , tangent_(energy_)
+        , weights_(Weights::Ones(1))
+        , y_(rest.shapes[0])
+    {
+    }
+
+    DragResult run(const DragReport& report);
+
+private:
+    void linearise();
+    Shape start_of(double time) const;
+    bool try_step(double time, DragStep& step);
+    std::size_t worst_tet(const Shape& start) const;
+    [[noreturn]] void give_up(double time) const;
+    Positions final_positions() const;
+
+    const ShapeSet& rest_;
+    const Handles& handles_;
+    Solid energy_;
+    NewtonSolver solver_;
+    HessianAssembler tangent_; // at y_, handles not fixed: the forces of the handles on their neighbours
+    Weights weights_;
+    Shape y_;
+    std::size_t bad_tet_ = 0; // of the last rejected step
+};
+
+void Dragger::linearise()
+{
+    tangent_.assemble(weights_, y_, HessianKind::exact);
+    solver_.factorize_equilibrium(weights_, y_);
+}
+
+// Moves the handles to their positions at `time` and the other vertices as the linearised body does. If only the handles
+// moved, the tetrahedra beside them would turn over after a step of their own height.
+Shape Dragger::start_of(double time) const
+{
+    const Positions places = handles_.at(time);
+    Shape way = Shape::Zero(y_.size());
+    for (std::size_t i = 0; i < handles_.vertices().size(); ++i) {
+        const Eigen::Index v = handles_.vertices()[i];
+        const Eigen::Vector3d target = (places.row(Eigen::Index(i)).transpose() - rest_.origin) / rest_.length;
+        way.segment<3>(3 * v) = target - y_.segment<3>(3 * v);
+    }
+    const Shape load = -(tangent_.matrix().selfadjointView<Eigen::Lower>() * way);
+    return y_ + way + solver_.solve_equilibrium(load);
+}
+
+// The tetrahedron that shrinks most, if any shrinks too much; otherwise the number of tetrahedra.
+std::size_t Dragger::worst_tet(const Shape& start) const
+{
+    std::size_t worst = rest_.tets.size();
+    double smallest = least_shrink;
+    for (std::size_t t = 0; t < rest_.tets.size(); ++t) {
+        const double shrink = tet_edges(start, rest_.tets[t]).determinant() / tet_edges(y_, rest_.tets[t]).determinant();
+        if (shrink >= smallest) continue;
+        smallest = shrink;
+        worst = t;
+    }
+    return worst;
+}
+
+bool Dragger::try_step(double time, DragStep& step)
+{
+    const Shape start = start_of(time);
+    bad_tet_ = worst_tet(start);
+    if (bad_tet_ < rest_.tets.size()) return false;
+    step.start_energy = energy_value(energy_, weights_, start);
+    const NewtonResult result = solver_.minimise(weights_, start, newton_options(time >= 1));
+    step.iterations += result.iterations;
+    if (!result.has_converged) return false;
+    y_ = result.y;
+    step.time = time;
+    step.energy = result.energy;
+    step.smallest_j = smallest_j(rest_, y_).value;
+    return true;
+}
+
+void Dragger::give_up(double time) const
+{
+    // St. Venant-Kirchhoff softens under compression: beyond some point the only equilibrium has collapsed tetrahedra.
+    const std::string hint = std::string(energy_.law() == SolidLaw::stvk ? "try --material mooney-rivlin, or " : "")
+        + "turn or move by less, make the regions smaller so that more of the body can give way, or add one that guides it";
+    const std::string how_far = fmt::format("stuck at {:.1f} % of the motion", 100 * time);
+    if (bad_tet_ >= rest_.tets.size())
+        throw Failure(ExitCode::failed, error_at(4304, "", how_far + ": Newton's method finds no equilibrium", hint));
+    Eigen::Vector3d centre = Eigen::Vector3d::Zero();
+    for (const std::uint32_t v : rest_.tets[bad_tet_]) centre += point(rest_.shapes[0], v) / 4;
+    centre = rest_.length * centre + rest_.origin;
+    throw Failure(ExitCode::failed,
+                  error_at(4304, "",
+                           fmt::format("{}: tetrahedron {} (at rest near {:.4g} {:.4g} {:.4g}) would turn over", how_far,
+                                       bad_tet_, centre[0], centre[1], centre[2]),
+                           hint));
+}
+
+// Conversion from solver units rounds, so the handles get their exact coordinates.
+Positions Dragger::final_positions() const
+{
+    Positions positions = to_input_units(rest_, y_);
+    const Positions places = handles_.at(1);
+    for (std::size_t i = 0; i < handles_.vertices().size(); ++i)
+        positions.row(handles_.vertices()[i]) = places.row(Eigen::Index(i));
+    return positions;
+}
+
+DragResult Dragger::run(const DragReport& report)
+{
+    DragResult result;
+    const double nominal = 1.0 / handles_.nominal_steps();
+    double time = 0, length = nominal;
+    while (time < 1) {
+        linearise();
+        DragStep step;
+        for (;; length /= 2) {
+            if (length < shortest_step * nominal) give_up(time);
+            // Do not leave a last step of a hundredth of a step.
+            const double next = time + 1.01 * length >= 1 ? 1 : time + length;
+            if (try_step(next, step)) break;
+            ++step.halvings;
+        }
+        time = step.time;
+        if (step.halvings == 0) length = std::min(nominal, 2 * length);
+        ++result.steps;
+        result.iterations += step.iterations;
+        result.last = step;
+        if (report) report(step);
+    }
+    result.positions = final_positions();
+    return result;
+}
+
+} // namespace
+
+SmallestJ smallest_j(const ShapeSet& rest, const Shape& y)
+{
+    SmallestJ smallest { std::numeric_limits<double>::infinity(), 0 };
+    for (std::size_t t = 0; t < rest.tets.size(); ++t) {
+        const double j = tet_edges(y, rest.tets[t]).determinant() / tet_edges(rest.shapes[0], rest.tets[t]).determinant();
+        if (j < smallest.value) smallest = { j, t };
+    }
+    return smallest;
+}
+
+DragResult drag(const ShapeSet& rest, const Handles& handles, const SolidOptions& material, const DragReport& report)
+{
+    return Dragger(rest, handles, material).run(report);
+}
+
+} // namespace pliant

@@ -1,0 +1,18 @@
+// PNG and JPEG files in memory, decoded.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+namespace pliant::player {
+
+// RGBA, sRGB, top row first. No pixels: the bytes were not a readable PNG or JPEG file.
+struct Image {
+    int width = 0, height = 0;
+    std::vector<std::uint8_t> pixels;
+};
+
+Image read_image(const std::uint8_t* bytes, std::size_t size);
+
+} // namespace pliant::player

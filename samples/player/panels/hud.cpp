@@ -1,0 +1,162 @@
+#include "panels/hud.h"
+
+#include "panels/polygon_view.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+
+namespace pliant::player {
+namespace {
+
+constexpr float polygon_height = 322.0f;
+
+const char* status_text(pliant_status status)
+{
+    switch (status) {
+    case PLIANT_STATUS_CONVERGED: return "converged";
+    case PLIANT_STATUS_LIMIT: return "at its limit";
+    case PLIANT_STATUS_STALLED: return "at float precision";
+    }
+    return "unknown";
+}
+
+void segment(const char* label, Show show, ImU32 colour, const HudModel& model, float width, HudActions& actions)
+{
+    const bool chosen = model.shown.show == show;
+    if (chosen) {
+        ImGui::PushStyleColor(ImGuiCol_Button, colour);
+        ImGui::PushStyleColor(ImGuiCol_ButtonHovered, colour);
+        ImGui::PushStyleColor(ImGuiCol_ButtonActive, colour);
+        ImGui::PushStyleColor(ImGuiCol_Text, IM_COL32(255, 255, 255, 255));
+    }
+    if (ImGui::Button(label, { width, 0.0f })) actions.show = show;
+    if (chosen) ImGui::PopStyleColor(4);
+}
+
+// Buttons for the kind of blend.
+void draw_choices(const Overlay& overlay, const HudModel& model, HudActions& actions)
+{
+    const float s = overlay.scale(), gap = 5.0f * s;
+    const float count = model.truth ? 4.0f : 3.0f;
+    const float button = (ImGui::GetContentRegionAvail().x - (count - 1.0f) * gap) / count;
+    ImGui::PushStyleVar(ImGuiStyleVar_FramePadding, { 2.0f * s, 6.0f * s });
+    segment("Elastic", Show::elastic, elastic_ink, model, button, actions);
+    ImGui::SameLine(0.0f, gap);
+    segment("Linear", Show::linear, linear_ink, model, button, actions);
+    ImGui::SameLine(0.0f, gap);
+    segment("Both", Show::both, ink, model, button, actions);
+    if (model.truth) {
+        ImGui::SameLine(0.0f, gap);
+        segment("Three", Show::three, unreduced_ink, model, button, actions);
+    }
+    ImGui::PopStyleVar();
+    ImGui::Dummy({ 0.0f, 3.0f * s });
+}
+
+// The source of the weights, unless it is the point.
+void draw_sources(const Overlay& overlay, const HudModel& model)
+{
+    if (model.path_frame) {
+        char text[48];
+        std::snprintf(text, sizeof text, "%.1f of %zu", *model.path_frame, model.path_count);
+        row(overlay, "line of the path", text);
+    }
+    if (!model.shown.truth) return;
+    row(overlay, "unreduced average",
+        std::to_string(*model.shown.truth + 1) + " of " + std::to_string(model.truth->count()));
+    ImGui::PushFont(overlay.small());
+    ImGui::PushStyleColor(ImGuiCol_Text, unreduced_ink);
+    ImGui::TextUnformatted("all are shown at its weights (ring), the\nnearest to the point");
+    ImGui::PopStyleColor();
+    ImGui::PopFont();
+}
+
+void draw_facts(const Overlay& overlay, const HudModel& model, HudActions& actions)
+{
+    begin_facts(overlay, model.file);
+    draw_choices(overlay, model, actions);
+
+    row(overlay, "solve", microseconds(model.solve_us));
+    if (model.shown.show == Show::linear) {
+        row(overlay, "iterations", "a weighted sum");
+    } else {
+        const std::string work
+            = std::to_string(model.shown.cost.info.iterations) + " / " + std::to_string(model.shown.cost.info.evaluations);
+        row(overlay, "iterations / evaluations", work);
+        row(overlay, "status", status_text(model.shown.cost.info.status));
+    }
+    row(overlay, "reconstruct", microseconds(model.reconstruct_us));
+    row(overlay, "normals", microseconds(model.normals_us));
+    draw_sources(overlay, model);
+    ImGui::End();
+}
+
+// A drag moves the point if it starts off the corners or has left the corner where it started. A click on a corner must
+// not move the point, because a double click there travels to the corner.
+void handle_polygon_input(const PolygonView& view, float s, HudActions& actions)
+{
+    const ImVec2 mouse = ImGui::GetIO().MousePos;
+    const float reach = 17.0f * s;
+    if (ImGui::IsItemHovered() && ImGui::IsMouseDoubleClicked(ImGuiMouseButton_Left)) {
+        actions.go_to = view.corner_at(mouse, reach);
+        if (actions.go_to) return;
+    }
+    if (!ImGui::IsItemActive()) return;
+    const ImVec2 start = ImGui::GetIO().MouseClickedPos[ImGuiMouseButton_Left];
+    const bool on_corner = view.corner_at(start, reach).has_value();
+    if (!on_corner || ImGui::IsMouseDragging(ImGuiMouseButton_Left, 6.0f * s))
+        actions.drag_to = view.polygon.nearest_inside(view.point(mouse));
+}
+
+void draw_polygon_panel(const Overlay& overlay, const HudModel& model, int height, HudActions& actions)
+{
+    const float s = overlay.scale();
+    const ImVec2 size { panel_width * s, polygon_height * s };
+    ImGui::SetNextWindowPos({ panel_margin * s, static_cast<float>(height) - (polygon_height + panel_margin) * s });
+    ImGui::SetNextWindowSize(size);
+    ImGui::Begin("polygon", nullptr, panel_flags);
+    const ImVec2 corner = ImGui::GetWindowPos();
+    // Polygons with an odd number of corners have a tip on top, so their centre is a little lower.
+    const float drop = model.polygon.corner_count() % 2 == 1 ? 12.0f : 2.0f;
+    const PolygonView view { model.polygon,
+                             model.file.short_names(),
+                             { corner.x + size.x * 0.5f, corner.y + size.y * 0.5f + drop * s },
+                             polygon_radius(model.polygon.corner_count()) * s,
+                             0.5f * size.x - 10.0f * s,
+                             model.truth };
+    ImGui::SetCursorPos({ 6.0f * s, 6.0f * s });
+    ImGui::InvisibleButton("inside", { size.x - 12.0f * s, size.y - 12.0f * s });
+    handle_polygon_input(view, s, actions);
+    draw_polygon(ImGui::GetWindowDrawList(), overlay, view, model.shown.weights, model.point, true);
+    ImGui::End();
+}
+
+std::vector<Key> keys_for(const HudModel& model)
+{
+    std::vector<Key> keys = { { "drag the point", "blend" },
+                              { "double click a corner, 1-9", "go there" },
+                              { "drag the scene, wheel", "turn, zoom" },
+                              { "L", "linear / elastic" },
+                              { "B", "both" } };
+    if (model.truth) keys.emplace_back("T", "three");
+    keys.emplace_back("E", model.truth ? "error colours" : "difference colours");
+    if (model.has_paint) keys.emplace_back("M", "materials");
+    keys.emplace_back("Space", model.path_count > 0 ? "play / pause path" : "play / pause");
+    keys.insert(keys.end(),
+                { { "R", "reset view" }, { "drop a file", "open it" }, { "H", "hide help" }, { "Esc", "quit" } });
+    return keys;
+}
+
+} // namespace
+
+HudActions draw_hud(const Overlay& overlay, const HudModel& model, int width, int height)
+{
+    HudActions actions;
+    draw_facts(overlay, model, actions);
+    draw_polygon_panel(overlay, model, height, actions);
+    draw_keys(overlay, keys_for(model), model.help, width, height);
+    return actions;
+}
+
+} // namespace pliant::player

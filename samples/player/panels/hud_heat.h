@@ -1,0 +1,16 @@
+// Captions in the scene: names below the characters, and the colour scale of the distances.
+#pragma once
+
+#include "draw/camera.h"
+#include "panels/overlay.h"
+#include "panels/shown.h"
+
+namespace pliant::player {
+
+// The name below each character if there are several, and with heat its distances.
+void draw_side_captions(const Overlay& overlay, const Shown& shown, const Area& free);
+
+// The colour scale of the distances, at the top of the free area. Draws nothing without heat.
+void draw_heat_legend(const Overlay& overlay, const Shown& shown, const Area& free);
+
+} // namespace pliant::player

@@ -1,0 +1,78 @@
+#include "run/blend_session.h"
+
+#include "panels/hud_heat.h"
+
+#define GLFW_INCLUDE_NONE
+#include <GLFW/glfw3.h>
+
+#include <algorithm>
+
+namespace pliant::player {
+
+std::optional<Truth> truth_for(const Options& options, const AssetFile& file)
+{
+    if (options.truth_weights.empty()) return std::nullopt;
+    return Truth(options.truth_weights, options.truth_pattern, file);
+}
+
+Show first_show(const Options& options)
+{
+    if (options.both) return Show::both;
+    if (options.linear) return Show::linear;
+    return options.truth_weights.empty() ? Show::elastic : Show::three;
+}
+
+BlendSession::BlendSession(const Options& options, AssetFile file, Quality quality)
+    : file_(std::move(file))
+    , truth_(truth_for(options, file_))
+    , stage_(options, file_, truth_ ? &*truth_ : nullptr, quality)
+    , playback_(stage_.polygon(), weights_for(options, file_), options.weights.empty(), path_for(options, file_),
+                options.fps)
+    , show_(first_show(options))
+    , heat_(options.heat)
+{
+}
+
+void BlendSession::read_keys()
+{
+    const auto pressed = [](int key) { return ImGui::IsKeyPressed(key, false); };
+    if (pressed(GLFW_KEY_L)) show_ = show_ == Show::linear ? Show::elastic : Show::linear;
+    if (pressed(GLFW_KEY_B)) show_ = show_ == Show::both ? Show::elastic : Show::both;
+    if (pressed(GLFW_KEY_T) && truth_) show_ = show_ == Show::three ? Show::elastic : Show::three;
+    if (pressed(GLFW_KEY_E)) heat_ = !heat_;
+    if (pressed(GLFW_KEY_M)) stage_.show_paint(paint_ = !paint_);
+    if (pressed(GLFW_KEY_SPACE)) playback_.toggle_play();
+    for (std::uint32_t k = 0; k < std::min(stage_.polygon().corner_count(), 9u); ++k)
+        if (pressed(GLFW_KEY_1 + static_cast<int>(k))) playback_.go_to(k);
+}
+
+void BlendSession::draw_scene(const Canvas& canvas, const Area& area, const Area& free)
+{
+    history_.add(stage_.blend(playback_.weights(), show_, heat_).cost);
+    stage_.draw(canvas, area, free);
+}
+
+void BlendSession::draw_panels(const Overlay& overlay, int width, int height, bool with_help)
+{
+    const HudModel model { file_,
+                           stage_.polygon(),
+                           stage_.shown(),
+                           stage_.truth(),
+                           playback_.point(),
+                           playback_.path_frame(),
+                           playback_.path_count(),
+                           with_help,
+                           stage_.has_paint(),
+                           history_.median(&BlendCost::solve_us),
+                           history_.median(&BlendCost::reconstruct_us),
+                           history_.median(&BlendCost::normals_us) };
+    const HudActions actions = draw_hud(overlay, model, width, height);
+    const Area free = free_area(overlay.scale(), width, height);
+    draw_side_captions(overlay, stage_.shown(), free);
+    draw_heat_legend(overlay, stage_.shown(), free);
+    if (actions.show) show_ = *actions.show;
+    if (actions.drag_to) playback_.drag_to(*actions.drag_to);
+    if (actions.go_to) playback_.go_to(*actions.go_to);
+}
+
+} // namespace pliant::player

@@ -1,0 +1,28 @@
+// The session of a crowd.
+#pragma once
+
+#include "run/crowd_stage.h"
+#include "run/session.h"
+
+namespace pliant::player {
+
+class CrowdSession final : public Session {
+public:
+    CrowdSession(const Options& options, AssetFile file, Quality quality, const GlContext& context);
+
+    void advance(double seconds) override;
+    void read_keys() override;
+    void draw_scene(const Canvas& canvas, const Area& area, const Area& free) override;
+    void draw_panels(const Overlay& overlay, int width, int height, bool with_help) override;
+    Camera& camera() override { return stage_.camera(); }
+    std::string title() const override { return file_.title(); }
+
+private:
+    AssetFile file_;
+    CrowdStage stage_;
+    BlendMode mode_;
+    double phase_ = 0.0;
+    bool plays_ = true, paint_ = true;
+};
+
+} // namespace pliant::player

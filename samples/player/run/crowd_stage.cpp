@@ -1,0 +1,98 @@
+#include "run/crowd_stage.h"
+
+#include "blend/error.h"
+
+#include <cstdio>
+
+namespace pliant::player {
+namespace {
+
+// From higher up than a single character, so that the rows behind are visible.
+constexpr float crowd_yaw = 14.0f, crowd_pitch = 30.0f;
+
+Extent extent_of_one(const AssetFile& file, const glm::mat3& to_world)
+{
+    Character character(file, to_world);
+    return extent_of_poses(character);
+}
+
+// A little more than the poses need, so that neighbours do not touch.
+glm::vec2 room_of(const Extent& one)
+{
+    const glm::vec3 size = one.highest - one.lowest;
+    return glm::vec2(size.x, size.z) * 1.06f;
+}
+
+} // namespace
+
+CrowdStage::CrowdStage(const Options& options, const AssetFile& file, Quality quality, const GlContext& context)
+    : file_(file)
+    , context_(context)
+    , to_world_(options.to_world())
+    , polygon_(file.view().pose_count)
+    , path_(path_for(options, file))
+    , loop_seconds_(player::loop_seconds(polygon_, path_, options.fps))
+    , crowd_(file, options.to_world(), static_cast<std::uint32_t>(options.crowd))
+    , one_(extent_of_one(file, options.to_world()))
+    , places_(crowd_places(crowd_.count(), room_of(one_)))
+    , camera_(extent_of_crowd(one_, places_))
+    , scene_(file, one_, quality, !options.plain)
+{
+    camera_.set_home(crowd_yaw, crowd_pitch);
+    if (options.view) camera_.set_view(options.view->x, options.view->y);
+    if (options.rebuild == Rebuild::gpu) {
+        make_gpu();
+        on_gpu_ = true;
+    }
+    if (options.rebuild == Rebuild::automatic) rebuild_on_gpu(!context.is_software());
+}
+
+void CrowdStage::make_gpu()
+{
+    if (gpu_) return;
+    gpu_ = std::make_unique<GpuCrowd>(file_, to_world_, crowd_.count(), scene_.blended_parts(), context_.loader());
+}
+
+bool CrowdStage::rebuild_on_gpu(bool on)
+{
+    try {
+        if (on) make_gpu();
+        if (on_gpu_ != on) times_ = {}; // medians must not mix the two
+        on_gpu_ = on;
+    } catch (const Error& error) {
+        std::fprintf(stderr, "pliant-player: warning P%d: %s; the processor does it\n", static_cast<int>(error.number),
+                     error.what());
+    }
+    return on_gpu_ == on;
+}
+
+void CrowdStage::blend(double phase, BlendMode mode)
+{
+    glFinish(); // work left over from the previous frame must not count here
+    mode_ = mode;
+    cost_ = {};
+    crowd_.solve(crowd_weights(crowd_.count(), phase, polygon_, path_), mode, cost_);
+    if (on_gpu_)
+        gpu_->rebuild(crowd_, cost_);
+    else
+        crowd_.reconstruct(cost_);
+}
+
+void CrowdStage::draw(const Canvas& canvas, const Area& area, const Area& free)
+{
+    const Stopwatch watch;
+    std::vector<Actor> actors;
+    const glm::vec3 colour = mode_ == BlendMode::elastic ? elastic_colour : linear_colour;
+    for (std::uint32_t i = 0; i < crowd_.count(); ++i) {
+        if (on_gpu_)
+            actors.push_back({ nullptr, places_[i], colour, &gpu_->shape(i) });
+        else
+            actors.push_back({ &crowd_.vertices(i), places_[i], colour });
+    }
+    const Area free_in_area { free.x - area.x, free.y - area.y, free.width, free.height };
+    scene_.draw(canvas, area, free, camera_.matrices({ area.width, area.height }, free_in_area), actors);
+    glFinish();
+    times_.add({ cost_.solve_us * 1e-3, cost_.rebuild_us() * 1e-3, watch.microseconds() * 1e-3 });
+}
+
+} // namespace pliant::player

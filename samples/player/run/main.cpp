@@ -1,0 +1,51 @@
+// pliant-player: plays an asset. See samples/player/README.md, or --help.
+#include "blend/error.h"
+#include "run/app.h"
+#include "run/benchmark.h"
+#include "run/options.h"
+#include "run/pictures.h"
+#include "run/sheet.h"
+
+#include <cstdio>
+#include <exception>
+#include <utility>
+
+namespace {
+
+using namespace pliant::player;
+
+int run(int argc, char** argv)
+{
+    const auto [options, exit_code] = parse_command_line(argc, argv);
+    if (exit_code) return *exit_code;
+    AssetFile file(options.asset);
+    if (!options.screenshot.empty()) {
+        write_screenshot(options, file);
+    } else if (!options.sequence.empty()) {
+        write_sequence(options, file);
+    } else if (!options.sheet.empty()) {
+        write_sheet(options, file);
+    } else if (options.benchmark_frames > 0) {
+        run_benchmark(options, file);
+    } else {
+        run_window(options, std::move(file));
+    }
+    return static_cast<int>(ExitCode::done);
+}
+
+} // namespace
+
+int main(int argc, char** argv)
+{
+    try {
+        return run(argc, argv);
+    } catch (const Error& error) {
+        std::fprintf(stderr, "pliant-player: error P%d: %s\n", static_cast<int>(error.number), error.what());
+        if (!error.hint.empty()) std::fprintf(stderr, "hint: %s\n", error.hint.c_str());
+        return static_cast<int>(error.exit_code);
+    } catch (const std::exception& error) {
+        std::fprintf(stderr, "pliant-player: error P5903: %s\n", error.what());
+        std::fprintf(stderr, "hint: the machine is probably out of memory; a smaller --size may help\n");
+        return static_cast<int>(ExitCode::failed);
+    }
+}

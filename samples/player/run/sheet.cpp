@@ -1,0 +1,173 @@
+#include "run/sheet.h"
+
+#include "draw/gl_context.h"
+#include "draw/image_writer.h"
+#include "panels/overlay.h"
+#include "panels/polygon_view.h"
+#include "run/stage.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace pliant::player {
+namespace {
+
+constexpr int default_cell_width = 400;
+constexpr std::uint32_t max_edges = 5, max_poses = 8;
+
+struct Blend {
+    std::vector<double> weights;
+    std::string caption;
+};
+
+// Blends at the midpoints of the polygon's edges, then at its centre.
+std::vector<Blend> chosen_blends(const AssetFile& file)
+{
+    const std::uint32_t count = file.view().pose_count;
+    const std::vector<std::string>& names = file.short_names();
+    std::vector<Blend> blends;
+    const std::uint32_t edges = count == 2 ? 1 : std::min(count, max_edges);
+    for (std::uint32_t edge = 0; edge < edges; ++edge) {
+        const std::uint32_t next = (edge + 1) % count;
+        Blend blend { std::vector<double>(count, 0.0), names[edge] + "\n+ " + names[next] };
+        blend.weights[edge] = blend.weights[next] = 0.5;
+        blends.push_back(blend);
+    }
+    if (count == 2) {
+        for (double share : { 0.25, 0.75 })
+            blends.push_back({ { 1.0 - share, share }, share < 0.5 ? "a quarter" : "three quarters" });
+    } else {
+        blends.push_back({ std::vector<double>(count, 1.0 / count), "all poses" });
+    }
+    return blends;
+}
+
+// The layout of the sheet, in pixels.
+struct Layout {
+    float s, margin, gap, cell_width, cell_height, caption_width, pose_width, pose_height, head;
+    std::uint32_t pose_count, block_columns, block_rows;
+    int width, height;
+
+    // look: width and height of the character as seen; cells fit it unless --size is given.
+    Layout(const Options& options, std::uint32_t poses, std::size_t blends, glm::vec2 look)
+        : s(static_cast<float>(options.width > 0 ? options.width : default_cell_width) / default_cell_width)
+        , margin(28.0f * s)
+        , gap(6.0f * s)
+        , cell_width(static_cast<float>(options.width > 0 ? options.width : default_cell_width))
+        , cell_height(options.height > 0 ? static_cast<float>(options.height) : fitting_height(look))
+        , caption_width(150.0f * s)
+        , pose_count(std::min(poses, max_poses))
+        , block_columns(blends > 3 ? 2 : 1)
+        , block_rows(static_cast<std::uint32_t>((blends + block_columns - 1) / block_columns))
+    {
+        const float block = block_width();
+        const float inside = block * static_cast<float>(block_columns) + margin * static_cast<float>(block_columns - 1);
+        pose_width = std::floor(std::min((inside + gap) / static_cast<float>(pose_count) - gap, cell_width));
+        pose_height = std::floor(pose_width * cell_height / cell_width);
+        head = margin + 66.0f * s + pose_height + 56.0f * s;
+        width = static_cast<int>(inside + 2.0f * margin);
+        height = static_cast<int>(head + (cell_height + gap) * static_cast<float>(block_rows) + margin);
+    }
+
+    // With room for the caption above and the shadow below; the aspect ratio is bounded.
+    float fitting_height(glm::vec2 look) const
+    {
+        return std::floor(cell_width * std::clamp(0.18f + 1.08f * look.y / std::max(look.x, 1e-6f), 0.55f, 1.25f));
+    }
+    float block_width() const { return caption_width + 2.0f * cell_width + gap; }
+    Area pose(std::uint32_t k) const
+    {
+        return { std::floor(margin + (pose_width + gap) * static_cast<float>(k)), std::floor(margin + 66.0f * s), pose_width,
+                 pose_height };
+    }
+    // column: 0 caption, 1 linear, 2 elastic.
+    Area cell(std::size_t blend, int column) const
+    {
+        const auto block_column = static_cast<float>(blend / block_rows), row = static_cast<float>(blend % block_rows);
+        const float x = margin + block_column * (block_width() + margin) + (column > 0 ? caption_width : 0.0f)
+            + (column == 2 ? cell_width + gap : 0.0f);
+        return { std::floor(x), std::floor(head + row * (cell_height + gap)), column > 0 ? cell_width : caption_width,
+                 cell_height };
+    }
+};
+
+void clear_paper(const Canvas& canvas)
+{
+    canvas.begin();
+    glDisable(GL_SCISSOR_TEST);
+    glClearColor(1.0f, 1.0f, 1.0f, 1.0f);
+    glClear(GL_COLOR_BUFFER_BIT | GL_DEPTH_BUFFER_BIT);
+}
+
+std::vector<double> single_pose(std::uint32_t pose, std::uint32_t count)
+{
+    std::vector<double> weights(count, 0.0);
+    weights[pose] = 1.0;
+    return weights;
+}
+
+void draw_captions(const Overlay& overlay, const Layout& layout, const AssetFile& file, const ControlPolygon& polygon,
+                   const std::vector<Blend>& blends)
+{
+    ImDrawList* list = ImGui::GetBackgroundDrawList();
+    const float s = layout.s;
+    const pliant_asset& asset = file.view();
+    const std::string facts = std::to_string(asset.pose_count) + " poses · " + grouped(asset.vertex_count)
+        + " vertices · d = " + std::to_string(asset.dimension);
+    const ImVec2 title = draw_text(list, overlay.title(), { layout.margin, layout.margin }, {}, ink, file.title());
+    draw_text(list, overlay.text(), { layout.margin + title.x + 16.0f * s, layout.margin + 5.0f * s }, {}, faint_ink, facts);
+    for (std::uint32_t k = 0; k < layout.pose_count; ++k) {
+        const Area area = layout.pose(k);
+        const ImVec2 dot { area.x + 16.0f * s, area.y + 18.0f * s };
+        list->AddCircleFilled(dot, 5.5f * s, pose_colour(k, asset.pose_count, 1.0f), 24);
+        draw_text(list, overlay.small(), { dot.x + 12.0f * s, dot.y }, { 0.0f, 0.5f }, ink, file.short_names()[k]);
+    }
+    for (std::size_t i = 0; i < blends.size(); ++i) {
+        const Area area = layout.cell(i, 0);
+        const float middle = area.x + 0.5f * area.width - 6.0f * s;
+        const PolygonView view { polygon, file.short_names(), { middle, area.y + 0.42f * area.height }, 46.0f * s, 0.0f };
+        draw_polygon(list, overlay, view, blends[i].weights, polygon.point(blends[i].weights), false);
+        float y = area.y + 0.42f * area.height + 66.0f * s;
+        std::size_t start = 0;
+        for (std::size_t end = 0; end != std::string::npos; start = end + 1, y += 22.0f * s) {
+            end = blends[i].caption.find('\n', start);
+            draw_text(list, overlay.text(), { middle, y }, { 0.5f, 0.0f }, ink,
+                      blends[i].caption.substr(start, end - start));
+        }
+        const Area linear = layout.cell(i, 1), elastic = layout.cell(i, 2);
+        draw_text(list, overlay.text(), { linear.x + 14.0f * s, linear.y + 12.0f * s }, {}, linear_ink, "linear");
+        draw_text(list, overlay.text(), { elastic.x + 14.0f * s, elastic.y + 12.0f * s }, {}, elastic_ink, "elastic");
+    }
+}
+
+} // namespace
+
+void write_sheet(const Options& options, const AssetFile& file)
+{
+    const std::vector<Blend> blends = chosen_blends(file);
+    const auto context = make_offscreen_context();
+    Stage stage(options, file, nullptr, Quality::high);
+    const Layout layout(options, file.view().pose_count, blends.size(), stage.camera().size());
+    const Canvas canvas(layout.width, layout.height);
+    clear_paper(canvas);
+    for (std::uint32_t k = 0; k < layout.pose_count; ++k) {
+        stage.blend(single_pose(k, file.view().pose_count), Show::linear);
+        stage.draw_pose(canvas, layout.pose(k));
+    }
+    for (std::size_t i = 0; i < blends.size(); ++i) {
+        stage.forget(); // each cell is a cold solve, not a step of an animation
+        for (int column : { 1, 2 }) {
+            const Area cell = layout.cell(i, column);
+            stage.blend(blends[i].weights, column == 1 ? Show::linear : Show::elastic);
+            stage.draw(canvas, cell, cell);
+        }
+    }
+    canvas.resolve();
+    Overlay overlay(layout.s, nullptr);
+    overlay.begin_frame(layout.width, layout.height);
+    draw_captions(overlay, layout, file, stage.polygon(), blends);
+    overlay.end_frame();
+    write_png(options.sheet, layout.width, layout.height, canvas.pixels());
+}
+
+} // namespace pliant::player
