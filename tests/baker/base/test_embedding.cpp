@@ -4,6 +4,7 @@
 #include "bake/bake.h"
 #include "bake/certificate.h"
 #include "input/poses/load_render_mesh.h"
+#include "output/asset/asset_facts.h"
 #include "output/asset/runtime_blender.h"
 
 #include <Eigen/Geometry>

@@ -1,4 +1,4 @@
-"""The ten lines that the README shows are those of the sample, and they work."""
+"""The ten lines that the READMEs show are those of the sample, and they work."""
 import math
 import os
 import re
@@ -22,9 +22,10 @@ class Sample(unittest.TestCase):
         length = float(re.search(r"half rolled, the sheet is ([0-9.]+) long", done.stdout).group(1))
         self.assertAlmostEqual(length, 16 * math.sin(11 / 16), delta=0.05)
 
-    def test_it_is_what_the_readme_shows(self):
+    def test_it_is_what_the_readmes_show(self):
         lines = SAMPLE.read_text().split('"""\n', 1)[1].strip()
-        self.assertIn(lines, (SOURCE / "baker/python/README.md").read_text())
+        for readme in ("README.md", "baker/python/README.md"):
+            self.assertIn(lines, (SOURCE / readme).read_text(), readme)
         self.assertLessEqual(len([line for line in lines.splitlines() if line and not line.startswith("import")]), 10)
 
 
