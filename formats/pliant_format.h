@@ -1,23 +1,23 @@
-/* The structures of a .pliant asset, as SPEC.md (format 1.3) defines them. C99 and C++11. Shared by the runtime, which
-   reads them, and the baker, which writes them. Plain little-endian data: no pointers, no padding. */
+/* The structures of a .pliant asset, as defined by SPEC.md (format 1.3). C99 and C++11. The runtime reads them, the baker
+   writes them. Plain little-endian data without pointers and padding. */
 #ifndef PLIANT_FORMAT_H
 #define PLIANT_FORMAT_H
 
 #include <stdint.h>
 
 #define PLIANT_FORMAT_MAJOR 1
-#define PLIANT_FORMAT_MINOR 3       /* the newest described here; a file states the oldest that has all that it holds */
-#define PLIANT_FORMAT_MINOR_LOAD 1  /* the first with LOAD */
-#define PLIANT_FORMAT_MINOR_SOLID 2 /* the first with QUAR, VERT and elements for tetrahedra */
-#define PLIANT_FORMAT_MINOR_PARTS 3 /* the first with BASC, BNDS, SMTH, GLTF, MRNG and elements that tie parts together */
+#define PLIANT_FORMAT_MINOR 3       /* the newest; a file states the oldest that supports its contents */
+#define PLIANT_FORMAT_MINOR_LOAD 1  /* first version with LOAD */
+#define PLIANT_FORMAT_MINOR_SOLID 2 /* first version with QUAR, VERT and elements for tetrahedra */
+#define PLIANT_FORMAT_MINOR_PARTS 3 /* first version with BASC, BNDS, SMTH, GLTF, MRNG and ties between parts */
 
-/* "«PLIANT»" with CR LF EOF LF behind it: a transfer in text mode breaks it visibly. */
+/* "«PLIANT»", then CR LF EOF LF: a transfer in text mode breaks it visibly. */
 #define PLIANT_FORMAT_IDENTIFIER                                               \
     {                                                                          \
         0xAB, 0x50, 0x4C, 0x49, 0x41, 0x4E, 0x54, 0xBB, 0x0D, 0x0A, 0x1A, 0x0A \
     }
 
-/* Chunk tags: four letters, the first in the lowest byte. */
+/* Chunk tags: four letters, the first one in the lowest byte. */
 #define PLIANT_FORMAT_TAG(a, b, c, d) ((uint32_t)(a) | ((uint32_t)(b) << 8) | ((uint32_t)(c) << 16) | ((uint32_t)(d) << 24))
 #define PLIANT_CHUNK_SOLVER PLIANT_FORMAT_TAG('S', 'O', 'L', 'V')
 #define PLIANT_CHUNK_ELEMENTS PLIANT_FORMAT_TAG('E', 'L', 'E', 'M')
@@ -40,11 +40,11 @@
 
 #define PLIANT_CHUNK_FLAG_REQUIRED 1u
 
-/* Limits that a reader checks before it multiplies (SPEC.md section 3 and 4). */
+/* Limits (SPEC.md, sections 3 and 4). A reader checks them before it multiplies counts. */
 #define PLIANT_FORMAT_MAX_VERTICES (1u << 26)
 #define PLIANT_FORMAT_MAX_TRIANGLES (1u << 27)
 #define PLIANT_FORMAT_MAX_DIMENSION 256u
-#define PLIANT_FORMAT_MAX_QUARTIC_DIMENSION 64u /* of an asset with QUAR */
+#define PLIANT_FORMAT_MAX_QUARTIC_DIMENSION 64u /* with QUAR */
 #define PLIANT_FORMAT_MAX_POSES 64u
 #define PLIANT_FORMAT_MAX_CHUNKS 64u
 #define PLIANT_FORMAT_MAX_BATCHES 64u
@@ -52,8 +52,8 @@
 #define PLIANT_FORMAT_MAX_VALENCE 32u
 #define PLIANT_FORMAT_MAX_CENTRES 4096u
 #define PLIANT_FORMAT_MAX_ANSWERS 64u
-#define PLIANT_FORMAT_MAX_WIDTH 24u /* bits of a field of BASC: what single precision holds exactly */
-#define PLIANT_FORMAT_MAX_SHIFT 15u /* of a column's bases in BASC */
+#define PLIANT_FORMAT_MAX_WIDTH 24u /* bits of a field of BASC: single precision holds them exactly */
+#define PLIANT_FORMAT_MAX_SHIFT 15u /* shift of a column's bases in BASC */
 #define PLIANT_FORMAT_MAX_CLUSTERS 256u
 
 #define PLIANT_FORMAT_BLOB_ALIGNMENT 16u
@@ -62,7 +62,7 @@
 #define PLIANT_FORMAT_LANES 16u         /* element lanes and vector padding, in floats */
 #define PLIANT_FORMAT_TILE_VERTICES 16u /* vertices of a REST or BASI tile */
 #define PLIANT_FORMAT_TILE_FLOATS 48u
-#define PLIANT_FORMAT_COMPACT_PARTS 4u     /* tiles of REST that a tile of BASC covers */
+#define PLIANT_FORMAT_COMPACT_PARTS 4u     /* number of REST tiles in a tile of BASC */
 #define PLIANT_FORMAT_COMPACT_VERTICES 64u /* vertices of a tile of BASC */
 #define PLIANT_FORMAT_QUARTIC_LANES 8u     /* rows of QUAR start and end at multiples of this */
 
@@ -96,8 +96,8 @@ typedef struct pliant_format_solver {
     uint32_t reserved[15];
 } pliant_format_solver;
 
-/* First 64 bytes of ELEM, QUAR, PRED, LOAD, VERT, ANSW and BNDS: how many records, floats of a table, centres, vertices of the
-   boundary, answers or clusters there are. */
+/* First 64 bytes of ELEM, QUAR, PRED, LOAD, VERT, ANSW and BNDS: the number of batches, floats of a table, centres (PRED and
+   LOAD), boundary vertices, answers and clusters. */
 typedef struct pliant_format_count {
     uint32_t count;
     uint32_t reserved[15];
@@ -106,16 +106,16 @@ typedef struct pliant_format_count {
 /* First 64 bytes of BASC. */
 typedef struct pliant_format_compact {
     uint32_t tile_count;
-    float position_error; /* what the baker was asked to keep to, in input units */
+    float position_error; /* error that the baker was asked to keep, in units of the input */
     uint32_t reserved[14];
 } pliant_format_compact;
 
-/* A column of BASC: the dimension j of q. */
+/* A column of BASC: dimension j of q. */
 typedef struct pliant_format_column {
-    float scale;        /* of its numbers, times the tile's factor */
-    uint32_t shift;     /* bases count in units of 2^shift */
-    float reach;        /* no vertex moves further per unit of q_j */
-    float limit;        /* |q_j| of the blends that position_error was kept for */
+    float scale;        /* of its numbers; multiplied by the factor of the tile */
+    uint32_t shift;     /* bases are in units of 2^shift */
+    float reach;        /* no vertex moves further than this per unit of q_j */
+    float limit;        /* largest |q_j| for which position_error is kept */
 } pliant_format_column; /* 16 bytes */
 
 typedef struct pliant_format_tile {
@@ -123,13 +123,13 @@ typedef struct pliant_format_tile {
     float factor;
 } pliant_format_tile; /* 8 bytes */
 
-/* A column in a tile: u = factor scale (2^shift base[c] + field), fields being unsigned numbers of `width` bits. */
+/* A column in a tile: u = factor scale (2^shift base[c] + field). Fields are unsigned numbers of `width` bits. */
 typedef struct pliant_format_field {
     int16_t base[3]; /* of x, y and z */
     uint16_t width;
 } pliant_format_field; /* 8 bytes */
 
-/* A cluster of BNDS has 1 + d of these: of its vertices at q = 0, then of each column. */
+/* A cluster of BNDS has 1 + d of these: one for its vertices at q = 0, then one for each column. */
 typedef struct pliant_format_interval {
     float centre[3];
     float radius[3];
@@ -157,8 +157,8 @@ typedef struct pliant_format_batch {
     uint8_t reserved[24];
 } pliant_format_batch; /* 64 bytes */
 
-/* How many arrays a batch has: R rows of differences, F fixed numbers, K numbers per pose (SPEC.md, table of kinds).
-   All zero for an unknown kind. */
+/* Number of arrays of a batch: R rows of differences, F fixed numbers, K numbers per pose (SPEC.md, table of kinds). All
+   zero for an unknown kind. */
 typedef struct pliant_format_shape {
     uint32_t row_count;
     uint32_t fixed_count;
@@ -187,27 +187,27 @@ static inline pliant_format_shape pliant_format_batch_shape(uint32_t kind, uint3
 }
 /* clang-format on */
 
-/* QUAR is a polynomial in x = (1, z), N = d+1 numbers. The pairs (a, b) with a <= b < N are numbered by a, then b: this is the
-   number of (a, a). With a = N it is how many pairs there are. */
+/* QUAR is a polynomial in x = (1, z), N = d+1 numbers. The pairs (a, b), a <= b < N, are numbered by a, then by b. Returns
+   the number of the pair (a, a); with a = N the number of all pairs. */
 static inline uint32_t pliant_format_quartic_pair(uint32_t dimension, uint32_t a)
 {
     return a * (dimension + 1) - a * (a - 1) / 2;
 }
 
-/* Where the rows (i, j) of a table end: the number of pairs, rounded up. */
+/* End of the rows (i, j) of a table: the number of pairs, rounded up. */
 static inline uint32_t pliant_format_quartic_row_end(uint32_t dimension)
 {
     const uint32_t pairs = pliant_format_quartic_pair(dimension, dimension + 1);
     return (pairs + PLIANT_FORMAT_QUARTIC_LANES - 1) / PLIANT_FORMAT_QUARTIC_LANES * PLIANT_FORMAT_QUARTIC_LANES;
 }
 
-/* Where the rows (0, j) .. (j, j) start: the number of (j, j), rounded down. */
+/* Start of the rows (0, j) .. (j, j): the number of the pair (j, j), rounded down. */
 static inline uint32_t pliant_format_quartic_row_start(uint32_t dimension, uint32_t j)
 {
     return pliant_format_quartic_pair(dimension, j) / PLIANT_FORMAT_QUARTIC_LANES * PLIANT_FORMAT_QUARTIC_LANES;
 }
 
-/* T, the floats of one pose's table; tables lie this many, rounded up to a multiple of 16, apart. */
+/* T, the number of floats in the table of one pose. The distance of tables is T rounded up to a multiple of 16. */
 static inline uint64_t pliant_format_quartic_floats(uint32_t dimension)
 {
     uint64_t sum = 0;
@@ -217,7 +217,7 @@ static inline uint64_t pliant_format_quartic_floats(uint32_t dimension)
     return sum;
 }
 
-/* Where BASC has its tiles, its fields' descriptions (tile_count x dimension) and its data, from the start of the chunk. */
+/* Offsets from the start of BASC: its tiles, its field records (tile_count x dimension) and its data. */
 static inline uint64_t pliant_format_compact_tiles(uint32_t dimension)
 {
     const uint64_t columns = dimension * (uint64_t)sizeof(pliant_format_column);
@@ -237,7 +237,8 @@ static inline uint64_t pliant_format_compact_data(uint32_t dimension, uint32_t t
     return (end + PLIANT_FORMAT_CHUNK_ALIGNMENT - 1) / PLIANT_FORMAT_CHUNK_ALIGNMENT * PLIANT_FORMAT_CHUNK_ALIGNMENT;
 }
 
-/* Words of 4 bytes that one part of a tile takes, whose columns have `bits` bits a lane in all: 6 for every begun 4 of them. */
+/* Size of one part of a tile in words of 4 bytes: 6 words per 4 bits, rounded up. `bits` is the sum over the columns of bits
+   per lane. */
 static inline uint32_t pliant_format_compact_part(uint32_t bits) { return (bits + 3) / 4 * 6; }
 
 #endif

@@ -1,46 +1,53 @@
 /** @file
    Pliant runtime: nonlinear blending of whole shapes, in real time.
 
-   This header is the manual. C99, needs libc and libm only, compiles as C++11.
+   This header is the manual. The library is C99, needs libc and libm only, and compiles as C++11.
 
    @par What it does
-     Opens a baked .pliant asset (a shell or a solid) in place, finds for given weights the elastic blend of the asset's
-     poses (a small minimisation, microseconds), and rebuilds vertex positions from it.
+     It opens a baked .pliant asset (a shell or a solid) in place. For given weights it finds the elastic blend of the
+     asset's poses, by a small minimisation that takes microseconds. It then rebuilds vertex positions and normals.
    @par What it does not do
-     Allocate, read files, log, keep globals, start threads, call back, read a clock. It also does not bake: that is the
-     `pliant` tool.
+     It does not allocate, read files, log, keep globals, start threads, call back or read a clock. It does not bake:
+     the `pliant` tool does.
+
+   @par Terms
+     - q: the reduced coordinates of a shape (d floats); positions are linear in q. z: the same whitened, q = mean + S z.
+     - Surrogate energy: what the solver minimises instead of the full elastic energy: a few elements, or one quartic.
+     - Predictor: a function of the weights (radial basis functions) that estimates the minimiser; the solver starts there.
+     - Dead load: a force that depends on the weights only; it moves the surrogate's minimisers to the unreduced averages.
 
    @par Step by step
-     1. Get the file into memory, at an address that is a multiple of 16 (malloc and mmap give that).
+     1. Load the file into memory, at an address that is a multiple of 16 (malloc and mmap return such addresses).
      2. pliant_asset_open         once per asset; the view points into your memory, which must outlive it.
-     3. pliant_solver_memory      how many bytes one character needs; allocate them where you like.
+     3. pliant_solver_memory      returns the number of bytes that one character needs; allocate them where you like.
      4. pliant_solver_init        once per character.
      5. pliant_solve              once per frame and character: weights in, q out.
      6. pliant_reconstruct        q in, positions out, any range of vertices, any stride; split it over threads at will.
-        pliant_bounds             q in, a box round all vertices out, without the vertices: for culling.
+        pliant_bounds             q in, a bounding box out, without the vertices: for culling.
      7. pliant_normals_compute    positions in, normals out, if you want them; pliant_normals_init once per asset.
 
    @par Threads
-     A pliant_asset is read-only after opening and may be shared. A pliant_solver belongs to one thread at a time. Calls
-     on different solvers never touch the same memory.
+     A pliant_asset is read-only after opening and may be shared by threads. A pliant_solver belongs to one thread at a
+     time. Calls on different solvers never touch the same memory.
    @par Determinism
-     Compiled without floating-point contraction and fast-math (the CMake project sees to that), the same asset, weights
-     and call history give the same bits, whatever the compiler, its optimisation and the width of the processor's vectors.
-   @par Machines
-     Little-endian with IEEE single and double precision. On a big-endian machine pliant_asset_open answers
+     The same asset, weights and call history give the same bits, whatever the compiler, the optimisation level and the
+     vector width of the processor. The library must be compiled without floating-point contraction and fast-math, as
+     the CMake project does.
+   @par Platforms
+     Little-endian, with IEEE single and double precision. On a big-endian machine pliant_asset_open returns
      PLIANT_ERROR_VERSION: assets are used in place and would have to be converted first.
-   @par Hostile input
-     pliant_asset_open accepts any bytes: it returns a result code or an asset that later calls cannot leave, whatever
-     its numbers say. Weights may be anything: bad ones get a result code and change nothing. */
+   @par Untrusted input
+     pliant_asset_open accepts any bytes. It returns an error code, or an asset on which no later call reads or writes out
+     of bounds, whatever numbers it holds. Weights may be anything: invalid ones return an error code and change nothing. */
 #ifndef PLIANT_H
 #define PLIANT_H
 
 #include <stddef.h>
 #include <stdint.h>
 
-#define PLIANT_VERSION_MAJOR 0 /**< of the library; 0: a new minor version may change this header */
-#define PLIANT_VERSION_MINOR 1 /**< of the library, not of the file format */
-#define PLIANT_VERSION_PATCH 0 /**< of the library: faults mended, the header as it was */
+#define PLIANT_VERSION_MAJOR 0 /**< library version; while it is 0, a new minor version may change this header */
+#define PLIANT_VERSION_MINOR 1 /**< library version, not the version of the file format */
+#define PLIANT_VERSION_PATCH 0 /**< library version: bug fixes only, this header is unchanged */
 
 #ifndef PLIANT_API
 #define PLIANT_API
@@ -50,58 +57,63 @@
 extern "C" {
 #endif
 
-/** What a call answers. Numbered with gaps per family; numbers never change meaning. */
+/** Result of a call. Each family has a range of numbers; a number never changes its meaning. */
 typedef enum pliant_result {
     PLIANT_OK = 0,
 
-    /* the call itself */
-    PLIANT_ERROR_ARGUMENT = 10,    /**< a null pointer, an index out of range, a desc not made by its _default function */
-    PLIANT_ERROR_MEMORY_SIZE = 11, /**< the memory given is smaller than the _memory function says */
-    PLIANT_ERROR_ALIGNMENT = 12,   /**< the blob is not at a multiple of 16 */
-    PLIANT_ERROR_ABSENT = 13,      /**< what was asked for is not there: no morph ranges, no asset in the GLB */
+    /* the call */
 
-    /* the asset (rule numbers of formats/SPEC.md) */
-    PLIANT_ERROR_TRUNCATED = 20,  /**< R01, R04: smaller than a header, or not of the size that it states */
+    /** A null pointer, an index out of range, or a desc that was not made by its _default function. */
+    PLIANT_ERROR_ARGUMENT = 10,
+    PLIANT_ERROR_MEMORY_SIZE = 11, /**< the memory is smaller than the _memory function requires */
+    PLIANT_ERROR_ALIGNMENT = 12,   /**< the address of the blob is not a multiple of 16 */
+    PLIANT_ERROR_ABSENT = 13,      /**< the asset has no morph ranges, or the GLB holds no asset */
+
+    /* the asset; R01 etc. are rule numbers of formats/SPEC.md */
+
+    PLIANT_ERROR_TRUNCATED = 20,  /**< R01, R04: smaller than a header, or not of the size that the header states */
     PLIANT_ERROR_NOT_PLIANT = 21, /**< R02: not a .pliant file */
-    PLIANT_ERROR_VERSION = 22,    /**< R03, R07: made for another major version or needs a chunk unknown here */
+    PLIANT_ERROR_VERSION = 22,    /**< R03, R07: another major version, or an unknown chunk that is required */
     PLIANT_ERROR_LIMIT = 23,      /**< R05: a count outside its range */
-    PLIANT_ERROR_LAYOUT = 24, /**< R06, R07, R09, R14 .. R16: chunks missing, misplaced, of wrong size; reserved bits set */
-    PLIANT_ERROR_NUMBER = 25, /**< R10, R13, R17: a number that is not finite or not in its range */
-    PLIANT_ERROR_INDEX = 26,  /**< R11: an index past the last vertex; names or polygons that do not add up */
-    PLIANT_ERROR_CHECKSUM = 27, /**< R08, R12: damaged in transit */
+    /** R06, R07, R09, R14 .. R16, R18: a chunk is missing, misplaced or of the wrong size, or reserved bits are set. */
+    PLIANT_ERROR_LAYOUT = 24,
+    PLIANT_ERROR_NUMBER = 25,   /**< R10, R13, R17, R19, R20: a number that is not finite or out of range */
+    PLIANT_ERROR_INDEX = 26,    /**< R11: a vertex index out of range, or inconsistent names or polygons */
+    PLIANT_ERROR_CHECKSUM = 27, /**< R08, R12: a checksum does not match, the file was damaged */
 
     /* the weights */
-    PLIANT_ERROR_WEIGHT_NOT_FINITE = 40,
-    PLIANT_ERROR_WEIGHT_NEGATIVE = 41,
-    PLIANT_ERROR_WEIGHT_SUM = 42 /**< all weights are zero */
+
+    PLIANT_ERROR_WEIGHT_NOT_FINITE = 40, /**< a weight is infinite or not a number */
+    PLIANT_ERROR_WEIGHT_NEGATIVE = 41,   /**< a weight is below zero */
+    PLIANT_ERROR_WEIGHT_SUM = 42         /**< all weights are zero */
 } pliant_result;
 
-/** One English line for a result, never null. */
+/** One line of English text that describes a result: a static string, never null. */
 PLIANT_API const char* pliant_result_text(pliant_result result);
 
-/** Version of the library as major * 10000 + minor * 100 + patch. */
+/** Version of the library: major * 10000 + minor * 100 + patch. */
 PLIANT_API uint32_t pliant_version(void);
 
 /* ---------------------------------------------------------------------------------------------------- asset ---- */
 
-/** A view of an asset. It owns nothing and holds pointers into the blob: copy it freely, drop it any time, but keep the
-   blob where it is. The fields up to `smoothing_groups` are for you to read, the others are internal. */
+/** A view of an asset. It owns nothing and holds pointers into the blob. Copy it freely and drop it at any time, but keep
+   the blob alive and in place. The fields up to `smoothing_groups` are yours to read; the others are internal. */
 typedef struct pliant_asset {
-    uint32_t vertex_count;     /**< n: pliant_reconstruct gives this many positions */
-    uint32_t triangle_count;   /**< see `triangles` */
-    uint32_t dimension;        /**< d: how many reduced coordinates q has */
-    uint32_t pose_count;       /**< m: how many weights a blend has */
+    uint32_t vertex_count;     /**< n: the number of positions that pliant_reconstruct can write */
+    uint32_t triangle_count;   /**< the number of triangles in `triangles` */
+    uint32_t dimension;        /**< d: the number of reduced coordinates in q */
+    uint32_t pose_count;       /**< m: the number of weights of a blend */
     float origin[3];           /**< added to every position, in units of the input meshes */
     const uint32_t* triangles; /**< triangle_count x 3 vertex indices, all below boundary_vertex_count */
-    uint32_t
-        boundary_vertex_count; /**< for a solid, how many vertices are on its boundary: they come first, so that drawing needs
-                                        pliant_reconstruct of these only. Else vertex_count */
-    const uint32_t*
-        source_vertices; /**< for a solid, vertex_count numbers that the vertices had in the input files. Else null:
-                                        their order is that of the input */
-    const uint32_t*
-        smoothing_groups; /**< vertex_count numbers below vertex_count: vertices with the same number lie at one place and share
-                             their normal. Null: every vertex has its own */
+    /** For a solid, the number of vertices on its boundary. They come first, so drawing needs pliant_reconstruct of these
+       vertices only. Otherwise vertex_count. */
+    uint32_t boundary_vertex_count;
+    /** For a solid, the index that each of the vertex_count vertices had in the input files. Otherwise null: the vertices
+       are in the order of the input. */
+    const uint32_t* source_vertices;
+    /** One group number below vertex_count for each vertex. Vertices of one group lie at the same place and share their
+       normal. Null: every vertex has a normal of its own. */
+    const uint32_t* smoothing_groups;
 
     /** @cond internal */
     const unsigned char* blob;
@@ -133,176 +145,196 @@ typedef struct pliant_asset {
 } pliant_asset;
 
 /* Flags of pliant_asset_open. */
-#define PLIANT_OPEN_DEFAULT 0u          /**< what is always checked, no more */
-#define PLIANT_OPEN_VERIFY_CHECKSUMS 1u /**< also compare all checksums: reads the whole blob */
+#define PLIANT_OPEN_DEFAULT 0u          /**< only the checks that are always made */
+#define PLIANT_OPEN_VERIFY_CHECKSUMS 1u /**< also compare all checksums, which reads the whole blob */
 
-/** Opens the asset at `blob`, `blob_size` bytes. Structure, sizes, indices and the numbers that a frame reads are always
-   checked. On an error `*out` is all zero. Cost: linear in the size of the blob without its basis, milliseconds at most. */
+/** Opens the asset of `blob_size` bytes at `blob`, whose address is a multiple of 16. Always checks structure, sizes,
+   indices and the numbers that a frame reads. On an error `*out` is all zero. The blob stays yours.
+   Cost: linear in the size of the blob without its basis, milliseconds at most. */
 PLIANT_API pliant_result pliant_asset_open(pliant_asset* out, const void* blob, size_t blob_size, uint32_t flags);
 
-/** Name of pose `pose` (UTF-8, zero-terminated, in the blob), or null if there is no such pose. */
+/** Name of pose `pose` (UTF-8, zero-terminated, inside the blob), or null if there is no such pose. */
 PLIANT_API const char* pliant_asset_pose_name(const pliant_asset* asset, uint32_t pose);
 
-/** The reduced coordinates (dimension floats) that reproduce pose `pose`, or null if there is no such pose. A weighted sum of
-   them with weights of sum 1 is the linear blend: useful to show the difference. */
+/** The reduced coordinates (dimension floats, inside the blob) that reproduce pose `pose`, or null if there is no such
+   pose. The sum of these vectors, with weights of sum 1, is the linear blend: use it to show the difference. */
 PLIANT_API const float* pliant_asset_pose_coordinates(const pliant_asset* asset, uint32_t pose);
 
-/** The bytes of a chunk by its tag (formats/pliant_format.h), or null (and *size = 0) if the asset has none. For tools. */
+/** The bytes of the chunk with tag `tag` (formats/pliant_format.h), inside the blob; their number in `*size`. Null and
+   *size = 0 if the asset has no such chunk. For tools. */
 PLIANT_API const void* pliant_asset_chunk(const pliant_asset* asset, uint32_t tag, size_t* size);
 
 /* --------------------------------------------------------------------------------------------------- solver ---- */
 
-/** How to solve. Make it with pliant_solver_desc_default, then change what you like. */
+/** Settings of a solver. Make it with pliant_solver_desc_default, then change what you like. */
 typedef struct pliant_solver_desc {
-    uint32_t struct_size;     /**< set by pliant_solver_desc_default, do not change */
-    uint32_t max_iterations;  /**< per frame, default 60. 0: the answer is the predictor's in every frame, q = mean + S z0(w)
-                                 (the equal-weight average if the asset has none or the stand-in cannot be evaluated
-                                 there), for one evaluation, two at most; the status is LIMIT unless that converged */
-    uint32_t max_evaluations; /**< per frame, default 120, at least 1, never exceeded: times the cost of one evaluation
-                                 (runtime/README.md) it bounds the time of a frame. From 32 up a jump may spend a quarter
-                                 of them on a second descent, see below */
-    float tolerance;          /**< stop when the gradient, measured in the metric of the inverse Hessian, is below
-                                 tolerance * sqrt(energy scale). Default 1e-3, useful range 1e-4 .. 1e-2: finer is
-                                 below the noise of single precision */
-    float continuity;         /**< weights whose sum of absolute changes (after normalisation) is at most this since the
-                                 last frame start from that frame, or further along its path; else from the predictor.
-                                 Default 0.1; 0: always from the predictor */
+    uint32_t struct_size; /**< set by pliant_solver_desc_default, do not change */
+    /** Largest number of iterations per frame, default 60. With 0 every frame returns the answer of the predictor,
+       q = mean + S z0(w), or the equal-weight average if the asset has no predictor or the surrogate energy cannot be
+       evaluated there. That costs one evaluation, at most two; the status is LIMIT unless that point has converged. */
+    uint32_t max_iterations;
+    /** Largest number of evaluations per frame, default 120, at least 1, never exceeded. Multiply it by the cost of one
+       evaluation (runtime/README.md) to bound the time of a frame. From 32 up, a jump may spend a quarter of them on a
+       second descent (see pliant_status). */
+    uint32_t max_evaluations;
+    /** The solver stops when the norm of the gradient, in the metric of the inverse Hessian, is below
+       tolerance * sqrt(energy scale). Default 1e-3, useful range 1e-4 .. 1e-2: finer values are below the noise of
+       single precision. */
+    float tolerance;
+    /** Largest change of the weights (sum of absolute differences after normalisation) since the last frame for which the
+       solver starts from that frame or an extrapolation of the last ones. For larger changes it starts from the predictor.
+       Default 0.1; with 0 it always starts from the predictor. */
+    float continuity;
 } pliant_solver_desc;
 
 /** The defaults named above. */
 PLIANT_API pliant_solver_desc pliant_solver_desc_default(void);
 
-/** State of one character: lives in memory that you gave. */
+/** State of one character; it lives in memory that you provide. */
 typedef struct pliant_solver pliant_solver;
 
-/** Bytes that pliant_solver_init needs; 0 if an argument is bad. Typically 16 to 100 KiB; with a quartic stand-in as much as
-   one of its tables more, 253 KiB for d = 32. */
+/** Number of bytes that pliant_solver_init needs; 0 if an argument is invalid. Typically 16 to 100 KiB. A quartic surrogate
+   energy adds the size of one of its tables: 253 KiB for d = 32. */
 PLIANT_API size_t pliant_solver_memory(const pliant_asset* asset, const pliant_solver_desc* desc);
 
-/** Makes a solver in `memory` (any alignment, `memory_size` bytes). The solver keeps pointers into the asset's blob and
-   copies the view itself. There is nothing to free: drop the memory when you are done. */
+/** Makes a solver in `memory` (any alignment, `memory_size` bytes). The solver copies the view and keeps pointers into the
+   asset's blob. There is nothing to free: drop the memory when you are done. */
 PLIANT_API pliant_result pliant_solver_init(pliant_solver** out, const pliant_asset* asset, const pliant_solver_desc* desc,
                                             void* memory, size_t memory_size);
 
-/** Forgets the past: the next frame is solved as from a new solver, to the same bits. For cuts and teleports. */
+/** Discards the history: the next frame gives the same bits as a new solver would. For cuts and teleports. */
 PLIANT_API void pliant_solver_reset(pliant_solver* solver);
 
-/** How a frame ended. Every one of them gives a finite q that is not worse than its start: its energy is not above that of
-   the start by more than single precision can tell (2e-5 of the asset's energy scale).
+/** How the solution of a frame ended. Every status comes with a finite q that is not worse than its start: its energy
+   exceeds that of the start by no more than the noise of single precision (2e-5 of the asset's energy scale).
 
-   Jumps (the first frame, and weights further away than `continuity`) start from the predictor, or from the equal-weight
-   average, z = 0, if that is lower. A descent from the predictor that gets stuck (STALLED, or three quarters of
-   max_evaluations spent, with more to gain than noise) is followed by one from z = 0 with what is left of both limits, and the
-   lower end counts. So with max_iterations > 0 and max_evaluations > 1 a jump ends, to within that noise, no higher than the
-   predictor and no higher than the equal-weight average.
-   Not promised: that a converged descent from the predictor ends as low as one from z = 0 would have. Where the stand-in has
-   several minima only two whole descents could tell, and the predictor's is the lower one far more often
+   A jump is the first frame, or a change of the weights beyond `continuity`. It starts from the predictor, or from the
+   equal-weight average (z = 0) if the energy is lower there. A descent from the predictor is stuck if it ends
+   with STALLED or has used three quarters of max_evaluations, and the energy could still fall by more than noise. Then a
+   second descent starts from z = 0, within what is left of both limits, and the lower end is returned. So with
+   max_iterations > 0 and max_evaluations > 1 a jump ends, up to that noise, no higher than the predictor and no higher
+   than the equal-weight average.
+
+   Not guaranteed: that a converged descent from the predictor ends as low as one from z = 0 would. Where the surrogate
+   energy has several minima, only two full descents could tell; the predictor leads to the lower one far more often
    (runtime/README.md). */
 typedef enum pliant_status {
-    PLIANT_STATUS_CONVERGED = 0,
-    PLIANT_STATUS_LIMIT = 1,  /**< stopped by max_iterations or max_evaluations; the next frame goes on from here */
-    PLIANT_STATUS_STALLED = 2 /**< no step improves any more in single precision, but the gradient is above the tolerance */
+    PLIANT_STATUS_CONVERGED = 0, /**< the gradient is below the tolerance */
+    PLIANT_STATUS_LIMIT = 1,     /**< stopped by max_iterations or max_evaluations; the next frame continues from here */
+    PLIANT_STATUS_STALLED = 2    /**< no step improves q in single precision, but the gradient is above the tolerance */
 } pliant_status;
 
-/** What a frame was: for displays, logs and tests. */
+/** Statistics of one frame, for displays, logs and tests. */
 typedef struct pliant_solve_info {
-    pliant_status status; /**< how it ended */
-    uint32_t iterations;  /**< steps of BFGS */
-    uint32_t evaluations; /**< of the stand-in and its gradient, those of the line search included */
-    float energy;         /**< of the stand-in, relative to the equal-weight average (so it may be negative) */
-    float gradient;       /**< norm as in desc.tolerance, in units of sqrt(energy scale) */
+    pliant_status status; /**< how the frame ended */
+    uint32_t iterations;  /**< BFGS steps */
+    uint32_t evaluations; /**< evaluations of the surrogate energy and its gradient, including those of line searches */
+    float energy;         /**< surrogate energy relative to the equal-weight average, so it may be negative */
+    float gradient;       /**< norm as in pliant_solver_desc.tolerance, in units of sqrt(energy scale) */
 } pliant_solve_info;
 
-/** Blends: `weights` (pose_count floats, each >= 0, any positive sum) in, `q` (dimension floats) out, `info` may be null.
-   Only the ratios of the weights matter. Bad weights: a result code; q, info and the solver stay as they are, to the bit.
-   Cost: (iterations + a few) evaluations of the stand-in; if the weights have changed since the last frame, combining its
-   numbers, linear in the poses whose weight is not zero; and once a frame the asset's dead load and, after a jump, its
-   predictor: (pose_count + dimension for each) multiply-adds times the predictor's centres; no allocation, no system call. */
+/** Blends: `weights` (pose_count floats, each >= 0, any positive sum) in, `q` (dimension floats) out; `info` may be null.
+   Only the ratios of the weights matter. If weights are invalid it returns an error, and q, info and the solver keep their
+   exact bits. It makes no allocation and no system call.
+   Cost: (iterations + a few) evaluations of the surrogate energy. If the weights have changed since the last frame, also
+   one combination of its numbers, linear in the number of poses with a weight other than zero. Once a frame the dead load,
+   and after a jump the predictor: (pose_count + dimension) multiply-adds for each centre of the predictor, for each of the
+   two. */
 PLIANT_API pliant_result pliant_solve(pliant_solver* solver, const float* weights, float* q, pliant_solve_info* info);
 
 /* ------------------------------------------------------------------------------------------- reconstruction ---- */
 
-/** Positions of vertices first to first+count-1 for the coordinates `q`: position i is written as three floats at
-   (char*)positions + i * stride (stride in bytes, at least 12, a multiple of 4), in units of the input meshes. Vertices
-   past the last one are not written. Ranges that start at multiples of 64 are fastest; ranges may run on different
-   threads. Cost: reads the basis of the vertices once, forwards: about 4 bytes a vertex and dimension if it is compact, 12 if it is in
-   single precision (`pliant info`), and 12 more a vertex. */
+/** Positions of vertices first .. first+count-1 for the coordinates `q` (dimension floats), in units of the input meshes.
+   Position i is written as three floats at (char*)positions + i * stride, where i counts from 0 at vertex `first`. `stride`
+   is in bytes, at least 12 and a multiple of 4. Vertices from vertex_count on are not written. Ranges that start at
+   multiples of 64 are fastest; ranges may run on different threads.
+   Cost: reads the basis of the vertices once, forwards: per vertex and dimension about 4 bytes of a compact basis, or 12
+   bytes in single precision (`pliant info`), plus 12 bytes per vertex. */
 PLIANT_API void pliant_reconstruct(const pliant_asset* asset, const float* q, uint32_t first, uint32_t count,
                                    float* positions, size_t stride);
 
-/** The same from the first `columns` dimensions of q only, as if the others were zero: faster the fewer there are. Of a compact
-   basis they come sorted by how far they move blends. */
+/** As pliant_reconstruct, from the first `columns` dimensions of q only, as if the others were zero. Fewer columns take less
+   time. The columns of a compact basis are sorted by how far they move blends, the largest first. */
 PLIANT_API void pliant_reconstruct_columns(const pliant_asset* asset, const float* q, uint32_t columns, uint32_t first,
                                            uint32_t count, float* positions, size_t stride);
 
-/** How few columns pliant_reconstruct_columns needs for this q so that no vertex is further than `error` (in units of the input meshes)
-   from where pliant_reconstruct puts it, rounding in single precision apart: exact, for any q. An asset in single precision does not
-   know how far its columns reach: there it is all of them. Cost: linear in the dimension. */
+/** The number of columns that pliant_reconstruct_columns needs for this q, so that no vertex is further than `error` (in
+   units of the input meshes) from its place by pliant_reconstruct. The bound holds for any q, up to rounding in single
+   precision. For an asset in single precision the result is the dimension, since it does not store how far its columns
+   reach. Cost: linear in the dimension. */
 PLIANT_API uint32_t pliant_columns_needed(const pliant_asset* asset, const float* q, float error);
 
-/** What a dimension of q does to the shape. */
+/** The effect of one dimension of q on the shape. */
 typedef struct pliant_column {
-    float
-        reach; /**< no vertex moves further than this per unit of q[column], in units of the input meshes; +infinity if the asset
-                    does not know it (single precision) */
-    float limit; /**< |q[column]| of the blends that the baker looked at, with a margin; 0 if the asset does not know it */
-    float bits;  /**< mean size of a number of the basis in this column */
+    /** No vertex moves further than this per unit of q[column], in units of the input meshes. +infinity if the asset does
+       not store it (single precision). */
+    float reach;
+    float limit; /**< largest |q[column]| of the blends that the baker examined, plus a margin; 0 if not stored */
+    float bits;  /**< mean number of bits of a number of the basis in this column; 32 in single precision */
 } pliant_column;
 
-/** Describes dimension `column` of q. PLIANT_ERROR_ARGUMENT if there is none. Cost: linear in the vertices / 64 if compact. */
+/** Describes dimension `column` of q. PLIANT_ERROR_ARGUMENT if there is no such dimension. Cost: vertex_count / 64 additions
+   for a compact basis. */
 PLIANT_API pliant_result pliant_asset_column(const pliant_asset* asset, uint32_t column, pliant_column* out);
 
-/** A box round all vertices for the coordinates `q`, whatever they are, in units of the input meshes: every position that
-   pliant_reconstruct gives for this q lies inside. On blends it is wider than the shape by 0.1 to 2 %
-   of the diagonal a side in the mean, where limbs swing far by up to 10 % (tests/bench/README.md). Cost: 6 * (dimension + 1) multiply-adds for each of at most 256 clusters of vertices, microseconds; for an
-   asset of before format 1.3 or baked without clusters that of reconstructing all vertices. PLIANT_ERROR_ARGUMENT for null pointers. */
+/** A bounding box of all vertices for any coordinates `q`, in units of the input meshes: every position that
+   pliant_reconstruct writes for this q lies inside it. Conservative: for typical blends each side overshoots by 0.1 to 2 %
+   of the diagonal on average, by up to 10 % where limbs swing far (tests/bench/README.md).
+   Cost: 6 * (dimension + 1) multiply-adds for each of at most 256 clusters of vertices, microseconds. Without clusters
+   (for one, in assets older than format 1.3) it costs as much as reconstructing all vertices.
+   PLIANT_ERROR_ARGUMENT for null pointers. */
 PLIANT_API pliant_result pliant_bounds(const pliant_asset* asset, const float* q, float lowest[3], float highest[3]);
 
 /* ------------------------------------------------------------------------------------------------------ normals ---- */
 
-/** Who is next to whom: what normals need beside positions. A view into memory that you gave and into the asset's blob, made
-   once per asset and shared by all characters and threads. The first two fields and memory_used are for you to read. */
+/** The adjacency of the triangles: what normals need besides positions. A view into memory that you provide and into the
+   asset's blob, made once per asset and shared by all characters and threads. `vertex_count`, `neighbour_count` and
+   `memory_used` are yours to read; the others are internal. */
 typedef struct pliant_normals {
     uint32_t vertex_count;    /**< the asset's boundary_vertex_count */
-    uint32_t neighbour_count; /**< how many words `neighbours` has */
-    size_t memory_used; /**< bytes from the start of the memory that stay in use after pliant_normals_init; the rest, about
-                                 40 % on usual meshes, may be given back */
-    const uint32_t* groups;     /**< null or, per vertex, the group that it belongs to; without groups a vertex is its own */
-    const uint32_t* starts;     /**< of group g the words starts[g] .. starts[g+1]-1 */
+    uint32_t neighbour_count; /**< number of words in `neighbours` */
+    /** Number of bytes from the start of the memory that stay in use after pliant_normals_init. The rest, about 40 % for
+       typical meshes, may be returned to your allocator. */
+    size_t memory_used;
+    const uint32_t* groups;     /**< the group of each vertex; null without groups: every vertex is a group of its own */
+    const uint32_t* starts;     /**< group g has the words starts[g] .. starts[g+1]-1 of `neighbours` */
     const uint32_t* neighbours; /**< neighbours in order; bit 31 marks the first one of a run */
 } pliant_normals;
 
-/** Bytes that pliant_normals_init needs: 4 for a vertex and 24 for a triangle; 0 if the argument is bad. */
+/** Number of bytes that pliant_normals_init needs: 4 per vertex and 24 per triangle; 0 if the argument is invalid. */
 PLIANT_API size_t pliant_normals_memory(const pliant_asset* asset);
 
-/** Builds the adjacency of `asset` in `memory` (any alignment). Cost: linear, some 10 ms for 100,000 triangles. Nothing to free. */
+/** Builds the adjacency of `asset` in `memory` (any alignment, `memory_size` bytes). Memory and blob must outlive it.
+   There is nothing to free. Cost: linear, some 10 ms for 100,000 triangles. */
 PLIANT_API pliant_result pliant_normals_init(pliant_normals* out, const pliant_asset* asset, void* memory,
                                              size_t memory_size);
 
-/** Normals of vertices first to first+count-1: three floats each, of length 1, at (char*)out + i * out_stride. `positions` are those of
-   ALL vertices below vertex_count, `stride` apart, position of vertex 0 first: finish pliant_reconstruct, then compute normals.
-   Strides are at least 12 and multiples of 4; with the right offset and stride positions and normals may lie in one vertex
-   buffer. Vertices past the last one are not written. Ranges may run on different threads, any cut gives the same bits.
-   A normal is the sum of the normals of the triangles at the vertex (at all vertices of its group) weighted by their areas. Where
-   that sum is zero or not finite (no triangle, only triangles without area, positions that are not numbers) it is (0, 0, 1).
-   Cost: runtime/README.md. */
+/** Normals of vertices first .. first+count-1: three floats each, of length 1, the one of vertex `first` at `out`, the next
+   ones `out_stride` bytes apart. `positions` holds the positions of ALL vertices below vertex_count, `stride` bytes apart,
+   starting with vertex 0: finish pliant_reconstruct before you compute normals. Both strides are at least 12 and multiples
+   of 4, so positions and normals may be interleaved in one vertex buffer. Vertices from vertex_count on are not written.
+   Ranges may run on different threads; the bits do not depend on how the vertices are divided into ranges.
+   A normal is the sum of the normals of the triangles at the vertex (at all vertices of its group), weighted by area. If
+   that sum is zero or not finite (no triangle, only triangles without area, positions that are not finite), the normal is
+   (0, 0, 1). Cost: runtime/README.md. */
 PLIANT_API void pliant_normals_compute(const pliant_normals* normals, const float* positions, size_t stride, uint32_t first,
                                        uint32_t count, float* out, size_t out_stride);
 
 /* -------------------------------------------------------------------------------------------- morph targets ---- */
 
-/** For engines that draw a `pliant export --morph` GLB with morph targets of their own: the weights (dimension floats, in the
-   order of the targets) that make them draw the shape of `q`, w_j = (q_j - low_j) / (high_j - low_j). They are in [0,1] wherever
-   the bake has looked, with a margin; they are not clamped, so that an engine that does not clamp either draws the very shape.
-   `weights` may be `q`. PLIANT_ERROR_ABSENT: the asset has no ranges (baked before format 1.3); the GLB's extras have those
-   that it was exported with. Cost: dimension divisions. */
+/** Morph target weights for engines that draw a `pliant export --morph` GLB. With `weights` (dimension floats, in the order
+   of the targets) the engine draws the shape of `q`: w_j = (q_j - low_j) / (high_j - low_j). They lie in [0,1] for all
+   blends that the baker examined, with a margin. They are not clamped: an engine that does not clamp them either draws the
+   exact shape for any q. `weights` may be the same array as `q`.
+   PLIANT_ERROR_ABSENT: the asset has no ranges (older than format 1.3); the GLB's extras hold the ranges that it was
+   exported with. Cost: dimension divisions. */
 PLIANT_API pliant_result pliant_morph_weights(const pliant_asset* asset, const float* q, float* weights);
 
-/** Finds the asset inside a `pliant export --embed` GLB of `glb_size` bytes: it is the first thing in the GLB's binary chunk
-   (formats/SPEC.md, section 7). On success glb + *offset is what to give to pliant_asset_open, with *size; *offset is a multiple
-   of 4096 in files that we write, so the blob is aligned if `glb` is. Accepts any bytes: PLIANT_ERROR_NOT_PLIANT if they are no
-   GLB, PLIANT_ERROR_TRUNCATED if it is cut off, PLIANT_ERROR_ABSENT if no asset is inside; *offset and *size are 0 then. It only
-   finds: pliant_asset_open does the checking. Cost: reads some hundred bytes. */
+/** Finds the asset inside a `pliant export --embed` GLB of `glb_size` bytes. The asset is the first item in the GLB's binary
+   chunk (formats/SPEC.md, section 7). On success pass glb + *offset and *size to pliant_asset_open. The Pliant tool writes
+   *offset as a multiple of 4096, so the blob is aligned if `glb` is. Accepts any bytes: PLIANT_ERROR_NOT_PLIANT if they are
+   no GLB, PLIANT_ERROR_TRUNCATED if the GLB is cut off, PLIANT_ERROR_ABSENT if it holds no asset; *offset and *size are 0
+   then. This function does not check the asset: pliant_asset_open does. Cost: reads some hundred bytes. */
 PLIANT_API pliant_result pliant_glb_find(const void* glb, size_t glb_size, size_t* offset, size_t* size);
 
 #ifdef __cplusplus

@@ -1,13 +1,13 @@
-"""Pliant: elastic blends of whole shapes. Bake poses in arrays into an asset, blend them with the C runtime.
+"""Pliant: elastic blends of whole shapes. Bakes poses from arrays into an asset and blends it with the C runtime.
 
     asset = pliant.bake(poses, faces)      # (m, n, 3) float64 and (f, 3): minutes for a character
-    shape = asset.blend([0.5, 0.5])        # (n, 3) float32: well below a millisecond to a few
+    shape = asset.blend([0.5, 0.5])        # (n, 3) float32: some milliseconds at most
     asset.save("hero.pliant")
 
-Lengths are in the units of the poses; weights are one number >= 0 per pose, of which only the ratios matter.
+Lengths are in the units of the poses. Weights are one number >= 0 per pose; only their ratios matter.
 
-Threads: every call may be made from any thread. Bakes and averages of one process take turns (each uses all cores); blends do not wait
-for them or for each other, and release the interpreter's lock.
+Threads: every function may be called from any thread. Bakes and averages of one process take turns, since each uses all cores. Blends
+wait neither for them nor for each other, and release the interpreter's lock.
 """
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ if TYPE_CHECKING:
 else:
 
     def __getattr__(name: str) -> types.ModuleType:
-        """pliant.batch is loaded when it is first used: few need it."""
+        """Loads pliant.batch on first use, since few programs need it."""
         if name == "batch":
             return importlib.import_module(".batch", __name__)
         raise AttributeError(f"module {__name__!r} has no attribute {name!r}")

@@ -1,4 +1,4 @@
-"""Arguments that are arrays, checked before anything else looks at them."""
+"""Checks of array arguments, before any other code uses them."""
 from __future__ import annotations
 
 from typing import Any, Sequence
@@ -24,7 +24,7 @@ def _has_shape(array: npt.NDArray[Any], shape: Sequence[int | None]) -> bool:
 
 
 def numbers(name: str, value: object, shape: Sequence[int | None], expected: str) -> npt.NDArray[np.float64]:
-    """A C-contiguous float64 array of the shape, None standing for any length. Kinds that become double without loss are taken."""
+    """A C-contiguous float64 array of the shape; None stands for any length. Accepts dtypes that convert to double without loss."""
     array = _as_array(name, value, expected)
     is_real = array.dtype.kind in "iuf" and np.can_cast(array.dtype, np.float64, "safe")
     if not is_real or not _has_shape(array, shape):
@@ -34,7 +34,7 @@ def numbers(name: str, value: object, shape: Sequence[int | None], expected: str
 
 
 def indices(name: str, value: object, shape: Sequence[int | None], expected: str) -> npt.NDArray[np.int64]:
-    """A C-contiguous int64 array of the shape. Their range is not looked at, but no number changes."""
+    """A C-contiguous int64 array of the shape. Does not check the range of the numbers, but never changes one."""
     array = _as_array(name, value, expected)
     if array.dtype.kind not in "iu" or not _has_shape(array, shape):
         kind: type[Exception] = TypeError if array.dtype.kind not in "iu" else ValueError
@@ -45,7 +45,7 @@ def indices(name: str, value: object, shape: Sequence[int | None], expected: str
 
 
 def rows(name: str, value: object, width: int, what: str) -> tuple[npt.NDArray[np.float64], bool]:
-    """One row of `width` numbers, or any count of them: as (k, width), and whether it was a single one."""
+    """One row of `width` numbers or several rows, as (k, width), and whether it was a single row."""
     expected = f"({width},) or (k, {width}): {what}"
     array = _as_array(name, value, expected)
     if array.ndim == 1:
@@ -54,7 +54,7 @@ def rows(name: str, value: object, width: int, what: str) -> tuple[npt.NDArray[n
 
 
 def rounded(array: npt.NDArray[np.float64]) -> npt.NDArray[np.float32]:
-    """Single precision for the runtime, which tells of numbers that are too large for it."""
+    """Single precision for the runtime, which reports numbers that are too large."""
     with np.errstate(over="ignore"):
         return array.astype(np.float32)
 

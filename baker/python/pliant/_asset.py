@@ -17,10 +17,10 @@ Source = Union[str, "os.PathLike[str]", bytes, bytearray, memoryview, mmap.mmap,
 
 
 class Asset:
-    """A baked character. Made by bake() and Asset.open(); it does not change, and may be used from several threads at once: every call
-    has a solver of its own, 16 to 350 KiB, which is kept for later calls.
+    """A baked character, made by bake() and Asset.open(). It is immutable and may be used from several threads at once: each concurrent
+    call uses a solver of its own, 16 to 350 KiB, which is kept for later calls.
 
-    Vertices have the order of the poses that were baked (of a bake with surface=, that of the surface), lengths their units.
+    Vertices are in the order of the baked poses (with surface=, of that surface); lengths are in the units of the poses.
     """
 
     def __init__(self, view: core.AssetView, report: dict[str, Any] | None = None) -> None:
@@ -29,15 +29,15 @@ class Asset:
 
     @classmethod
     def open(cls, source: Source, *, verify: bool = True) -> Asset:
-        """An asset from a file or from bytes.
+        """Opens an asset from a file or from bytes.
 
-        source  a path, which is read into memory; or an object with a buffer. `bytes` and read-only `mmap.mmap` objects are kept and
-                used where they are, without a copy, if they lie at a multiple of 16 (bytes do, and so do maps). What could change
-                (bytearray, memoryview, arrays) is copied. A file behind a map must not be written to while the asset is used; our own
-                tools replace files and never change them.
-        verify  compare all checksums, which reads every byte. Without, damage to the basis goes unseen, but can do no harm.
+        source  a path, whose file is read into memory, or an object with a buffer. `bytes` and read-only `mmap.mmap` objects are kept
+                and used in place, without a copy, if their address is a multiple of 16 (it is for both). Objects that may change
+                (bytearray, memoryview, arrays) are copied. Do not write to a mapped file while the asset is used. The tools of Pliant
+                replace files and never modify them.
+        verify  compare all checksums, which reads every byte. Without it damage to the basis is not detected, but is harmless.
 
-        Raises Error: P2001 for a file that cannot be read, P5102 for bytes that are no asset. Any bytes are safe to open.
+        Raises Error: P2001 if the file cannot be read, P5102 if the bytes are not an asset. Any bytes are safe to open.
         """
         if isinstance(source, (str, os.PathLike)):
             name = os.fspath(source)
@@ -57,38 +57,38 @@ class Asset:
 
     @property
     def pose_count(self) -> int:
-        """m: how many weights a blend has."""
+        """m: the number of weights of a blend."""
         return self._view.pose_count
 
     @property
     def vertex_count(self) -> int:
-        """n, those inside a solid included."""
+        """n: the number of vertices, including those inside a solid."""
         return self._view.vertex_count
 
     @property
     def dimension(self) -> int:
-        """d: how many reduced coordinates a blend has."""
+        """d: the number of reduced coordinates of a blend."""
         return self._view.dimension
 
     @property
     def names(self) -> list[str]:
-        """m names of poses."""
+        """The names of the m poses."""
         return [name.decode("utf-8", "replace") for name in self._view.names()]
 
     @property
     def faces(self) -> npt.NDArray[np.uint32]:
-        """(f, k) uint32, as they were baked, if all have k corners; else their triangles (t, 3). Of a solid its boundary."""
+        """(f, k) uint32: the baked faces if all have k corners, otherwise their triangles (t, 3). For a solid, its boundary."""
         return self._view.faces()
 
     @property
     def triangles(self) -> npt.NDArray[np.uint32]:
-        """(t, 3) uint32: what is drawn."""
+        """(t, 3) uint32: the triangles to render."""
         return self._view.triangles()
 
     @property
     def certificate(self) -> dict[str, Any]:
-        """What the asset says about how it was baked and what was measured (formats/schema/certificate.schema.json). Raises Error
-        P5103 if it says nothing that can be read."""
+        """How the asset was baked and what was measured (formats/schema/certificate.schema.json). Raises Error P5103 if the certificate
+        cannot be read."""
         try:
             certificate = json.loads(self._view.certificate())
         except ValueError:
@@ -99,7 +99,7 @@ class Asset:
 
     @property
     def report(self) -> dict[str, Any] | None:
-        """What `pliant bake --report` writes: the certificate and the seconds of each stage. None for an asset that was opened."""
+        """The report of `pliant bake --report`: the certificate and the seconds of each stage. None for an opened asset."""
         return self._report
 
     # ---------------------------------------------------------------------------------------------------------- blending
@@ -107,31 +107,31 @@ class Asset:
     def blend(self, weights: npt.ArrayLike, *, continuous: bool = False) -> npt.NDArray[np.float32]:
         """Positions of the elastic blend.
 
-        weights     (m,) or (k, m): one number >= 0 per pose, of which only the ratios matter
-        continuous  rows are frames, and each goes on from the one before as in a game: `pliant blend --path`. Else every row is solved
-                    as if it were alone: `pliant blend --weights`
+        weights     (m,) or (k, m): one number >= 0 per pose; only their ratios matter
+        continuous  rows are frames, and each continues from the previous one as in a game (`pliant blend --path`). Otherwise every row
+                    is solved independently (`pliant blend --weights`)
 
-        Returns (n, 3) float32, or (k, n, 3). The bits are those of the C runtime anywhere. Releases the interpreter's lock.
-        Raises ValueError and TypeError for shapes and kinds, Error P1204 for weights that are negative, not finite or all zero.
+        Returns (n, 3) float32, or (k, n, 3), with the bits of the C runtime on every machine. Releases the interpreter's lock.
+        Raises ValueError or TypeError for a wrong shape or dtype, Error P1204 for weights that are negative, not finite or all zero.
         """
         rows, is_single = _arrays.rows("weights", weights, self.pose_count, "one per pose")
         positions = self._view.reconstruct(self._view.solve(_arrays.rounded(rows), continuous), 0, self.vertex_count)
         return positions[0] if is_single else positions
 
     def coordinates(self, weights: npt.ArrayLike, *, continuous: bool = False) -> npt.NDArray[np.float32]:
-        """The reduced coordinates q of a blend, (d,) or (k, d) float32: the part of blend() that is solved. Arguments and errors as
-        there."""
+        """The reduced coordinates q of a blend, (d,) or (k, d) float32: blend() without the reconstruction. Arguments and errors are
+        those of blend()."""
         rows, is_single = _arrays.rows("weights", weights, self.pose_count, "one per pose")
         q = self._view.solve(_arrays.rounded(rows), continuous)
         return q[0] if is_single else q
 
     def reconstruct(self, q: npt.ArrayLike, first: int = 0, count: int | None = None) -> npt.NDArray[np.float32]:
-        """Positions for reduced coordinates, whatever they are.
+        """Positions for any reduced coordinates.
 
         q             (d,) or (k, d)
-        first, count  the vertices first .. first + count - 1; None: all from first on. Of a solid a part costs as much as all
+        first, count  the vertices first .. first + count - 1; None: all from first on. For a solid any range costs as much as all
 
-        Returns (count, 3) float32, or (k, count, 3). Raises ValueError and TypeError for shapes, kinds and ranges.
+        Returns (count, 3) float32, or (k, count, 3). Raises ValueError or TypeError for a wrong shape, dtype or range.
         """
         rows, is_single = _arrays.rows("q", q, self.dimension, "the coordinates of a blend")
         n = self.vertex_count
@@ -145,11 +145,11 @@ class Asset:
         return positions[0] if is_single else positions
 
     def normals(self, positions: npt.ArrayLike) -> npt.NDArray[np.float32]:
-        """Normals of a blend: of length 1, triangles weighted by their areas; seams that were welded are smooth.
+        """Normals of a blend, of length 1, weighted by the areas of triangles. Welded seams are smooth.
 
-        positions  (n, 3) or (k, n, 3), as blend() gives them
+        positions  (n, 3) or (k, n, 3), as returned by blend()
 
-        Returns as many float32. Vertices without a triangle, those inside a solid among them, have (0, 0, 1).
+        Returns float32 of the same shape. Vertices without a triangle, such as those inside a solid, have (0, 0, 1).
         """
         n = self.vertex_count
         expected = f"({n}, 3) or (k, {n}, 3): positions of a blend"
@@ -163,12 +163,12 @@ class Asset:
     # ------------------------------------------------------------------------------------------------------------ bytes
 
     def save(self, path: str | os.PathLike[str]) -> None:
-        """Writes the .pliant file, whole or not at all: under a temporary name in the same folder first. Raises Error P40xx if that
-        fails; then a file that was there is as it was."""
+        """Writes the .pliant file atomically, through a temporary file in the same folder. Raises Error P40xx if that fails; an
+        existing file is then unchanged."""
         core.write_file(os.fspath(path), bytes(self))
 
     def __bytes__(self) -> bytes:
-        """What save() writes."""
+        """The bytes that save() writes."""
         return self._view.bytes()
 
     def __len__(self) -> int:

@@ -1,4 +1,4 @@
-"""What goes wrong, as Python knows it: the findings of the baker with their numbers."""
+"""Exceptions and warnings: the numbered diagnostics of the baker."""
 from __future__ import annotations
 
 import re
@@ -26,12 +26,12 @@ class Finding(NamedTuple):
 
 
 class Error(Exception):
-    """The baker or the runtime refuses: an input is wrong, a file cannot be read, a computation fails.
+    """An error of the baker or the runtime: an input is wrong, a file cannot be read, or a computation fails.
 
-    number     of the first error, like 'P2103'
-    hint       what to do about it; may be empty
-    exit_code  what the command line exits with: 1 failed while working, 2 wrong usage, 3 bad input, 4 misses the tolerance
-    findings   everything that was found, warnings too
+    number     number of the first error, like 'P2103'
+    hint       remedy for the first error; may be empty
+    exit_code  exit code of the command line: 1 failed while working, 2 wrong usage, 3 bad input, 4 misses the tolerance
+    findings   all diagnostics, including warnings
     """
 
     def __init__(self, findings: Sequence[Finding], exit_code: int) -> None:
@@ -47,9 +47,9 @@ class Error(Exception):
 
 
 class ToleranceError(Error):
-    """The asset misses a tolerance that was asked for.
+    """The asset misses a tolerance that was given.
 
-    asset  the asset all the same, with its report, if best_effort was given; else None
+    asset  the asset with its report if best_effort was given; otherwise None
     """
 
     def __init__(self, findings: Sequence[Finding], exit_code: int = _MISSES_TOLERANCE, asset: Asset | None = None) -> None:
@@ -61,7 +61,7 @@ class ToleranceError(Error):
 
 
 class PliantWarning(UserWarning):
-    """A warning of the baker; `finding` has its number and hint."""
+    """A warning of the baker; `finding` holds its number and hint."""
 
     def __init__(self, finding: Finding) -> None:
         super().__init__(str(finding))
@@ -69,7 +69,7 @@ class PliantWarning(UserWarning):
 
 
 def python_names(text: str) -> str:
-    """The options that a hint of the command line names, as arguments: --tolerance-max becomes tolerance_max."""
+    """Replaces options of the command line by the names of arguments: --tolerance-max becomes tolerance_max."""
     return re.sub(r"(?<!\w)--([a-z]+(?:-[a-z]+)*)", lambda match: match.group(1).replace("-", "_"), text)
 
 
@@ -78,6 +78,6 @@ def finding(is_error: bool, number: int, where: str, what: str, hint: str) -> Fi
 
 
 def from_findings(exit_code: int, found: Sequence[tuple[bool, int, str, str, str]]) -> Error:
-    """Called by the module for every failure."""
+    """Makes the exception for a failure; called by the C++ module."""
     kind = ToleranceError if exit_code == _MISSES_TOLERANCE else Error
     return kind([finding(*one) for one in found], exit_code)

@@ -1,4 +1,4 @@
-"""Options of bakes and averages: names and ranges of the command line, checked before work starts."""
+"""Options of bakes and averages: names and ranges as on the command line, checked before work starts."""
 from __future__ import annotations
 
 import math
@@ -9,7 +9,7 @@ import numpy as np
 
 from . import _arrays
 
-# What the command line allows (pliant bake --help; a test compares the names). Choices are checked by the module.
+# Ranges of the command line (pliant bake --help; a test compares the names). The C++ module checks choices.
 RANGES: dict[str, tuple[float, float]] = {
     "tolerance": (1e-8, 1.0),
     "tolerance_max": (1e-8, 1.0),
@@ -57,7 +57,7 @@ def _fixed(value: object, vertex_count: int) -> list[int]:
 
 
 def checked(given: Mapping[str, Any], vertex_count: int) -> dict[str, Any]:
-    """The options that were given, as the module takes them: without those that are None or off."""
+    """The given options in the form of the C++ module: without those that are None or off."""
     options: dict[str, Any] = {}
     for name, value in given.items():
         if value is None or (name in _FLAGS and not value):

@@ -1,11 +1,11 @@
 """Many characters on many machines: the manifest of `pliant bake-all` on a Dask cluster. Needs `pip install pliant[batch]`.
 
-    if __name__ == "__main__":                                            # workers are processes, which load this file, too
+    if __name__ == "__main__":                                            # workers are processes that load this file, too
         print(pliant.batch.run("characters.json"))                        # on this machine
         print(pliant.batch.run("characters.json", client=Client("tcp://farm:8786")))
 
-Every bake is a `pliant bake-all MANIFEST --only NAME` on a worker. So what the manifest means, what is up to date (stamps) and the bytes of
-assets are those of `pliant bake-all`, and either may go on where the other was stopped.
+Every bake is a `pliant bake-all MANIFEST --only NAME` on a worker. The meaning of the manifest, the stamps and the bytes of assets are
+therefore those of `pliant bake-all`, and each of the two continues where the other was stopped.
 """
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ Progress = Callable[[Record, int, int], object]
 
 
 def distributed_module() -> Any:
-    """dask.distributed, or an ImportError that says how to get it."""
+    """dask.distributed, or an ImportError that explains how to install it."""
     try:
         importlib.import_module("dask")
         return importlib.import_module("distributed")
@@ -52,26 +52,26 @@ def _names(only: Union[str, Sequence[str], None]) -> Sequence[str]:
 def run(manifest: Union[str, "os.PathLike[str]"], *, client: Any = None, workers: Optional[int] = None,
         tool: Union[str, "os.PathLike[str]", None] = None, force: bool = False, only: Union[str, Sequence[str], None] = None,
         retries: int = 2, memory: Optional[float] = None, progress: Optional[Progress] = None) -> Summary:
-    """Bakes what is not up to date of a manifest (formats/schema/bake_manifest.schema.json), and returns when all is done.
+    """Bakes everything in a manifest (formats/schema/bake_manifest.schema.json) that is not up to date, and returns when all is done.
 
-    client     a dask.distributed.Client. Its workers must have a resource MEMORY, the bytes that bakes may take there together
-               (`dask worker ADDRESS --nthreads 4 --resources MEMORY=48e9`); run as many bakes at a time as they have threads; have this
-               package and the tool; and see the manifest, its poses and the folders of outputs under the same paths as this machine.
-               None: workers of its own on this machine, one bake each, ended at the end.
-    workers    processes on this machine (default: one a core, fewer if there is less to do or the largest bake needs the memory); with a
-               client: work begins once it has so many (within 5 minutes)
-    tool       path of the program `pliant`, the same on all workers; default: beside their Python, else on their PATH
-    force      bake what is up to date, too
-    only       a name or names: these bakes only
-    retries    further tries for a bake that was killed from outside, or whose worker was lost more often than the scheduler allows
-               (Dask's distributed.scheduler.allowed-failures, 3). The loss of a worker as such costs the bake that ran there some time.
+    client     a dask.distributed.Client. Its workers must have a resource MEMORY, the bytes that all bakes on the worker may use together
+               (`dask worker ADDRESS --nthreads 4 --resources MEMORY=48e9`). They run as many bakes at a time as they have threads. They
+               need this package, the tool, and the manifest, its poses and the output folders under the same paths as this machine.
+               None: workers are started on this machine, with one bake each, and stopped at the end.
+    workers    number of processes on this machine (default: one per core, fewer if there is less to do or the largest bake needs the
+               memory); with a client: the number of workers to wait for (at most 5 minutes)
+    tool       path of the program `pliant`, the same on all workers; default: next to their Python, otherwise on their PATH
+    force      also bake assets that are up to date
+    only       a name or names: bake only these
+    retries    further attempts for a bake that was killed from outside, or whose worker was lost more often than the scheduler allows
+               (Dask's distributed.scheduler.allowed-failures, 3). Losing a worker once only delays the bake that ran there.
     memory     bytes for all bakes on this machine (default: 80 % of the machine's or container's); not with a client
     progress   called as progress(record, done, total) in this thread after every bake; an exception ends all bakes and is raised
 
-    Returns a Summary: a bake that failed, crashed or is too large stands there and harms no other. Errors and warnings of bakes also go to
-    the logger "pliant.batch". Raises Error, with the number of the command line, if the manifest is wrong or `only` is none of its
-    names; ValueError for wrong numbers; FileNotFoundError without the tool; RuntimeError for workers that cannot do the work; ImportError
-    without Dask. Ctrl-C ends all bakes; what is finished stays finished.
+    Returns a Summary. Bakes that failed, crashed or are too large are listed there and do not affect others. Errors and warnings of bakes
+    also go to the logger "pliant.batch". Raises Error, with the number of the command line, if the manifest is wrong or `only` has an
+    unknown name; ValueError for invalid numbers; FileNotFoundError without the tool; RuntimeError for workers that cannot do the work;
+    ImportError without Dask. Ctrl-C ends all bakes; finished assets stay.
     """
     distributed = distributed_module()
     _check_numbers(workers, retries, memory)

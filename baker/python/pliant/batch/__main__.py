@@ -35,7 +35,7 @@ def _tell(record: Record, done: int, total: int) -> None:
 
 
 def _hear_log() -> None:
-    """The log of this package to standard error; Dask's stays as it is."""
+    """Sends the log of this package to standard error; Dask's log is unchanged."""
     handler = logging.StreamHandler()
     handler.setFormatter(logging.Formatter("pliant.batch: %(message)s"))
     log.addHandler(handler)

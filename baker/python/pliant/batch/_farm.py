@@ -1,4 +1,4 @@
-"""A Dask cluster that bakes: are its workers fit for it, who does what, and what if one is lost."""
+"""Bakes on a Dask cluster: checks of the workers, distribution of the bakes, and recovery from lost workers."""
 from __future__ import annotations
 
 import contextlib
@@ -21,7 +21,7 @@ _KILLS = (9, 15)  # signals from outside: of the system that needs memory, of a 
 
 @contextlib.contextmanager
 def _tokens(result: Result) -> Iterator[List[str]]:
-    """A new file in the folder of every output, for workers to find."""
+    """Creates a new file in the folder of every output, for the workers to find."""
     folders = sorted({os.path.dirname(os.path.abspath(result.records[name]["output"])) for name in result.pending()})
     with contextlib.ExitStack() as stack:
         paths = []
@@ -33,7 +33,7 @@ def _tokens(result: Result) -> Iterator[List[str]]:
 
 @contextlib.contextmanager
 def _uninterrupted() -> Iterator[None]:
-    """Ctrl-C waits for the end of the block. Dask's blocking calls log a traceback of their own if it comes before they have begun."""
+    """Delays Ctrl-C to the end of the block. Dask's blocking calls log a traceback if it comes before they have started."""
     before = signal.getsignal(signal.SIGINT)
     if threading.current_thread() is not threading.main_thread() or not callable(before):
         yield
@@ -49,7 +49,7 @@ def _uninterrupted() -> Iterator[None]:
 
 
 def _result_of(future: Any, timeout_error: Any) -> Any:
-    """What a future has come to, or its exception. Ctrl-C is heard within a second."""
+    """The result of a future, or its exception. Reacts to Ctrl-C within a second."""
     while True:
         with _uninterrupted():
             try:
@@ -102,7 +102,7 @@ class Farm:
         return self.bake(result, share, memory, progress)
 
     def _places(self, tokens: List[str]) -> Dict[str, _worker.Place]:
-        """By address, of the workers that have a resource MEMORY."""
+        """The workers that have a resource MEMORY, by address."""
         request = self._request
         digest = _worker.digest_of(request.manifest) if os.path.exists(request.manifest) else ""
         try:
@@ -122,7 +122,7 @@ class Farm:
         return places
 
     def bake(self, result: Result, share: int, memory: float, progress: Optional[Callable[[Record, int, int], object]]) -> Result:
-        """Does what is pending of a plan, and returns it with what came of it. `share`, `memory` (bytes): as it was planned with."""
+        """Runs the pending bakes of a plan and returns it with their results. `share`, `memory` (bytes): those of the plan."""
         names = result.pending()
         tries = Counter(names)
         priorities = {name: -i for i, name in enumerate(names)}
@@ -154,7 +154,7 @@ class Farm:
         return result
 
     def _judge(self, future: Any, planned: Record) -> Tuple[Record, str, bool]:
-        """The record of a try that has ended, its messages, and whether something killed it that may not come again."""
+        """The record of a finished attempt, its messages, and whether it was killed by a cause that may not recur."""
         lost = {**planned, "outcome": "crashed", "exit_code": 1}
         try:
             ended = _result_of(future, self._distributed.TimeoutError)
@@ -175,7 +175,7 @@ class Farm:
         return record, errors, is_stopped or record.get("signal") in _KILLS
 
     def _stop(self, futures: List[Any]) -> None:
-        """No bake goes on, whatever the reason why nobody waits for it any more."""
+        """Stops all bakes, since nobody waits for them any more."""
         try:
             self._client.cancel(futures)
             self._client.run(_worker.stop_tools, self._group)

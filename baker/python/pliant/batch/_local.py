@@ -16,7 +16,7 @@ def _planned(request: _plan.Request, count: int, memory: float) -> _plan.Result:
 
 
 def _fitting_count(result: _plan.Result, count: int, memory: float) -> int:
-    """At most `count` workers, of which each may run the largest bake."""
+    """The number of workers, at most `count`, so that each of them can run the largest bake."""
     names = result.pending()
     largest = max((result.estimate(name) for name in names), default=0.0)
     fitting = int(memory // largest) if largest > 0 else count
@@ -25,7 +25,7 @@ def _fitting_count(result: _plan.Result, count: int, memory: float) -> int:
 
 def run(distributed: Any, request: _plan.Request, workers: Optional[int], memory: Optional[float], retries: int,
         progress: Optional[Callable[[Record, int, int], object]]) -> _plan.Result:
-    """The plan first: it says how many workers there is work and memory for. Nothing to do starts none."""
+    """Makes the plan first, which determines the number of workers by work and memory. Starts none if there is nothing to do."""
     if memory is None:
         memory = _MEMORY_SHARE * float(distributed.system.MEMORY_LIMIT)
     if workers is not None:

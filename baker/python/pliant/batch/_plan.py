@@ -1,4 +1,4 @@
-"""What is to be done, as `pliant bake-all --dry-run` says it, and how its answers are read."""
+"""The plan of a manifest, from `pliant bake-all --dry-run`, and the parsing of its output."""
 from __future__ import annotations
 
 import json
@@ -20,7 +20,7 @@ log = logging.getLogger("pliant.batch")
 
 @dataclass(frozen=True)
 class Request:
-    """What the caller wants. The manifest as absolute path; the tool as given."""
+    """The arguments of a call: the manifest as an absolute path, the tool as given."""
 
     manifest: str
     tool: Optional[str]
@@ -28,7 +28,7 @@ class Request:
     only: Sequence[str]
 
     def arguments(self, share: int, memory: float, names: Sequence[str]) -> List[str]:
-        """Of the tool. `share`: bakes that share the cores of a machine; `memory`: bytes, what estimates more is refused."""
+        """Arguments of the tool. `share`: number of bakes that share the cores of a machine; `memory`: limit for the estimate, in bytes."""
         words = ["bake-all", self.manifest, "--json", "--quiet", "--jobs", str(min(share, _MOST_JOBS)), "--memory", str(int(memory))]
         words += ["--force"] if self.force else []
         for name in names:
@@ -41,7 +41,7 @@ class Request:
 
 @dataclass
 class Result:
-    """Records and messages by name, in the order of the manifest; the plan at first, which bakes then change."""
+    """Records and messages by name, in the order of the manifest. It starts as the plan; finished bakes replace their records."""
 
     baker: str
     records: Dict[str, Record]
@@ -51,7 +51,7 @@ class Result:
         return [name for name, record in self.records.items() if record["outcome"] == "to be baked"]
 
     def estimate(self, name: str) -> float:
-        """Bytes."""
+        """Estimated memory of a bake in bytes."""
         return float(self.records[name]["estimate"]["memory"])
 
     def take(self, name: str, record: Record, errors: str) -> None:
@@ -62,7 +62,7 @@ class Result:
 
 
 def _error_of(ended: Ended) -> Error:
-    """What the tool says where it refuses the whole manifest."""
+    """The error for a manifest that the tool rejects as a whole."""
     found = []
     for number, what, hint in re.findall(r"(?m)error P(\d{4}): (.*)(?:\n  hint: (.*))?$", ended.errors):
         found.append(finding(True, int(number), "", what, hint))
@@ -72,7 +72,7 @@ def _error_of(ended: Ended) -> Error:
 
 
 def read_report(ended: Ended) -> Dict[str, object]:
-    """The JSON of bake-all. Error if it refuses the manifest; RuntimeError if it says something else altogether."""
+    """The JSON of bake-all. Raises Error if it rejects the manifest, RuntimeError if its output is not understood."""
     if ended.exit_code in (_USAGE, _BAD_INPUT):
         raise _error_of(ended)
     try:
@@ -85,7 +85,7 @@ def read_report(ended: Ended) -> Dict[str, object]:
 
 
 def messages_of(errors: str, names: Sequence[str]) -> Dict[str, str]:
-    """The lines of bake-all on standard error, by the bake that they are about."""
+    """The lines of bake-all on standard error, by the bake that they belong to."""
     messages: Dict[str, str] = {}
     last = ""
     by_length = sorted(names, key=len, reverse=True)  # "a: b" before "a"

@@ -1,4 +1,4 @@
-"""What came of a manifest: for programs as the report of `pliant bake-all`, for people as a table."""
+"""The result of a manifest: for programs the report of `pliant bake-all`, for people a table."""
 from __future__ import annotations
 
 from dataclasses import dataclass, field
@@ -11,13 +11,13 @@ _FAILURES = ("failed", "crashed", "too large", "not started")
 
 @dataclass(frozen=True)
 class Summary:
-    """What pliant.batch.run returns. print() shows a table.
+    """The result of pliant.batch.run. print() shows a table.
 
-    bakes      one record a bake, in the order of the manifest, with the keys of `pliant bake-all --json`: "name", "output" (absolute),
+    bakes      one record per bake, in the order of the manifest, with the keys of `pliant bake-all --json`: "name", "output" (absolute),
                "outcome" ("baked", "up to date", "misses tolerance", "failed", "crashed", "too large"), "exit_code", "estimate", ...
-    baker      the version that baked, like "pliant 0.1.0"
-    seconds    from the call to its end
-    messages   errors and warnings of a bake, by name, as the tool prints them
+    baker      version of the tool, like "pliant 0.1.0"
+    seconds    duration of the call
+    messages   errors and warnings as the tool prints them, by the name of the bake
     """
 
     bakes: List[Record]
@@ -27,7 +27,7 @@ class Summary:
 
     @property
     def exit_code(self) -> int:
-        """As of `pliant bake-all`: 0 all is done, 1 a bake failed, 4 only tolerances are missed, 130 interrupted."""
+        """Exit code of `pliant bake-all`: 0 all is done, 1 a bake failed, 4 only tolerances are missed, 130 interrupted."""
         outcomes = {bake["outcome"] for bake in self.bakes}
         if "interrupted" in outcomes:
             return 130

@@ -1,6 +1,6 @@
-"""What runs beside the files, on a worker or on this machine: the tool as a child process, and what is to be known of the place.
+"""The code that runs where the files are, on a worker or on this machine: the tool as a child process, and checks of the place.
 
-Standard library only: it must be quick to load, and tells what is wrong where the rest of a worker's installation is.
+It uses the standard library only: it must load quickly, and must work where the rest of a worker's installation is broken.
 """
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ class Ended(NamedTuple):
 
 
 class Place(NamedTuple):
-    """What a worker is and has."""
+    """Properties of a worker."""
 
     host: str
     threads: int
@@ -44,8 +44,8 @@ if sys.platform == "linux":
     _libc = ctypes.CDLL(None)  # loaded here, as between fork and exec nothing may be
 
     def _ends_with(parent: int) -> Optional[Callable[[], None]]:
-        """Between fork and exec: a child is to end with its parent however that ends, SIGKILL included. (The kernel counts the thread that
-        forks as the parent, and that waits for the child.) The tool asks the same of its own children."""
+        """Runs between fork and exec: makes the child end with its parent, even if that is killed by SIGKILL. (For the kernel the parent is
+        the thread that forks, and that thread waits for the child.) The tool does the same for its own children."""
 
         def follow() -> None:
             _libc.prctl(_SET_DEATH_SIGNAL, int(signal.SIGKILL), 0, 0, 0)
@@ -57,12 +57,12 @@ if sys.platform == "linux":
 else:
 
     def _ends_with(parent: int) -> Optional[Callable[[], None]]:
-        """Elsewhere a child that was left alone works to its end: the asset is written whole or not at all, and with the same bytes."""
+        """On other systems an abandoned child runs to its end: the asset appears whole or not at all, with the same bytes."""
         return None
 
 
 def find_tool(tool: Optional[str]) -> str:
-    """The path of `pliant`: as given, else beside the Python that runs, else on PATH. FileNotFoundError names the remedy."""
+    """The path of `pliant`: as given, else next to the running Python, else on PATH. Raises FileNotFoundError, with a remedy."""
     if tool is not None:
         found = shutil.which(tool)
         if found is None:
@@ -76,7 +76,7 @@ def find_tool(tool: Optional[str]) -> str:
 
 
 def call_tool(tool: Optional[str], arguments: Sequence[str], group: str = "") -> Ended:
-    """Runs the tool to its end. It ends with this process, and with stop_tools(group)."""
+    """Runs the tool to its end. It is ended with this process, and by stop_tools(group)."""
     command = [find_tool(tool), *arguments]
     with _children_lock:
         child = subprocess.Popen(command, stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.PIPE, encoding="utf-8",
@@ -95,7 +95,7 @@ def call_tool(tool: Optional[str], arguments: Sequence[str], group: str = "") ->
 
 
 def stop_tools(group: str) -> None:
-    """Asks the tools of a group that run here to end; call_tool then returns."""
+    """Terminates the tools of a group that run here; call_tool then returns."""
     with _children_lock:
         for child, its_group in _children.items():
             if its_group == group:
@@ -103,8 +103,8 @@ def stop_tools(group: str) -> None:
 
 
 def dask_setup(worker: Any) -> None:
-    """Dask calls this where the module is preloaded, as by workers of one's own machine: Ctrl-C at a terminal reaches all its processes, but
-    ends the caller alone, who then ends the bakes and the workers."""
+    """Dask calls this in workers that preload the module, as those on this machine do. Ctrl-C at a terminal reaches all processes, but must
+    end the caller only, which then ends the bakes and the workers."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)
 
 
@@ -130,8 +130,8 @@ def _wrong_with_files(manifest: str, digest: str, tokens: Sequence[str]) -> str:
 
 
 def look_around(tool: Optional[str], manifest: str, digest: str, tokens: Sequence[str], dask_worker: Any = None) -> Place:
-    """Run on every worker: is everything there that a bake needs? `tokens` are files that the client has just made in the folders of
-    outputs: their names are new, so no cache of a network file system can be wrong about them."""
+    """Runs on every worker and checks that it has everything that a bake needs. `tokens` are files that the client has just created in the
+    output folders. Their names are new, so no cache of a network file system can be wrong about them."""
     state = dask_worker.state
     place = Place(socket.gethostname(), int(state.nthreads), float(state.total_resources.get("MEMORY", 0)), "", "")
     wrong = _wrong_with_files(manifest, digest, tokens)
