@@ -3,7 +3,7 @@
 
 #include "bake/options.h"
 #include "base/common/progress.h"
-#include "base/mesh/shape_set.h"
+#include "base/mesh/normalized_poses.h"
 
 namespace pliant {
 

@@ -115,8 +115,8 @@ Shape load(const std::string& path, std::size_t vertex_count, RuntimeBlender& bl
     Subspace subspace { rest, basis, Eigen::MatrixXd() };
     const Eigen::MatrixXd reachable = blends_of(blender);
     const Frame frame = principal_frame(subspace, reachable);
-    const Eigen::MatrixXd turned = basis * frame.axes, middle = rest + basis * frame.origin;
-    shape.samples = reach_margin * (frame.axes.transpose() * (reachable.colwise() - frame.origin));
+    const Eigen::MatrixXd turned = basis * frame.axes, middle = rest + basis * frame.offset;
+    shape.samples = reach_margin * (frame.axes.transpose() * (reachable.colwise() - frame.offset));
     shape.columns.resize(Eigen::Index(3 * vertex_count), Eigen::Index(d));
     shape.rest.resize(shape.columns.rows());
     for (std::size_t v = 0; v < vertex_count; ++v) {

@@ -23,7 +23,7 @@ Eigen::VectorXd nearest_point(const NormalizedPoses& set, const Subspace& subspa
         const Eigen::MatrixXd weighted = times_mass(columns, set.masses);
         // Rank-revealing: a basis may contain rigid motions itself.
         const Eigen::CompleteOrthogonalDecomposition<Eigen::MatrixXd> gram(columns.transpose() * weighted);
-        const Eigen::VectorXd q = gram.solve(weighted.transpose() * (moved - subspace.origin)).head(d);
+        const Eigen::VectorXd q = gram.solve(weighted.transpose() * (moved - subspace.rest)).head(d);
         moved = reference;
         apply(best_rigid_motion(reference, subspace.shape(q), set.masses), moved);
     }
@@ -51,7 +51,7 @@ double projection_error(const NormalizedPoses& set, const Subspace& subspace, co
 
 Subspace leading_part(const Subspace& subspace, Eigen::Index d)
 {
-    return { subspace.origin, subspace.basis.leftCols(d), subspace.pose_coordinates.topRows(d) };
+    return { subspace.rest, subspace.basis.leftCols(d), subspace.pose_coordinates.topRows(d) };
 }
 
 Subspace subspace_of(const RuntimeBlender& blender, const NormalizedPoses& set, const std::string& path)
@@ -65,12 +65,12 @@ Subspace subspace_of(const RuntimeBlender& blender, const NormalizedPoses& set, 
         refuse("has other poses or another mesh");
     const auto shape_at = [&](const std::vector<float>& q) { return from_input_units(set, blender.positions(q)); };
     Subspace subspace;
-    subspace.origin = shape_at(std::vector<float>(asset.dimension, 0.0f));
+    subspace.rest = shape_at(std::vector<float>(asset.dimension, 0.0f));
     subspace.basis.resize(set.dof_count(), asset.dimension);
     for (std::uint32_t j = 0; j < asset.dimension; ++j) {
         std::vector<float> q(asset.dimension, 0.0f);
         q[j] = 1;
-        subspace.basis.col(j) = shape_at(q) - subspace.origin;
+        subspace.basis.col(j) = shape_at(q) - subspace.rest;
     }
     subspace.pose_coordinates.resize(asset.dimension, Eigen::Index(set.pose_count()));
     for (std::size_t k = 0; k < set.pose_count(); ++k) {

@@ -78,8 +78,8 @@ NormalizedPoses normalize(const PoseSet& poses, bool keep_placement)
 
     // The runtime adds the origin in single precision: round it once, here, so that both sides mean the same point.
     const Eigen::Vector3d centre = centroid(set.shapes[0], set.masses);
-    set.origin = (middle + centre).cast<float>().cast<double>();
-    const Eigen::Vector3d shift = middle - set.origin;
+    set.centre = (middle + centre).cast<float>().cast<double>();
+    const Eigen::Vector3d shift = middle - set.centre;
     const Shape rest = set.shapes[0]; // the loop moves and scales shapes[0] before the others are fitted to it
     for (std::size_t k = 0; k < set.pose_count(); ++k) {
         RigidMotion fit;
@@ -98,7 +98,7 @@ NormalizedPoses normalize(const PoseSet& poses, bool keep_placement)
 Positions to_input_units(const NormalizedPoses& set, const Shape& shape)
 {
     Positions positions = set.length * rows(shape);
-    positions.rowwise() += set.origin.transpose();
+    positions.rowwise() += set.centre.transpose();
     return positions;
 }
 
@@ -106,7 +106,7 @@ Shape from_input_units(const NormalizedPoses& set, const std::vector<float>& pos
 {
     Shape shape(Eigen::Index(positions.size()));
     for (Eigen::Index i = 0; i < shape.size(); ++i)
-        shape[i] = (double(positions[std::size_t(i)]) - set.origin[i % 3]) / set.length;
+        shape[i] = (double(positions[std::size_t(i)]) - set.centre[i % 3]) / set.length;
     return shape;
 }
 

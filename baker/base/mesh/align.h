@@ -1,7 +1,7 @@
 // From poses as they came to the problem that is solved: rigidly aligned, centred, in units of the character.
 #pragma once
 
-#include "base/mesh/shape_set.h"
+#include "base/mesh/normalized_poses.h"
 
 namespace pliant {
 

@@ -5,7 +5,7 @@
 namespace pliant {
 
 std::shared_ptr<const RenderMesh> copy_to_render_mesh(Polygons polygons, std::vector<Triangle> triangles,
-                                                  const std::vector<std::uint32_t>& places)
+                                                      const std::vector<std::uint32_t>& places)
 {
     auto surface = std::make_shared<RenderMesh>();
     surface->polygons = std::move(polygons);
@@ -29,7 +29,7 @@ NormalizedPoses render_mesh_shapes(const NormalizedPoses& solid, const RenderMes
     NormalizedPoses set;
     set.triangles = surface.triangles;
     set.fixed_vertices = solid.fixed_vertices;
-    set.origin = solid.origin;
+    set.centre = solid.centre;
     set.length = solid.length;
     set.motions = solid.motions;
     set.masses = Eigen::VectorXd::Zero(Eigen::Index(surface.embedding.count()));

@@ -3,7 +3,7 @@
 #pragma once
 
 #include "base/mesh/embedding.h"
-#include "base/mesh/shape_set.h"
+#include "base/mesh/normalized_poses.h"
 
 namespace pliant {
 
@@ -18,7 +18,7 @@ struct RenderMesh {
 
 // Vertices that each lie exactly where vertex `places[v]` of the elastic mesh does.
 std::shared_ptr<const RenderMesh> copy_to_render_mesh(Polygons polygons, std::vector<Triangle> triangles,
-                                                  const std::vector<std::uint32_t>& places);
+                                                      const std::vector<std::uint32_t>& places);
 
 // The shapes of the surface in the poses of the solid, to measure its blends by: in the solid's units, around its origin. It has no
 // elements; fixed_vertices are the solid's, and say only whether shapes are held.

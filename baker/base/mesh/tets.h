@@ -1,7 +1,7 @@
 // Measures of tetrahedra, and what surfaces and solids have in common.
 #pragma once
 
-#include "base/mesh/shape_set.h"
+#include "base/mesh/normalized_poses.h"
 
 namespace pliant {
 

@@ -1,7 +1,7 @@
 // The connected parts of a surface.
 #pragma once
 
-#include "base/mesh/shape_set.h"
+#include "base/mesh/normalized_poses.h"
 
 namespace pliant {
 

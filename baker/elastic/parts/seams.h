@@ -1,7 +1,7 @@
 // Seams: borders that lie on other borders (T-junctions, cracks). Ties keep them closed.
 #pragma once
 
-#include "base/mesh/shape_set.h"
+#include "base/mesh/normalized_poses.h"
 
 namespace pliant {
 

@@ -76,7 +76,7 @@ Shape Dragger::start_of(double time) const
     Shape way = Shape::Zero(y_.size());
     for (std::size_t i = 0; i < handles_.vertices().size(); ++i) {
         const Eigen::Index v = handles_.vertices()[i];
-        const Eigen::Vector3d target = (places.row(Eigen::Index(i)).transpose() - rest_.origin) / rest_.length;
+        const Eigen::Vector3d target = (places.row(Eigen::Index(i)).transpose() - rest_.centre) / rest_.length;
         way.segment<3>(3 * v) = target - y_.segment<3>(3 * v);
     }
     const Shape load = -(tangent_.matrix().selfadjointView<Eigen::Lower>() * way);
@@ -123,7 +123,7 @@ void Dragger::give_up(double time) const
         throw Failure(ExitCode::failed, error_at(4304, "", how_far + ": Newton's method finds no equilibrium", hint));
     Eigen::Vector3d centre = Eigen::Vector3d::Zero();
     for (const std::uint32_t v : rest_.tets[bad_tet_]) centre += point(rest_.shapes[0], v) / 4;
-    centre = rest_.length * centre + rest_.origin;
+    centre = rest_.length * centre + rest_.centre;
     throw Failure(ExitCode::failed,
                   error_at(4304, "",
                            fmt::format("{}: tetrahedron {} (at rest near {:.4g} {:.4g} {:.4g}) would turn over", how_far,

@@ -40,9 +40,9 @@ Bytes encode_solver(const AssetModel& asset)
     head.energy_scale = float(asset.model.energy_scale);
     out.put(head);
     const Frame& frame = asset.shape.frame;
-    const Eigen::MatrixXd root = frame.axes.transpose() * asset.model.root;
+    const Eigen::MatrixXd whitening = frame.axes.transpose() * asset.model.whitening;
     put_padded(out, frame.stored(asset.model.mean));
-    for (Eigen::Index j = 0; j < root.cols(); ++j) put_padded(out, root.col(j));
+    for (Eigen::Index j = 0; j < whitening.cols(); ++j) put_padded(out, whitening.col(j));
     for (Eigen::Index k = 0; k < asset.subspace.pose_coordinates.cols(); ++k)
         put_padded(out, frame.stored(asset.subspace.pose_coordinates.col(k)));
     return out;
@@ -79,9 +79,9 @@ BakedElement bake_element(const AssetModel& asset, std::size_t i)
     baked.weight = surrogate.weights()[Eigen::Index(i)];
     std::size_t count = 0;
     const std::uint32_t* vertices = surrogate.energy().element_vertices(id, count);
-    Eigen::MatrixXd local(surrogate.rows(i).rows(), 1 + model.root.cols());
-    local.col(0) = surrogate.origin_rows(i) + surrogate.rows(i) * model.mean;
-    local.rightCols(model.root.cols()) = surrogate.rows(i) * model.root;
+    Eigen::MatrixXd local(surrogate.rows(i).rows(), 1 + model.whitening.cols());
+    local.col(0) = surrogate.rest_rows(i) + surrogate.rows(i) * model.mean;
+    local.rightCols(model.whitening.cols()) = surrogate.rows(i) * model.whitening;
     const auto place
         = [&](std::uint32_t vertex) { return 3 * Eigen::Index(std::find(vertices, vertices + count, vertex) - vertices); };
     const auto& differences = baked.element.differences;
@@ -154,7 +154,7 @@ Bytes encode_elements(const AssetModel& asset)
 // The polynomial of z, one table per pose.
 Bytes encode_quartic(const BlendModel& model)
 {
-    const Quartic quartic = model.surrogate->quartic()->transformed(model.mean, model.root);
+    const Quartic quartic = model.surrogate->quartic()->transformed(model.mean, model.whitening);
     Bytes out;
     for (std::size_t k = 0; k < quartic.pose_count(); ++k) {
         const Eigen::VectorXd table = quartic.coefficients(k);
@@ -348,7 +348,7 @@ std::vector<Chunk> encode_chunks(const AssetModel& asset, const AssetRecord& rec
 
 pliant_format_header header_of(const AssetModel& asset, std::size_t chunk_count)
 {
-    const Eigen::Vector3d& origin = asset.set.origin;
+    const Eigen::Vector3d& centre = asset.set.centre;
     return { PLIANT_FORMAT_IDENTIFIER,
              PLIANT_FORMAT_MAJOR,
              PLIANT_FORMAT_MINOR_PARTS,
@@ -359,7 +359,7 @@ pliant_format_header header_of(const AssetModel& asset, std::size_t chunk_count)
              std::uint32_t(asset.mesh.triangles.size()),
              std::uint32_t(asset.subspace.dimension()),
              std::uint32_t(asset.set.pose_count()),
-             { float(origin[0]), float(origin[1]), float(origin[2]) },
+             { float(centre[0]), float(centre[1]), float(centre[2]) },
              0 };
 }
 

@@ -90,10 +90,10 @@ pliant_format_interval interval_of(const Eigen::Ref<const Eigen::VectorXd>& valu
 
 } // namespace
 
-std::vector<std::uint8_t> encode_bounds(const Eigen::Vector3d& origin, const Eigen::VectorXd& rest,
+std::vector<std::uint8_t> encode_bounds(const Eigen::Vector3d& centre, const Eigen::VectorXd& rest,
                                         const Eigen::MatrixXd& columns, const Eigen::MatrixXd& samples)
 {
-    const Eigen::VectorXd placed = rest + origin.replicate(rest.size() / 3, 1);
+    const Eigen::VectorXd placed = rest + centre.replicate(rest.size() / 3, 1);
     const Eigen::Index count = std::min(sample_limit, samples.cols());
     Eigen::MatrixXd shapes(rest.size(), 1 + count);
     shapes.col(0) = placed;

@@ -61,7 +61,7 @@ StoredShape store_shape(const NormalizedPoses& set, const Subspace& subspace, co
     if (error > 0) {
         out.frame = principal_frame(subspace, reachable);
         columns = set.length * drawn(subspace.basis * out.frame.axes);
-        samples = reach_margin * (out.frame.axes.transpose() * (reachable.colwise() - out.frame.origin));
+        samples = reach_margin * (out.frame.axes.transpose() * (reachable.colwise() - out.frame.offset));
         if (std::optional<CompactBasis> compact = pack_basis(columns, samples, set.length * error);
             compact && compact->chunk.size() < std::size_t(columns.size()) * sizeof(float)) {
             out.basis = std::move(compact->chunk);
@@ -73,8 +73,8 @@ StoredShape store_shape(const NormalizedPoses& set, const Subspace& subspace, co
         samples = reachable;
         columns = (set.length * drawn(subspace.basis)).cast<float>().cast<double>();
     }
-    out.rest = drawn(subspace.shape(out.frame.origin));
-    out.bounds = encode_bounds(set.origin, rounded(set.length * out.rest), columns, samples);
+    out.rest = drawn(subspace.shape(out.frame.offset));
+    out.bounds = encode_bounds(set.centre, rounded(set.length * out.rest), columns, samples);
     return out;
 }
 

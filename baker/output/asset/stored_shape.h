@@ -9,13 +9,13 @@
 
 namespace pliant {
 
-// Coordinates of the asset: q = origin + axes * stored.
+// Coordinates of the asset: q = offset + axes * stored.
 struct Frame {
-    Eigen::VectorXd origin; // d
+    Eigen::VectorXd offset; // d
     Eigen::MatrixXd axes;   // d x d, orthonormal
 
-    Eigen::VectorXd stored(const Eigen::VectorXd& q) const { return axes.transpose() * (q - origin); }
-    Eigen::VectorXd coordinates(const Eigen::VectorXd& stored) const { return origin + axes * stored; }
+    Eigen::VectorXd stored(const Eigen::VectorXd& q) const { return axes.transpose() * (q - offset); }
+    Eigen::VectorXd coordinates(const Eigen::VectorXd& stored) const { return offset + axes * stored; }
 };
 
 // The frame that changes nothing.
@@ -26,7 +26,7 @@ Frame principal_frame(const Subspace& subspace, const Eigen::MatrixXd& reachable
 
 struct StoredShape {
     Frame frame;
-    Eigen::VectorXd rest; // 3 x vertices: the shape at the frame's origin, relative to the set's, normalized units
+    Eigen::VectorXd rest; // 3 x vertices: the shape at the frame's offset, relative to the set's, normalized units
     std::vector<std::uint8_t>
         basis; // chunk BASC; empty: BASI in single precision is smaller, or the only one that is exact enough
     std::vector<std::uint8_t> bounds; // chunk BNDS

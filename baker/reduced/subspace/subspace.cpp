@@ -57,7 +57,7 @@ Subspace build_subspace(const NormalizedPoses& set, const Eigen::MatrixXd& vecto
 
     const Factored rest = orthonormalise(vectors, kept, set.masses);
     Subspace subspace;
-    subspace.origin = set.shapes[0];
+    subspace.rest = set.shapes[0];
     Eigen::Index extra = 0;
     Eigen::MatrixXd directions;
     if (rest.columns.cols() > 0) {
@@ -77,12 +77,12 @@ Subspace build_subspace(const NormalizedPoses& set, const Eigen::MatrixXd& vecto
 
 Subspace leading(const Subspace& subspace, Eigen::Index dimension)
 {
-    return { subspace.origin, subspace.basis.leftCols(dimension), subspace.pose_coordinates.topRows(dimension) };
+    return { subspace.rest, subspace.basis.leftCols(dimension), subspace.pose_coordinates.topRows(dimension) };
 }
 
 Eigen::VectorXd project(const Subspace& subspace, const Shape& shape, const Eigen::VectorXd& masses)
 {
-    return subspace.basis.transpose() * times_mass(shape - subspace.origin, masses);
+    return subspace.basis.transpose() * times_mass(shape - subspace.rest, masses);
 }
 
 } // namespace pliant

@@ -6,12 +6,12 @@
 namespace pliant {
 
 struct Subspace {
-    Shape origin;                     // tau = pose 0 (3n)
+    Shape rest;                       // tau = pose 0 (3n)
     Eigen::MatrixXd basis;            // U (3n x d), orthonormal in the mass inner product
-    Eigen::MatrixXd pose_coordinates; // d x m: pose k is exactly origin + basis * column k
+    Eigen::MatrixXd pose_coordinates; // d x m: pose k is exactly rest + basis * column k
 
     Eigen::Index dimension() const { return basis.cols(); }
-    Shape shape(const Eigen::VectorXd& q) const { return origin + basis * q; }
+    Shape shape(const Eigen::VectorXd& q) const { return rest + basis * q; }
 };
 
 // Spans the differences x_k - x_0, exactly and always, and of the rest of `vectors` (3n x r) the leading directions: all vectors are

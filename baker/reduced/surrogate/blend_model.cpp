@@ -41,11 +41,12 @@ Eigen::MatrixXd mean_hessian(const SurrogateEnergy& surrogate, const TrainingSet
     return std::accumulate(hessians.begin() + 1, hessians.end(), hessians[0]) / double(hessians.size());
 }
 
-BlendModel model_around(std::shared_ptr<const SurrogateEnergy> surrogate, const TrainingSet& training, const Eigen::VectorXd& mean)
+BlendModel model_around(std::shared_ptr<const SurrogateEnergy> surrogate, const TrainingSet& training,
+                        const Eigen::VectorXd& mean)
 {
     BlendModel model;
     model.mean = mean;
-    model.root = inverse_root(mean_hessian(*surrogate, training), metric_floor);
+    model.whitening = whitening_of(mean_hessian(*surrogate, training), metric_floor);
     model.energy_scale = mean_energy(*surrogate, training);
     model.surrogate = std::move(surrogate);
     return model;
@@ -54,7 +55,7 @@ BlendModel model_around(std::shared_ptr<const SurrogateEnergy> surrogate, const 
 // Coordinates z of q.
 Eigen::MatrixXd whitened(const BlendModel& model, const Eigen::MatrixXd& q)
 {
-    return Eigen::PartialPivLU<Eigen::MatrixXd>(model.root).solve(q.colwise() - model.mean);
+    return Eigen::PartialPivLU<Eigen::MatrixXd>(model.whitening).solve(q.colwise() - model.mean);
 }
 
 Eigen::MatrixXd pose_columns(const Subspace& subspace, std::size_t training_count)
@@ -71,24 +72,25 @@ MinimizeResult BlendModel::solve(const Weights& w, double tolerance) const
     MinimizeOptions options;
     options.tolerance = tolerance;
     options.scale = energy_scale;
-    const Eigen::VectorXd linear = load ? (*load)(w) : Eigen::VectorXd(Eigen::VectorXd::Zero(root.cols()));
+    const Eigen::VectorXd linear = load ? (*load)(w) : Eigen::VectorXd(Eigen::VectorXd::Zero(whitening.cols()));
     Eigen::VectorXd by_q;
     const Objective objective = [&](const Eigen::VectorXd& z, Eigen::VectorXd& gradient) {
         const double value = surrogate->gradient(w, coordinates(z), by_q);
-        gradient = root.transpose() * by_q + linear;
+        gradient = whitening.transpose() * by_q + linear;
         return value + linear.dot(z);
     };
-    const Eigen::Index d = root.cols();
+    const Eigen::Index d = whitening.cols();
     MinimizeResult result = minimize(objective, predictor(w), Eigen::MatrixXd::Identity(d, d), options);
     result.q = coordinates(result.q);
     return result;
 }
 
-BlendModel plain_model(std::shared_ptr<const SurrogateEnergy> surrogate, const TrainingSet& training, const Subspace& subspace)
+BlendModel plain_model(std::shared_ptr<const SurrogateEnergy> surrogate, const TrainingSet& training,
+                       const Subspace& subspace)
 {
     const MinimizeResult mean = minimize_newton(*surrogate, training.weights[0], training.averages[0], 1e-8, 100);
     BlendModel model = model_around(std::move(surrogate), training, mean.q);
-    const Eigen::MatrixXd metric = model.root * model.root.transpose();
+    const Eigen::MatrixXd metric = model.whitening * model.whitening.transpose();
     Eigen::MatrixXd q = pose_columns(subspace, training.weights.size());
     for_each_task(training.weights.size(), [&](std::size_t t, std::size_t) {
         MinimizeOptions options;
@@ -102,7 +104,8 @@ BlendModel plain_model(std::shared_ptr<const SurrogateEnergy> surrogate, const T
     return model;
 }
 
-BlendModel loaded_model(std::shared_ptr<const SurrogateEnergy> surrogate, const TrainingSet& training, const Subspace& subspace)
+BlendModel loaded_model(std::shared_ptr<const SurrogateEnergy> surrogate, const TrainingSet& training,
+                        const Subspace& subspace)
 {
     BlendModel model = model_around(std::move(surrogate), training, training.averages[0]);
     Eigen::MatrixXd q = pose_columns(subspace, training.weights.size());
@@ -110,7 +113,7 @@ BlendModel loaded_model(std::shared_ptr<const SurrogateEnergy> surrogate, const 
     for (std::size_t t = 0; t < training.weights.size(); ++t) {
         Eigen::VectorXd gradient;
         model.surrogate->gradient(training.weights[t], training.averages[t], gradient);
-        loads.col(Eigen::Index(t)) = -model.root.transpose() * gradient;
+        loads.col(Eigen::Index(t)) = -model.whitening.transpose() * gradient;
         q.col(Eigen::Index(t)) = training.averages[t];
     }
     model.load = fit_radial_function(centres_of(training), loads);

@@ -10,16 +10,16 @@
 
 namespace pliant {
 
-// q = mean + root z. Minimized over z: surrogate(w, q) + load(w) . z, from predictor(w).
+// q = mean + whitening z. Minimized over z: surrogate(w, q) + load(w) . z, from predictor(w).
 struct BlendModel {
     std::shared_ptr<const SurrogateEnergy> surrogate;
     Eigen::VectorXd mean;
-    Eigen::MatrixXd root; // S: S S^T = inverse of the surrogate energy's Hessian, averaged over the training weights
+    Eigen::MatrixXd whitening; // S: S S^T = inverse of the surrogate energy's Hessian, averaged over the training weights
     double energy_scale = 1;
     RadialFunction predictor;
     std::optional<RadialFunction> load;
 
-    Eigen::VectorXd coordinates(const Eigen::VectorXd& z) const { return mean + root * z; }
+    Eigen::VectorXd coordinates(const Eigen::VectorXd& z) const { return mean + whitening * z; }
 
     // The minimizer at w, in q.
     MinimizeResult solve(const Weights& w, double tolerance = 1e-6) const;
@@ -34,11 +34,13 @@ struct BlendError {
 };
 
 // The surrogate energy as it is: its own mean, its own minimizers as the predictor's data.
-BlendModel plain_model(std::shared_ptr<const SurrogateEnergy> surrogate, const TrainingSet& training, const Subspace& subspace);
+BlendModel plain_model(std::shared_ptr<const SurrogateEnergy> surrogate, const TrainingSet& training,
+                       const Subspace& subspace);
 
 // With a dead load: the linear term by which the training averages are exactly equilibria of the surrogate energy, interpolated in between.
 // They are the predictor's data, too. Sound only where the surrogate energy is convex at them.
-BlendModel loaded_model(std::shared_ptr<const SurrogateEnergy> surrogate, const TrainingSet& training, const Subspace& subspace);
+BlendModel loaded_model(std::shared_ptr<const SurrogateEnergy> surrogate, const TrainingSet& training,
+                        const Subspace& subspace);
 
 BlendError blend_error(const BlendModel& model, const Subspace& subspace, const NormalizedPoses& set,
                        const std::vector<CheckPoint>& checks);

@@ -29,7 +29,7 @@ constexpr Eigen::Index hessian_probe_columns = 6;
 // An element that has less than this share of the most that one has of the training data hardly deforms: less than a thousandth as far, as forces
 // times their slopes go with the square. In single precision, whose noise in angles and strains is about 1e-6, it would tell little else, and
 // a weight can make anything large: hinges of rigid limbs fold by rounding only, and weights made up for it.
-constexpr float audible = 1e-6f;
+constexpr float negligible_share = 1e-6f;
 
 // Directions that are softer than this in whitened coordinates, where the true Hessian of the mean has 1, are checked against the
 // true curvature; the surrogate energy should have at least half of it.
@@ -64,7 +64,7 @@ namespace {
 std::vector<Probe> make_probes(const TrainingSet& training, std::uint64_t seed)
 {
     Random random(seed ^ 0x9e3779b97f4a7c15ull);
-    const Eigen::Index d = training.root.rows();
+    const Eigen::Index d = training.whitening.rows();
     const double unit = 1 / std::sqrt(training.energy_scale); // forces in units of the root of the energy
     const std::size_t m = std::size_t(training.weights[0].size()), count = training.weights.size(),
                       force_count = std::min(count, force_probe_count);
@@ -80,7 +80,7 @@ std::vector<Probe> make_probes(const TrainingSet& training, std::uint64_t seed)
         Eigen::VectorXd z(d);
         for (Eigen::Index i = 0; i < d; ++i) z[i] = random.normal();
         z *= std::sqrt(training.energy_scale) * random.uniform() / std::max(z.norm(), 1e-30);
-        probes.push_back({ Probe::Kind::force, t, w, q + training.root * z, force_share, {} });
+        probes.push_back({ Probe::Kind::force, t, w, q + training.whitening * z, force_share, {} });
     }
     // All of the Hessian at the mean, random directions of it elsewhere.
     probes.push_back({ Probe::Kind::hessian, 0, training.weights[0], training.averages[0], 1 / std::sqrt(double(d)),
@@ -190,10 +190,10 @@ Eigen::MatrixXd target_of(const ReducedEnergy& reduced, const TrainingSet& train
         if (has_shapes) shape += *training.shapes[probe.average] - subspace.shape(training.averages[probe.average]);
         Shape gradient = Shape::Zero(shape.size());
         add_gradient(reduced.energy(), probe.w, shape, gradient);
-        return training.root.transpose() * (subspace.basis.transpose() * gradient);
+        return training.whitening.transpose() * (subspace.basis.transpose() * gradient);
     }
-    const Eigen::MatrixXd directions = training.root * probe.directions;
-    const Eigen::MatrixXd product = training.root.transpose()
+    const Eigen::MatrixXd directions = training.whitening * probe.directions;
+    const Eigen::MatrixXd product = training.whitening.transpose()
         * (has_shapes ? Eigen::MatrixXd(training.stiffness[probe.average] * directions)
                       : reduced.hessian_times(probe.w, probe.q, directions));
     if (probe.kind == Probe::Kind::hessian) return product;
@@ -231,8 +231,8 @@ Eigen::VectorXd target_rows(const ReducedEnergy& reduced, const TrainingSet& tra
 // Whitened Hessian of the surrogate energy at a training average.
 Eigen::MatrixXd whitened_hessian(const SurrogateEnergy& surrogate, const TrainingSet& training, std::size_t t)
 {
-    return training.root.transpose() * surrogate.hessian(training.weights[t], training.averages[t], HessianKind::exact)
-        * training.root;
+    return training.whitening.transpose() * surrogate.hessian(training.weights[t], training.averages[t], HessianKind::exact)
+        * training.whitening;
 }
 
 } // namespace
@@ -241,9 +241,9 @@ Curvature measure_curvature(const SurrogateEnergy& surrogate, const TrainingSet&
 {
     std::vector<Curvature> all(training.weights.size());
     for_each_task(all.size(), [&](std::size_t t, std::size_t) {
-        const Eigen::VectorXd values
-            = Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(whitened_hessian(surrogate, training, t), Eigen::EigenvaluesOnly)
-                  .eigenvalues();
+        const Eigen::VectorXd values = Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(
+                                           whitened_hessian(surrogate, training, t), Eigen::EigenvaluesOnly)
+                                           .eigenvalues();
         all[t] = { values[0], values[values.size() - 1] };
     });
     Curvature out = all[0];
@@ -258,7 +258,7 @@ CubatureFit::CubatureFit(const ReducedEnergy& reduced, const TrainingSet& traini
     , progress_(progress)
     , solver_(options.solver)
     , candidates_(choose_candidates(reduced.energy(), options.candidate_count, options.seed))
-    , all_(reduced.energy(), reduced.subspace().origin, reduced.subspace().basis, candidates_,
+    , all_(reduced.energy(), reduced.subspace().rest, reduced.subspace().basis, candidates_,
            Eigen::VectorXd::Ones(Eigen::Index(candidates_.size())))
 {
     std::vector<Probe> probes = make_probes(training, options.seed);
@@ -279,20 +279,20 @@ void CubatureFit::append_rows(std::vector<Probe> probes, const Sketch& sketch)
         shared.update("", 0);
         Eigen::VectorXd column(sketch.rows);
         for (std::size_t c = block * block_size; c < std::min(candidates_.size(), (block + 1) * block_size); ++c) {
-            fill_column(reduced_.energy(), candidates_[c], all_.origin_rows(c), all_.rows(c), all_.rows(c) * training_.root,
-                        probes, sketch, column);
+            fill_column(reduced_.energy(), candidates_[c], all_.rest_rows(c), all_.rows(c),
+                        all_.rows(c) * training_.whitening, probes, sketch, column);
             columns_.col(Eigen::Index(c)).tail(sketch.rows) = column.cast<float>();
         }
     });
-    silence(before);
+    drop_negligible(before);
 }
 
-void CubatureFit::silence(Eigen::Index before)
+void CubatureFit::drop_negligible(Eigen::Index before)
 {
-    const float least = before > 0 ? 0 : audible * columns_.colwise().norm().maxCoeff();
+    const float least = before > 0 ? 0 : negligible_share * columns_.colwise().norm().maxCoeff();
     for (Eigen::Index c = 0; c < columns_.cols(); ++c) {
-        const float said = before > 0 ? columns_.col(c).head(before).norm() : columns_.col(c).norm();
-        if (said <= least) columns_.col(c).setZero();
+        const float share = before > 0 ? columns_.col(c).head(before).norm() : columns_.col(c).norm();
+        if (share <= least) columns_.col(c).setZero();
     }
 }
 
@@ -316,7 +316,7 @@ SurrogateEnergy CubatureFit::fit(std::size_t element_count)
         weights[Eigen::Index(i)] = chosen[i].second;
     }
     const Subspace& subspace = reduced_.subspace();
-    return SurrogateEnergy(reduced_.energy(), subspace.origin, subspace.basis, std::move(elements), std::move(weights));
+    return SurrogateEnergy(reduced_.energy(), subspace.rest, subspace.basis, std::move(elements), std::move(weights));
 }
 
 std::size_t CubatureFit::stiffen(const SurrogateEnergy& surrogate)

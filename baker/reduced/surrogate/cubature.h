@@ -25,7 +25,7 @@ struct Curvature {
 };
 Curvature measure_curvature(const SurrogateEnergy& surrogate, const TrainingSet& training);
 
-// One joint element set for all poses. The fit sees, all whitened by training.root: reduced forces of single poses at averages and of
+// One joint element set for all poses. The fit sees, all whitened by training.whitening: reduced forces of single poses at averages and of
 // combinations at perturbed averages, forces at averages that must cancel (equilibrium), and columns of the Hessian.
 class CubatureFit {
 public:
@@ -44,14 +44,15 @@ public:
 
 private:
     void append_rows(std::vector<Probe> probes, const Sketch& sketch);
-    void silence(Eigen::Index before); // candidates that say nothing in the rows there were, or, of none, in all
+    void drop_negligible(
+        Eigen::Index before); // zeroes candidates whose rows 0..before-1 (all rows if before is 0) are negligible
 
     const ReducedEnergy& reduced_;
     const TrainingSet& training_;
     Progress* progress_;
     CubatureSolver solver_;
     std::vector<std::size_t> candidates_;
-    SurrogateEnergy all_;             // the candidates at weight 1
+    SurrogateEnergy all_;     // the candidates at weight 1
     Eigen::MatrixXf columns_; // rows x candidates
     Eigen::VectorXd target_;
     SparseFit found_;

@@ -80,7 +80,7 @@ Ghost make_ghost(const NormalizedPoses& set, const Subspace& subspace, std::size
     ghost.set.masses = Eigen::VectorXd::Zero(n);
     for (const Shape& shape : ghost.set.shapes)
         ghost.set.masses += lumped_masses(shape, ghost.set.triangles) / double(set.pose_count());
-    ghost.set.origin = set.origin;
+    ghost.set.centre = set.centre;
     ghost.set.length = set.length;
     ghost.set.diagonal = set.diagonal;
     return ghost;

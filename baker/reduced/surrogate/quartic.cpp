@@ -25,7 +25,7 @@ void metric_rows(const Tetrahedron& tet, const Subspace& subspace, Eigen::Matrix
     for (int i = 0; i < 3; ++i) {
         const Eigen::Index from = 3 * Eigen::Index(tet[0]), to = 3 * Eigen::Index(tet[std::size_t(i) + 1]);
         edges[std::size_t(i)].resize(3, n);
-        edges[std::size_t(i)].col(0) = subspace.origin.segment<3>(to) - subspace.origin.segment<3>(from);
+        edges[std::size_t(i)].col(0) = subspace.rest.segment<3>(to) - subspace.rest.segment<3>(from);
         edges[std::size_t(i)].rightCols(n - 1) = subspace.basis.middleRows<3>(to) - subspace.basis.middleRows<3>(from);
     }
     Eigen::Index component = 0;
@@ -120,13 +120,13 @@ Quartic Quartic::leading(Eigen::Index dimension) const
     return out;
 }
 
-Quartic Quartic::transformed(const Eigen::VectorXd& mean, const Eigen::MatrixXd& root) const
+Quartic Quartic::transformed(const Eigen::VectorXd& mean, const Eigen::MatrixXd& whitening) const
 {
     const Eigen::Index n = dimension_ + 1;
     Eigen::MatrixXd t = Eigen::MatrixXd::Zero(n, n); // x = t (1, z)
     t(0, 0) = 1;
     t.col(0).tail(dimension_) = mean;
-    t.bottomRightCorner(dimension_, dimension_) = root;
+    t.bottomRightCorner(dimension_, dimension_) = whitening;
     Eigen::MatrixXd pairs(pair_count(n), pair_count(n)); // old pairs of new ones
     for (Eigen::Index a = 0, row = 0; a < n; ++a)
         for (Eigen::Index b = a; b < n; ++b, ++row)

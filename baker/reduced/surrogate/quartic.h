@@ -21,8 +21,8 @@ public:
     // The same polynomial of the first `dimension` coordinates, the others zero.
     Quartic leading(Eigen::Index dimension) const;
 
-    // The polynomial of z, where q = mean + root z.
-    Quartic transformed(const Eigen::VectorXd& mean, const Eigen::MatrixXd& root) const;
+    // The polynomial of z, where q = mean + whitening z.
+    Quartic transformed(const Eigen::VectorXd& mean, const Eigen::MatrixXd& whitening) const;
 
     double value(const Eigen::VectorXd& w, const Eigen::VectorXd& q) const;
     double gradient(const Eigen::VectorXd& w, const Eigen::VectorXd& q, Eigen::VectorXd& gradient) const;

@@ -14,8 +14,8 @@ ReducedSolver::ReducedSolver(const Energy& energy, const Subspace& subspace, con
 {
     const Eigen::MatrixXd hessian
         = subspace.basis.transpose() * (mean_hessian.selfadjointView<Eigen::Lower>() * subspace.basis);
-    root_ = inverse_root(0.5 * (hessian + hessian.transpose()), metric_floor);
-    metric_ = root_ * root_.transpose();
+    whitening_ = whitening_of(0.5 * (hessian + hessian.transpose()), metric_floor);
+    metric_ = whitening_ * whitening_.transpose();
 }
 
 MinimizeResult ReducedSolver::solve(const Weights& w, const Eigen::VectorXd& start) const
@@ -69,7 +69,8 @@ SubspaceError subspace_error(const ReducedSolver& solver, const NormalizedPoses&
     std::vector<double> errors(checks.size());
     for_each_task(checks.size(), [&](std::size_t i, std::size_t) {
         // From the projection of the reference average: the reduced minimum that belongs to it.
-        const Eigen::VectorXd q = solver.solve(checks[i].weights, project(solver.subspace(), checks[i].reference, set.masses)).q;
+        const Eigen::VectorXd q
+            = solver.solve(checks[i].weights, project(solver.subspace(), checks[i].reference, set.masses)).q;
         errors[i] = relative_distance(set, solver.subspace().shape(q), checks[i].reference);
     });
     SubspaceError out;

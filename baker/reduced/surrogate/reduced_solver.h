@@ -21,12 +21,12 @@ public:
     const ReducedEnergy& energy() const { return reduced_; }
 
     // S with S S^T = inverse of the reduced Hessian at the mean: the metric of all fits.
-    const Eigen::MatrixXd& root() const { return root_; }
+    const Eigen::MatrixXd& whitening() const { return whitening_; }
 
 private:
     ReducedEnergy reduced_;
     double energy_scale_;
-    Eigen::MatrixXd root_, metric_;
+    Eigen::MatrixXd whitening_, metric_;
 };
 
 // Where a reduced solve starts: a smooth interpolation of known averages and the poses, or the nearest of them if that is lower.

@@ -6,8 +6,8 @@
 
 namespace pliant {
 
-SurrogateEnergy::SurrogateEnergy(const Energy& energy, const Shape& origin, const Eigen::MatrixXd& basis, std::vector<std::size_t> elements,
-                 Eigen::VectorXd weights)
+SurrogateEnergy::SurrogateEnergy(const Energy& energy, const Shape& rest, const Eigen::MatrixXd& basis,
+                                 std::vector<std::size_t> elements, Eigen::VectorXd weights)
     : energy_(energy)
     , dimension_(basis.cols())
     , elements_(std::move(elements))
@@ -20,10 +20,10 @@ SurrogateEnergy::SurrogateEnergy(const Energy& energy, const Shape& origin, cons
         Eigen::VectorXd base(3 * Eigen::Index(count));
         for (std::size_t i = 0; i < count; ++i) {
             rows.middleRows<3>(3 * Eigen::Index(i)) = basis.middleRows<3>(3 * Eigen::Index(vertices[i]));
-            base.segment<3>(3 * Eigen::Index(i)) = origin.segment<3>(3 * Eigen::Index(vertices[i]));
+            base.segment<3>(3 * Eigen::Index(i)) = rest.segment<3>(3 * Eigen::Index(vertices[i]));
         }
         rows_.push_back(std::move(rows));
-        origin_rows_.push_back(std::move(base));
+        rest_rows_.push_back(std::move(base));
     }
 }
 
@@ -40,7 +40,7 @@ double SurrogateEnergy::value(const Weights& w, const Eigen::VectorXd& q) const
     ElementResult result;
     double sum = 0;
     for (std::size_t i = 0; i < elements_.size(); ++i) {
-        const Eigen::VectorXd x = origin_rows_[i] + rows_[i] * q;
+        const Eigen::VectorXd x = rest_rows_[i] + rows_[i] * q;
         energy_.evaluate(elements_[i], w.data(), x.data(), Order::value, HessianKind::exact, result);
         sum += weights_[Eigen::Index(i)] * result.value;
     }
@@ -54,7 +54,7 @@ double SurrogateEnergy::gradient(const Weights& w, const Eigen::VectorXd& q, Eig
     double sum = 0;
     gradient.setZero(dimension_);
     for (std::size_t i = 0; i < elements_.size(); ++i) {
-        const Eigen::VectorXd x = origin_rows_[i] + rows_[i] * q;
+        const Eigen::VectorXd x = rest_rows_[i] + rows_[i] * q;
         energy_.evaluate(elements_[i], w.data(), x.data(), Order::gradient, HessianKind::exact, result);
         sum += weights_[Eigen::Index(i)] * result.value;
         gradient += weights_[Eigen::Index(i)] * (rows_[i].transpose() * result.gradient);
@@ -72,7 +72,7 @@ Eigen::MatrixXd SurrogateEnergy::hessian(const Weights& w, const Eigen::VectorXd
     ElementResult result;
     Eigen::MatrixXd sum = Eigen::MatrixXd::Zero(dimension_, dimension_);
     for (std::size_t i = 0; i < elements_.size(); ++i) {
-        const Eigen::VectorXd x = origin_rows_[i] + rows_[i] * q;
+        const Eigen::VectorXd x = rest_rows_[i] + rows_[i] * q;
         energy_.evaluate(elements_[i], w.data(), x.data(), Order::hessian, kind, result);
         sum += weights_[Eigen::Index(i)] * (rows_[i].transpose() * (result.hessian * rows_[i]));
     }
@@ -87,7 +87,7 @@ ReducedEnergy::ReducedEnergy(const Energy& energy, const Subspace& subspace)
 
 double ReducedEnergy::gradient(const Weights& w, const Eigen::VectorXd& q, Eigen::VectorXd& gradient) const
 {
-    Shape full = Shape::Zero(subspace_.origin.size());
+    Shape full = Shape::Zero(subspace_.rest.size());
     const double value = add_gradient(energy_, w, subspace_.shape(q), full);
     gradient = subspace_.basis.transpose() * full;
     return value;

@@ -4,7 +4,7 @@
 
 #include "elastic/energy/energy.h"
 #include "reduced/subspace/subspace.h"
-#include "reduced/surrogate/minimise.h"
+#include "reduced/surrogate/minimize.h"
 #include "reduced/surrogate/quartic.h"
 
 #include <memory>
@@ -13,10 +13,10 @@ namespace pliant {
 
 class SurrogateEnergy {
 public:
-    // Elements of `energy` with their weights. `origin` and `basis` are those of the mesh that `energy` lives on: the full one for
+    // Elements of `energy` with their weights. `rest` and `basis` are those of the mesh that `energy` lives on: the full one for
     // cubature, the decimated one for a ghost. The energy must outlive the surrogate energy.
-    SurrogateEnergy(const Energy& energy, const Shape& origin, const Eigen::MatrixXd& basis, std::vector<std::size_t> elements,
-            Eigen::VectorXd weights);
+    SurrogateEnergy(const Energy& energy, const Shape& rest, const Eigen::MatrixXd& basis, std::vector<std::size_t> elements,
+                    Eigen::VectorXd weights);
 
     // The reduced energy of a St. Venant-Kirchhoff solid; no elements.
     SurrogateEnergy(const Energy& energy, Quartic quartic);
@@ -34,9 +34,9 @@ public:
     double gradient(const Weights& w, const Eigen::VectorXd& q, Eigen::VectorXd& gradient) const;
     Eigen::MatrixXd hessian(const Weights& w, const Eigen::VectorXd& q, HessianKind kind) const;
 
-    // Rows of the basis at the vertices of selected element i (3v x d), and of the origin (3v).
+    // Rows of the basis at the vertices of selected element i (3v x d), and of the rest (3v).
     const Eigen::MatrixXd& rows(std::size_t i) const { return rows_[i]; }
-    const Eigen::VectorXd& origin_rows(std::size_t i) const { return origin_rows_[i]; }
+    const Eigen::VectorXd& rest_rows(std::size_t i) const { return rest_rows_[i]; }
 
 private:
     const Energy& energy_;
@@ -44,7 +44,7 @@ private:
     std::vector<std::size_t> elements_;
     Eigen::VectorXd weights_;
     std::vector<Eigen::MatrixXd> rows_;
-    std::vector<Eigen::VectorXd> origin_rows_;
+    std::vector<Eigen::VectorXd> rest_rows_;
     std::shared_ptr<const Quartic> quartic_;
 };
 

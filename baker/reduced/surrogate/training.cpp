@@ -36,7 +36,7 @@ std::vector<ProjectedAverage> project_averages(const Energy& energy, const Subsp
         const Eigen::MatrixXd forces = assembler.matrix().selfadjointView<Eigen::Lower>() * subspace.basis;
         const Eigen::MatrixXd stiffness = subspace.basis.transpose() * forces;
         out[i] = { average.weights, &average.shape, project(subspace, average.shape, set.masses),
-                   forces.transpose() * (average.shape - subspace.origin), 0.5 * (stiffness + stiffness.transpose()) };
+                   forces.transpose() * (average.shape - subspace.rest), 0.5 * (stiffness + stiffness.transpose()) };
     });
     return out;
 }
@@ -56,7 +56,7 @@ TrainingSet training_of(const ReducedSolver& reduced, const std::vector<Projecte
         training.weights.push_back(average.weights);
         training.averages.push_back(stiffness.ldlt().solve(average.pull.head(d) + nearness * average.nearest.head(d)));
     }
-    training.root = inverse_root(mean_stiffness, metric_floor);
+    training.whitening = whitening_of(mean_stiffness, metric_floor);
     std::vector<double> energies(averages.size());
     for_each_task(energies.size(), [&](std::size_t t, std::size_t) {
         energies[t] = energy_value(reduced.energy().energy(), training.weights[t], subspace.shape(training.averages[t]));
@@ -73,7 +73,7 @@ TrainingSet solve_training_set(const ReducedSolver& reduced, const NormalizedPos
     shared.describe("reduced averages", 0, "mean");
     TrainingSet training;
     training.weights = std::move(weights);
-    training.root = reduced.root();
+    training.whitening = reduced.whitening();
     ReducedStarts starts(reduced, set);
     const MinimizeResult mean = minimize_newton(reduced.energy(), training.weights[0], starts(training.weights[0]), 1e-6);
     if (!mean.has_converged && mean.iterations == 0)

@@ -11,7 +11,7 @@ struct TrainingSet {
     std::vector<Weights> weights;
     std::vector<Eigen::VectorXd> averages; // reduced averages for them, in q
     Eigen::MatrixXd
-        root; // S with S S^T = an inverse reduced Hessian (mean over the averages; of reduced ones the one at the mean): metric of all fits
+        whitening; // S with S S^T = an inverse reduced Hessian (mean over the averages; of reduced ones the one at the mean): metric of all fits
     double energy_scale = 1; // mean energy over the averages
     int unconverged_count = 0;
     // Of true averages: what the mesh does there, which is what a surrogate energy is to do at `averages`. Empty for reduced ones.

@@ -109,8 +109,8 @@ TEST_CASE("the origin is what the runtime adds: single precision")
     for (Positions& positions : poses.positions) positions.rowwise() += Eigen::RowVector3d(0.1, 1.0 / 3, -7.7);
     const NormalizedPoses set = normalize(poses);
     for (int c = 0; c < 3; ++c) { // by a variable that no compiler looks through
-        volatile float single = float(set.origin[c]);
-        CHECK(set.origin[c] == double(single));
+        volatile float single = float(set.centre[c]);
+        CHECK(set.centre[c] == double(single));
     }
 }
 

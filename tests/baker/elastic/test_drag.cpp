@@ -54,7 +54,7 @@ struct Bar {
 Shape to_solver_units(const NormalizedPoses& set, const Positions& positions)
 {
     Shape shape(positions.size());
-    for (Eigen::Index i = 0; i < shape.size(); ++i) shape[i] = (positions(i / 3, i % 3) - set.origin[i % 3]) / set.length;
+    for (Eigen::Index i = 0; i < shape.size(); ++i) shape[i] = (positions(i / 3, i % 3) - set.centre[i % 3]) / set.length;
     return shape;
 }
 

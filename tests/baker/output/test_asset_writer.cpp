@@ -29,7 +29,8 @@ struct Problem {
         , subspace(build_krylov_subspace(solver, { 1, 0, 256 }, nullptr))
         , reduced(energy, subspace)
         , training(train(solver, subspace, 12))
-        , surrogate(std::make_shared<const SurrogateEnergy>(energy, subspace.origin, subspace.basis, all_elements(), wrong_weights()))
+        , surrogate(std::make_shared<const SurrogateEnergy>(energy, subspace.rest, subspace.basis, all_elements(),
+                                                            wrong_weights()))
         , corner_count(set.pose_count())
     {
         // Poses are averages as well: known at the corners.
@@ -57,10 +58,10 @@ struct Problem {
         BlendModel out;
         out.surrogate = surrogate;
         out.mean = training.averages[0];
-        out.root = inverse_root(surrogate->hessian(training.weights[0], out.mean, HessianKind::exact), metric_floor);
+        out.whitening = whitening_of(surrogate->hessian(training.weights[0], out.mean, HessianKind::exact), metric_floor);
         out.energy_scale = training.energy_scale;
-        const Eigen::PartialPivLU<Eigen::MatrixXd> to_z(out.root);
-        Eigen::MatrixXd starts(out.root.cols(), Eigen::Index(training.weights.size()));
+        const Eigen::PartialPivLU<Eigen::MatrixXd> to_z(out.whitening);
+        Eigen::MatrixXd starts(out.whitening.cols(), Eigen::Index(training.weights.size()));
         for (Eigen::Index i = 0; i < starts.cols(); ++i)
             starts.col(i) = to_z.solve(training.averages[std::size_t(i)] - out.mean);
         out.predictor = fit_radial_function(training.weights, starts);
@@ -94,11 +95,11 @@ struct Problem {
     // What holds the surrogate energy at the averages: minus its gradients by z there.
     RadialFunction load(const BlendModel& model) const
     {
-        Eigen::MatrixXd forces(model.root.cols(), Eigen::Index(training.weights.size()));
+        Eigen::MatrixXd forces(model.whitening.cols(), Eigen::Index(training.weights.size()));
         for (Eigen::Index i = 0; i < forces.cols(); ++i) {
             Eigen::VectorXd gradient;
             surrogate->gradient(training.weights[std::size_t(i)], training.averages[std::size_t(i)], gradient);
-            forces.col(i) = -model.root.transpose() * gradient;
+            forces.col(i) = -model.whitening.transpose() * gradient;
         }
         return fit_radial_function(training.weights, forces);
     }

@@ -175,7 +175,8 @@ TEST_CASE("with all elements at weight one the stand-in is the reduced energy")
     const Subspace subspace = build_krylov_subspace(p.solver, { 0, 6, 256 }, nullptr);
     std::vector<std::size_t> all(p.energy.element_count());
     for (std::size_t i = 0; i < all.size(); ++i) all[i] = i;
-    const SurrogateEnergy surrogate(p.energy, subspace.origin, subspace.basis, all, Eigen::VectorXd::Ones(Eigen::Index(all.size())));
+    const SurrogateEnergy surrogate(p.energy, subspace.rest, subspace.basis, all,
+                                    Eigen::VectorXd::Ones(Eigen::Index(all.size())));
     const ReducedEnergy reduced(p.energy, subspace);
     Weights w(3);
     w << 0.2, 0.5, 0.3;
@@ -194,7 +195,7 @@ TEST_CASE("a few elements give the reduced average within a per cent, and the er
     const ReducedEnergy reduced(p.energy, subspace);
     const TrainingSet training = train(p.solver, subspace, 24);
     CHECK(training.unconverged_count == 0);
-    const Eigen::MatrixXd metric = training.root * training.root.transpose();
+    const Eigen::MatrixXd metric = training.whitening * training.whitening.transpose();
     CubatureFit fit(reduced, training, CubatureOptions(), nullptr);
     double errors[2];
     for (int i = 0; i < 2; ++i) {
@@ -264,8 +265,9 @@ TEST_CASE(
     const BlendModel model = loaded_model(surrogate, training, subspace);
     Eigen::MatrixXd sum = Eigen::MatrixXd::Zero(subspace.dimension(), subspace.dimension());
     for (std::size_t t = 0; t < training.weights.size(); ++t) {
-        sum += model.root.transpose() * surrogate->hessian(training.weights[t], training.averages[t], HessianKind::exact)
-            * model.root / double(training.weights.size());
+        sum += model.whitening.transpose()
+            * surrogate->hessian(training.weights[t], training.averages[t], HessianKind::exact) * model.whitening
+            / double(training.weights.size());
         const MinimizeResult average = model.solve(training.weights[t]);
         CHECK((average.q - training.averages[t]).norm() < 1e-5 * training.averages[t].norm());
     }

@@ -1,4 +1,4 @@
-#include "reduced/surrogate/minimise.h"
+#include "reduced/surrogate/minimize.h"
 
 #include <Eigen/Dense>
 #include <cmath>
@@ -53,7 +53,7 @@ MinimizeResult minimize(const Objective& objective, const Eigen::VectorXd& start
     return result;
 }
 
-Eigen::MatrixXd inverse_root(const Eigen::MatrixXd& hessian, double floor)
+Eigen::MatrixXd whitening_of(const Eigen::MatrixXd& hessian, double floor)
 {
     const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(hessian);
     const Eigen::VectorXd values = eigen.eigenvalues();

@@ -29,6 +29,6 @@ MinimizeResult minimize(const Objective& objective, const Eigen::VectorXd& start
 
 // Inverse of a symmetric matrix made positive definite: eigenvalues below `floor` times the largest count as that. Returns S with
 // S S^T = inverse, eigenvectors scaled, stiffest first.
-Eigen::MatrixXd inverse_root(const Eigen::MatrixXd& hessian, double floor);
+Eigen::MatrixXd whitening_of(const Eigen::MatrixXd& hessian, double floor);
 
 } // namespace pliant

@@ -12,7 +12,7 @@ struct RigidMotion {
 };
 
 // The normalized problem. Lengths are in units of `length` (the root of the mean surface area of the poses, the cube root of the mean
-// volume of a solid) around `origin` (the centroid of pose 0), so that nothing depends on the units of the files or on where the
+// volume of a solid) around `centre` (the centroid of pose 0), so that nothing depends on the units of the files or on where the
 // character stands.
 struct NormalizedPoses {
     std::vector<Triangle> triangles;            // of a solid: its boundary
@@ -22,7 +22,7 @@ struct NormalizedPoses {
     std::vector<std::uint32_t> fixed_vertices;  // ascending; without them bodies are free
     std::vector<Shape> shapes;                  // per pose, aligned to pose 0
     Eigen::VectorXd masses;                     // per vertex: lumped, mean over the poses; sum 1; all positive
-    Eigen::Vector3d origin;                     // input units; each coordinate is exactly a float
+    Eigen::Vector3d centre;                     // input units; each coordinate is exactly a float
     double length = 1;                          // input units
     std::vector<RigidMotion> motions;           // what was applied to each pose, in input units
     double diagonal = 1;                        // bounding-box diagonal of pose 0, normalized units
