@@ -1,4 +1,5 @@
-# What the baker's library is made with. The Python package includes this, too, where it takes the library from a build of the tree.
+# What the baker's library is made with. The Python package includes this, too, where it takes the library from a build of
+# the tree.
 find_package(Eigen3 3.4 REQUIRED NO_MODULE)
 find_package(OpenMesh REQUIRED)
 find_package(fmt REQUIRED)

@@ -24,8 +24,8 @@ pliant_packages() {
                 doxygen
             ;;
         engines)
-            # Programs that draw what `pliant export` writes, and an ARM processor; the tests that ask them are skipped without. Large: 1 GB
-            # with what they need.
+            # Programs that draw what `pliant export` writes, and an ARM processor; the tests that ask them are skipped
+            # without. Large: 1 GB with what they need.
             printf '%s\n' chromium godot3-server blender gcc-aarch64-linux-gnu libc6-dev-arm64-cross qemu-user
             # Node of other packagers brings npm along, and Debian's npm cannot be installed beside it.
             command -v npm > /dev/null || printf '%s\n' nodejs npm

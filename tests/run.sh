@@ -15,7 +15,8 @@ set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 exec < /dev/null # nothing below may wait for an answer
 
-# What runs under sanitizers by default, everything that bytes from outside reach; tests/CMakeLists.txt names the same labels.
+# What runs under sanitizers by default, everything that bytes from outside reach; tests/CMakeLists.txt names the same
+# labels.
 readonly asan_labels='^(runtime|fuzz|bad_input|hostile)$'
 
 usage() { sed -n '4,10s/^#  \{0,1\}//p' "${BASH_SOURCE[0]}"; }
@@ -58,8 +59,8 @@ build_suite() {
     cmake --preset "$preset" "${launcher[@]}" "$@" && cmake --build --preset "$preset" --target "$target" --parallel "$(nproc)"
 }
 
-# test_suite <preset> [<ctest option>...]: runs it and adds to the counts. They come from ctest's own result file; a test that
-# could not start is a failure there, not a skip.
+# test_suite <preset> [<ctest option>...]: runs it and adds to the counts. They come from ctest's own result file; a test
+# that could not start is a failure there, not a skip.
 test_suite() {
     local preset=$1 results=$PWD/build/$1/results.xml counts
     shift

@@ -12,8 +12,8 @@ Eigen::MatrixXd reachable_coordinates(const FittedModel& fitted);
 // The mesh of the poses, as the solver has it: a bake is checked on it.
 StoredMesh simulation_mesh(const PoseSet& poses, const NormalizedPoses& set, const BakeOptions& options);
 
-// The mesh that the asset draws where that is another one: a surface of its own (options.render_mesh), or the files' vertices and faces.
-// None: it draws the simulation mesh.
+// The mesh that the asset draws where that is another one: a surface of its own (options.render_mesh), or the files'
+// vertices and faces. None: it draws the simulation mesh.
 std::shared_ptr<const RenderMesh> render_mesh_of(const PoseSet& poses, const BakeOptions& options);
 StoredMesh stored_render_mesh(const RenderMesh& drawn, const PoseSet& poses, const BakeOptions& options);
 

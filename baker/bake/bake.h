@@ -1,4 +1,5 @@
-// The baker's pipeline: poses in, asset out. Each stage takes values and returns its result and its part of the report by value.
+// The baker's pipeline: poses in, asset out. Each stage takes values and returns its result and its part of the report by
+// value.
 #pragma once
 
 #include "bake/options.h"
@@ -14,8 +15,8 @@ struct BakedAsset {
     BakeReport report;
 };
 
-// Bakes. Throws Failure, or Interrupted through progress. Cost for some 15,000 vertices and 5 poses: minutes with the adaptive subspace
-// (4 to 8 measured, tests/bench/README.md), about one with krylov.
+// Bakes. Throws Failure, or Interrupted through progress. Cost for some 15,000 vertices and 5 poses: minutes with the
+// adaptive subspace (4 to 8 measured, tests/bench/README.md), about one with krylov.
 BakedAsset bake(const PoseSet& poses, const BakeOptions& options, Progress& progress);
 
 } // namespace pliant

@@ -14,15 +14,17 @@ namespace pliant {
 std::string write_certificate(const BakeReport& report, const BakeOptions& options,
                               const std::vector<std::string>& pose_names);
 
-// Reads back the options that define the energy, so that a measurement uses the one that was baked. Throws Failure (bad_input,
-// P5103) naming `path` if the text is not a certificate of ours.
+// Reads back the options that define the energy, so that a measurement uses the one that was baked. Throws Failure
+// (bad_input, P5103) naming `path` if the text is not a certificate of ours.
 EnergyOptions read_energy_options(const std::string& certificate, const std::string& path);
 
-// The pose from which the average of all poses is reached, so that a measurement takes the same branch; empty if it does not say.
+// The pose from which the average of all poses is reached, so that a measurement takes the same branch; empty if it does not
+// say.
 std::optional<std::size_t> read_start_pose(const std::string& certificate);
 
-// The report for people and build systems (`--report`): the certificate plus times, the name of the asset (relative to the report's
-// folder) and the warnings with the elements that they are about.
-std::string write_report(const BakeReport& report, const std::string& asset = {}, const std::vector<Diagnostic>& warnings = {});
+// The report for people and build systems (`--report`): the certificate plus times, the name of the asset (relative to the
+// report's folder) and the warnings with the elements that they are about.
+std::string write_report(const BakeReport& report, const std::string& asset = {},
+                         const std::vector<Diagnostic>& warnings = {});
 
 } // namespace pliant

@@ -14,7 +14,8 @@ namespace pliant {
 
 namespace {
 
-// The runtime holds at most this many dimensions (formats/SPEC.md); an adaptive basis stops at a quarter of it, where frames stay cheap.
+// The runtime holds at most this many dimensions (formats/SPEC.md); an adaptive basis stops at a quarter of it, where frames
+// stay cheap.
 constexpr Eigen::Index format_dimension_limit = 256;
 
 constexpr double default_tolerance = 1e-3;
@@ -27,9 +28,9 @@ constexpr std::uint64_t check_seed = 1000003;
 
 } // namespace
 
-// For snapshots and checks: what counts is the distance between shapes, to a few per cent of the error that is looked for. The
-// decrement is tested before the last step, which squares it. Where the average snaps, Newton creeps: an almost converged average is as
-// good a snapshot, and the report counts it.
+// For snapshots and checks: what counts is the distance between shapes, to a few per cent of the error that is looked for.
+// The decrement is tested before the last step, which squares it. Where the average snaps, Newton creeps: an almost
+// converged average is as good a snapshot, and the report counts it.
 NewtonOptions average_options(const BakeOptions& options, const NormalizedPoses& set)
 {
     NewtonOptions newton;

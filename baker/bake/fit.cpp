@@ -16,12 +16,12 @@ namespace pliant {
 
 namespace {
 
-// Exactness is worth a frame that costs twice as much as one with cubature, as it does here (runtime/README.md), and not many times as
-// much: the table grows with the fourth power of the dimension.
+// Exactness is worth a frame that costs twice as much as one with cubature, as it does here (runtime/README.md), and not
+// many times as much: the table grows with the fourth power of the dimension.
 constexpr Eigen::Index quartic_dimension_wanted = 32;
 
-// Being off by the tolerance may cost this part of the energy of the mean; what would cost less follows the true average, what would
-// cost more the energy (training_of). With a much larger part training shapes get creased.
+// Being off by the tolerance may cost this part of the energy of the mean; what would cost less follows the true average,
+// what would cost more the energy (training_of). With a much larger part training shapes get creased.
 constexpr double nearness_share = 0.003;
 
 double nearness_wanted(const NormalizedPoses& set, double mean_energy, double tolerance)
@@ -98,8 +98,8 @@ ChosenModel Fitter::fit_ghost(const Subspace& subspace, FittedModel& out) const
     out.ghost_energy = make_energy(out.ghost->set, options_.energy);
     std::vector<std::size_t> elements(out.ghost_energy->element_count());
     std::iota(elements.begin(), elements.end(), std::size_t(0));
-    auto surrogate = std::make_shared<const SurrogateEnergy>(*out.ghost_energy, out.ghost->set.shapes[0], out.ghost->basis, elements,
-                                                    Eigen::VectorXd::Ones(Eigen::Index(elements.size())));
+    auto surrogate = std::make_shared<const SurrogateEnergy>(*out.ghost_energy, out.ghost->set.shapes[0], out.ghost->basis,
+                                                             elements, Eigen::VectorXd::Ones(Eigen::Index(elements.size())));
     return fit_model(surrogate, subspace, p_.set, out.training, p_.found.checks, false, surrogate_options());
 }
 
@@ -108,7 +108,8 @@ ChosenModel Fitter::fit_surrogate(const ReducedEnergy& reduced, const Quartic* q
 {
     if (options_.surrogate == SurrogateKind::ghost) return fit_ghost(reduced.subspace(), out);
     if (!quartic) return choose_cubature(reduced, p_.set, out.training, p_.found.checks, surrogate_options(), &progress_);
-    auto surrogate = std::make_shared<const SurrogateEnergy>(reduced.energy(), quartic->leading(reduced.subspace().dimension()));
+    auto surrogate
+        = std::make_shared<const SurrogateEnergy>(reduced.energy(), quartic->leading(reduced.subspace().dimension()));
     return fit_model(std::move(surrogate), reduced.subspace(), p_.set, out.training, p_.found.checks, false,
                      surrogate_options());
 }

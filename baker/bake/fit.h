@@ -31,8 +31,8 @@ struct FittedModel {
     Shape mean_shape() const;
 };
 
-// As few dimensions and elements as keep the tolerance, unless the options fix them. Warns of a surrogate energy that is not convex
-// (P4402). Throws Failure (P4401) where the reduced mean does not converge.
+// As few dimensions and elements as keep the tolerance, unless the options fix them. Warns of a surrogate energy that is not
+// convex (P4402). Throws Failure (P4401) where the reduced mean does not converge.
 FittedModel fit(const FitProblem& problem, const BakeOptions& options, Progress& progress);
 
 } // namespace pliant

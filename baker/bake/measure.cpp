@@ -105,7 +105,8 @@ void compare(const AverageFamily& family, std::size_t worker, SharedProgress& pr
     s.linear = shape_error(energy, set, s.weights, linear, average);
 }
 
-// The same where the asset draws a surface: its blends say nothing about energy, nor where to look for the average next to them.
+// The same where the asset draws a surface: its blends say nothing about energy, nor where to look for the average next to
+// them.
 void compare_drawn(const AverageFamily& family, std::size_t worker, SharedProgress& progress, const Drawn& drawn,
                    const Shape& blend, Measurement& s)
 {

@@ -16,8 +16,8 @@ namespace pliant {
 struct MeasureOptions {
     int sample_count = 10;
     std::uint64_t seed = 2;
-    // Look for each average from the blend only, and by continuation where that is far: quicker, but another branch nearer than that is
-    // not seen.
+    // Look for each average from the blend only, and by continuation where that is far: quicker, but another branch nearer
+    // than that is not seen.
     bool from_blend = false;
 };
 
@@ -34,9 +34,9 @@ struct Measurement {
     std::size_t branch_count = 0; // jumps on the way, other averages for these weights
 };
 
-// `asset_path` is for messages, `energy` what the asset's certificate says (read_energy_options). `surface`: what the asset draws in the
-// place of its solid's boundary; null: nothing. Throws Failure (bad_input, P5104) for other poses than those of the asset.
-// Cost: an average for each weight.
+// `asset_path` is for messages, `energy` what the asset's certificate says (read_energy_options). `surface`: what the asset
+// draws in the place of its solid's boundary; null: nothing. Throws Failure (bad_input, P5104) for other poses than those of
+// the asset. Cost: an average for each weight.
 std::vector<Measurement> measure(RuntimeBlender& blender, const std::string& asset_path, const PoseSet& poses,
                                  const EnergyOptions& energy, const RenderMesh* surface, const MeasureOptions& options,
                                  Progress& progress);

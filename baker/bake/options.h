@@ -27,8 +27,8 @@ struct EnergyOptions {
     bool keep_placement = false;               // do not align the poses
     std::string fixed_path;                    // a file of vertices that stay where they are; empty: none
     std::vector<std::uint32_t> fixed_vertices; // the same by the files' numbers, where a certificate names them
-    double weld_tolerance
-        = default_weld_tolerance; // of surfaces: vertices this near in all poses are one (over the diagonal); 0: none
+    // Of surfaces: vertices this near in all poses are one (over the diagonal); 0: none
+    double weld_tolerance = default_weld_tolerance;
     SolverKind solver = default_solver();
 };
 
@@ -40,7 +40,7 @@ struct BakeOptions {
     int ritz_count = 2;         // krylov: vectors per tangent
     Eigen::Index dimension = 0; // 0: what the tolerance or ritz_count asks for (barbic: 4 modes a pose); else exactly this
     SurrogateKind surrogate = SurrogateKind::automatic; // quartic for stvk up to 32 dimensions, else cubature
-    std::size_t element_count = 0;                 // cubature elements; 0: as few as keep the tolerance
+    std::size_t element_count = 0;                      // cubature elements; 0: as few as keep the tolerance
     CubatureSolver cubature_solver = CubatureSolver::nnls;
     std::size_t ghost_vertex_count = 800;
     std::uint64_t seed = 1;
@@ -48,7 +48,8 @@ struct BakeOptions {
     int fresh_count = 4;          // weights that nothing was chosen by
     double position_error = 1e-5; // of a vertex by storing the basis in few bits, over the diagonal; 0: single precision
     bool keep_scene = true;       // of poses from glTF: store materials, texture coordinates and images
-    std::shared_ptr<const RenderMesh> render_mesh; // of a solid: what the asset draws in the place of its boundary; none: that
+    // Of a solid: what the asset draws in the place of its boundary; none: that
+    std::shared_ptr<const RenderMesh> render_mesh;
 };
 
 // Names used on the command line and in JSON.

@@ -1,4 +1,5 @@
-// What a bake tells of itself, each part made by one stage: the certificate, the report file, the command line and the warnings read it.
+// What a bake tells of itself, each part made by one stage: the certificate, the report file, the command line and the
+// warnings read it.
 #pragma once
 
 #include "base/mesh/pose_set.h"
@@ -48,8 +49,8 @@ struct FitReport {
 struct BlendCheck {
     Weights weights;
     ShapeError error;
-    // Smallest area of a triangle over the smallest it has in any pose; of a solid the smallest J = volume of a tetrahedron over the
-    // largest it has in any pose.
+    // Smallest area of a triangle over the smallest it has in any pose; of a solid the smallest J = volume of a tetrahedron
+    // over the largest it has in any pose.
     double cell_ratio = 1;
     bool is_fresh = false;     // nothing was chosen by it
     bool has_converged = true; // the unreduced average
@@ -73,7 +74,7 @@ struct CheckReport {
     Weights worst_weights;
     bool meets_tolerance = false;
     BasisReport basis;
-    std::optional<TieReport> ties;    // of a character in several parts, or with cracks
+    std::optional<TieReport> ties;               // of a character in several parts, or with cracks
     std::optional<RenderMeshErrors> render_mesh; // at the same weights, of a solid that draws a surface of its own
 };
 

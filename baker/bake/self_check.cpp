@@ -70,8 +70,8 @@ std::vector<Answer> collect_answers(OpenedAsset& opened, const TrainingSet& trai
     return answers;
 }
 
-// The largest distance of the runtime from the model in double precision at the weights of the answers, relative L2. The solver is
-// left tight.
+// The largest distance of the runtime from the model in double precision at the weights of the answers, relative L2. The
+// solver is left tight.
 double compare_with_model(OpenedAsset& opened, const AssetModel& asset, const std::vector<Answer>& answers)
 {
     opened.blender().solve_tightly(); // to compare the arithmetic, not the stopping rule
@@ -210,7 +210,8 @@ CheckedAsset self_check(const CheckProblem& p, const BakeOptions& options, Progr
     AssetModel rendered = assemble_with(stored_render_mesh(*drawn, p.poses, options));
     OpenedAsset opened_rendered(rendered, training);
     // Welded vertices are rows of the simulation mesh, so what was found at these holds there, too.
-    if (options.render_mesh) report.render_mesh = check_render_mesh(opened_rendered.blender(), set, *options.render_mesh, points);
+    if (options.render_mesh)
+        report.render_mesh = check_render_mesh(opened_rendered.blender(), set, *options.render_mesh, points);
     report.basis = check_basis(opened_rendered.blender(), rendered, reachable);
     AssetRecord record = make_record(opened_rendered, rendered, training, report);
     return { std::move(rendered), std::move(record), std::move(report), std::move(branches) };

@@ -22,8 +22,9 @@ struct CheckedAsset {
     std::vector<Branch> branches;
 };
 
-// Compares blends of the asset with unreduced averages, at the checks and at weights that nothing was chosen by. Encodes the asset
-// once; where it draws another mesh than that of the poses, once with each. Cost: an average for each fresh weight (options.fresh_count).
+// Compares blends of the asset with unreduced averages, at the checks and at weights that nothing was chosen by. Encodes the
+// asset once; where it draws another mesh than that of the poses, once with each. Cost: an average for each fresh weight
+// (options.fresh_count).
 CheckedAsset self_check(const CheckProblem& problem, const BakeOptions& options, Progress& progress);
 
 } // namespace pliant

@@ -17,15 +17,16 @@ struct ToleranceMiss {
     std::string what, hint;
 };
 
-// Empty if the asset keeps the tolerance, if nothing was checked, and if the default tolerance does not apply: where the dimension was
-// given, or the subspace is not made to keep one. `has_tolerance`: options.tolerance was asked for.
+// Empty if the asset keeps the tolerance, if nothing was checked, and if the default tolerance does not apply: where the
+// dimension was given, or the subspace is not made to keep one. `has_tolerance`: options.tolerance was asked for.
 std::optional<ToleranceMiss> find_miss(const BakeReport& report, const BakeOptions& options, bool has_tolerance);
 
 // P4404, and P4405 with the exit code that belongs to it.
 void warn_of(const ToleranceMiss& miss, Progress& progress);
 Failure to_failure(const ToleranceMiss& miss);
 
-// Throws Failure (failed, P4303) for an average that did not converge. `frame`: its name in messages with a colon and a space, or empty.
+// Throws Failure (failed, P4303) for an average that did not converge. `frame`: its name in messages with a colon and a
+// space, or empty.
 void require_convergence(const NewtonResult& result, const NewtonOptions& options, const std::string& frame);
 
 // What helps where there is more than one way to bend: the hint of P4406.
@@ -38,7 +39,8 @@ void warn_of_jumps(const FamilyPoint& point, const PoseSet& poses, const EnergyO
 // P4403: hinges whose bending is damped.
 void warn_of_foldover(const InputReport& input, const EnergyOptions& energy, Progress& progress);
 
-// P4406 for every place where averages jump, P4407 for tetrahedra inside out, and what parts of a character have (P4408 to P4410).
+// P4406 for every place where averages jump, P4407 for tetrahedra inside out, and what parts of a character have (P4408 to
+// P4410).
 void warn_of_blends(const BakeReport& report, const PoseSet& poses, const EnergyOptions& energy, Progress& progress);
 
 // Adds to `warnings` what was warned of while baking, with the vertices that it is about.

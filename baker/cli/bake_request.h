@@ -1,4 +1,5 @@
-// What `pliant bake` is asked for: the same options on its command line, in a configuration file, and in a manifest of many bakes.
+// What `pliant bake` is asked for: the same options on its command line, in a configuration file, and in a manifest of many
+// bakes.
 #pragma once
 
 #include "bake/options.h"
@@ -21,8 +22,8 @@ struct BakeRequest {
 // Registers all options that a configuration may have. `request` must outlive the verb.
 void add_bake_options(CLI::App& verb, BakeRequest& request);
 
-// Brings the configuration file, if there is one, and names of enumerations into a parsed request. Throws Failure: P27xx (bad_input), P1301,
-// P1302 (usage: no poses, no output).
+// Brings the configuration file, if there is one, and names of enumerations into a parsed request. Throws Failure: P27xx
+// (bad_input), P1301, P1302 (usage: no poses, no output).
 void complete_request(CLI::App& verb, BakeRequest& request);
 
 } // namespace pliant

@@ -101,8 +101,8 @@ void start_with_one_blas_thread(char** arguments)
     ::execv("/proc/self/exe", arguments); // returns only if it failed: then all works but for signals during an analysis
 }
 
-// A thread waits for the signals, and all others, which inherit the mask, never see them: METIS puts a handler of its own on SIGTERM
-// while it works, which jumps back into METIS from whatever thread it hits.
+// A thread waits for the signals, and all others, which inherit the mask, never see them: METIS puts a handler of its own on
+// SIGTERM while it works, which jumps back into METIS from whatever thread it hits.
 void install_signal_handlers()
 {
     static sigset_t awaited;

@@ -9,8 +9,8 @@
 
 namespace pliant {
 
-// Prints progress to stderr: one line redrawn with stage, percentage and remaining time on a terminal, a plain line per stage
-// elsewhere, nothing but warnings when quiet.
+// Prints progress to stderr: one line redrawn with stage, percentage and remaining time on a terminal, a plain line per
+// stage elsewhere, nothing but warnings when quiet.
 class ConsoleProgress final : public Progress {
 public:
     ConsoleProgress(std::string verb, bool is_quiet);
@@ -33,15 +33,16 @@ private:
 // "pliant bake: error P2103: ..." with its hint, to stderr.
 void print_finding(const std::string& verb, const Diagnostic& diagnostic);
 
-// OpenBLAS starts its threads before main, where no signal mask reaches them: unless the environment says how many, starts the program
-// again with one, which is all that is used. Call first.
+// OpenBLAS starts its threads before main, where no signal mask reaches them: unless the environment says how many, starts
+// the program again with one, which is all that is used. Call first.
 void start_with_one_blas_thread(char** arguments);
 
-// Ctrl-C and SIGTERM end the process with exit code 130 at once. That is safe: outputs exist under their own name only when they are
-// whole, and while one is written the signal waits until its temporary file is gone or has its name.
+// Ctrl-C and SIGTERM end the process with exit code 130 at once. That is safe: outputs exist under their own name only when
+// they are whole, and while one is written the signal waits until its temporary file is gone or has its name.
 void install_signal_handlers();
 
-// From now on Ctrl-C and SIGTERM end nothing, but make the descriptor that is returned readable, for verbs that have to clean up.
+// From now on Ctrl-C and SIGTERM end nothing, but make the descriptor that is returned readable, for verbs that have to
+// clean up.
 int catch_interrupts();
 
 // write_file_atomically, with the signals held back meanwhile.

@@ -33,7 +33,8 @@ struct Wanted {
 
 constexpr double grid_limit = 10000; // meshes: days of work, and more than any viewer wants
 
-// Adds all rows of `pose_count` multiples of 1/steps with sum 1 that begin like `row` up to `pose`, the first pose's weight falling.
+// Adds all rows of `pose_count` multiples of 1/steps with sum 1 that begin like `row` up to `pose`, the first pose's weight
+// falling.
 void add_grid_points(Weights& row, Eigen::Index pose, std::uint32_t left, std::uint32_t steps, std::vector<Weights>& points)
 {
     if (pose + 1 == row.size()) {
@@ -122,7 +123,8 @@ std::string grid_list(const std::vector<Wanted>& wanted)
     return text;
 }
 
-// Each average comes from the mean, so they may be computed at the same time, and no result depends on the other lines of a path.
+// Each average comes from the mean, so they may be computed at the same time, and no result depends on the other lines of a
+// path.
 std::vector<FamilyPoint> compute(const AverageFamily& family, const std::vector<Wanted>& wanted, std::size_t first,
                                  std::size_t count, ConsoleProgress& progress)
 {

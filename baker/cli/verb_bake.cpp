@@ -78,8 +78,8 @@ std::string asset_seen_from_report(const BakeRequest& a)
     return asset.empty() ? a.output : asset.generic_string();
 }
 
-// The dependencies come before the asset: who is stopped in between leaves an old asset with the new ones, which does no harm. The stamp
-// comes last, since it says that the asset is whole.
+// The dependencies come before the asset: who is stopped in between leaves an old asset with the new ones, which does no
+// harm. The stamp comes last, since it says that the asset is whole.
 void write_outputs(const BakeRequest& a, const BakedAsset& baked, const std::vector<Diagnostic>& warnings,
                    const std::vector<ReadFile>& files, StampContent stamp)
 {
@@ -121,7 +121,8 @@ ExitCode run(BakeRequest& a, CLI::App& verb)
     std::vector<Diagnostic> warnings;
     const PoseSet poses = load_with_warnings("bake", a.poses, a.bake.energy, &warnings);
     if (!a.surface.empty())
-        a.bake.render_mesh = std::make_shared<const RenderMesh>(load_surface_with_warnings("bake", a.surface, poses, &warnings));
+        a.bake.render_mesh
+            = std::make_shared<const RenderMesh>(load_surface_with_warnings("bake", a.surface, poses, &warnings));
     if (a.is_dry_run) {
         fmt::print("{}\n", json_text(describe_poses(poses, a.bake)));
         return ExitCode::done;

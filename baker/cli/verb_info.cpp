@@ -44,8 +44,9 @@ Json column_bits(const pliant_asset& asset)
     return out;
 }
 
-// The basis, and what linear morph targets in single precision would take for as many poses: one pose and the differences of the
-// others, positions only, and the same triangles. A frame reads rest positions and basis; of morph targets the first pose and the differences.
+// The basis, and what linear morph targets in single precision would take for as many poses: one pose and the differences of
+// the others, positions only, and the same triangles. A frame reads rest positions and basis; of morph targets the first
+// pose and the differences.
 Json shape_costs(const pliant_asset& asset)
 {
     const auto size_of = [&](std::uint32_t tag) {
@@ -151,8 +152,8 @@ Verdict solve_answers(RuntimeBlender& blender)
     return verdict;
 }
 
-// Another processor or compiler may round differently, a solver stops at 1e-3 of the energy metric: within this the asset behaves as
-// it did for the baker.
+// Another processor or compiler may round differently, a solver stops at 1e-3 of the energy metric: within this the asset
+// behaves as it did for the baker.
 constexpr double answer_tolerance = 1e-3;
 
 ExitCode run_validate(const Arguments& a)

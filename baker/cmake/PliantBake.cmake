@@ -1,11 +1,12 @@
 # pliant_bake(OUTPUT <asset> POSES <pose>... [OPTIONS <option>...] [NAME <target>] [DEPENDS <file or target>...])
 # pliant_bake(OUTPUT <asset> CONFIG <file.json> [OPTIONS <option>...] [NAME <target>] [DEPENDS <file or target>...])
 #
-# A rule that bakes an asset with `pliant bake`, and a target for it that is built with ALL (named after the asset unless NAME is given).
-# The asset is baked again when a file that the last bake has read is newer: poses, what glTF files name, --fix, --surface, the
-# configuration; and when the tool is. Poses may have a choice (hero.glb#target=smile). Relative poses and configurations are in the source folder, a
-# relative OUTPUT in the binary folder; paths in OPTIONS should be absolute. DEPENDS is for inputs that other rules of the project make.
-# OPTIONS are those of the command line: OPTIONS --tolerance-max 0.01 --seed 7. Needs the Ninja or a Makefile generator (DEPFILE).
+# A rule that bakes an asset with `pliant bake`, and a target for it that is built with ALL (named after the asset unless
+# NAME is given). The asset is baked again when a file that the last bake has read is newer: poses, what glTF files name,
+# --fix, --surface, the configuration; and when the tool is. Poses may have a choice (hero.glb#target=smile). Relative poses
+# and configurations are in the source folder, a relative OUTPUT in the binary folder; paths in OPTIONS should be absolute.
+# DEPENDS is for inputs that other rules of the project make. OPTIONS are those of the command line: OPTIONS --tolerance-max
+# 0.01 --seed 7. Needs the Ninja or a Makefile generator (DEPFILE).
 cmake_policy(PUSH)
 cmake_policy(VERSION 3.20...3.25) # 3.20: dependency files of both generators, paths in them as they are meant
 

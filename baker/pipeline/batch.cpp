@@ -41,7 +41,8 @@ void judge(BatchJob& job, bool is_forced)
     job.outcome = verdict.exit_code == int(ExitCode::misses_tolerance) ? Outcome::misses_tolerance : Outcome::up_to_date;
 }
 
-// Everything in a child's standard output that is not what it should be counts as a failure of the child: nothing is known then.
+// Everything in a child's standard output that is not what it should be counts as a failure of the child: nothing is known
+// then.
 void take_estimate(BatchJob& job, const ChildEnd& end, double memory)
 {
     const Json json = Json::parse(end.output, nullptr, false);

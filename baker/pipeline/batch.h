@@ -44,12 +44,14 @@ struct BatchOptions {
     int wake = -1; // readable once the user wants to stop
 };
 
-// Finds out what is to be done: stamps are judged, and of every bake that is to be done its poses are checked and its cost estimated, in child
-// processes. Sets outcome, reason and estimates. Messages and progress go to standard error. False if the user has stopped it.
+// Finds out what is to be done: stamps are judged, and of every bake that is to be done its poses are checked and its cost
+// estimated, in child processes. Sets outcome, reason and estimates. Messages and progress go to standard error. False if
+// the user has stopped it.
 bool plan_batch(std::vector<BatchJob>& jobs, const BatchOptions& options);
 
-// Does what is pending: at most job_count at a time, whose estimates together stay within the memory; of those that fit, the first in the
-// list starts first. Sets outcomes and what was measured. False if the user has stopped it: children have ended then.
+// Does what is pending: at most job_count at a time, whose estimates together stay within the memory; of those that fit, the
+// first in the list starts first. Sets outcomes and what was measured. False if the user has stopped it: children have ended
+// then.
 bool run_batch(std::vector<BatchJob>& jobs, const BatchOptions& options);
 
 // What of an asset belongs into the summary: size, dimension, elements and errors of its certificate.

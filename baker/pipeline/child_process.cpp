@@ -56,7 +56,8 @@ struct Pipe {
     }
 };
 
-// Between fork and exec: only functions that are safe there, as the other threads of the parent are gone with what they held locked.
+// Between fork and exec: only functions that are safe there, as the other threads of the parent are gone with what they held
+// locked.
 [[noreturn]] void become_program(char* const* arguments, int output, int errors, pid_t parent)
 {
 #ifdef __linux__

@@ -8,8 +8,8 @@
 namespace pliant {
 namespace {
 
-// GCC's rules, which Make, Ninja and CMake follow: a space or '#' takes a backslash, backslashes in front of it are doubled, others
-// stand for themselves; '$' is doubled.
+// GCC's rules, which Make, Ninja and CMake follow: a space or '#' takes a backslash, backslashes in front of it are doubled,
+// others stand for themselves; '$' is doubled.
 std::string escaped(const std::string& path)
 {
     if (path.find_first_of("\r\n") != std::string::npos)

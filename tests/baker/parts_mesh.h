@@ -1,5 +1,5 @@
-// A character in several parts: the tube of tube.h as the body, with an eye inside, a jacket around, a button far from everything it
-// could touch, and a vertex without a face.
+// A character in several parts: the tube of tube.h as the body, with an eye inside, a jacket around, a button far from
+// everything it could touch, and a vertex without a face.
 #pragma once
 
 #include "tube.h"

@@ -8,8 +8,8 @@
 
 namespace pliant {
 
-// `ring_count` rings of `side_count` vertices along z in [0, 6], and two cap vertices. Radius 0.5, slightly uneven so that no symmetry
-// hides a mistake.
+// `ring_count` rings of `side_count` vertices along z in [0, 6], and two cap vertices. Radius 0.5, slightly uneven so that
+// no symmetry hides a mistake.
 struct Tube {
     std::uint32_t ring_count = 24, side_count = 10;
 
@@ -29,8 +29,8 @@ struct Tube {
         return out;
     }
 
-    // Where a point beside the straight tube's axis goes when the tube is bent into an arc of `bend` radians in the xz plane and twisted
-    // by `twist` radians from end to end.
+    // Where a point beside the straight tube's axis goes when the tube is bent into an arc of `bend` radians in the xz plane
+    // and twisted by `twist` radians from end to end.
     static Eigen::RowVector3d place(double bend, double twist, double z, double x, double y)
     {
         const double angle = twist * z / 6, cx = std::cos(angle) * x - std::sin(angle) * y,

@@ -5,8 +5,8 @@
 
 #include <cmath>
 
-// Box [-.5, .5]^2 x [0, 6] of cells x cells x length_cells cubes, five tetrahedra each, alternating so that faces meet. Pose 1 turns the
-// cross-section at height z by angle * z / 6. Vertices are those of the grid, not numbered anew.
+// Box [-.5, .5]^2 x [0, 6] of cells x cells x length_cells cubes, five tetrahedra each, alternating so that faces meet. Pose
+// 1 turns the cross-section at height z by angle * z / 6. Vertices are those of the grid, not numbered anew.
 inline pliant::PoseSet twisted_bar(int cells, int length_cells, double angle)
 {
     const int n = cells + 1, layers = length_cells + 1;

@@ -1,8 +1,8 @@
-// Which layout the basis gets: bytes a number, error, and time to rebuild all positions, for the layouts that were tried, next to the
-// read bandwidth of one core. Asserts nothing.
+// Which layout the basis gets: bytes a number, error, and time to rebuild all positions, for the layouts that were tried,
+// next to the read bandwidth of one core. Asserts nothing.
 //     pliant_bench_basis ASSET... [--vertices 160000] [--error 1e-5]
-// Takes shape, basis and blends (stored answers and poses, and the predictor's centres as weights of more) from assets that were baked
-// with --position-error 0, and repeats their vertices up to the number asked for.
+// Takes shape, basis and blends (stored answers and poses, and the predictor's centres as weights of more) from assets that
+// were baked with --position-error 0, and repeats their vertices up to the number asked for.
 #include "cli/console.h"
 #include "output/asset/bounds.h"
 #include "output/asset/compact_basis.h"
@@ -148,7 +148,8 @@ template <class T> std::vector<T> tile(const Eigen::MatrixXd& columns)
     return out;
 }
 
-// ------------------------------------------------------------------------------------------------ layouts with whole columns --
+// ------------------------------------------------------------------------------------------------ layouts with whole
+// columns --
 
 // Columns of one width each, 0, 8 or 16 bits, a scale for the whole mesh; a tile holds its 16-bit columns, then those of 8.
 struct ColumnLayout {
@@ -221,7 +222,8 @@ void measure_columns(const char* name, const Shape& shape, double unit, bool use
     print_row(name, shape, layout.bytes(), largest_error(shape.columns, layout.packed, shape.samples), time, bandwidth);
 }
 
-// ---------------------------------------------------------------------------------------------------- the runtime's layouts --
+// ---------------------------------------------------------------------------------------------------- the runtime's layouts
+// --
 
 // An asset of nothing but a shape.
 double time_runtime(const Shape& shape, pliant_asset& asset)

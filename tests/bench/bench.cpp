@@ -1,7 +1,8 @@
 // What a character costs: one row per set of poses. Bakes with the default options, then times the C runtime on one core.
 //   pliant_bench NAME POSE... [-- NAME POSE...]... [--csv FILE] [--krylov] [--dim N] [--material NAME] [--checks N]
-// --krylov bakes with Algorithm 1 of the paper (d = 64 for five poses) instead of the adaptive subspace; --checks N sets how many
-// unreduced averages the error is measured on. Times are medians; ratios inside one run mean more than any of them alone.
+// --krylov bakes with Algorithm 1 of the paper (d = 64 for five poses) instead of the adaptive subspace; --checks N sets how
+// many unreduced averages the error is measured on. Times are medians; ratios inside one run mean more than any of them
+// alone.
 #include "bake/bake.h"
 #include "bake/certificate.h"
 #include "cli/console.h"

@@ -1,8 +1,8 @@
-// Table II of von Tycowicz et al. 2015: a bar of St. Venant-Kirchhoff material, straight and twisted by 90 and 180 degrees, blended in
-// subspaces of several sorts and sizes.
+// Table II of von Tycowicz et al. 2015: a bar of St. Venant-Kirchhoff material, straight and twisted by 90 and 180 degrees,
+// blended in subspaces of several sorts and sizes.
 //   pliant_bar [-o OUT.csv] [options]
-// Writes the table to standard output (Markdown, errors in 1e-4 beside those that the paper prints) and every error to OUT.csv. The paper
-// gives neither Poisson's ratio nor the bar's proportions: those are the options' defaults.
+// Writes the table to standard output (Markdown, errors in 1e-4 beside those that the paper prints) and every error to
+// OUT.csv. The paper gives neither Poisson's ratio nor the bar's proportions: those are the options' defaults.
 //   pliant_bar --write FOLDER [--degrees 90,180]
 // writes the bars as pose files instead, for `pliant bake`.
 #include "../baker/twisted_bar.h"

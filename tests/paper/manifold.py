@@ -250,8 +250,8 @@ class Rotated:
         parts = Parts(data, part_count)
         weights = np.vstack([data.pose_weights, data.train_weights])
         known = np.stack([parts.motions(row) for row in np.vstack([data.poses, data.train])])
-        # One smooth function of the weights for all shapes, those it was fitted to as well: where it is off, it is off smoothly, and
-        # that is for U to mend. (Exact interpolation leaves errors between the snapshots that no U has seen.)
+        # One smooth function of the weights for all shapes, those it was fitted to as well: where it is off, it is off
+        # smoothly, and that is for U to mend. (Exact interpolation leaves errors between the snapshots that no U has seen.)
         degree = 3 if polynomials(weights, 3).shape[1] * 2 <= len(weights) else 2
         fit = np.linalg.lstsq(polynomials(weights, degree), known, rcond=None)[0]
         pull = lambda rows, w: np.stack([self.pull(parts, row, motion) for row, motion in zip(rows, polynomials(w, degree) @ fit)])

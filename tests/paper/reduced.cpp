@@ -12,8 +12,9 @@ namespace {
 // Coordinates of the point of the subspace nearest to the reference average, rigidly moved as suits it best.
 Eigen::VectorXd nearest_point(const NormalizedPoses& set, const Subspace& subspace, const Shape& reference)
 {
-    // Over q and the rigid motion of the reference average at once, since a space may hold turned shapes better: Gauss-Newton with the rigid modes
-    // as further columns. It converges quadratically; from a copy aligned with pose 0 three turns are plenty.
+    // Over q and the rigid motion of the reference average at once, since a space may hold turned shapes better:
+    // Gauss-Newton with the rigid modes as further columns. It converges quadratically; from a copy aligned with pose 0
+    // three turns are plenty.
     const Eigen::Index d = subspace.dimension();
     Eigen::MatrixXd columns(set.dof_count(), d + 6);
     columns.leftCols(d) = subspace.basis;

@@ -19,9 +19,10 @@ struct Reference {
     bool has_converged = false;
 };
 
-// The exact reduced averages, all elements evaluated on the full mesh: the subspace alone is to blame for their errors. Newton's method
-// starts at the point of the subspace nearest to the reference average: where there are several minima, this is the reference average's (on human_pair another
-// one is 5e-4 away and hardly higher). What it costs to land in another one is in the errors of assets. A column of coordinates per reference average.
+// The exact reduced averages, all elements evaluated on the full mesh: the subspace alone is to blame for their errors.
+// Newton's method starts at the point of the subspace nearest to the reference average: where there are several minima, this
+// is the reference average's (on human_pair another one is 5e-4 away and hardly higher). What it costs to land in another
+// one is in the errors of assets. A column of coordinates per reference average.
 Eigen::MatrixXd solve_reduced(const Energy& energy, const NormalizedPoses& set, const Subspace& subspace,
                               const std::vector<Reference>& references);
 
@@ -31,8 +32,8 @@ double projection_error(const NormalizedPoses& set, const Subspace& subspace, co
 // The first d columns of a basis whose columns are ordered: the differences, then directions of falling importance.
 Subspace leading_part(const Subspace& subspace, Eigen::Index d);
 
-// The subspace in which an asset blends, read through the runtime (single precision: errors below some 1e-6 are not seen). Throws
-// Failure (bad_input) if the asset was not baked from this set.
+// The subspace in which an asset blends, read through the runtime (single precision: errors below some 1e-6 are not seen).
+// Throws Failure (bad_input) if the asset was not baked from this set.
 Subspace subspace_of(const RuntimeBlender& blender, const NormalizedPoses& set, const std::string& path);
 
 } // namespace pliant

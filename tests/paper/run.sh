@@ -1,5 +1,6 @@
 #!/usr/bin/env bash
-# The study of the paper's evaluation on our data: bash tests/paper/run.sh [--quick] [--out DIR] [--only PART]... [--threads N]
+# The study of the paper's evaluation on our data: bash tests/paper/run.sh [--quick] [--out DIR] [--only PART]... [--threads
+# N]
 #
 #   --quick      two poses only (human_pair, creature), few weights: some minutes instead of some forty
 #   --out DIR    where tables, plots and assets go (default: build/paper/results)
@@ -76,8 +77,8 @@ poses_of() {
 # The tolerance says how accurate snapshots are to be; --dim says how many dimensions, whatever error that gives.
 adaptive=(--subspace adaptive --tolerance 1e-4)
 
-# asset_of NAME OPTION...: bakes assets/NAME.pliant from `poses` unless it is there and newer than the tool. Exit code 4, a missed
-# tolerance, is a result of the study and no failure of it.
+# asset_of NAME OPTION...: bakes assets/NAME.pliant from `poses` unless it is there and newer than the tool. Exit code 4, a
+# missed tolerance, is a result of the study and no failure of it.
 asset_of() {
     local asset=$out/assets/$1.pliant start=$SECONDS code=0
     shift

@@ -48,8 +48,8 @@ std::string weights_text(const Weights& w)
     return text;
 }
 
-// Fresh weights. Two poses: a regular grid, which has a quarter, a half and three quarters if count + 1 is a multiple of 4. More: uniform,
-// edge, corner-heavy in turn, as `pliant measure` draws them.
+// Fresh weights. Two poses: a regular grid, which has a quarter, a half and three quarters if count + 1 is a multiple of 4.
+// More: uniform, edge, corner-heavy in turn, as `pliant measure` draws them.
 std::vector<Reference> fresh_weights(std::size_t pose_count, std::size_t count, std::uint64_t seed)
 {
     std::vector<Reference> out;
@@ -165,8 +165,9 @@ private:
     void add_row(const std::string& basis, Eigen::Index d, const Reference& reference, const Shape& blend, double projected)
     {
         const ShapeError error = shape_error(*energy_, set_, reference.weights, blend, reference.shape);
-        csv_ += fmt::format("{},{},{},{},{:.6e},{:.6e},{:.6e},{}\n", basis, d, reference.kind, weights_text(reference.weights),
-                            error.relative_l2, error.largest_distance, projected, int(reference.has_converged));
+        csv_ += fmt::format("{},{},{},{},{:.6e},{:.6e},{:.6e},{}\n", basis, d, reference.kind,
+                            weights_text(reference.weights), error.relative_l2, error.largest_distance, projected,
+                            int(reference.has_converged));
     }
 
     Shape linear_blend(const Weights& w) const
@@ -195,8 +196,8 @@ private:
                          std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count()));
     }
 
-    // Total error of the runtime's blends, and its two parts: the subspace's (exact reduced average against the reference average) and the
-    // surrogate energy's (blend against the exact reduced average).
+    // Total error of the runtime's blends, and its two parts: the subspace's (exact reduced average against the reference
+    // average) and the surrogate energy's (blend against the exact reduced average).
     void assets()
     {
         std::string csv

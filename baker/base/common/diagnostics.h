@@ -19,9 +19,9 @@ enum class ExitCode : int {
     interrupted = 130
 };
 
-// One diagnostic. `number` is printed as P and four digits: P1xxx usage, P2xxx one input file, P3xxx poses against each other,
-// P4xxx working, P5xxx assets. Warnings use the same numbers space. The table is in messages.md; a test compares it with
-// the sources, and finds numbers by the three functions below, by Severity::..., and by Progress::warn.
+// One diagnostic. `number` is printed as P and four digits: P1xxx usage, P2xxx one input file, P3xxx poses against each
+// other, P4xxx working, P5xxx assets. Warnings use the same numbers space. The table is in messages.md; a test compares it
+// with the sources, and finds numbers by the three functions below, by Severity::..., and by Progress::warn.
 struct Diagnostic {
     enum class Severity { warning, error };
     Severity severity = Severity::error;
@@ -59,10 +59,12 @@ private:
     std::string text_;
 };
 
-// "error P2103: run_04.obj:812: face 377 uses vertex 9001, the file has 6890\n  hint: ..." (no verb in front, no final newline).
+// "error P2103: run_04.obj:812: face 377 uses vertex 9001, the file has 6890\n  hint: ..." (no verb in front, no final
+// newline).
 std::string to_text(const Diagnostic& diagnostic);
 
-// Gathers diagnostics of many files so that one run tells everything, without a page per broken face: of every number the first
+// Gathers diagnostics of many files so that one run tells everything, without a page per broken face: of every number the
+// first
 // `lines_per_number` are kept and the others counted. Memory does not grow with the number of diagnostics.
 class DiagnosticList {
 public:

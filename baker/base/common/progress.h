@@ -21,8 +21,8 @@ public:
     virtual void warn(int number, const std::string& what, const std::string& hint = {});
 };
 
-// For stages that run tasks on several threads: the thread that made it reports to `target` (may be null); the others are told to
-// stop at their next update once that one has been interrupted.
+// For stages that run tasks on several threads: the thread that made it reports to `target` (may be null); the others are
+// told to stop at their next update once that one has been interrupted.
 class SharedProgress : public Progress {
 public:
     explicit SharedProgress(Progress* target)

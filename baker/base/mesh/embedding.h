@@ -13,9 +13,10 @@ struct Embedding {
     std::size_t count() const { return corners.size(); }
 };
 
-// Barycentric coordinates of every point in the tetrahedron that contains it. A point outside takes the nearest tetrahedron, of several
-// equally near the one with the smallest coordinates, and coordinates that go on beyond it; one farther than `reach` has zero weights.
-// Coordinates below 1e-12 are rounding and zero. The tetrahedra must have volume. Cost: a tree of boxes, logarithmic per point.
+// Barycentric coordinates of every point in the tetrahedron that contains it. A point outside takes the nearest tetrahedron,
+// of several equally near the one with the smallest coordinates, and coordinates that go on beyond it; one farther than
+// `reach` has zero weights. Coordinates below 1e-12 are rounding and zero. The tetrahedra must have volume. Cost: a tree of
+// boxes, logarithmic per point.
 Embedding embed(const Positions& points, const Positions& vertices, const std::vector<Tetrahedron>& tets, double reach);
 
 // The points where the embedding takes them: `columns` are shapes of the solid, or directions (3 x vertices rows).

@@ -11,9 +11,9 @@ struct RigidMotion {
     Eigen::Vector3d translation = Eigen::Vector3d::Zero();
 };
 
-// The normalized problem. Lengths are in units of `length` (the root of the mean surface area of the poses, the cube root of the mean
-// volume of a solid) around `centre` (the centroid of pose 0), so that nothing depends on the units of the files or on where the
-// character stands.
+// The normalized problem. Lengths are in units of `length` (the root of the mean surface area of the poses, the cube root of
+// the mean volume of a solid) around `centre` (the centroid of pose 0), so that nothing depends on the units of the files or
+// on where the character stands.
 struct NormalizedPoses {
     std::vector<Triangle> triangles;            // of a solid: its boundary
     std::vector<Tetrahedron> tets;              // empty: a surface

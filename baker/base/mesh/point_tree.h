@@ -1,13 +1,14 @@
-// Vertices near one another in all poses: a tree over points of R^(3m), the positions of a vertex in the m poses in one vector.
+// Vertices near one another in all poses: a tree over points of R^(3m), the positions of a vertex in the m poses in one
+// vector.
 #pragma once
 
 #include "base/mesh/align.h"
 
 namespace pliant {
 
-// 3m x n: column v holds the positions of vertex v in all poses, divided by sqrt(m), so that the distance of two columns is the root
-// of the mean over the poses of the squared distance of the two vertices. Two vertices are near by it only if they are near in every
-// pose.
+// 3m x n: column v holds the positions of vertex v in all poses, divided by sqrt(m), so that the distance of two columns is
+// the root of the mean over the poses of the squared distance of the two vertices. Two vertices are near by it only if they
+// are near in every pose.
 Eigen::MatrixXd pose_space(const NormalizedPoses& set);
 
 // One point of a tree: a vertex, and the number of what it belongs to.
@@ -21,8 +22,8 @@ struct Neighbour {
     double squared_distance;
 };
 
-// Balls around balls around a few points each. Everything is decided by distances, then by the order of the points: the same answers
-// on every machine. Building costs n log n.
+// Balls around balls around a few points each. Everything is decided by distances, then by the order of the points: the same
+// answers on every machine. Building costs n log n.
 class PointTree {
 public:
     // `columns` must outlive the tree.
@@ -33,12 +34,15 @@ public:
     // What points have the labels that `labels` gives for their own: for nearest().
     void relabel(const std::vector<std::uint32_t>& labels);
 
-    // The point next to vertex v that is not v and has not this label (after relabel), nearer than `squared_limit`; its distance is
-    // `squared_limit` and its number points().size() if there is none. Without relabel all labels are 0: any other label finds all.
+    // The point next to vertex v that is not v and has not this label (after relabel), nearer than `squared_limit`; its
+    // distance is
+    // `squared_limit` and its number points().size() if there is none. Without relabel all labels are 0: any other label
+    // finds all.
     Neighbour nearest(std::uint32_t v, std::uint32_t label, double squared_limit) const;
 
-    // The vertices of some points within `radius` of a centre (3m): all of them, but of those that lie within about `resolution` of one
-    // another only one. Their number is bounded by the ratio of the two, not by n, unless the resolution is 0.
+    // The vertices of some points within `radius` of a centre (3m): all of them, but of those that lie within about
+    // `resolution` of one another only one. Their number is bounded by the ratio of the two, not by n, unless the resolution
+    // is 0.
     std::vector<std::uint32_t> ball(const Eigen::VectorXd& centre, double radius, double resolution) const;
 
 private:

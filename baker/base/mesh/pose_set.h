@@ -58,7 +58,8 @@ struct MeshFile {
     std::shared_ptr<const RenderScene> scene; // of a glTF file: what its vertices and faces are drawn with
 };
 
-// How the surface that files draw differs from the one that the elastic energy lives on, and what is unusual about the latter.
+// How the surface that files draw differs from the one that the elastic energy lives on, and what is unusual about the
+// latter.
 struct SurfaceRepairs {
     std::size_t welded_count = 0;                                        // vertices that another one stands for
     std::size_t repeated_count = 0, flat_count = 0, duplicate_count = 0; // triangles left out
@@ -75,16 +76,17 @@ struct SurfaceRepairs {
 struct RenderMesh;
 
 // Poses of one character: same faces or tetrahedra, other positions. Pose 0 is the rest pose of the subspace (tau).
-// Vertices of a surface come in the order of the files, but of those that are one in all poses only the first. Those of a solid are numbered anew: the ones on its boundary first, in the
-// order of the files, so that drawing needs a leading part only, then those inside.
+// Vertices of a surface come in the order of the files, but of those that are one in all poses only the first. Those of a
+// solid are numbered anew: the ones on its boundary first, in the order of the files, so that drawing needs a leading part
+// only, then those inside.
 struct PoseSet {
     std::vector<std::string> paths;
     std::vector<std::string> names;   // file names without folder and extension, or what glTF calls the pose; for people
     std::vector<Positions> positions; // per pose
     Polygons polygons;                // as pose 0 gave them, by the files' numbers, for writing; of a solid: the triangles
-    std::vector<Triangle>
-        triangles; // the same, triangulated alike in all poses, a fan from the first corner, as far as they have an energy.
-                   // Of a solid: its boundary, counter-clockwise seen from outside
+    // The same, triangulated alike in all poses, a fan from the first corner, as far as they have an energy. Of a solid: its
+    // boundary, counter-clockwise seen from outside
+    std::vector<Triangle> triangles;
 
     std::vector<Tetrahedron> tets;              // empty: a surface
     SolidRegions regions;                       // of pose 0

@@ -1,5 +1,6 @@
-// What is drawn, where that is not the mesh of the elastic energy: a fine surface that rides on coarse tetrahedra in the place of their
-// own boundary, or a surface as its file has it, with seams that are welded for the energy and faces that have none.
+// What is drawn, where that is not the mesh of the elastic energy: a fine surface that rides on coarse tetrahedra in the
+// place of their own boundary, or a surface as its file has it, with seams that are welded for the energy and faces that
+// have none.
 #pragma once
 
 #include "base/mesh/embedding.h"
@@ -20,8 +21,8 @@ struct RenderMesh {
 std::shared_ptr<const RenderMesh> copy_to_render_mesh(Polygons polygons, std::vector<Triangle> triangles,
                                                       const std::vector<std::uint32_t>& places);
 
-// The shapes of the surface in the poses of the solid, to measure its blends by: in the solid's units, around its origin. It has no
-// elements; fixed_vertices are the solid's, and say only whether shapes are held.
+// The shapes of the surface in the poses of the solid, to measure its blends by: in the solid's units, around its origin. It
+// has no elements; fixed_vertices are the solid's, and say only whether shapes are held.
 NormalizedPoses render_mesh_shapes(const NormalizedPoses& solid, const RenderMesh& surface);
 
 // Where the vertices of the surface are when those that they hang on are at `positions`.

@@ -7,8 +7,8 @@ namespace pliant {
 
 namespace {
 
-// Cosine of 1 degree. Tools write one normal for all copies of a smooth vertex, rounded to 8 bits at the coarsest, which is 0.4
-// degrees; edges that are meant to be seen differ by far more.
+// Cosine of 1 degree. Tools write one normal for all copies of a smooth vertex, rounded to 8 bits at the coarsest, which is
+// 0.4 degrees; edges that are meant to be seen differ by far more.
 constexpr double kSameDirection = 0.99984769515639124;
 
 // A normal shorter than this has no direction in single precision, in which files have them.

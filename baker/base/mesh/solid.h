@@ -5,8 +5,8 @@
 
 namespace pliant {
 
-// The corners of the four faces of a tetrahedron, each counter-clockwise seen from outside if the volume is positive. Face i lies
-// opposite to corner i.
+// The corners of the four faces of a tetrahedron, each counter-clockwise seen from outside if the volume is positive. Face i
+// lies opposite to corner i.
 constexpr std::array<std::array<std::size_t, 3>, 4> tet_faces { { { 1, 2, 3 }, { 0, 3, 2 }, { 0, 1, 3 }, { 0, 2, 1 } } };
 
 // One face of one tetrahedron.
@@ -19,8 +19,8 @@ struct TetFace {
     bool same_vertices(const TetFace& other) const { return sorted == other.sorted; }
 };
 
-// All faces, four a tetrahedron, those with the same vertices behind each other. Tetrahedra marked in `left_out` (which may be
-// empty) have none.
+// All faces, four a tetrahedron, those with the same vertices behind each other. Tetrahedra marked in `left_out` (which may
+// be empty) have none.
 std::vector<TetFace> collect_faces(const std::vector<Tetrahedron>& tets, const std::vector<bool>& left_out = {});
 
 // Faces that belong to one tetrahedron only, outward, in the order of the tetrahedra.

@@ -10,29 +10,34 @@ using Shape = Eigen::VectorXd;
 
 inline Eigen::Vector3d point(const Shape& shape, std::uint32_t vertex) { return shape.segment<3>(3 * Eigen::Index(vertex)); }
 
-// An edge with two of its faces. `first` and `second` run along the edge as the face of lower index has it; `left` is opposite in that
-// face, `right` in the other, whichever way round that one goes. Vertex order x0 x1 x2 x3 of the energies: first, second, left, right.
+// An edge with two of its faces. `first` and `second` run along the edge as the face of lower index has it; `left` is
+// opposite in that face, `right` in the other, whichever way round that one goes. Vertex order x0 x1 x2 x3 of the energies:
+// first, second, left, right.
 struct Hinge {
     std::array<std::uint32_t, 4> vertices; // first, second, left, right
     std::array<std::uint32_t, 2> faces;
 };
 
-// One hinge for every edge of two faces, and at an edge of three or more one for each pair that follow each other around it in
+// One hinge for every edge of two faces, and at an edge of three or more one for each pair that follow each other around it
+// in
 // `rest` (as many as faces). Ordered by the first face and the corner in it. No two triangles may have the same vertices.
 std::vector<Hinge> find_hinges(const std::vector<Triangle>& triangles, const Shape& rest);
 
-// Throws Failure (bad_input, P2222) naming `what` needs it if the triangles are no connected oriented manifold that uses every vertex.
+// Throws Failure (bad_input, P2222) naming `what` needs it if the triangles are no connected oriented manifold that uses
+// every vertex.
 // `sources`: per vertex its number for the message; empty: the same.
 void require_manifold(const std::vector<Triangle>& triangles, std::size_t vertex_count,
                       const std::vector<std::uint32_t>& sources, const std::string& what, const std::string& remedy);
 
-// Neighbours of a vertex in fan order: faces are (vertex, ring[i], ring[i + 1]); a closed ring also has (vertex, last, first).
+// Neighbours of a vertex in fan order: faces are (vertex, ring[i], ring[i + 1]); a closed ring also has (vertex, last,
+// first).
 struct Fan {
     std::vector<std::uint32_t> ring;
     bool is_closed = false;
 };
 
-// One fan per vertex. Throws Failure (P4502) at a vertex whose faces form more than one fan (a bow-tie), since a cell needs one.
+// One fan per vertex. Throws Failure (P4502) at a vertex whose faces form more than one fan (a bow-tie), since a cell needs
+// one.
 std::vector<Fan> find_fans(const std::vector<Triangle>& triangles, std::size_t vertex_count);
 
 // Twice the area vector (face normal times twice the area) of a triangle.

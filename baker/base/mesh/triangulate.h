@@ -11,7 +11,8 @@ struct Triangulation {
     std::vector<std::uint32_t> faces; // per triangle
 };
 
-// A fan from the first corner of every polygon: c0 c1 c2, c0 c2 c3, ... It looks at no positions, so it is the same for all poses.
+// A fan from the first corner of every polygon: c0 c1 c2, c0 c2 c3, ... It looks at no positions, so it is the same for all
+// poses.
 Triangulation triangulate(const Polygons& polygons);
 
 } // namespace pliant

@@ -43,7 +43,8 @@ private:
     std::vector<double> reach_;
 };
 
-// Upwards, each vertex to the centre of a cluster near it or a centre itself: no chain of short steps can join what is apart.
+// Upwards, each vertex to the centre of a cluster near it or a centre itself: no chain of short steps can join what is
+// apart.
 std::vector<Index> Welder::weld()
 {
     std::vector<Index> order(static_cast<std::size_t>(heights_.size())), centres, centre_of(order.size());

@@ -5,8 +5,8 @@
 
 namespace pliant {
 
-// f(w) = sum_i |w - centre_i|^3 coefficients.row(i) + sum_k w_k coefficients.row(N + k): a cubic radial basis function with a linear
-// tail (on the simplex the w_k span constants and linear functions). Interpolates its data.
+// f(w) = sum_i |w - centre_i|^3 coefficients.row(i) + sum_k w_k coefficients.row(N + k): a cubic radial basis function with
+// a linear tail (on the simplex the w_k span constants and linear functions). Interpolates its data.
 struct RadialFunction {
     std::vector<Weights> centres;
     Eigen::MatrixXd coefficients; // (N + m) x d

@@ -53,8 +53,8 @@ std::vector<Weights> edge_weights(std::size_t count)
     return out;
 }
 
-// Each the one of many candidates that is farthest from all before it and from the poses. Distances are those of the roots of the
-// weights, on a sphere: they are longer near edges and corners.
+// Each the one of many candidates that is farthest from all before it and from the poses. Distances are those of the roots
+// of the weights, on a sphere: they are longer near edges and corners.
 std::vector<Weights> spread_weights(std::size_t pose_count, std::size_t count, std::uint64_t seed)
 {
     constexpr std::size_t candidates_each = 30;

@@ -11,18 +11,20 @@ namespace pliant {
 
 namespace {
 
-// In the 1-norm of weights. The way from a corner to the mean is gone roughly, in long steps: only where it ends counts. Elsewhere steps
-// begin shorter, grow while the tangent's guess is good to a quarter of what is allowed, and are halved where it is not good enough.
+// In the 1-norm of weights. The way from a corner to the mean is gone roughly, in long steps: only where it ends counts.
+// Elsewhere steps begin shorter, grow while the tangent's guess is good to a quarter of what is allowed, and are halved
+// where it is not good enough.
 constexpr double rough_step = 0.85, first_step = 0.5;
 
-// A discontinuity is a move that does not get shorter with the step. Steps (in the 1-norm of weights) are not halved below this.
+// A discontinuity is a move that does not get shorter with the step. Steps (in the 1-norm of weights) are not halved below
+// this.
 constexpr double shortest_step = 0.03;
 
 // For the sake of a small correction they are not made shorter than this: where triangles turn, tangents are never good.
 constexpr double shortest_sure_step = 0.2;
 
-// Moves faster than this many times the mean's way to a pose, and longer than 5 %, are looked at closer: well above what a family that
-// turns a limb evenly needs, and a false alarm costs halved steps only.
+// Moves faster than this many times the mean's way to a pose, and longer than 5 %, are looked at closer: well above what a
+// family that turns a limb evenly needs, and a false alarm costs halved steps only.
 constexpr double jump_speed = 6, jump_distance = 0.05;
 
 // Newton creeps where creases snap; only what is farther than this from converged calls for a shorter step.
@@ -65,8 +67,8 @@ AverageFamily::AverageFamily(SolverPool& pool, NewtonOptions options, Progress* 
 {
 }
 
-// Along the tangent, by the derivative of the minimizer, as far as it is sound. It has a lower energy all the way, but it stretches
-// limbs that turn, and what is stretched Newton may undo by folding creases; hence the limits.
+// Along the tangent, by the derivative of the minimizer, as far as it is sound. It has a lower energy all the way, but it
+// stretches limbs that turn, and what is stretched Newton may undo by folding creases; hence the limits.
 Shape AverageFamily::start_of_step(Path& path, const Weights& to, double share) const
 {
     const Shape& here = path.point.y;
@@ -120,8 +122,8 @@ void AverageFamily::follow(Path& path, const Weights& to, bool is_rough) const
         if (is_fast) {
             Eigen::Index pose = 0;
             (to - path.w).maxCoeff(&pose);
-            path.jumps.push_back({ Branch::Kind::jump, next, std::size_t(pose), moved,
-                                   farthest_vertex(set, path.point.y, reached.y) });
+            path.jumps.push_back(
+                { Branch::Kind::jump, next, std::size_t(pose), moved, farthest_vertex(set, path.point.y, reached.y) });
         }
         if (corrected < correction_limit / 4) length = std::min(2 * length, rough_step);
         path.point = std::move(reached);

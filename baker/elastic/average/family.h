@@ -36,17 +36,17 @@ struct FamilyPoint {
 // A blend that was compared with the reference average.
 struct CheckPoint {
     Weights weights;
-    Shape reference;              // in the gauge of pose 0
+    Shape reference;          // in the gauge of pose 0
     double error = 0;         // of the blend, relative L2
     double nearest_error = 0; // its distance from the average next to it: smaller, where that is another one
     bool has_converged = false;
     std::vector<Branch> branches;
 };
 
-// a(w) is reached along the straight line in weight space from the equal-weight average. That one is reached from every pose, along
-// the line from the pose's corner; of those that are reached the one of lowest energy counts, and the pose of lowest number that
-// leads there is its start. An elastic average need not be unique; one definition of it is needed where snapshots, reference averages and
-// measurements are compared.
+// a(w) is reached along the straight line in weight space from the equal-weight average. That one is reached from every
+// pose, along the line from the pose's corner; of those that are reached the one of lowest energy counts, and the pose of
+// lowest number that leads there is its start. An elastic average need not be unique; one definition of it is needed where
+// snapshots, reference averages and measurements are compared.
 class AverageFamily {
 public:
     // `start_pose`: if known (a certificate holds it), the mean is reached from that pose only, which costs a fraction.
@@ -62,18 +62,19 @@ public:
     // Other means that were found. Empty before mean().
     const std::vector<Branch>& branches() const { return branches_; }
 
-    // The average for w (non-negative, sum 1). Steps are halved when Newton fails, corrects the tangent's guess by much, or the shape
-    // jumps; the result may still not have converged: check it. Needs mean() before; then tasks may call it at the same time, each with
-    // its worker. Cost: 10 to 50 factorisations.
+    // The average for w (non-negative, sum 1). Steps are halved when Newton fails, corrects the tangent's guess by much, or
+    // the shape jumps; the result may still not have converged: check it. Needs mean() before; then tasks may call it at the
+    // same time, each with its worker. Cost: 10 to 50 factorisations.
     FamilyPoint at(const Weights& w, std::size_t worker, Progress* progress) const;
 
     // The same along the straight line from another average that is known, and the average next to a shape.
     FamilyPoint from(const KnownAverage& known, const Weights& w, std::size_t worker, Progress* progress) const;
     NewtonResult near(const Shape& shape, const Weights& w, std::size_t worker, Progress* progress) const;
 
-    // Compares a blend for w with the reference average. Newton's method goes on from the blend, which needs few factorisations when it is good;
-    // if it ends more than `suspicion` (relative L2; 0: always) away, a(w) is computed: that is the reference average, unless only the other has
-    // converged, and a difference is recorded. Tasks may call it as at().
+    // Compares a blend for w with the reference average. Newton's method goes on from the blend, which needs few
+    // factorisations when it is good; if it ends more than `suspicion` (relative L2; 0: always) away, a(w) is computed: that
+    // is the reference average, unless only the other has converged, and a difference is recorded. Tasks may call it as
+    // at().
     CheckPoint check(const Weights& w, const Shape& blend, double suspicion, std::size_t worker, Progress* progress) const;
 
     const SolverPool& pool() const { return pool_; }
@@ -94,12 +95,12 @@ private:
     std::vector<Branch> branches_;
 };
 
-// Creases make minima that lie a few per cent (relative L2) apart: where Newton's method goes farther than this from a guess, another
-// one may have caught it.
+// Creases make minima that lie a few per cent (relative L2) apart: where Newton's method goes farther than this from a
+// guess, another one may have caught it.
 constexpr double correction_limit = 0.04;
 
-// Averages farther apart than this (relative L2) are different ones: ten times the default tolerance, of which reference averages are wanted to a
-// twentieth.
+// Averages farther apart than this (relative L2) are different ones: ten times the default tolerance, of which reference
+// averages are wanted to a twentieth.
 constexpr double branch_distance = 0.01;
 
 // Number of the vertex that moves most between two shapes, after rigid alignment.

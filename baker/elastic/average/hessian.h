@@ -28,8 +28,8 @@ private:
     SparseLower matrix_;
 };
 
-// Replaces the rows and columns of the given degrees of freedom by those of the identity, keeping the pattern, so that a cached
-// symbolic factorisation stays valid.
+// Replaces the rows and columns of the given degrees of freedom by those of the identity, keeping the pattern, so that a
+// cached symbolic factorisation stays valid.
 void pin(SparseLower& matrix, const std::vector<Eigen::Index>& dofs);
 
 } // namespace pliant

@@ -18,12 +18,12 @@ constexpr double energy_floor = 1e-13;
 // Comparing energies is pointless when the predicted decrease drowns in their rounding.
 constexpr double energy_noise = 1e-11;
 
-// Where the exact Hessian is indefinite it mostly stays so for some steps, and each trial costs a factorisation: after every failure
-// twice as many steps are made without one, up to this.
+// Where the exact Hessian is indefinite it mostly stays so for some steps, and each trial costs a factorisation: after every
+// failure twice as many steps are made without one, up to this.
 constexpr int longest_pause = 8;
 
-// Projected models are stiffer than the energy: their steps shrink slowly, and with a factor of 0.7 from one to the next what is left
-// is about three times the step.
+// Projected models are stiffer than the energy: their steps shrink slowly, and with a factor of 0.7 from one to the next
+// what is left is about three times the step.
 constexpr double projected_doubt = 3;
 
 double scale_of(double energy) { return std::max(std::abs(energy), energy_floor); }
@@ -56,8 +56,8 @@ void NewtonSolver::remove_free_motion(Eigen::MatrixXd& displacements, const Eige
     if (set_.is_free()) remove_rigid_motion(displacements, modes, set_.masses);
 }
 
-// Last resort: a mass-like shift of the diagonal, relative to its mean, raised until the factorisation succeeds. It starts at the
-// square root of rounding: smaller ones are lost in the factor of an ill-conditioned shell.
+// Last resort: a mass-like shift of the diagonal, relative to its mean, raised until the factorisation succeeds. It starts
+// at the square root of rounding: smaller ones are lost in the factor of an ill-conditioned shell.
 void NewtonSolver::factorize_shifted(const Weights& w, const Shape& y, HessianKind kind)
 {
     for (double shift = 1e-8; shift <= 1e4; shift *= 100) {
@@ -113,8 +113,8 @@ bool NewtonSolver::is_sound(const Shape& y, const Shape& moved) const
     });
 }
 
-// The largest of 1, 1/2, 1/4 ... that keeps the cells sound: beyond that the quadratic model says nothing, and energies that are finite
-// for collapsed cells would let them collapse.
+// The largest of 1, 1/2, 1/4 ... that keeps the cells sound: beyond that the quadratic model says nothing, and energies that
+// are finite for collapsed cells would let them collapse.
 double NewtonSolver::largest_step(const Shape& y, const Shape& step) const
 {
     for (double length = 1; length > 1e-6; length /= 2)

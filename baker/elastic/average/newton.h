@@ -9,13 +9,14 @@ namespace pliant {
 
 struct NewtonOptions {
     // Converged when both hold: half the squared Newton decrement is below `decrement` times the energy (1e-8 is enough for
-    // snapshots, 1e-12 for tests), and the unbalanced forces are below `residual` times the forces that cancel. The second one
-    // catches nearly collapsed triangles, whose huge stiffness makes any decrement small.
+    // snapshots, 1e-12 for tests), and the unbalanced forces are below `residual` times the forces that cancel. The second
+    // one catches nearly collapsed triangles, whose huge stiffness makes any decrement small.
     double decrement = 1e-8;
     double residual = 1e-3;
-    // Converged also when the Newton step, in the mass norm, is below step_floor, or below this part of the way gone since the start
-    // (a third of either for steps of a projected Hessian), and the decrement below step_decrement. For snapshots and checks: what is
-    // asked there is a distance between shapes, while the last digits of the energy are those of a few creased triangles.
+    // Converged also when the Newton step, in the mass norm, is below step_floor, or below this part of the way gone since
+    // the start (a third of either for steps of a projected Hessian), and the decrement below step_decrement. For snapshots
+    // and checks: what is asked there is a distance between shapes, while the last digits of the energy are those of a few
+    // creased triangles.
     double step_floor = 0;
     double step_ratio = 0;
     double step_decrement = 1e-5; // far from a minimum a stiff projected model makes small steps too
@@ -37,17 +38,17 @@ class NewtonSolver {
 public:
     NewtonSolver(const Energy& energy, const NormalizedPoses& set, SolverKind kind);
 
-    // Minimizes from `start`. The result keeps the centroid and orientation in which it was found. Calls progress->update (may be
-    // null) once an iteration.
+    // Minimizes from `start`. The result keeps the centroid and orientation in which it was found. Calls progress->update
+    // (may be null) once an iteration.
     // Fixed vertices stay where they are in `start`.
     NewtonResult minimize(const Weights& w, const Shape& start, const NewtonOptions& options, Progress* progress = nullptr);
 
-    // Factors the exact Hessian of W(w, .) at an equilibrium y (a pose, an average) for solve_equilibrium. Throws Failure (P4302)
-    // if it has negative or further zero eigenvalues.
+    // Factors the exact Hessian of W(w, .) at an equilibrium y (a pose, an average) for solve_equilibrium. Throws Failure
+    // (P4302) if it has negative or further zero eigenvalues.
     void factorize_equilibrium(const Weights& w, const Shape& y, HessianKind kind = HessianKind::exact);
 
-    // Solves K x = f (columns) at that equilibrium. Of a free body in the quotient by rigid motions: f is balanced, x is mass-orthogonal
-    // to them. Else x vanishes at fixed vertices.
+    // Solves K x = f (columns) at that equilibrium. Of a free body in the quotient by rigid motions: f is balanced, x is
+    // mass-orthogonal to them. Else x vanishes at fixed vertices.
     Eigen::MatrixXd solve_equilibrium(const Eigen::MatrixXd& loads) const;
 
     // How the minimizer y moves when the weights move: -K(w)^-1 sum_k direction_k grad W_k(y). At a y that is only roughly a

@@ -20,8 +20,8 @@ void remove_rigid_motion(Eigen::Ref<Eigen::MatrixXd> displacements, const Eigen:
 // Makes loads (columns) orthogonal to the rigid modes, so that they do no work on them: f - M R R^T f.
 void balance_load(Eigen::Ref<Eigen::MatrixXd> loads, const Eigen::MatrixXd& modes, const Eigen::VectorXd& masses);
 
-// Six degrees of freedom whose pinning removes exactly the rigid motions: three coordinates of one vertex, two of a second and
-// one of a third, the vertices far apart, the coordinates chosen for the best-conditioned choice.
+// Six degrees of freedom whose pinning removes exactly the rigid motions: three coordinates of one vertex, two of a second
+// and one of a third, the vertices far apart, the coordinates chosen for the best-conditioned choice.
 std::vector<Eigen::Index> statically_determinate_pins(const Shape& y);
 
 } // namespace pliant

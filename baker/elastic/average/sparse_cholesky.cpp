@@ -43,8 +43,8 @@ SolverKind default_solver() { return has_cholmod() ? SolverKind::cholmod : Solve
 #ifdef PLIANT_WITH_CHOLMOD
 namespace {
 
-// OpenBLAS built without threads is not safe to call from several: factors come out wrong without a word. Of another BLAS we do not
-// know. Then one factorisation is made at a time.
+// OpenBLAS built without threads is not safe to call from several: factors come out wrong without a word. Of another BLAS we
+// do not know. Then one factorisation is made at a time.
 class BlasLock {
 public:
     BlasLock()

@@ -20,8 +20,8 @@ public:
     SparseCholesky(const SparseCholesky&) = delete;
     SparseCholesky& operator=(const SparseCholesky&) = delete;
 
-    // Factors the symmetric matrix whose lower triangle is given. The pattern is analysed at the first call and must stay the
-    // same. False if the matrix is not positive definite. Throws Failure (P4301) when memory runs out.
+    // Factors the symmetric matrix whose lower triangle is given. The pattern is analysed at the first call and must stay
+    // the same. False if the matrix is not positive definite. Throws Failure (P4301) when memory runs out.
     bool factorize(const SparseLower& lower);
 
     // Solves for several right-hand sides at once (3n x r) with the last successful factorisation.

@@ -37,8 +37,8 @@ public:
         return { *average.weights, *average.shape };
     }
 
-    // Call before shape() after add(). Shapes are interpolated by combining them with interpolated numbers: one for each, 1 at its own
-    // weights and 0 at those of the others.
+    // Call before shape() after add(). Shapes are interpolated by combining them with interpolated numbers: one for each, 1
+    // at its own weights and 0 at those of the others.
     void fit()
     {
         centres_.clear();

@@ -70,8 +70,8 @@ Arap::Arap(const NormalizedPoses& set)
                 const std::uint32_t b = cell.vertices[std::size_t(cell.edges[e][1])];
                 cell.rest_edges.block<3, 1>(3 * k, Eigen::Index(e)) = point(shape, b) - point(shape, a);
             }
-            // Triangle by triangle: the cell is a sum of Dirichlet energies of y - R x_k, none of which is negative, however obtuse the
-            // triangles are. A rim's angle outside of the cell would make it indefinite.
+            // Triangle by triangle: the cell is a sum of Dirichlet energies of y - R x_k, none of which is negative, however
+            // obtuse the triangles are. A rim's angle outside of the cell would make it indefinite.
             for (int j = 0; j < (fan.is_closed ? valence : valence - 1); ++j) {
                 const int next = (j + 1) % valence;
                 const std::uint32_t centre = std::uint32_t(i), a = fan.ring[std::size_t(j)], b = fan.ring[std::size_t(next)];

@@ -1,7 +1,8 @@
 // As-rigid-as-possible energy, "spokes and rims" (Sorkine, Alexa 2007; Chao, Pinkall, Sanan, Schroeder 2010):
 //     W_k(y) = sum_cells min_R sum_{edges of cell} c |e(y) - R e(x_k)|^2,
-// a cell being a vertex with the edges to its neighbours (spokes) and the edges opposite to it (rims), c in pose k: of a spoke
-// (cot + cot)/2 of the angles opposite to it, of a rim cot/2 of the angle at the vertex. Never negative, though cotangents may be.
+// a cell being a vertex with the edges to its neighbours (spokes) and the edges opposite to it (rims), c in pose k: of a
+// spoke (cot + cot)/2 of the angles opposite to it, of a rim cot/2 of the angle at the vertex. Never negative, though
+// cotangents may be.
 #pragma once
 
 #include "base/mesh/align.h"

@@ -67,8 +67,8 @@ void DiscreteShells::measure_hinges(const NormalizedPoses& set)
             stiffness_(k, h) = thickness2 * 3 * length2 / area;
         }
         const bool is_folded = angles.cwiseAbs().maxCoeff() > options_.foldover_angle;
-        // A fold that passes through pi must not look like a jump of a full turn: unwrap to pose 0, then use the middle of the
-        // range as the branch of the angle function.
+        // A fold that passes through pi must not look like a jump of a full turn: unwrap to pose 0, then use the middle of
+        // the range as the branch of the angle function.
         for (Eigen::Index k = 1; k < pose_count_; ++k) angles[k] = angles[0] + wrap(angles[k] - angles[0]);
         centres_[h] = 0.5 * (angles.minCoeff() + angles.maxCoeff());
         rest_angles_.col(h) = angles.array() - centres_[h];

@@ -1,7 +1,8 @@
 // Elastic energies of deforming the poses of a NormalizedPoses into one shape y:
 //     W(w, y) = sum_k w_k W_k(y),    w_k >= 0, y in R^(3n).
-// All lengths are those of the NormalizedPoses (normalized). Everything is a sum of elements that look at a few vertices each, so
-// that the full energy, its surrogate energy by cubature and the runtime's version of an element come from one place.
+// All lengths are those of the NormalizedPoses (normalized). Everything is a sum of elements that look at a few vertices
+// each, so that the full energy, its surrogate energy by cubature and the runtime's version of an element come from one
+// place.
 #pragma once
 
 #include "base/mesh/surface.h"
@@ -11,8 +12,8 @@
 
 namespace pliant {
 
-// exact: second derivatives. projected: each element's part replaced by a positive semidefinite one, for Newton steps where the
-// exact Hessian is indefinite.
+// exact: second derivatives. projected: each element's part replaced by a positive semidefinite one, for Newton steps where
+// the exact Hessian is indefinite.
 enum class HessianKind { exact, projected };
 
 // Value and derivatives of one element with respect to the coordinates of its vertices (3v, and 3v x 3v).
@@ -48,8 +49,8 @@ public:
     // Vertices of an element; the pointer lives as long as the energy.
     virtual const std::uint32_t* element_vertices(std::size_t element, std::size_t& count) const = 0;
 
-    // sum_k weights[k] * (part of the element in W_k) at the local coordinates x (3v). Fills `result` as far as `order` asks.
-    // A collapsed element may be +infinity; its derivatives are then meaningless.
+    // sum_k weights[k] * (part of the element in W_k) at the local coordinates x (3v). Fills `result` as far as `order`
+    // asks. A collapsed element may be +infinity; its derivatives are then meaningless.
     virtual void evaluate(std::size_t element, const double* weights, const double* x, Order order, HessianKind kind,
                           ElementResult& result) const = 0;
 

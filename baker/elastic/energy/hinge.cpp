@@ -25,8 +25,9 @@ double hinge_angle(const Vector3d& x0, const Vector3d& x1, const Vector3d& x2, c
 }
 
 // The gradient with respect to an opposite vertex is perpendicular to its face and inverse to its height over the edge
-// (Bridson, Marino, Fedkiw 2003); the edge's own vertices share what rigid motions leave over, by the projections s and t of the
-// opposite vertices onto the edge. The Hessian is that expression differentiated once more (compare Tamstorf, Grinspun 2013).
+// (Bridson, Marino, Fedkiw 2003); the edge's own vertices share what rigid motions leave over, by the projections s and t of
+// the opposite vertices onto the edge. The Hessian is that expression differentiated once more (compare Tamstorf, Grinspun
+// 2013).
 double hinge_angle(const Vector3d& x0, const Vector3d& x1, const Vector3d& x2, const Vector3d& x3, Vector12* gradient,
                    Matrix12* hessian)
 {

@@ -19,8 +19,8 @@ struct SolidModuli {
     double mu10 = 0, mu01 = 0, v1 = 0;
 };
 
-// From Young's modulus and Poisson's ratio: lambda and mu as in textbooks; mu10 = 0.4 G, mu01 = 0.1 G, v1 = K / 2 with the shear
-// modulus G = young / (2 (1 + poisson)) and the bulk modulus K = young / (3 (1 - 2 poisson)).
+// From Young's modulus and Poisson's ratio: lambda and mu as in textbooks; mu10 = 0.4 G, mu01 = 0.1 G, v1 = K / 2 with the
+// shear modulus G = young / (2 (1 + poisson)) and the bulk modulus K = young / (3 (1 - 2 poisson)).
 SolidModuli solid_moduli(double young, double poisson);
 
 // The symmetric matrix of six numbers, and the contraction with one: x:y = 2 x12 y12 + ... counts off-diagonals twice.
@@ -29,8 +29,8 @@ Eigen::Matrix3d symmetric(const SymmetricVector& x);
 // T with (B^T X B) = T X for symmetric X as six numbers.
 SymmetricMatrix6 congruence(const Eigen::Matrix3d& b);
 
-// Adds `weight` times the density at c, and times its first and second derivatives by the six numbers, to what is not null. The
-// density of Mooney-Rivlin is +infinity where det C is not positive; who calls must look at the sign of det F.
+// Adds `weight` times the density at c, and times its first and second derivatives by the six numbers, to what is not null.
+// The density of Mooney-Rivlin is +infinity where det C is not positive; who calls must look at the sign of det F.
 void add_density(SolidLaw law, const SolidModuli& moduli, double weight, const SymmetricVector& c, double* value,
                  SymmetricVector* gradient, SymmetricMatrix6* hessian);
 

@@ -60,7 +60,8 @@ void add_stvk(const MembraneModuli& m, const Metric& rest, double area_weight, c
             * ((m.lambda / 2 + m.mu) / 2 * trace * trace.transpose() - m.mu / 2 / rest_det * determinant_hessian());
 }
 
-// Adds stiffness (sqrt(s) / rest - 1)^2 for a length (or area) whose square s is `square = coefficients . g` or quadratic in g:
+// Adds stiffness (sqrt(s) / rest - 1)^2 for a length (or area) whose square s is `square = coefficients . g` or quadratic in
+// g:
 // `slope` is ds/dg and `curvature` d2s/dg2 (null if zero).
 void add_relative_length(double stiffness, double rest_length, double square, const Metric& slope,
                          const MetricHessian* curvature, double* value, Metric* gradient, MetricHessian* hessian)

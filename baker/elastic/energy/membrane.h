@@ -19,9 +19,10 @@ struct MembraneModuli {
 
 inline double determinant(const Metric& g) { return g[0] * g[2] - g[1] * g[1]; }
 
-// Energy of a triangle of rest metric `rest` deformed to metric g, weighted by `weight`: added to value, gradient and Hessian with
-// respect to g (design of the family: neo-Hookean of Bonet and Wood in two dimensions, St. Venant-Kirchhoff, and the edge-and-area
-// membrane of Grinspun et al. 2003). Pointers may be null. A neo-Hookean triangle without area is +infinity.
+// Energy of a triangle of rest metric `rest` deformed to metric g, weighted by `weight`: added to value, gradient and
+// Hessian with respect to g (design of the family: neo-Hookean of Bonet and Wood in two dimensions, St. Venant-Kirchhoff,
+// and the edge-and-area membrane of Grinspun et al. 2003). Pointers may be null. A neo-Hookean triangle without area is
+// +infinity.
 void add_membrane(Membrane kind, const MembraneModuli& moduli, const Metric& rest, double weight, const Metric& g,
                   double* value, Metric* gradient, MetricHessian* hessian);
 

@@ -129,7 +129,8 @@ SymmetricMatrix6 Solid::quadratic_root(std::size_t element, std::size_t pose) co
     return factor.matrixU() * congruence(r.inverse);
 }
 
-// The coefficients of formats/SPEC.md, kinds 6 and 7: everything is relative to the shape at z = 0, B = D_s(reference) D_m^-1.
+// The coefficients of formats/SPEC.md, kinds 6 and 7: everything is relative to the shape at z = 0, B = D_s(reference)
+// D_m^-1.
 RuntimeElement Solid::runtime_element(std::size_t element, const Shape& reference) const
 {
     const Tetrahedron& t = tets_[element];

@@ -29,8 +29,8 @@ public:
 
     SolidLaw law() const { return law_; }
 
-    // The energy of an StVK tetrahedron is a quadratic form in the metric of its edges: the root of that form for pose `pose`,
-    // R (6 x 6) with sum over rows of (R (G - rest))^2 = its energy, G = (e.e, e.a, e.b, a.a, a.b, b.b).
+    // The energy of an StVK tetrahedron is a quadratic form in the metric of its edges: the root of that form for pose
+    // `pose`, R (6 x 6) with sum over rows of (R (G - rest))^2 = its energy, G = (e.e, e.a, e.b, a.a, a.b, b.b).
     SymmetricMatrix6 quadratic_root(std::size_t element, std::size_t pose) const;
     SymmetricVector rest_metric(std::size_t element, std::size_t pose) const
     {

@@ -8,8 +8,8 @@ namespace pliant {
 class Handles {
 public:
     // `rest`: as read, in the units and the order of the file. A vertex in several regions belongs to the first line that
-    // names it. Adds errors to `diagnostics` (P2812 to P2817): a vertex that the mesh does not have, a region without vertices,
-    // too few vertices to hold the body, none that is free, none that moves.
+    // Names it. Adds errors to `diagnostics` (P2812 to P2817): a vertex that the mesh does not have, a region without
+    // vertices, too few vertices to hold the body, none that is free, none that moves.
     Handles(const Script& script, const Positions& rest, DiagnosticList& diagnostics);
 
     const std::vector<std::uint32_t>& vertices() const { return vertices_; } // ascending

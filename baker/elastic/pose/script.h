@@ -45,8 +45,8 @@ struct Script {
     std::string where(const ScriptLine& line) const { return path + ":" + std::to_string(line.number); }
 };
 
-// Reads a script. Leaves out bad lines and adds an error with file and line for each to `diagnostics` (P2801 to P2811; P2001,
-// P2002, P2008 if the file cannot be read).
+// Reads a script. Leaves out bad lines and adds an error with file and line for each to `diagnostics` (P2801 to P2811;
+// P2001, P2002, P2008 if the file cannot be read).
 Script read_script(const std::string& path, DiagnosticList& diagnostics);
 
 } // namespace pliant

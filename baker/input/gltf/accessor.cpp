@@ -117,7 +117,8 @@ GltfNumbers read_all(const GltfDocument& document, const GltfValue& accessor, co
     GltfNumbers numbers = GltfNumbers::Zero(static_cast<Eigen::Index>(shape.count), shape.components);
     const std::size_t component_size = size_of(shape.component_type);
     if (shape.has_view) {
-        // Columns of matrices of bytes and of 3x3 shorts start at multiples of four; the only matrices read here are of floats.
+        // Columns of matrices of bytes and of 3x3 shorts start at multiples of four; the only matrices read here are of
+        // floats.
         const Elements elements
             = elements_of(document, accessor, shape.count, component_size * static_cast<std::size_t>(shape.components));
         for (Eigen::Index i = 0; i < numbers.rows(); ++i) {

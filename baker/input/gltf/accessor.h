@@ -25,9 +25,10 @@ struct AccessorShape {
 // `reference` is the value that names the accessor, as primitive["indices"]; errors are told there. P2306, P2307, P2311.
 AccessorShape accessor_shape(const GltfDocument& document, const GltfValue& reference);
 
-// The elements as doubles; normalized integers as what they stand for. Without a buffer view they are zero, apart from sparse ones.
-// `components`: those allowed, else P2311. `count`: how many there must be, else P2317; an accessor without bytes cannot make the reader
-// take memory for more. P2308: bytes outside of the view; all of P2306 and P2307.
+// The elements as doubles; normalized integers as what they stand for. Without a buffer view they are zero, apart from
+// sparse ones.
+// `components`: those allowed, else P2311. `count`: how many there must be, else P2317; an accessor without bytes cannot
+// make the reader take memory for more. P2308: bytes outside of the view; all of P2306 and P2307.
 GltfNumbers read_numbers(const GltfDocument& document, const GltfValue& reference, std::initializer_list<int> components,
                          std::uint64_t count);
 // The same where any count is right; then there must be a buffer view (P2308).

@@ -8,9 +8,9 @@ namespace pliant {
 // Names of the file's animations, in order; empty where one has none.
 std::vector<std::string> animation_names(const GltfDocument& document);
 
-// The state of the scene at a time in seconds, from the state at rest: step, linear (the shorter way round for rotations) and cubic spline.
-// Before the first key and after the last the value stays. Throws Failure: P2326 (channels or samplers that make no sense), P2306 to
-// P2311.
+// The state of the scene at a time in seconds, from the state at rest: step, linear (the shorter way round for rotations)
+// and cubic spline. Before the first key and after the last the value stays. Throws Failure: P2326 (channels or samplers
+// that make no sense), P2306 to P2311.
 GltfState animated_state(const GltfScene& scene, std::size_t animation, double seconds);
 
 // Seconds of the last key.

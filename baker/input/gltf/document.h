@@ -1,4 +1,5 @@
-// A glTF 2.0 file in memory: its JSON, and the bytes of its buffers. Every look into the JSON is checked and every error names the place.
+// A glTF 2.0 file in memory: its JSON, and the bytes of its buffers. Every look into the JSON is checked and every error
+// names the place.
 #pragma once
 
 #include "base/common/diagnostics.h"
@@ -14,8 +15,8 @@ namespace pliant {
 
 using GltfJson = nlohmann::json;
 
-// A value of the JSON and its place, as "meshes[0].primitives[1].indices". May be absent. Cheap to copy; the document must outlive it.
-// All errors are Failure (bad_input): P2306 (another type than expected), P2307 (an index out of range).
+// A value of the JSON and its place, as "meshes[0].primitives[1].indices". May be absent. Cheap to copy; the document must
+// outlive it. All errors are Failure (bad_input): P2306 (another type than expected), P2307 (an index out of range).
 class GltfValue {
 public:
     GltfValue(const std::string& file, const GltfJson* json, std::string place)
@@ -59,9 +60,9 @@ private:
 
 class GltfDocument {
 public:
-    // Reads .glb or .gltf, whatever the extension says. Files that it names must lie in its folder or below; nothing else is opened, no
-    // program started, no network used. Throws Failure (bad_input): P2001, P2002, P2008 (the file itself), P2301 to P2305 (container,
-    // JSON, version, extensions), P2306 to P2310 (buffers). Memory: a few times the size of the files.
+    // Reads .glb or .gltf, whatever the extension says. Files that it names must lie in its folder or below; nothing else is
+    // opened, no program started, no network used. Throws Failure (bad_input): P2001, P2002, P2008 (the file itself), P2301
+    // to P2305 (container, JSON, version, extensions), P2306 to P2310 (buffers). Memory: a few times the size of the files.
     explicit GltfDocument(std::string path);
     // The same from bytes; `path` is for messages, and no other file is opened (P2309).
     GltfDocument(std::string path, std::string bytes);

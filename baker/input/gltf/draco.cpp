@@ -52,7 +52,8 @@ GltfNumbers numbers_of(const draco::Mesh& mesh, const draco::PointAttribute& att
     }
 }
 
-// Draco checks its tables of values against its own counts, not for every kind of mapping: a value that is not there must not be read.
+// Draco checks its tables of values against its own counts, not for every kind of mapping: a value that is not there must
+// not be read.
 bool is_sound(const draco::Mesh& mesh, const draco::PointAttribute& attribute)
 {
     if (attribute.num_components() < 1 || attribute.num_components() > 16) return false;

@@ -17,9 +17,9 @@ struct DracoMesh {
     std::uint64_t vertex_count = 0;
 };
 
-// `extension` is the object KHR_draco_mesh_compression of a primitive, `attributes` the primitive's own: they say which numbers are
-// normalized. `byte_limit`: see below. Throws Failure: P2318 (not decodable, or an attribute missing), P2306 to P2308, P2007 for more
-// vertices or triangles than `count_limit`.
+// `extension` is the object KHR_draco_mesh_compression of a primitive, `attributes` the primitive's own: they say which
+// numbers are normalized. `byte_limit`: see below. Throws Failure: P2318 (not decodable, or an attribute missing), P2306 to
+// P2308, P2007 for more vertices or triangles than `count_limit`.
 DracoMesh decode_draco(const GltfDocument& document, const GltfValue& extension, const GltfValue& attributes,
                        std::uint64_t count_limit);
 

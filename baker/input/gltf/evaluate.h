@@ -5,13 +5,15 @@
 
 namespace pliant {
 
-// Positions of all vertices, instance after instance, primitive after primitive: morph targets first, then the skin (joints times inverse
-// bind matrices; the node's own place does not count) or the place of the node in the world. In the file's units and axes.
+// Positions of all vertices, instance after instance, primitive after primitive: morph targets first, then the skin (joints
+// times inverse bind matrices; the node's own place does not count) or the place of the node in the world. In the file's
+// units and axes.
 // `normals`: if not null, gets the normals in the same order; zero where a primitive has none.
 // Throws Failure: P2317 and what read_numbers throws, for morph targets.
 Positions evaluate(const GltfScene& scene, const GltfState& state, Positions* normals = nullptr);
 
-// Triangles of the same, with the numbers of those rows; turned round in mirrored instances, so that the outside stays outside.
+// Triangles of the same, with the numbers of those rows; turned round in mirrored instances, so that the outside stays
+// outside.
 std::vector<Triangle> triangles_of(const GltfScene& scene);
 
 } // namespace pliant

@@ -23,9 +23,9 @@ struct GltfPrimitive {
     std::uint64_t vertex_count() const { return static_cast<std::uint64_t>(positions.rows()); }
 };
 
-// Reads primitives with mode TRIANGLES, TRIANGLE_STRIP or TRIANGLE_FAN. Without indices corners are vertices 0, 1, 2, ... Strips and
-// fans become triangles, in order. `count_limit` bounds the vertices and a third of the corners (P2007). Throws Failure: P2007, P2306
-// to P2308, P2311, P2315 (corner out of range), P2317, P2318.
+// Reads primitives with mode TRIANGLES, TRIANGLE_STRIP or TRIANGLE_FAN. Without indices corners are vertices 0, 1, 2, ...
+// Strips and fans become triangles, in order. `count_limit` bounds the vertices and a third of the corners (P2007). Throws
+// Failure: P2007, P2306 to P2308, P2311, P2315 (corner out of range), P2317, P2318.
 GltfPrimitive read_primitive(const GltfDocument& document, const GltfValue& primitive, std::uint64_t count_limit);
 
 // Whether a primitive is of triangles at all. P2306 for a mode that there is not.

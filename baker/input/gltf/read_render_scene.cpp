@@ -61,7 +61,8 @@ void put_parts(const GltfScene& scene, const Positions& normals, RenderScene& ou
     }
 }
 
-// Images without their places in the file; their bytes go to `out`. numbers[i]: the new number of image i, -1 if it is left out.
+// Images without their places in the file; their bytes go to `out`. numbers[i]: the new number of image i, -1 if it is left
+// out.
 GltfJson take_images(const GltfDocument& document, RenderScene& out, std::vector<int>& numbers,
                      std::vector<Diagnostic>& warnings)
 {

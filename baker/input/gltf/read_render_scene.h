@@ -6,8 +6,9 @@
 
 namespace pliant {
 
-// `normals`: of the state that the first pose is in (evaluate). Images that cannot be had are left out, and so are the textures that need
-// them: warning P2328. Throws Failure for materials, textures or images that are not what glTF says (P2306, P2307).
+// `normals`: of the state that the first pose is in (evaluate). Images that cannot be had are left out, and so are the
+// textures that need them: warning P2328. Throws Failure for materials, textures or images that are not what glTF says
+// (P2306, P2307).
 RenderScene render_scene(const GltfScene& scene, const Positions& normals, std::vector<Diagnostic>& warnings);
 
 } // namespace pliant

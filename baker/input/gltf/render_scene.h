@@ -1,4 +1,5 @@
-// What a glTF pose source draws besides positions: parts, colours, materials. Plain data, kept from the file to the asset's scene chunk.
+// What a glTF pose source draws besides positions: parts, colours, materials. Plain data, kept from the file to the asset's
+// scene chunk.
 #pragma once
 
 #include <array>
@@ -17,8 +18,8 @@ struct ScenePart {
     std::vector<std::string> attributes; // those it has, of RenderScene::attributes
 };
 
-// Numbers of all vertices: n rows of `components`; zero in parts that do not have them. By glTF's names: NORMAL (3, length 1, of the
-// file's first pose), TEXCOORD_k (2), COLOR_k (3 or 4, linear).
+// Numbers of all vertices: n rows of `components`; zero in parts that do not have them. By glTF's names: NORMAL (3, length
+// 1, of the file's first pose), TEXCOORD_k (2), COLOR_k (3 or 4, linear).
 struct VertexAttribute {
     std::string name;
     std::uint32_t components = 0;
@@ -32,8 +33,9 @@ struct RenderScene {
     std::vector<ScenePart> parts;                        // in the order of vertices and faces, without gaps
     std::vector<VertexAttribute> attributes;
 
-    // JSON text of an object with the file's own materials, textures, samplers, images and the extensionsUsed of these, where it has them.
-    // An image is {"mimeType", "name"} and its bytes are images[i], in the file's encoding (PNG, JPEG, ...).
+    // JSON text of an object with the file's own materials, textures, samplers, images and the extensionsUsed of these,
+    // where it has them. An image is {"mimeType", "name"} and its bytes are images[i], in the file's encoding (PNG, JPEG,
+    // ...).
     std::string materials;
     std::vector<std::string> images;
 

@@ -62,8 +62,9 @@ struct GltfScene {
 // Places of all nodes in the world.
 std::vector<Eigen::Matrix4d> world_matrices(const GltfScene& scene, const GltfState& state);
 
-// Reads the default scene (the first if none is named, all nodes if there is none). Throws Failure: what read_primitive throws, P2312 (no
-// triangles), P2314 (nodes in a circle), P2324 (skins). Warnings: P2313 (points and lines left out), P2323 (weights of joints).
+// Reads the default scene (the first if none is named, all nodes if there is none). Throws Failure: what read_primitive
+// throws, P2312 (no triangles), P2314 (nodes in a circle), P2324 (skins). Warnings: P2313 (points and lines left out), P2323
+// (weights of joints).
 GltfScene read_scene(std::shared_ptr<const GltfDocument> document, std::vector<Diagnostic>& warnings);
 
 } // namespace pliant

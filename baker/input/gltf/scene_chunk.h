@@ -11,11 +11,12 @@
 
 namespace pliant {
 
-// The bytes of the chunk; the same scene gives the same bytes. Throws Failure (bad_input, P2330) if they would be 4 GiB or more.
+// The bytes of the chunk; the same scene gives the same bytes. Throws Failure (bad_input, P2330) if they would be 4 GiB or
+// more.
 std::vector<std::uint8_t> encode_scene_chunk(const RenderScene& scene);
 
-// The way back. `path` is for messages. Normals come back within 3e-5 of what they were, all else as it was. Hostile bytes are refused as
-// those of any glTF file: throws Failure (bad_input): P2301 to P2317.
+// The way back. `path` is for messages. Normals come back within 3e-5 of what they were, all else as it was. Hostile bytes
+// are refused as those of any glTF file: throws Failure (bad_input): P2301 to P2317.
 RenderScene decode_scene_chunk(std::string_view bytes, const std::string& path);
 
 } // namespace pliant

@@ -12,8 +12,8 @@ bool is_data_uri(std::string_view uri);
 // The bytes of "data:...;base64,...". Nothing if it is of another kind or damaged.
 std::optional<std::string> decode_data_uri(std::string_view uri);
 
-// A relative name of a file below the folder, percent-decoded. Nothing for absolute names, other schemes (http:, file:), "..", and
-// whatever has control characters or a backslash.
+// A relative name of a file below the folder, percent-decoded. Nothing for absolute names, other schemes (http:, file:),
+// "..", and whatever has control characters or a backslash.
 std::optional<std::string> decode_file_uri(std::string_view uri);
 
 } // namespace pliant

@@ -9,9 +9,9 @@
 
 namespace pliant {
 
-// A binary little-endian PLY file in memory: float32 positions, vertices in the order given, faces as given. Lists are counted
-// by uchar unless a face has more than 255 corners, indices are int. The same input gives the same bytes on every machine.
-// positions: vertex_count times x y z, densely.
+// A binary little-endian PLY file in memory: float32 positions, vertices in the order given, faces as given. Lists are
+// counted by uchar unless a face has more than 255 corners, indices are int. The same input gives the same bytes on every
+// machine. positions: vertex_count times x y z, densely.
 std::string encode_ply(const float* positions, std::size_t vertex_count, const Polygons& faces);
 
 // The same, rounding to float32.
@@ -23,8 +23,9 @@ struct VertexNumbers {
     std::size_t boundary_count = 0;     // leading vertices, which the faces use
 };
 
-// Of a surface: all vertices and faces, as in the files. Of a solid: its boundary, and with it either the vertices that it uses (numbered
-// as here) or, with `all_vertices`, all of them in the order of the files, so that vertex i of the result is vertex i of a pose file.
+// Of a surface: all vertices and faces, as in the files. Of a solid: its boundary, and with it either the vertices that it
+// uses (numbered as here) or, with `all_vertices`, all of them in the order of the files, so that vertex i of the result is
+// vertex i of a pose file.
 std::string encode_ply(const Positions& positions, const Polygons& faces, const VertexNumbers& numbers, bool all_vertices);
 
 // The same for a shape of a pose set, with the vertices that it draws.

@@ -32,8 +32,8 @@ public:
     std::string where() const { return file_.at_line(line()); }
     std::size_t bytes_left() const { return file_.bytes.size() - at_; }
 
-    // Text, whatever the layout: the next word, over line ends; empty at the end of the file. Separators besides blanks and line
-    // ends are none.
+    // Text, whatever the layout: the next word, over line ends; empty at the end of the file. Separators besides blanks and
+    // line ends are none.
     std::string_view word();
     // The next word if it stands on this line; else empty.
     std::string_view word_of_line();
@@ -44,8 +44,8 @@ public:
     // The same as `word` without taking it.
     std::string_view peek();
 
-    // An element begins and ends. name, index and count are for messages (count 0: there is one of the name). Only in `lines`
-    // this moves or checks anything.
+    // An element begins and ends. name, index and count are for messages (count 0: there is one of the name). Only in
+    // `lines` this moves or checks anything.
     bool begin(const char* name, std::uint64_t index, std::uint64_t count);
     bool end();
 

@@ -13,8 +13,8 @@ struct ReadFile {
     std::string digest; // SHA-256 of its bytes; empty: it could not be read
 };
 
-// While one lives, every read_bytes of its thread is noted in it, each path once, in the order of the first reading. Logs of one thread
-// nest: the innermost one notes.
+// While one lives, every read_bytes of its thread is noted in it, each path once, in the order of the first reading. Logs of
+// one thread nest: the innermost one notes.
 class ReadLog {
 public:
     ReadLog();

@@ -68,8 +68,8 @@ const char* name_by_magic(std::string_view bytes)
     return nullptr;
 }
 
-// What the content looks like: the name of a format of ours, something foreign, or "binary data" or "other text". Comments and empty lines
-// alone could be any of our text formats: nullptr.
+// What the content looks like: the name of a format of ours, something foreign, or "binary data" or "other text". Comments
+// and empty lines alone could be any of our text formats: nullptr.
 const char* sniff(std::string_view bytes)
 {
     if (starts_with(bytes, "ply\n") || starts_with(bytes, "ply\r")) return "PLY";

@@ -1,6 +1,6 @@
-// Wavefront OBJ. Our own reader rather than tinyobjloader, which was measured: it rounds more than half of all coordinates wrongly
-// (by up to 4 ulp), holds at most 255 corners a face, and takes nan and 0,5 for 0; a check in front of it that refuses those
-// has read the whole file already. Tests compare the two.
+// Wavefront OBJ. Our own reader rather than tinyobjloader, which was measured: it rounds more than half of all coordinates
+// wrongly (by up to 4 ulp), holds at most 255 corners a face, and takes nan and 0,5 for 0; a check in front of it that
+// refuses those has read the whole file already. Tests compare the two.
 #include "input/io/source_file.h"
 
 #include <algorithm>

@@ -19,7 +19,8 @@ std::string upper(std::string_view text)
     return result;
 }
 
-// The next part of a row: parts end with a blank, a comma or both. A comma inside a number is none of these: "0,5" is one word.
+// The next part of a row: parts end with a blank, a comma or both. A comma inside a number is none of these: "0,5" is one
+// word.
 std::string_view next_cell(std::string_view& line)
 {
     std::string_view word = next_word(line, '#');
@@ -344,8 +345,8 @@ bool VegaReader::assign(const Region& region)
     return true;
 }
 
-// Where sets overlap, the last region counts: so they are taken from the last to the first, and every set once, which keeps the
-// time proportional to the file.
+// Where sets overlap, the last region counts: so they are taken from the last to the first, and every set once, which keeps
+// the time proportional to the file.
 bool VegaReader::assign_materials()
 {
     SolidRegions& result = mesh_.regions;

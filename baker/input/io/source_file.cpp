@@ -20,7 +20,8 @@ namespace {
 // Squared lengths are formed in single precision by the runtime and must stay below 3.4e38.
 constexpr double coordinate_limit = 1e18;
 
-// A mesh at the limits of the asset format is smaller in every format but wordy text, and four times this fits into a workstation.
+// A mesh at the limits of the asset format is smaller in every format but wordy text, and four times this fits into a
+// workstation.
 constexpr off_t file_size_limit = off_t(4) << 30;
 
 struct FileDescriptor {
@@ -83,7 +84,7 @@ std::optional<std::string> read_whole(const std::string& path, DiagnosticList& d
     struct stat status {};
     if (file.value < 0 || ::fstat(file.value, &status) != 0) {
         diagnostics.add(error_at(2001, path, fmt::format("cannot be read: {}", std::strerror(errno)),
-                              "check the name, and that you may read the file"));
+                                 "check the name, and that you may read the file"));
         return std::nullopt;
     }
     if (!S_ISREG(status.st_mode)) {
@@ -93,17 +94,17 @@ std::optional<std::string> read_whole(const std::string& path, DiagnosticList& d
     }
     if (status.st_size > file_size_limit) {
         diagnostics.add(error_at(2008, path, fmt::format("has {} bytes, the limit is {}", status.st_size, file_size_limit),
-                              "simplify the mesh or use a binary format"));
+                                 "simplify the mesh or use a binary format"));
         return std::nullopt;
     }
     try {
         std::string bytes(static_cast<std::size_t>(status.st_size), '\0');
         if (read_all(file.value, bytes)) return bytes;
         diagnostics.add(error_at(2001, path, fmt::format("cannot be read: {}", std::strerror(errno)),
-                              "check the disk or the network drive it is on"));
+                                 "check the disk or the network drive it is on"));
     } catch (const std::bad_alloc&) {
         diagnostics.add(error_at(2008, path, fmt::format("does not fit into memory: {} bytes", status.st_size),
-                              "use a machine with more memory or a coarser mesh"));
+                                 "use a machine with more memory or a coarser mesh"));
     }
     return std::nullopt;
 }

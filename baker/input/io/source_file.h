@@ -69,8 +69,8 @@ constexpr std::uint64_t face_count_limit = std::uint64_t(1) << 27;
 // Corners of all faces together. There are fewer triangles than corners, and thrice their number must fit into 32 bits.
 constexpr std::uint64_t corner_count_limit = 3 * face_count_limit;
 
-// Counts from a header against the limits and against the bytes that are left: P2007, P2104. minimal_size: bytes of the smallest
-// possible element.
+// Counts from a header against the limits and against the bytes that are left: P2007, P2104. minimal_size: bytes of the
+// smallest possible element.
 bool check_count(const SourceFile& file, std::size_t line, const std::string& element, std::uint64_t count,
                  std::uint64_t limit, std::uint64_t bytes_left, std::uint64_t minimal_size);
 

@@ -10,10 +10,11 @@
 namespace pliant {
 namespace {
 
-// A tetrahedron has practically no volume below this part of its longest edge cubed (a regular one has 0.12, the worst of the
-// meshes that we know 1e-3). Its energy is made of the inverse of the matrix E of its edges, squared. With all edges up to L the
-// product of the two larger singular values of E is at most 1.5 L^2 and the largest 1.7 L, so a volume of 1e-6 L^3 keeps the
-// condition of E below 4.4e5 and that of its square below 2e11: four digits of the energy are left in double precision.
+// A tetrahedron has practically no volume below this part of its longest edge cubed (a regular one has 0.12, the worst of
+// the meshes that we know 1e-3). Its energy is made of the inverse of the matrix E of its edges, squared. With all edges up
+// to L the product of the two larger singular values of E is at most 1.5 L^2 and the largest 1.7 L, so a volume of 1e-6 L^3
+// keeps the condition of E below 4.4e5 and that of its square below 2e11: four digits of the energy are left in double
+// precision.
 constexpr double volume_limit = 1e-6;
 
 // Nor may a tetrahedron be smaller than this part of the mean volume: in lengths, 1e-5. See area_limit for triangles.
@@ -104,8 +105,8 @@ bool check_volumes(const MeshFile& mesh, const MeshFile* first, DiagnosticList& 
     const double unit3 = volumes.unit * volumes.unit * volumes.unit;
     if (first && volumes.negative_count != 0 && volumes.negative_count + volumes.flat_count == mesh.tets.size()) {
         diagnostics.add(error_at(3007, mesh.path,
-                              fmt::format("is mirrored against {}: all its tetrahedra are inside out", first->path),
-                              "the export flipped an axis of one of them: export both alike"));
+                                 fmt::format("is mirrored against {}: all its tetrahedra are inside out", first->path),
+                                 "the export flipped an axis of one of them: export both alike"));
         return false;
     }
     for (std::size_t t = 0; t < mesh.tets.size(); ++t) {
@@ -113,9 +114,9 @@ bool check_volumes(const MeshFile& mesh, const MeshFile* first, DiagnosticList& 
         if (has_repeated_vertex(mesh.tets[t])) continue; // P2211 says it better
         if (volumes.is_flat[t]) {
             diagnostics.add(error_at(2212, where_is_tet(mesh, t),
-                                  fmt::format("tetrahedron {} ({}) has no volume: {:.3g} with an edge of {:.3g}", t,
-                                              corners_of(mesh.tets[t]), volume * unit3, edge * volumes.unit),
-                                  "move its corners apart in this pose, or remove it from all poses"));
+                                     fmt::format("tetrahedron {} ({}) has no volume: {:.3g} with an edge of {:.3g}", t,
+                                                 corners_of(mesh.tets[t]), volume * unit3, edge * volumes.unit),
+                                     "move its corners apart in this pose, or remove it from all poses"));
         } else if (volume < 0) {
             diagnostics.add(
                 error_at(2213, where_is_tet(mesh, t),

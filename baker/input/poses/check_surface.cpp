@@ -8,13 +8,14 @@
 namespace pliant {
 namespace {
 
-// A triangle counts as flat if its height is below this part of its longest edge. Slivers of 0.25 degrees (4e-3) occur in good
-// meshes. Below 1e-6 the metric of the triangle has a condition number above 1e12, and nothing of its energy is left in double
-// precision. And rounding at a distance of 1e6 sizes from the origin, 1e-10, gives a flat triangle of a mesh with 1e4 edges
-// across a height of 1e-6 edges, so that its verdict is the same there.
+// A triangle counts as flat if its height is below this part of its longest edge. Slivers of 0.25 degrees (4e-3) occur in
+// good meshes. Below 1e-6 the metric of the triangle has a condition number above 1e12, and nothing of its energy is left in
+// double precision. And rounding at a distance of 1e6 sizes from the origin, 1e-10, gives a flat triangle of a mesh with 1e4
+// edges across a height of 1e-6 edges, so that its verdict is the same there.
 constexpr double height_limit = 1e-6;
 
-// Nor may a triangle be smaller than this part of the mean area: its stiffness per mass would be 1e10 times that of the others.
+// Nor may a triangle be smaller than this part of the mean area: its stiffness per mass would be 1e10 times that of the
+// others.
 constexpr double area_limit = 1e-10;
 
 // Spacing of the coordinates in units of the bounding box's diagonal above which details of a mesh suffer.
@@ -42,7 +43,8 @@ double half_size(const Positions& positions)
 }
 
 // A fan covers a polygon once only if the polygon is convex, or at least visible from its first corner.
-void check_fans(const MeshFile& mesh, const Triangulation& triangulation, const Positions& positions, DiagnosticList& diagnostics)
+void check_fans(const MeshFile& mesh, const Triangulation& triangulation, const Positions& positions,
+                DiagnosticList& diagnostics)
 {
     const std::vector<Triangle>& triangles = triangulation.triangles;
     for (std::size_t begin = 0, end = 0; begin < triangles.size(); begin = end) {

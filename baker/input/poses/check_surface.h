@@ -15,15 +15,15 @@ struct FlatTriangle {
 // In the order of the triangles. The verdict depends neither on the unit of length nor on the place: both are removed first.
 std::vector<FlatTriangle> find_flat_triangles(const MeshFile& mesh, const std::vector<Triangle>& triangles);
 
-// Checks the positions of one pose. Warnings: P2209 coordinates too coarse for the distance from the origin, P2210 a polygon whose fan
-// of triangles folds over.
+// Checks the positions of one pose. Warnings: P2209 coordinates too coarse for the distance from the origin, P2210 a polygon
+// whose fan of triangles folds over.
 void check_shape(const MeshFile& mesh, const Triangulation& triangulation, DiagnosticList& diagnostics);
 
 // The part of it that has nothing to do with surfaces: P2209.
 void check_precision(const MeshFile& mesh, DiagnosticList& diagnostics);
 
-// Rounding of the coordinates of a pose, in its units: half the distance between neighbouring numbers at the largest coordinate,
-// of single precision if every coordinate is exactly a float (then that is where it came from), else of double.
+// Rounding of the coordinates of a pose, in its units: half the distance between neighbouring numbers at the largest
+// coordinate, of single precision if every coordinate is exactly a float (then that is where it came from), else of double.
 double coordinate_rounding(const Positions& positions);
 
 // Positions moved to the centre of their bounding box and divided by half its longest side; all within [-1, 1]. Safe for any

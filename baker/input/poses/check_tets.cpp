@@ -177,7 +177,8 @@ void TetChecker::find_components()
 
 // ------------------------------------------------------------------------------------------------------------ the boundary
 
-// Where the boundary is no surface. It need not be one for the energy of a solid, but it seldom is meant: two parts that touch.
+// Where the boundary is no surface. It need not be one for the energy of a solid, but it seldom is meant: two parts that
+// touch.
 class BoundaryChecker {
 public:
     BoundaryChecker(const MeshFile& mesh, DiagnosticList& diagnostics)

@@ -14,11 +14,11 @@ namespace {
 // A factor between two poses above which they are taken to be in different units.
 constexpr double unit_mismatch = 10;
 
-// Median stretch of the edges above which vertices do not correspond, whatever their spread. In our data sets the median stays
-// below 1.6; shuffled vertices give about the square root of the number of vertices.
+// Median stretch of the edges above which vertices do not correspond, whatever their spread. In our data sets the median
+// stays below 1.6; shuffled vertices give about the square root of the number of vertices.
 constexpr double hopeless_stretch = 5;
-// With few vertices a shuffle stretches less, but it also stretches very differently: the ratio of the ninth to the first decile is
-// below 1.8 in our data sets and 2.2 to 32 in shuffled ones.
+// With few vertices a shuffle stretches less, but it also stretches very differently: the ratio of the ninth to the first
+// decile is below 1.8 in our data sets and 2.2 to 32 in shuffled ones.
 constexpr double suspicious_stretch = 2;
 constexpr double suspicious_spread = 2.5;
 
@@ -74,9 +74,9 @@ double median_stretch(const std::vector<double>& ratios, double scale)
     return quantile(stretches, 0.5);
 }
 
-// What tells whether a surface was turned inside out: the volume under it as seen from its middle, in units of the volume that a
-// surface of this area can have at most (a sphere, 1), and how open it is: length of its border in units of the border of
-// a flat disc of this area.
+// What tells whether a surface was turned inside out: the volume under it as seen from its middle, in units of the volume
+// that a surface of this area can have at most (a sphere, 1), and how open it is: length of its border in units of the
+// border of a flat disc of this area.
 struct Enclosure {
     double volume = 0;
     double openness = 0;
@@ -130,17 +130,17 @@ MirrorFit mirror_fit(const Shape& first, const Shape& other, const Eigen::Vector
     return { 2 - 2 * (s[0] + s[1] + sign * s[2]), 2 - 2 * (s[0] + s[1] - sign * s[2]) };
 }
 
-// The best orthogonal fit alone cannot tell: legitimate poses of real bodies fit their mirror image up to three times better (a
-// walk seen half a step later is nearly one), and a sheet that bends the other way is exactly one. But an enclosing surface
-// would have to be turned inside out. So that is the error; a nearly exact mirror image of a sheet is a warning.
+// The best orthogonal fit alone cannot tell: legitimate poses of real bodies fit their mirror image up to three times better
+// (a walk seen half a step later is nearly one), and a sheet that bends the other way is exactly one. But an enclosing
+// surface would have to be turned inside out. So that is the error; a nearly exact mirror image of a sheet is a warning.
 void check_mirrored(const MeshFile& first, const MeshFile& other, const Shape& a, const Shape& b,
                     const std::vector<Triangle>& triangles, DiagnosticList& diagnostics)
 {
     constexpr double open = 0.5;        // a hemisphere has 0.7, a face with its neck 0.2, a closed surface 0
     constexpr double enclosing = 0.005; // a human body has 0.1 to 0.2, a pillow ten times as wide as high 0.15
     constexpr double exact = 0.02, distinct = 0.01;
-    constexpr double alike
-        = 0.25; // a mirror image has the same volume, and poses of one body hardly differ by more than half
+    // a mirror image has the same volume, and poses of one body hardly differ by more than half
+    constexpr double alike = 0.25;
     const Enclosure ea = enclosure(a, triangles), eb = enclosure(b, triangles);
     const bool is_enclosing
         = std::max(ea.openness, eb.openness) < open && std::min(std::abs(ea.volume), std::abs(eb.volume)) > enclosing;
@@ -148,9 +148,9 @@ void check_mirrored(const MeshFile& first, const MeshFile& other, const Shape& a
         const double smaller = std::min(std::abs(ea.volume), std::abs(eb.volume));
         if (smaller < alike * std::max(std::abs(ea.volume), std::abs(eb.volume))) {
             diagnostics.add(warning_at(3014, other.path,
-                                    fmt::format("is inside out for a large part (signed volume {:.3g}, {} has {:.3g})",
-                                                eb.volume, first.path, ea.volume),
-                                    "right if it is meant to fold through itself; blends with it may do so, too"));
+                                       fmt::format("is inside out for a large part (signed volume {:.3g}, {} has {:.3g})",
+                                                   eb.volume, first.path, ea.volume),
+                                       "right if it is meant to fold through itself; blends with it may do so, too"));
             return;
         }
         diagnostics.add(
@@ -164,7 +164,7 @@ void check_mirrored(const MeshFile& first, const MeshFile& other, const Shape& a
     const MirrorFit fit = mirror_fit(a, b, lumped_masses(a, triangles));
     if (fit.proper < distinct || fit.improper > exact * fit.proper) return;
     diagnostics.add(warning_at(3011, other.path, fmt::format("is nearly a mirror image of {}", first.path),
-                            "right if the sheet bends the other way; if not, an axis was flipped by the export"));
+                               "right if the sheet bends the other way; if not, an axis was flipped by the export"));
 }
 
 } // namespace
@@ -185,17 +185,18 @@ void check_correspondence(const MeshFile& first, const MeshFile& other, const Tr
     const bool is_smaller = std::max(size_ratio, edge_ratio) < 1 / unit_mismatch;
     if (is_larger || is_smaller) {
         diagnostics.add(error_at(3008, other.path,
-                              fmt::format("scale {:.4g} against {}: unit mismatch?", size_ratio, first.path),
-                              "export all poses in the same unit of length"));
+                                 fmt::format("scale {:.4g} against {}: unit mismatch?", size_ratio, first.path),
+                                 "export all poses in the same unit of length"));
     }
 
     const double stretch = std::min(median_stretch(ratios, size_ratio), median_stretch(ratios, 1));
     const double spread = quantile(ratios, 0.9) / quantile(ratios, 0.1);
     if (stretch > hopeless_stretch || (stretch > suspicious_stretch && spread > suspicious_spread)) {
-        diagnostics.add(error_at(3006, other.path,
-                              fmt::format("does not seem to correspond to {}: median edge stretch {:.3g}x, spread {:.3g}x",
-                                          first.path, stretch, spread),
-                              "vertices must come in the same order in all poses: export with 'keep vertex order'"));
+        diagnostics.add(
+            error_at(3006, other.path,
+                     fmt::format("does not seem to correspond to {}: median edge stretch {:.3g}x, spread {:.3g}x",
+                                 first.path, stretch, spread),
+                     "vertices must come in the same order in all poses: export with 'keep vertex order'"));
         return; // the rest would be nonsense
     }
     // A mirrored solid has negative volumes, which is proof; a thin one fits its mirror image as well as a sheet does.
@@ -217,7 +218,8 @@ void check_distinct(const std::vector<MeshFile>& poses, const Triangulation& tri
                                : Shape(Eigen::Map<const Shape>(placed.data(), placed.size())));
         rounding = std::max(rounding, coordinate_rounding(pose.positions) / unit);
     }
-    // A rigid motion in the files' precision moves every coordinate by a few roundings; below 1e-9 no pose is worth its name.
+    // A rigid motion in the files' precision moves every coordinate by a few roundings; below 1e-9 no pose is worth its
+    // name.
     const double tolerance = 1e-9 + 8 * rounding;
     const Eigen::VectorXd masses = lumped_masses(shapes[0], triangulation.triangles);
     const auto is_same = [&](std::size_t i, std::size_t k) {

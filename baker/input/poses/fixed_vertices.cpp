@@ -14,7 +14,8 @@ namespace {
 // Part of the first pose's diagonal by which fixed vertices may differ between poses.
 constexpr double tolerance = 1e-6;
 
-// The largest distance of a fixed vertex from the line through two others, which are as far apart as they can be from the first.
+// The largest distance of a fixed vertex from the line through two others, which are as far apart as they can be from the
+// first.
 double distance_from_line(const Positions& positions, const std::vector<std::uint32_t>& fixed)
 {
     const Eigen::RowVector3d origin = positions.row(fixed[0]);
@@ -35,7 +36,8 @@ double distance_from_line(const Positions& positions, const std::vector<std::uin
 
 } // namespace
 
-std::vector<std::uint32_t> read_fixed_vertices(const std::string& path, std::size_t vertex_count, DiagnosticList& diagnostics)
+std::vector<std::uint32_t> read_fixed_vertices(const std::string& path, std::size_t vertex_count,
+                                               DiagnosticList& diagnostics)
 {
     std::optional<std::string> bytes = read_bytes(path, diagnostics);
     if (!bytes) return {};
@@ -74,12 +76,12 @@ void check_fixed_vertices(const std::string& path, const std::vector<std::uint32
     // Nearly on a line counts as on it: what holds the body there would be the last digits of the coordinates.
     if (fixed.size() < 3 || distance_from_line(first, fixed) <= tolerance * size + 4 * rounding) {
         diagnostics.add(error_at(2604, path,
-                              fmt::format("{} vertices are fixed{}: the body could still turn", fixed.size(),
-                                          fixed.size() < 3 ? "" : ", all on a line"),
-                              "fix three or more that do not lie on a line, or none"));
+                                 fmt::format("{} vertices are fixed{}: the body could still turn", fixed.size(),
+                                             fixed.size() < 3 ? "" : ", all on a line"),
+                                 "fix three or more that do not lie on a line, or none"));
     } else if (fixed.size() == vertex_count) {
         diagnostics.add(error_at(2605, path, fmt::format("all {} vertices are fixed: nothing could move", fixed.size()),
-                              "name those only that hold the body"));
+                                 "name those only that hold the body"));
     }
     for (std::size_t k = 1; k < meshes.size(); ++k) {
         const Positions& pose = meshes[k].positions;

@@ -25,9 +25,10 @@ struct Checked {
     std::vector<std::uint32_t> fixed; // by the numbers of the files
 };
 
-// Every pose on its own and against pose 0, as far as the earlier diagnostics leave a meaning to the later questions. True if all poses
-// show the same mesh.
-bool check_surfaces(const std::vector<MeshFile>& meshes, double weld_tolerance, Checked& checked, DiagnosticList& diagnostics)
+// Every pose on its own and against pose 0, as far as the earlier diagnostics leave a meaning to the later questions. True
+// if all poses show the same mesh.
+bool check_surfaces(const std::vector<MeshFile>& meshes, double weld_tolerance, Checked& checked,
+                    DiagnosticList& diagnostics)
 {
     const MeshFile& first = meshes[0];
     std::vector<const MeshFile*> alike = { &first };

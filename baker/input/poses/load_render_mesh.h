@@ -6,9 +6,9 @@
 
 namespace pliant {
 
-// Reads the surface, which lies where pose 0 is, and embeds it. It is only drawn: parts, borders, seams and vertices without a face
-// are fine. Throws Failure: P1209 the poses are no solid, what read_mesh throws, P2606 a vertex far outside the solid, P2608 not a
-// surface with area. Warning: P2607 vertices outside the solid.
+// Reads the surface, which lies where pose 0 is, and embeds it. It is only drawn: parts, borders, seams and vertices without
+// a face are fine. Throws Failure: P1209 the poses are no solid, what read_mesh throws, P2606 a vertex far outside the
+// solid, P2608 not a surface with area. Warning: P2607 vertices outside the solid.
 RenderMesh load_render_mesh(const std::string& path, const PoseSet& poses, std::vector<Diagnostic>* warnings = nullptr);
 
 // The same for a mesh in memory, as read_mesh leaves one.

@@ -28,10 +28,10 @@ struct PoseSources {
 //   FILE.glb#rest                   its shape at rest: morph weights 0, nodes as the file places them, skins applied
 //   FILE.glb#target=NAME[,NAME...]  these morph targets, each alone at weight 1
 //   FILE.glb#animation=NAME@T[,T...] the animation (by name, or by number from 0) at these seconds
-// Vertices and triangles come as an engine decodes them: all primitives of triangles of all meshes in the default scene, in the order of the
-// nodes' numbers. Poses of one file share their RenderScene.
-// Wrong choices (P1211 to P1213) are thrown as Failure (usage); more than `limit` poses or fewer than two as P3002 and P3001 (bad_input),
-// before any is made. Everything else goes to the diagnostics: P2xxx.
+// Vertices and triangles come as an engine decodes them: all primitives of triangles of all meshes in the default scene, in
+// the order of the nodes' numbers. Poses of one file share their RenderScene.
+// Wrong choices (P1211 to P1213) are thrown as Failure (usage); more than `limit` poses or fewer than two as P3002 and P3001
+// (bad_input), before any is made. Everything else goes to the diagnostics: P2xxx.
 PoseSources read_pose_sources(const std::vector<std::string>& arguments, std::size_t limit, DiagnosticList& diagnostics);
 
 } // namespace pliant

@@ -52,8 +52,8 @@ struct AssetRecord {
     std::string certificate = "{}";          // JSON text
 };
 
-// The bytes of the asset. Throws Failure (P4501) if a number does not fit the format, std::invalid_argument for a load whose centres
-// are not the predictor's, and for smoothing groups that are not one number below the vertex count for each vertex.
+// The bytes of the asset. Throws Failure (P4501) if a number does not fit the format, std::invalid_argument for a load whose
+// centres are not the predictor's, and for smoothing groups that are not one number below the vertex count for each vertex.
 std::vector<std::uint8_t> encode_asset(const AssetModel& asset, const AssetRecord& record);
 
 } // namespace pliant

@@ -1,4 +1,5 @@
-// The surface that an asset draws in the place of its solid's boundary, blended by the runtime, next to the reference average.
+// The surface that an asset draws in the place of its solid's boundary, blended by the runtime, next to the reference
+// average.
 #pragma once
 
 #include "base/mesh/render_mesh.h"
@@ -15,6 +16,6 @@ struct RenderMeshErrors {
 
 // Blends of the asset against the surface embedded in the reference averages of `checks`, which are shapes of the solid.
 RenderMeshErrors check_render_mesh(RuntimeBlender& blender, const NormalizedPoses& solid, const RenderMesh& surface,
-                        const std::vector<CheckPoint>& checks);
+                                   const std::vector<CheckPoint>& checks);
 
 } // namespace pliant

@@ -49,8 +49,8 @@ public:
     {
     }
 
-    // The coarsest factor that keeps the error. Errors of columns add up to less than d times half a unit in each coordinate, so
-    // 1/d always keeps it.
+    // The coarsest factor that keeps the error. Errors of columns add up to less than d times half a unit in each
+    // coordinate, so 1/d always keeps it.
     Tile fit(Eigen::Index tile) const
     {
         double low = -std::log2(double(columns_.cols())) - 1, high = 5; // log2 of the factor

@@ -23,7 +23,8 @@ Eigen::MatrixXf blend_coordinates(RuntimeBlender& blender, const std::vector<std
 
 namespace {
 
-// From pose to pose in steps that a solver takes for one motion (pliant_solver_desc.continuity): it may stay behind a cold solve.
+// From pose to pose in steps that a solver takes for one motion (pliant_solver_desc.continuity): it may stay behind a cold
+// solve.
 constexpr int path_steps = 24;
 
 // Coordinates on the way from each pose to each other, and to and from the mean, every frame going on from the one before.

@@ -20,8 +20,8 @@ struct MorphRanges {
 // Least and largest of each coordinate over the columns, with `margin` of the width added on both sides.
 MorphRanges ranges_of(const Eigen::MatrixXf& coordinates, float margin);
 
-// Of 2,000 mixed weights, the poses with their mean, and the ways between these, followed as an animation is; with a margin of 5 %. Cost:
-// as many solves, below a second.
+// Of 2,000 mixed weights, the poses with their mean, and the ways between these, followed as an animation is; with a margin
+// of 5 %. Cost: as many solves, below a second.
 MorphRanges find_morph_ranges(RuntimeBlender& blender);
 
 // The ranges in the asset; null if it has none.

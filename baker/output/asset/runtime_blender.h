@@ -29,8 +29,8 @@ public:
 
     const pliant_asset& asset() const { return asset_; }
 
-    // Solves as a new solver would (`continuous` false) or going on from the last call. Throws Failure (usage, P1203) for bad
-    // weights, naming them.
+    // Solves as a new solver would (`continuous` false) or going on from the last call. Throws Failure (usage, P1203) for
+    // bad weights, naming them.
     std::vector<float> solve(const std::vector<float>& weights, bool continuous, pliant_solve_info* info = nullptr);
 
     // Positions of all vertices (3n floats, input units).

@@ -1,4 +1,5 @@
-// What an asset stores of a subspace: rest positions and basis in coordinates of its own, the basis in few bits, bounding boxes.
+// What an asset stores of a subspace: rest positions and basis in coordinates of its own, the basis in few bits, bounding
+// boxes.
 #pragma once
 
 #include "base/mesh/embedding.h"
@@ -21,14 +22,15 @@ struct Frame {
 // The frame that changes nothing.
 Frame plain_frame(Eigen::Index dimension);
 
-// The principal axes of `reachable` (d x samples) around the middle of its box, those first along which a vertex moves furthest.
+// The principal axes of `reachable` (d x samples) around the middle of its box, those first along which a vertex moves
+// furthest.
 Frame principal_frame(const Subspace& subspace, const Eigen::MatrixXd& reachable);
 
 struct StoredShape {
     Frame frame;
     Eigen::VectorXd rest; // 3 x vertices: the shape at the frame's offset, relative to the set's, normalized units
-    std::vector<std::uint8_t>
-        basis; // chunk BASC; empty: BASI in single precision is smaller, or the only one that is exact enough
+    // Chunk BASC; empty: BASI in single precision is smaller, or the only one that is exact enough
+    std::vector<std::uint8_t> basis;
     std::vector<std::uint8_t> bounds; // chunk BNDS
     double largest_error = 0; // of a vertex by fewer bits, over `reachable` made wider by reach_margin; normalized units
 };
@@ -36,9 +38,9 @@ struct StoredShape {
 // Blends are kept to the error within this many times their box's middle: weights in between training weights.
 constexpr double reach_margin = 1.05;
 
-// The basis so that no vertex is off by more than `error` (normalized units) at any of the coordinates `reachable` (d x samples), hence
-// nowhere in their convex hull, made wider by reach_margin. error = 0: as it is. `embedding`: of what is drawn, or null.
-// Cost: some ten products of the basis with `reachable`.
+// The basis so that no vertex is off by more than `error` (normalized units) at any of the coordinates `reachable` (d x
+// samples), hence nowhere in their convex hull, made wider by reach_margin. error = 0: as it is. `embedding`: of what is
+// drawn, or null. Cost: some ten products of the basis with `reachable`.
 StoredShape store_shape(const NormalizedPoses& set, const Subspace& subspace, const Embedding* embedding,
                         const Eigen::MatrixXd& reachable, double error);
 

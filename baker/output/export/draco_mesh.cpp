@@ -13,7 +13,8 @@ namespace pliant {
 
 namespace {
 
-// A grid step of 1e-6 of the longest side, a tenth of what an asset's own encoding may cost; seams and flat parts stay as they are.
+// A grid step of 1e-6 of the longest side, a tenth of what an asset's own encoding may cost; seams and flat parts stay as
+// they are.
 constexpr int position_bits = 20;
 constexpr int normal_bits = 12; // below 0.05 degrees
 

@@ -15,9 +15,9 @@ struct DracoMesh {
     double largest_error = 0;                     // of a coordinate, input units
 };
 
-// Compresses in sequential encoding, which keeps the order of vertices and faces (edgebreaker does not): positions to a grid of 2^20 steps along the
-// longest side, normals in 12 bits a coordinate of the octahedron. Decodes the result to see what came out. Throws Failure (failed, P5206) if
-// Draco refuses or gives back another mesh.
+// Compresses in sequential encoding, which keeps the order of vertices and faces (edgebreaker does not): positions to a grid
+// of 2^20 steps along the longest side, normals in 12 bits a coordinate of the octahedron. Decodes the result to see what
+// came out. Throws Failure (failed, P5206) if Draco refuses or gives back another mesh.
 DracoMesh compress_mesh(const std::vector<float>& positions, const std::vector<float>& normals,
                         const std::vector<std::uint32_t>& triangles);
 

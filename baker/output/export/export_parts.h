@@ -17,8 +17,8 @@ std::size_t add_times(Glb& glb, std::size_t count, double frames_per_second);
 // Coordinates along a path of weights, one column a frame, each frame going on from the one before.
 Eigen::MatrixXf path_coordinates(RuntimeBlender& blender, const std::vector<std::vector<float>>& path);
 
-// Fits bones to the reachable shapes and adds skin, joint nodes from node 1 on, and the animation of the joints. Returns the mesh;
-// node 0 must become its node, with skin 0. Fills in what the report has of bones.
+// Fits bones to the reachable shapes and adds skin, joint nodes from node 1 on, and the animation of the joints. Returns the
+// mesh; node 0 must become its node, with skin 0. Fills in what the report has of bones.
 Glb::Json add_skinned_mesh(Glb& glb, RuntimeBlender& blender, const DrawnSpace& space, const RenderScene& scene,
                            const ExportOptions& options, ExportReport& report);
 

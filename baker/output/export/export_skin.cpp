@@ -11,7 +11,8 @@ namespace {
 
 using Json = Glb::Json;
 
-// Shapes that bones and weights are fitted to, beside poses and mean: a multiple of the bones that are usual; and shapes that only judge.
+// Shapes that bones and weights are fitted to, beside poses and mean: a multiple of the bones that are usual; and shapes
+// that only judge.
 constexpr std::size_t fitted_count = 48, judged_count = 48;
 constexpr std::uint64_t fit_seed = 15485863, judge_seed = 32452843;
 

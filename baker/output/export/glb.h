@@ -16,7 +16,8 @@ public:
     // What a view holds, as glTF names it.
     enum class Target { none = 0, vertices = 34962, indices = 34963 };
 
-    // Starts with the asset, generator and buffer entries. `leading` (may be empty) becomes view 0, the first bytes of the binary chunk.
+    // Starts with the asset, generator and buffer entries. `leading` (may be empty) becomes view 0, the first bytes of the
+    // binary chunk.
     explicit Glb(std::string_view leading = {});
 
     // Appends bytes as a view and returns its index; the view starts at a multiple of 4.
@@ -25,8 +26,8 @@ public:
     // A view of these bytes where the leading view has them, else as add_view.
     std::size_t add_shared_view(std::string_view bytes);
 
-    // Appends vectors of `width` floats (1: SCALAR, 2: VEC2, 3: VEC3, 4: VEC4, 16: MAT4) as a view with an accessor; its index. `with_bounds`
-    // writes min and max, exact for the floats.
+    // Appends vectors of `width` floats (1: SCALAR, 2: VEC2, 3: VEC3, 4: VEC4, 16: MAT4) as a view with an accessor; its
+    // index. `with_bounds` writes min and max, exact for the floats.
     std::size_t add_floats(const std::vector<float>& values, int width, Target target, bool with_bounds = false);
 
     // The same without a view, for what an extension holds in compressed form; `values` are what comes out of it.

@@ -12,8 +12,8 @@ constexpr std::uint64_t fit_seed = 104729, judge_seed = 1299709;
 // Added to the box of the sampled shapes on each side, relative to its diagonal: samples miss the outermost point of an arc.
 constexpr double box_margin = 0.02;
 
-// A column is measured where it moves vertices this many times farther than they lie from the origin: the float positions of the runtime
-// then resolve the column and not the place.
+// A column is measured where it moves vertices this many times farther than they lie from the origin: the float positions of
+// the runtime then resolve the column and not the place.
 constexpr double magnification = 1024;
 
 Eigen::VectorXd boundary_positions(const RuntimeBlender& blender, const std::vector<float>& q)
@@ -24,8 +24,8 @@ Eigen::VectorXd boundary_positions(const RuntimeBlender& blender, const std::vec
     return positions.cast<double>();
 }
 
-// What coordinate j moves per unit. The coordinate that moves far enough is found by trying: a basis may be of any scale, and a column
-// may be zero, which takes all rounds.
+// What coordinate j moves per unit. The coordinate that moves far enough is found by trying: a basis may be of any scale,
+// and a column may be zero, which takes all rounds.
 Eigen::VectorXd column_of(const RuntimeBlender& blender, std::uint32_t j, const Eigen::VectorXd& at_zero)
 {
     std::vector<float> q(blender.asset().dimension, 0.0f);

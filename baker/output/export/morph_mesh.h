@@ -23,7 +23,8 @@ struct DrawnSpace {
     Eigen::VectorXd rest() const { return shape(first_pose); } // 3n: pose 0
 };
 
-// Asks the runtime for the shapes of unit coordinates, whatever the asset's encoding of the basis. Cost: d + 1 reconstructions.
+// Asks the runtime for the shapes of unit coordinates, whatever the asset's encoding of the basis. Cost: d + 1
+// reconstructions.
 DrawnSpace drawn_space(const RuntimeBlender& blender);
 
 // Unit normals (3n) of a shape (3n).

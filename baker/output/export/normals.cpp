@@ -9,12 +9,14 @@ namespace pliant {
 
 namespace {
 
-// Added to the Gram matrix (of numbers in [0,1], so of a size near the number of samples) relative to the number of samples: keeps
-// deltas small along what the samples do not tell apart. On the creature of the samples (42 targets) 1e-6 costs nothing that shows (mean
+// Added to the Gram matrix (of numbers in [0,1], so of a size near the number of samples) relative to the number of samples:
+// keeps deltas small along what the samples do not tell apart. On the creature of the samples (42 targets) 1e-6 costs
+// nothing that shows (mean
 // 0.04 degrees, as with 0), 1e-4 makes it 0.19 degrees.
 constexpr double ridge = 1e-6;
 
-// A base normal shorter than this, of normals that were of unit length, would blow up its deltas when it is brought to unit length.
+// A base normal shorter than this, of normals that were of unit length, would blow up its deltas when it is brought to unit
+// length.
 constexpr double shortest_base = 0.1;
 
 } // namespace
@@ -55,8 +57,8 @@ void NormalFit::add(const Eigen::VectorXd& weights, const Eigen::VectorXd& norma
     count_ += 1;
 }
 
-// Where the fitted base is too short to be scaled to unit length, the base is the direction of the mean normal and the deltas alone are
-// fitted: (w^T w) delta = moment - w^T 1 base.
+// Where the fitted base is too short to be scaled to unit length, the base is the direction of the mean normal and the
+// deltas alone are fitted: (w^T w) delta = moment - w^T 1 base.
 NormalFit::Result NormalFit::solve() const
 {
     const Eigen::Index d = gram_.cols() - 1;

@@ -7,8 +7,8 @@
 
 namespace pliant {
 
-// Unit normals (3n) of positions (3n): the area-weighted sums of the adjacent triangles' normals; zero where a vertex has none.
-// groups: one number a vertex, and vertices of the same number share their normal; empty: each has its own.
+// Unit normals (3n) of positions (3n): the area-weighted sums of the adjacent triangles' normals; zero where a vertex has
+// none. groups: one number a vertex, and vertices of the same number share their normal; empty: each has its own.
 Eigen::VectorXd vertex_normals(const Eigen::VectorXd& positions, const std::vector<std::uint32_t>& triangles,
                                const std::vector<std::uint32_t>& groups = {});
 

@@ -93,7 +93,8 @@ struct Clusters {
             of_vertex[std::size_t(v)] = best;
         }
     }
-    // The cluster with the largest error gives the half farther from its centre, on the side of its worst vertex, to a new one.
+    // The cluster with the largest error gives the half farther from its centre, on the side of its worst vertex, to a new
+    // one.
     bool split()
     {
         std::vector<double> errors(count());
@@ -137,7 +138,8 @@ std::vector<BonePose> cluster_bones(const Eigen::Matrix3Xd& rest, const std::vec
 
 // ------------------------------------------------------------------------------------------------------------- weights --
 
-// Convex weights of the given bones that bring the vertex closest to its places; nnls with the sum as an equation of great weight.
+// Convex weights of the given bones that bring the vertex closest to its places; nnls with the sum as an equation of great
+// weight.
 Eigen::VectorXd convex_weights(const Eigen::MatrixXd& places, const Eigen::VectorXd& target)
 {
     Eigen::MatrixXd gram = places.transpose() * places;

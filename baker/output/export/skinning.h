@@ -1,5 +1,5 @@
-// Linear blend skinning that comes closest to given shapes: weights and rigid bones, by smooth skinning decomposition (Le, Deng: Smooth
-// skinning decomposition with rigid bones, ACM Transactions on Graphics 31 (6), 2012).
+// Linear blend skinning that comes closest to given shapes: weights and rigid bones, by smooth skinning decomposition (Le,
+// Deng: Smooth skinning decomposition with rigid bones, ACM Transactions on Graphics 31 (6), 2012).
 #pragma once
 
 #include <Eigen/Core>
@@ -40,8 +40,8 @@ struct SkinFit {
     std::vector<BonePose> poses; // per shape
 };
 
-// Bones found by splitting clusters of vertices that move alike, then rounds of bones and weights. Fewer bones than asked for where
-// the mesh has too few vertices. Deterministic. Cost: O(rounds * n * shapes * bones).
+// Bones found by splitting clusters of vertices that move alike, then rounds of bones and weights. Fewer bones than asked
+// for where the mesh has too few vertices. Deterministic. Cost: O(rounds * n * shapes * bones).
 SkinFit fit_skin(const Eigen::Matrix3Xd& rest, const std::vector<Eigen::Matrix3Xd>& shapes, std::size_t bone_count);
 
 // The bones of another shape for the skin as it is, starting from `start`. Cost: O(n) a sweep, some ten sweeps.

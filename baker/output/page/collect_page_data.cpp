@@ -98,7 +98,8 @@ void draw_edges(const PagePainter& painter, const Blends& blends, PageData& data
     }
 }
 
-// How far column j moves the vertex that it moves furthest, per unit of q_j: of a basis in single precision, which does not say.
+// How far column j moves the vertex that it moves furthest, per unit of q_j: of a basis in single precision, which does not
+// say.
 double measured_reach(const RuntimeBlender& blender, std::uint32_t j, const std::vector<float>& origin)
 {
     const pliant_asset& asset = blender.asset();

@@ -7,8 +7,8 @@
 
 namespace pliant {
 
-// Text between tags and in quoted attributes, whatever it is: &, <, >, " and ' as references, control characters and bytes that are not
-// UTF-8 as U+FFFD.
+// Text between tags and in quoted attributes, whatever it is: &, <, >, " and ' as references, control characters and bytes
+// that are not UTF-8 as U+FFFD.
 std::string escape_html(std::string_view text);
 
 // 0.00051 as "0.051 %", with two digits that count; "unknown" if it is not a number.

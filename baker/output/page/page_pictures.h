@@ -25,7 +25,8 @@ public:
     Image draw(const DrawnShape& shape, int size) const;
     // `shape` coloured by how far its vertices lie from those of `other`.
     Image draw_difference(const DrawnShape& shape, const DrawnShape& other, int size) const;
-    // Faces in colour, and circles round faces and vertices (numbers of the pose files); what the asset does not have is left out.
+    // Faces in colour, and circles round faces and vertices (numbers of the pose files); what the asset does not have is
+    // left out.
     PagePicture draw_marked(const DrawnShape& shape, const std::vector<std::uint32_t>& vertices,
                             const std::vector<std::uint32_t>& faces, int size) const;
 
@@ -42,8 +43,8 @@ private:
 
     const RuntimeBlender& blender_;
     Polygons faces_;
-    std::vector<std::uint32_t>
-        first_triangles_; // of each face, and one past the last; empty if triangles and faces do not match
+    // Of each face, and one past the last; empty if triangles and faces do not match
+    std::vector<std::uint32_t> first_triangles_;
     std::vector<std::uint64_t> adjacency_;
     pliant_normals normals_ {};
     Camera camera_; // for pictures of view_size_

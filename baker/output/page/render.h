@@ -1,5 +1,5 @@
-// Pictures of shapes for reports: a small software rasteriser, so that they can be drawn where there is neither a display nor a
-// graphics driver. Parallel projection, depth buffer, smooth or flat shading, four samples a pixel.
+// Pictures of shapes for reports: a small software rasteriser, so that they can be drawn where there is neither a display
+// nor a graphics driver. Parallel projection, depth buffer, smooth or flat shading, four samples a pixel.
 #pragma once
 
 #include <Eigen/Core>
@@ -9,7 +9,8 @@
 
 namespace pliant {
 
-// Rows from the top; four bytes a pixel: red, green, blue (not multiplied by alpha), alpha. Where nothing is drawn alpha is 0.
+// Rows from the top; four bytes a pixel: red, green, blue (not multiplied by alpha), alpha. Where nothing is drawn alpha is
+// 0.
 struct Image {
     int width = 0, height = 0;
     std::vector<std::uint8_t> pixels;
@@ -43,11 +44,11 @@ struct ViewOptions {
 // One shape: 3 floats a vertex. Not owned.
 using ShapeView = const std::vector<float>*;
 
-// The camera that shows all `shapes` whole, at one scale. Which way a character looks is not known: `front` looks along the shorter of
-// the two principal axes that the first shape has across `up`, at the side that the third coordinate points to in a right-handed frame
-// (with up = y and a character that is widest along x: from +z, as glTF has it; with up = z: from -y). An axis within 15 degrees of a
-// coordinate axis is taken to be that one. `side` turns by 90 degrees, three_quarter by 30 and looks down by 12. Numbers that are not
-// finite are passed over. `vertex_count`: how many of the vertices count.
+// The camera that shows all `shapes` whole, at one scale. Which way a character looks is not known: `front` looks along the
+// shorter of the two principal axes that the first shape has across `up`, at the side that the third coordinate points to in
+// a right-handed frame (with up = y and a character that is widest along x: from +z, as glTF has it; with up = z: from -y).
+// An axis within 15 degrees of a coordinate axis is taken to be that one. `side` turns by 90 degrees, three_quarter by 30
+// and looks down by 12. Numbers that are not finite are passed over. `vertex_count`: how many of the vertices count.
 Camera frame_shapes(const std::vector<ShapeView>& shapes, std::size_t vertex_count, const ViewOptions& options);
 
 using Colour = std::array<float, 3>; // linear red, green, blue, 0 .. 1
@@ -62,10 +63,12 @@ struct RenderMesh {
     const std::vector<bool>* is_marked = nullptr; // a triangle; those that are show in a signal colour. Null: none
 };
 
-// Triangles are seen from both sides; those with a corner that is not finite are left out. Cost: linear in triangles and samples.
+// Triangles are seen from both sides; those with a corner that is not finite are left out. Cost: linear in triangles and
+// samples.
 Image render(const RenderMesh& mesh, const Camera& camera);
 
-// How near the drawn mesh is, a pixel. shows(): whether the point (as Camera::project gives it) is not behind it, to `slack` pixels.
+// How near the drawn mesh is, a pixel. shows(): whether the point (as Camera::project gives it) is not behind it, to `slack`
+// pixels.
 struct DepthMap {
     int width = 0, height = 0;
     std::vector<float> depths; // -infinity where there is nothing

@@ -15,10 +15,12 @@ struct ReportFile {
     std::vector<Diagnostic> warnings;
 };
 
-// Throws Failure (bad_input) naming `path`: P5301 not JSON, P5302 a member that is missing or of the wrong type, P5303 no asset named.
+// Throws Failure (bad_input) naming `path`: P5301 not JSON, P5302 a member that is missing or of the wrong type, P5303 no
+// asset named.
 ReportFile parse_report(const std::string& text, const std::string& path);
 
-// The same bake? Throws Failure (bad_input, P5304) naming `path` if the report holds another certificate than the asset does.
+// The same bake? Throws Failure (bad_input, P5304) naming `path` if the report holds another certificate than the asset
+// does.
 void check_same_bake(const std::string& report, const std::string& certificate, const std::string& path,
                      const std::string& asset);
 

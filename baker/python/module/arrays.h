@@ -21,7 +21,8 @@ struct SourcePoses {
     std::vector<MeshFile> meshes;
 };
 
-// positions (m, n, 3) with names for each pose; the cells are faces (f, k) with k >= 3, or tets (t, 4). What messages call the poses:
+// positions (m, n, 3) with names for each pose; the cells are faces (f, k) with k >= 3, or tets (t, 4). What messages call
+// the poses:
 // `label`[0], `label`[1], ... Throws Failure (bad_input, P2103, P2105, P2108, P2113, ...) as the readers of files do.
 SourcePoses poses_of_arrays(const Array<double, 3>& positions, const std::optional<Array<std::int64_t, 2>>& faces,
                             const std::optional<Array<std::int64_t, 2>>& tets, const std::vector<std::string>& names,
@@ -36,7 +37,8 @@ template <class T> nb::object to_numpy(std::vector<T> values, std::initializer_l
     return nb::cast(nb::ndarray<nb::numpy, T>(kept->data(), shape, owner));
 }
 
-// (f, k) if all faces have k corners, else their triangles (t, 3), each face a fan from its first corner. Indices are uint32.
+// (f, k) if all faces have k corners, else their triangles (t, 3), each face a fan from its first corner. Indices are
+// uint32.
 nb::object faces_to_numpy(const Polygons& faces);
 
 } // namespace pliant

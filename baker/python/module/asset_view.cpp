@@ -18,7 +18,8 @@ bool is_aligned(const void* address)
 
 bool is_map(const nb::object& object) { return object.type().is(nb::module_::import_("mmap").attr("mmap")); }
 
-// Whether nobody can change the bytes: read-only views of writable memory look the same as constant ones, so kinds are named.
+// Whether nobody can change the bytes: read-only views of writable memory look the same as constant ones, so kinds are
+// named.
 bool is_constant(const nb::object& object, const Py_buffer& buffer)
 {
     if (PyBytes_CheckExact(object.ptr())) return true;

@@ -11,8 +11,9 @@
 
 namespace pliant {
 
-// Keeps the object that owns the bytes. `bytes` and read-only `mmap` objects are used in place; what could change under the runtime, or
-// does not lie at a multiple of 16, is copied. Calls may come from several threads: every call has a solver to itself.
+// Keeps the object that owns the bytes. `bytes` and read-only `mmap` objects are used in place; what could change under the
+// runtime, or does not lie at a multiple of 16, is copied. Calls may come from several threads: every call has a solver to
+// itself.
 class AssetView {
 public:
     // Throws Failure (bad_input, P5102) naming `name` if the runtime refuses the bytes. verify: compare the checksums, too.
@@ -25,11 +26,12 @@ public:
     bool is_in_place() const { return copy_.empty(); }
     nb::bytes bytes() const; // the object itself if it is one
 
-    // (k, m) weights to (k, d) coordinates. Rows are independent of each other, or with `continuous` go on from the one before.
-    // Throws Failure (usage, P1204) for weights that are none.
+    // (k, m) weights to (k, d) coordinates. Rows are independent of each other, or with `continuous` go on from the one
+    // before. Throws Failure (usage, P1204) for weights that are none.
     nb::object solve(const Array<float, 2>& weights, bool continuous);
 
-    // (k, d) coordinates to (k, count, 3) positions; vertices are numbered as the input was. first + count is at most the vertex count.
+    // (k, d) coordinates to (k, count, 3) positions; vertices are numbered as the input was. first + count is at most the
+    // vertex count.
     nb::object reconstruct(const Array<float, 2>& q, std::size_t first, std::size_t count) const;
 
     // (k, n, 3) positions to as many normals; vertices inside a solid have (0, 0, 1).

@@ -1,5 +1,5 @@
-// The module pliant._core: what the Python files of the package stand on. Arguments have been looked at there; here is checked what
-// memory depends on.
+// The module pliant._core: what the Python files of the package stand on. Arguments have been looked at there; here is
+// checked what memory depends on.
 #include "arrays.h"
 #include "asset_view.h"
 #include "options.h"
@@ -107,7 +107,8 @@ nb::object bake_poses(const SourcePoses& poses, const nb::dict& given, const Sou
         const PoseSet set = check(poses, options.energy, warnings, progress);
         std::vector<Diagnostic> of_surface;
         if (surface)
-            options.render_mesh = std::make_shared<const RenderMesh>(embed_render_mesh(surface->meshes.at(0), set, &of_surface));
+            options.render_mesh
+                = std::make_shared<const RenderMesh>(embed_render_mesh(surface->meshes.at(0), set, &of_surface));
         else if (!surface_path.empty())
             options.render_mesh = std::make_shared<const RenderMesh>(load_render_mesh(surface_path, set, &of_surface));
         tell(of_surface, progress);

@@ -8,8 +8,8 @@
 
 namespace pliant {
 
-// From a dict with the names of the command line, underscores for hyphens. Numbers have been checked against their ranges in Python; a
-// missing one, or None, means the default. Names that there are not raise ValueError.
+// From a dict with the names of the command line, underscores for hyphens. Numbers have been checked against their ranges in
+// Python; a missing one, or None, means the default. Names that there are not raise ValueError.
 EnergyOptions energy_options(const nanobind::dict& given);
 BakeOptions bake_options(const nanobind::dict& given);
 

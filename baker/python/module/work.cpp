@@ -81,8 +81,9 @@ void check_signals()
     if (PyErr_CheckSignals() != 0) throw nb::python_error();
 }
 
-// METIS puts a handler of its own on SIGTERM while it works, which jumps back into METIS from whatever thread it hits. So the signal
-// waits until the work has been stopped; the working thread inherits the mask. Threads of other libraries do not have it (README, "SIGTERM").
+// METIS puts a handler of its own on SIGTERM while it works, which jumps back into METIS from whatever thread it hits. So
+// the signal waits until the work has been stopped; the working thread inherits the mask. Threads of other libraries do not
+// have it (README, "SIGTERM").
 class TerminationHold {
 public:
     TerminationHold()

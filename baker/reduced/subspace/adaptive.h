@@ -9,8 +9,8 @@
 namespace pliant {
 
 struct AdaptiveOptions {
-    Eigen::Index dimension
-        = 0; // 0: as many as there are directions, at most max_dimension; else exactly this, if there are as many
+    // 0: as many as there are directions, at most max_dimension; else exactly this, if there are as many
+    Eigen::Index dimension = 0;
     Eigen::Index max_dimension = 64;
     std::uint64_t seed = 1;
 };
@@ -22,9 +22,10 @@ struct AdaptiveSubspace {
     int unconverged_count = 0;          // averages that Newton left unconverged
 };
 
-// The family of averages a(w) is smooth in w, so that a basis of snapshots converges exponentially where the Krylov basis of Algorithm
-// 1 stalls (reduced/THEORY.md, section 1). Averages at the training weights (the equal ones first, where `mean` is) are followed from each
-// other; differences of the poses are kept exactly, and of the averages the leading directions. No snapshot is taken at the checks.
+// The family of averages a(w) is smooth in w, so that a basis of snapshots converges exponentially where the Krylov basis of
+// Algorithm 1 stalls (reduced/THEORY.md, section 1). Averages at the training weights (the equal ones first, where `mean`
+// is) are followed from each other; differences of the poses are kept exactly, and of the averages the leading directions.
+// No snapshot is taken at the checks.
 AdaptiveSubspace build_adaptive_subspace(const AverageFamily& family, const KnownAverage& mean,
                                          const std::vector<Weights>& training, const std::vector<Weights>& check_weights,
                                          const AdaptiveOptions& options, Progress* progress);

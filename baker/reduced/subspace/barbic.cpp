@@ -21,8 +21,8 @@ Eigen::MatrixXd start_block(Eigen::Index rows, Eigen::Index columns)
     return block;
 }
 
-// Modes may come as clusters (a symmetric body has pairs of equal ones); the wanted ones converge by the gap to the first one beyond
-// the block, so it is wider than what is wanted. Bathe's choice.
+// Modes may come as clusters (a symmetric body has pairs of equal ones); the wanted ones converge by the gap to the first
+// one beyond the block, so it is wider than what is wanted. Bathe's choice.
 Eigen::Index block_size(Eigen::Index count, Eigen::Index dof_count)
 {
     return std::min(std::max(2 * count, count + 8), dof_count - 6);
@@ -40,7 +40,8 @@ double largest_residual(const Eigen::MatrixXd& off, const LinearModes& modes, co
 
 LinearModes linear_modes(const NewtonSolver& solver, Eigen::Index count, double tolerance)
 {
-    // Each iteration multiplies what is wrong with mode j by lambda_j / lambda_(block + 1): six digits even where that is 0.8.
+    // Each iteration multiplies what is wrong with mode j by lambda_j / lambda_(block + 1): six digits even where that is
+    // 0.8.
     constexpr int iteration_limit = 60;
     const Eigen::VectorXd& masses = solver.set().masses;
     const Eigen::Index dof_count = solver.set().dof_count();
@@ -55,8 +56,8 @@ LinearModes linear_modes(const NewtonSolver& solver, Eigen::Index count, double 
         const Eigen::MatrixXd stiffness = next.transpose() * load, mass = next.transpose() * times_mass(next, masses);
         const Eigen::GeneralizedSelfAdjointEigenSolver<Eigen::MatrixXd> ritz(0.5 * (stiffness + stiffness.transpose()),
                                                                              mass);
-        const Eigen::MatrixXd kept
-            = block * ritz.eigenvectors(); // K (next * Z) = M (block * Z), but for rigid parts at the start
+        // K (next * Z) = M (block * Z), but for rigid parts at the start
+        const Eigen::MatrixXd kept = block * ritz.eigenvectors();
         block = next * ritz.eigenvectors();
         modes.vectors = block.leftCols(count);
         modes.eigenvalues = ritz.eigenvalues().head(count);

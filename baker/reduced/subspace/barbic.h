@@ -1,5 +1,5 @@
-// The subspace of Barbic, da Silva, Popovic 2009 ("Deformable object animation using reduced optimal control"), with which von Tycowicz
-// et al. 2015 compare in Table II. For comparison only.
+// The subspace of Barbic, da Silva, Popovic 2009 ("Deformable object animation using reduced optimal control"), with which
+// von Tycowicz et al. 2015 compare in Table II. For comparison only.
 #pragma once
 
 #include "elastic/average/newton.h"
@@ -15,10 +15,10 @@ struct LinearModes {
     int iterations = 0;
 };
 
-// The `count` softest modes of the pose (or average) at which `solver` is factored (NewtonSolver::factorize_equilibrium), for the masses
-// of the set: subspace iteration (Bathe, Wilson 1972) with a Rayleigh-Ritz step, until `residual` <= tolerance or 60 iterations are
-// done, whichever comes first; look at the residual. Cost: an iteration solves for count + 8 right-hand sides, or twice as many as
-// count. Deterministic.
+// The `count` softest modes of the pose (or average) at which `solver` is factored (NewtonSolver::factorize_equilibrium),
+// for the masses of the set: subspace iteration (Bathe, Wilson 1972) with a Rayleigh-Ritz step, until `residual` <=
+// tolerance or 60 iterations are done, whichever comes first; look at the residual. Cost: an iteration solves for count + 8
+// right-hand sides, or twice as many as count. Deterministic.
 LinearModes linear_modes(const NewtonSolver& solver, Eigen::Index count, double tolerance = 1e-6);
 
 struct BarbicOptions {
@@ -27,8 +27,8 @@ struct BarbicOptions {
     Eigen::Index max_dimension = 256;
 };
 
-// Differences x_k - x_0; for every pair of poses the tangent of the curve of averages at x_k; for every pose its linear modes. One
-// factorisation per pose.
+// Differences x_k - x_0; for every pair of poses the tangent of the curve of averages at x_k; for every pose its linear
+// modes. One factorisation per pose.
 Subspace build_barbic_subspace(NewtonSolver& solver, const BarbicOptions& options, Progress* progress);
 
 } // namespace pliant

@@ -19,8 +19,8 @@ void normalise_columns(Eigen::MatrixXd& x, const Eigen::VectorXd& masses)
     }
 }
 
-// Tangents at pose k, then for each of them ritz_count Lanczos vectors of K^-1 M: three-term recurrence, all tangents side by side so
-// that every solve has m - 1 right-hand sides.
+// Tangents at pose k, then for each of them ritz_count Lanczos vectors of K^-1 M: three-term recurrence, all tangents side
+// by side so that every solve has m - 1 right-hand sides.
 std::vector<Eigen::MatrixXd> vectors_at_pose(NewtonSolver& solver, std::size_t k, int ritz_count)
 {
     const Eigen::VectorXd masses = cell_masses(solver.set(), solver.set().shapes[k]);
@@ -54,7 +54,8 @@ Subspace build_krylov_subspace(NewtonSolver& solver, const KrylovOptions& option
         const Eigen::Index per_step = m * (m - 1), wanted = options.dimension - (m - 1) - per_step;
         ritz_count = int(std::max<Eigen::Index>(0, (wanted + per_step - 1) / per_step));
     }
-    // All tangents first, then all first Ritz vectors, and so on: should rounding make two of them equal, the more important one stays.
+    // All tangents first, then all first Ritz vectors, and so on: should rounding make two of them equal, the more important
+    // one stays.
     std::vector<Eigen::MatrixXd> levels(std::size_t(ritz_count) + 1);
     for (Eigen::Index k = 0; k < m; ++k) {
         if (progress) progress->update("subspace", double(k) / double(m), fmt::format("pose {} of {}", k + 1, m));

@@ -12,9 +12,9 @@ struct KrylovOptions {
     Eigen::Index max_dimension = 256;
 };
 
-// For every pair of poses: the difference x_j - x_k; the tangent of the curve of averages at x_k, K_k w = grad W_j(x_k); and from each
-// tangent ritz_count vectors of the Krylov space of K_k^-1 M_k. One factorisation per pose. K_k is singular by the rigid motions of the
-// pose, which are kept out of loads and solutions.
+// For every pair of poses: the difference x_j - x_k; the tangent of the curve of averages at x_k, K_k w = grad W_j(x_k); and
+// from each tangent ritz_count vectors of the Krylov space of K_k^-1 M_k. One factorisation per pose. K_k is singular by the
+// rigid motions of the pose, which are kept out of loads and solutions.
 Subspace build_krylov_subspace(NewtonSolver& solver, const KrylovOptions& options, Progress* progress);
 
 } // namespace pliant

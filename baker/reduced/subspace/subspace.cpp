@@ -12,8 +12,8 @@ namespace {
 constexpr double rank_tolerance = 1e-9;
 
 // Orthonormal columns spanning `vectors`, after everything in `done` has been projected out, and the triangular factor:
-// (vectors without done) = result * factor. Gram-Schmidt twice is as good as Householder here (Giraud et al. 2005) and works in any
-// inner product.
+// (vectors without done) = result * factor. Gram-Schmidt twice is as good as Householder here (Giraud et al. 2005) and works
+// in any inner product.
 struct Factored {
     Eigen::MatrixXd columns, factor;
 };

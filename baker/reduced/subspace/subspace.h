@@ -14,9 +14,9 @@ struct Subspace {
     Shape shape(const Eigen::VectorXd& q) const { return rest + basis * q; }
 };
 
-// Spans the differences x_k - x_0, exactly and always, and of the rest of `vectors` (3n x r) the leading directions: all vectors are
-// scaled to unit mass norm, what the differences span already is taken out, and a singular value decomposition orders what is left.
-// Directions below 1e-9 are rounding and dropped. At most `max_dimension` columns in all.
+// Spans the differences x_k - x_0, exactly and always, and of the rest of `vectors` (3n x r) the leading directions: all
+// vectors are scaled to unit mass norm, what the differences span already is taken out, and a singular value decomposition
+// orders what is left. Directions below 1e-9 are rounding and dropped. At most `max_dimension` columns in all.
 Subspace build_subspace(const NormalizedPoses& set, const Eigen::MatrixXd& vectors, Eigen::Index max_dimension);
 
 // The same with the first `dimension` columns only (at least as many as there are differences).

@@ -30,8 +30,8 @@ double mean_energy(const SurrogateEnergy& surrogate, const TrainingSet& training
     return std::max(energy / double(training.weights.size()), 1e-13); // identical poses have no energy
 }
 
-// Mean of the Hessians at the averages: it serves all weights better than the one at the mean does, which is softer in directions that
-// stiffen away from there.
+// Mean of the Hessians at the averages: it serves all weights better than the one at the mean does, which is softer in
+// directions that stiffen away from there.
 Eigen::MatrixXd mean_hessian(const SurrogateEnergy& surrogate, const TrainingSet& training)
 {
     std::vector<Eigen::MatrixXd> hessians(training.weights.size());
@@ -125,8 +125,8 @@ BlendError blend_error(const BlendModel& model, const Subspace& subspace, const 
                        const std::vector<CheckPoint>& checks)
 {
     const Energy& energy = model.surrogate->energy();
-    const TieSet* ties
-        = energy.dof_count() == set.dof_count() ? ties_of(energy) : nullptr; // a ghost's are of other vertices
+    // a ghost's are of other vertices
+    const TieSet* ties = energy.dof_count() == set.dof_count() ? ties_of(energy) : nullptr;
     std::vector<double> errors(checks.size()), drifts(checks.size(), 0), of_reference(checks.size(), 0);
     for_each_task(checks.size(), [&](std::size_t i, std::size_t) {
         const Shape shape = subspace.shape(model.solve(checks[i].weights).q);

@@ -1,5 +1,5 @@
-// The problem that the runtime solves each frame, in double precision: a surrogate energy energy in whitened coordinates, where to start, and
-// what corrects it.
+// The problem that the runtime solves each frame, in double precision: a surrogate energy energy in whitened coordinates,
+// where to start, and what corrects it.
 #pragma once
 
 #include "base/weights/radial_function.h"
@@ -28,8 +28,8 @@ struct BlendModel {
 // Of blends next to reference averages, relative L2.
 struct BlendError {
     double mean = 0, largest = 0;
-    double drift
-        = 0; // the largest of tied vertices (elastic/parts/drift.h): a small part can be lost without that the body's error shows it
+    // The largest of tied vertices (elastic/parts/drift.h): a small part can be lost without that the body's error shows it
+    double drift = 0;
     double drift_of_references = 0; // what no blend near them can be asked to stay below
 };
 
@@ -37,8 +37,8 @@ struct BlendError {
 BlendModel plain_model(std::shared_ptr<const SurrogateEnergy> surrogate, const TrainingSet& training,
                        const Subspace& subspace);
 
-// With a dead load: the linear term by which the training averages are exactly equilibria of the surrogate energy, interpolated in between.
-// They are the predictor's data, too. Sound only where the surrogate energy is convex at them.
+// With a dead load: the linear term by which the training averages are exactly equilibria of the surrogate energy,
+// interpolated in between. They are the predictor's data, too. Sound only where the surrogate energy is convex at them.
 BlendModel loaded_model(std::shared_ptr<const SurrogateEnergy> surrogate, const TrainingSet& training,
                         const Subspace& subspace);
 

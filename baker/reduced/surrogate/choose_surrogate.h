@@ -1,4 +1,5 @@
-// How many elements, and whether a dead load: decided by the error of blends, not by the residual of a fit. And how many dimensions.
+// How many elements, and whether a dead load: decided by the error of blends, not by the residual of a fit. And how many
+// dimensions.
 #pragma once
 
 #include "elastic/parts/calibrate_ties.h"
@@ -43,13 +44,14 @@ bool is_enough(const BlendError& error, const SurrogateOptions& options);
 ChosenModel choose_cubature(const ReducedEnergy& reduced, const NormalizedPoses& set, const TrainingSet& training,
                             const std::vector<CheckPoint>& checks, const SurrogateOptions& options, Progress* progress);
 
-// The model of a given surrogate energy; with a dead load if `may_load` and it helps. Without checks it is kept if the surrogate energy is convex.
+// The model of a given surrogate energy; with a dead load if `may_load` and it helps. Without checks it is kept if the
+// surrogate energy is convex.
 ChosenModel fit_model(std::shared_ptr<const SurrogateEnergy> surrogate, const Subspace& subspace, const NormalizedPoses& set,
                       const TrainingSet& training, const std::vector<CheckPoint>& checks, bool may_load,
                       const SurrogateOptions& options);
 
-// The smallest dimension from `least` to `most` with enough accuracy, by bisection: `error_at` measures one, and is called last for
-// the one that is returned. Where the tolerance is out of
+// The smallest dimension from `least` to `most` with enough accuracy, by bisection: `error_at` measures one, and is called
+// last for the one that is returned. Where the tolerance is out of
 // reach, the smallest that is about as good as `most`.
 Eigen::Index choose_dimension(Eigen::Index least, Eigen::Index most, const SurrogateOptions& options,
                               const std::function<BlendError(Eigen::Index)>& error_at);

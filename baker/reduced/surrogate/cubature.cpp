@@ -15,8 +15,8 @@ namespace {
 // Equilibrium decides where the minimum lies, so its rows count for more than forces elsewhere.
 constexpr double equilibrium_weight = 30;
 
-// Rows that the fit sees. More raw rows than this are mixed down by a sparse random projection, which keeps least squares over a few
-// hundred columns intact (Clarkson, Woodruff 2013).
+// Rows that the fit sees. More raw rows than this are mixed down by a sparse random projection, which keeps least squares
+// over a few hundred columns intact (Clarkson, Woodruff 2013).
 constexpr Eigen::Index sketch_rows = 2000;
 
 // Averages at which forces of single poses and off the averages are looked at, too.
@@ -26,13 +26,14 @@ constexpr std::size_t force_probe_count = 40;
 constexpr std::size_t hessian_probe_count = 24;
 constexpr Eigen::Index hessian_probe_columns = 6;
 
-// An element that has less than this share of the most that one has of the training data hardly deforms: less than a thousandth as far, as forces
-// times their slopes go with the square. In single precision, whose noise in angles and strains is about 1e-6, it would tell little else, and
-// a weight can make anything large: hinges of rigid limbs fold by rounding only, and weights made up for it.
+// An element that has less than this share of the most that one has of the training data hardly deforms: less than a
+// thousandth as far, as forces times their slopes go with the square. In single precision, whose noise in angles and strains
+// is about 1e-6, it would tell little else, and a weight can make anything large: hinges of rigid limbs fold by rounding
+// only, and weights made up for it.
 constexpr float negligible_share = 1e-6f;
 
-// Directions that are softer than this in whitened coordinates, where the true Hessian of the mean has 1, are checked against the
-// true curvature; the surrogate energy should have at least half of it.
+// Directions that are softer than this in whitened coordinates, where the true Hessian of the mean has 1, are checked
+// against the true curvature; the surrogate energy should have at least half of it.
 constexpr double soft_curvature = 0.3;
 constexpr std::size_t stiffened_at_a_time = 32;
 
@@ -177,8 +178,9 @@ std::vector<std::size_t> choose_candidates(const Energy& energy, std::size_t wan
     return out;
 }
 
-// What the mesh does at a probe, whitened: the target of the weighted elements' rows. Training data from true averages take the mesh as
-// it is at those: seen through the subspace its small triangles are creased, and their forces there mean nothing.
+// What the mesh does at a probe, whitened: the target of the weighted elements' rows. Training data from true averages take
+// the mesh as it is at those: seen through the subspace its small triangles are creased, and their forces there mean
+// nothing.
 Eigen::MatrixXd target_of(const ReducedEnergy& reduced, const TrainingSet& training, const Probe& probe)
 {
     const Subspace& subspace = reduced.subspace();
@@ -200,8 +202,8 @@ Eigen::MatrixXd target_of(const ReducedEnergy& reduced, const TrainingSet& train
     return probe.directions.cwiseProduct(product).colwise().sum();
 }
 
-// Blocks of rows that are larger than usual count as usual ones: a few creased triangles near an average can be stiffer than all the
-// rest, and the fit would see nothing else. Usual are forces of the root of the energy, and the mean curvature, 1.
+// Blocks of rows that are larger than usual count as usual ones: a few creased triangles near an average can be stiffer than
+// all the rest, and the fit would see nothing else. Usual are forces of the root of the energy, and the mean curvature, 1.
 void limit_scale(Probe& probe, const Eigen::MatrixXd& target, double energy_scale)
 {
     if (probe.kind == Probe::Kind::curvature) return;

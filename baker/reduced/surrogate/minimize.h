@@ -27,8 +27,8 @@ using Objective = std::function<double(const Eigen::VectorXd& q, Eigen::VectorXd
 MinimizeResult minimize(const Objective& objective, const Eigen::VectorXd& start, const Eigen::MatrixXd& inverse_hessian,
                         const MinimizeOptions& options);
 
-// Inverse of a symmetric matrix made positive definite: eigenvalues below `floor` times the largest count as that. Returns S with
-// S S^T = inverse, eigenvectors scaled, stiffest first.
+// Inverse of a symmetric matrix made positive definite: eigenvalues below `floor` times the largest count as that. Returns S
+// with S S^T = inverse, eigenvectors scaled, stiffest first.
 Eigen::MatrixXd whitening_of(const Eigen::MatrixXd& hessian, double floor);
 
 } // namespace pliant

@@ -8,12 +8,12 @@ namespace pliant {
 
 namespace {
 
-// A batch of columns is the last if it lowers the residual by less than this part and most of it is dropped again: what is left over is
-// in no column's reach.
+// A batch of columns is the last if it lowers the residual by less than this part and most of it is dropped again: what is
+// left over is in no column's reach.
 constexpr double worthwhile = 1e-3;
 
-// Solves the normal equations of the columns in `passive`. A jitter of rounding size keeps nearly dependent columns solvable; where
-// it does not, the slower factorisation does.
+// Solves the normal equations of the columns in `passive`. A jitter of rounding size keeps nearly dependent columns
+// solvable; where it does not, the slower factorisation does.
 Eigen::VectorXd solve_passive(const Eigen::MatrixXd& gram, const Eigen::VectorXd& right,
                               const std::vector<Eigen::Index>& passive)
 {
@@ -29,8 +29,8 @@ Eigen::VectorXd solve_passive(const Eigen::MatrixXd& gram, const Eigen::VectorXd
     return factor.info() == Eigen::Success ? Eigen::VectorXd(factor.solve(r)) : Eigen::VectorXd(g.ldlt().solve(r));
 }
 
-// Towards the unconstrained solution of the passive set, dropping what would turn negative on the way. What is at zero goes at once,
-// all together, and does not shorten the way of the others.
+// Towards the unconstrained solution of the passive set, dropping what would turn negative on the way. What is at zero goes
+// at once, all together, and does not shorten the way of the others.
 void descend(const Eigen::MatrixXd& gram, const Eigen::VectorXd& right, std::vector<Eigen::Index>& passive,
              Eigen::VectorXd& x)
 {

@@ -1,5 +1,5 @@
-// The reduced energy of a St. Venant-Kirchhoff solid, exactly: a polynomial of degree four in the reduced coordinates (Barbic, James
-// 2005; von Tycowicz et al. 2015, section 5).
+// The reduced energy of a St. Venant-Kirchhoff solid, exactly: a polynomial of degree four in the reduced coordinates
+// (Barbic, James 2005; von Tycowicz et al. 2015, section 5).
 #pragma once
 
 #include "base/common/progress.h"
@@ -8,8 +8,8 @@
 
 namespace pliant {
 
-// With x = (1, q), N = d + 1 numbers, the strain of every tetrahedron is linear in the products p = x_a x_b, a <= b, numbered by a, then
-// b; so the energy of pose k is p^T G_k p with one symmetric matrix of N(N+1)/2 rows per pose.
+// With x = (1, q), N = d + 1 numbers, the strain of every tetrahedron is linear in the products p = x_a x_b, a <= b,
+// numbered by a, then b; so the energy of pose k is p^T G_k p with one symmetric matrix of N(N+1)/2 rows per pose.
 class Quartic {
 public:
     // Cost per pose: some 6 d^4 / 8 multiply-adds per tetrahedron. Memory: 8 d^4 / 4 bytes per pose.
@@ -28,9 +28,9 @@ public:
     double gradient(const Eigen::VectorXd& w, const Eigen::VectorXd& q, Eigen::VectorXd& gradient) const;
     Eigen::MatrixXd hessian(const Eigen::VectorXd& w, const Eigen::VectorXd& q) const;
 
-    // Coefficients c_ijkl, i <= j <= k <= l, of the monomials x_i x_j x_k x_l of one pose, in the order of formats/SPEC.md, chunk QUAR:
-    // for j, for i <= j a row over all pairs (k, l) from the multiple of 8 at or below the pair (j, j) up to their number, padded to a
-    // multiple of 8; zero where k < j. The constant is left out.
+    // Coefficients c_ijkl, i <= j <= k <= l, of the monomials x_i x_j x_k x_l of one pose, in the order of formats/SPEC.md,
+    // chunk QUAR: for j, for i <= j a row over all pairs (k, l) from the multiple of 8 at or below the pair (j, j) up to
+    // their number, padded to a multiple of 8; zero where k < j. The constant is left out.
     Eigen::VectorXd coefficients(std::size_t pose) const;
 
 private:

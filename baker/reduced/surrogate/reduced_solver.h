@@ -9,8 +9,8 @@ namespace pliant {
 
 class ReducedSolver {
 public:
-    // `mean_hessian`: of the energy at the average of all poses (lower triangle), the metric of all solves. `energy_scale`: the
-    // energy there. Energy and subspace must outlive it; a copy of the subspace is not made.
+    // `mean_hessian`: of the energy at the average of all poses (lower triangle), the metric of all solves. `energy_scale`:
+    // the energy there. Energy and subspace must outlive it; a copy of the subspace is not made.
     ReducedSolver(const Energy& energy, const Subspace& subspace, const SparseLower& mean_hessian, double energy_scale);
 
     // The minimizer of W(w, .) in the subspace, by BFGS from `start`. May be called by several tasks at a time.
@@ -29,7 +29,8 @@ private:
     Eigen::MatrixXd whitening_, metric_;
 };
 
-// Where a reduced solve starts: a smooth interpolation of known averages and the poses, or the nearest of them if that is lower.
+// Where a reduced solve starts: a smooth interpolation of known averages and the poses, or the nearest of them if that is
+// lower.
 class ReducedStarts {
 public:
     ReducedStarts(const ReducedSolver& solver, const NormalizedPoses& set);
@@ -54,8 +55,8 @@ struct SubspaceError {
 };
 SubspaceError subspace_error(const ReducedSolver& solver, const NormalizedPoses& set, const std::vector<CheckPoint>& checks);
 
-// Eigenvalues of the reduced Hessian below this fraction of the largest are treated as this: rigid motions that the subspace holds
-// almost exactly have none, and without a floor they would be amplified without bound.
+// Eigenvalues of the reduced Hessian below this fraction of the largest are treated as this: rigid motions that the subspace
+// holds almost exactly have none, and without a floor they would be amplified without bound.
 constexpr double metric_floor = 1e-9;
 
 } // namespace pliant

@@ -1,5 +1,6 @@
-// The surrogate energy energy: a few weighted elements seen through the subspace, or a polynomial. In double precision this is what the runtime
-// evaluates in single; with all elements at weight 1, and as the polynomial, it is the reduced energy itself.
+// The surrogate energy energy: a few weighted elements seen through the subspace, or a polynomial. In double precision this
+// is what the runtime evaluates in single; with all elements at weight 1, and as the polynomial, it is the reduced energy
+// itself.
 #pragma once
 
 #include "elastic/energy/energy.h"
@@ -13,8 +14,8 @@ namespace pliant {
 
 class SurrogateEnergy {
 public:
-    // Elements of `energy` with their weights. `rest` and `basis` are those of the mesh that `energy` lives on: the full one for
-    // cubature, the decimated one for a ghost. The energy must outlive the surrogate energy.
+    // Elements of `energy` with their weights. `rest` and `basis` are those of the mesh that `energy` lives on: the full one
+    // for cubature, the decimated one for a ghost. The energy must outlive the surrogate energy.
     SurrogateEnergy(const Energy& energy, const Shape& rest, const Eigen::MatrixXd& basis, std::vector<std::size_t> elements,
                     Eigen::VectorXd weights);
 

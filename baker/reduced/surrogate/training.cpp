@@ -85,8 +85,8 @@ TrainingSet solve_training_set(const ReducedSolver& reduced, const NormalizedPos
     starts.add(training.weights[0], mean.q);
     starts.fit();
 
-    // In waves, each as large as all before it: every solve starts from an interpolation of the earlier waves, and the result does not
-    // depend on the number of threads.
+    // In waves, each as large as all before it: every solve starts from an interpolation of the earlier waves, and the
+    // result does not depend on the number of threads.
     std::size_t done = 1;
     while (done < training.weights.size()) {
         const std::size_t end = std::min(training.weights.size(), done + std::max<std::size_t>(8, done));

@@ -10,11 +10,13 @@ namespace pliant {
 struct TrainingSet {
     std::vector<Weights> weights;
     std::vector<Eigen::VectorXd> averages; // reduced averages for them, in q
-    Eigen::MatrixXd
-        whitening; // S with S S^T = an inverse reduced Hessian (mean over the averages; of reduced ones the one at the mean): metric of all fits
+    // S with S S^T = an inverse reduced Hessian (mean over the averages; of reduced ones the one at the mean): metric of all
+    // fits
+    Eigen::MatrixXd whitening;
     double energy_scale = 1; // mean energy over the averages
     int unconverged_count = 0;
-    // Of true averages: what the mesh does there, which is what a surrogate energy is to do at `averages`. Empty for reduced ones.
+    // Of true averages: what the mesh does there, which is what a surrogate energy is to do at `averages`. Empty for reduced
+    // ones.
     std::vector<const Shape*> shapes;
     std::vector<Eigen::MatrixXd> stiffness; // d x d, in q
 };
@@ -28,17 +30,19 @@ struct ProjectedAverage {
     Eigen::MatrixXd stiffness; // U^T H U, H the Hessian of W(w, .) at the average a
 };
 
-// Those of all averages, which must outlive them; ones next to others, or to poses, are left out. Leading parts of the results belong to leading dimensions.
-// Cost: an assembly of the Hessian each.
+// Those of all averages, which must outlive them; ones next to others, or to poses, are left out. Leading parts of the
+// results belong to leading dimensions. Cost: an assembly of the Hessian each.
 std::vector<ProjectedAverage> project_averages(const Energy& energy, const Subspace& subspace, const NormalizedPoses& set,
                                                const std::vector<KnownAverage>& averages, Progress* progress);
 
-// Training data from averages (the first one for equal weights): the q that minimizes energy + nearness / 2 |y(q) - a|^2. With nearness
-// 0 these are reduced averages, too far from a since a subspace is too stiff; with a large one projections, as near as can be, but
-// creased where triangles are small. In between soft directions follow the average, stiff ones the energy.
+// Training data from averages (the first one for equal weights): the q that minimizes energy + nearness / 2 |y(q) - a|^2.
+// With nearness 0 these are reduced averages, too far from a since a subspace is too stiff; with a large one projections, as
+// near as can be, but creased where triangles are small. In between soft directions follow the average, stiff ones the
+// energy.
 TrainingSet training_of(const ReducedSolver& reduced, const std::vector<ProjectedAverage>& averages, double nearness);
 
-// Solves the exact reduced problem at all training weights (the equal ones first). Throws Failure (P4401) if the mean does not converge.
+// Solves the exact reduced problem at all training weights (the equal ones first). Throws Failure (P4401) if the mean does
+// not converge.
 TrainingSet solve_training_set(const ReducedSolver& reduced, const NormalizedPoses& set, std::vector<Weights> weights,
                                Progress* progress);
 

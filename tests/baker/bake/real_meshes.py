@@ -46,8 +46,8 @@ SETS = [
     ("Enemy_Small, Draco", ["gltf_draco/Enemy_Small-transformed.glb#animation=0@0,0.3,0.6"]),
 ]
 
-# Of bakes that are not, or not only, the default one: large ones, for the time they take, and those of characters of few polygons, for what
-# ARAP makes of them.
+# Of bakes that are not, or not only, the default one: large ones, for the time they take, and those of characters of few
+# polygons, for what ARAP makes of them.
 FACE = ["--tolerance", "2e-3", "--best-effort"]
 ARAP = ["--material", "arap"]
 BAKE_OPTIONS = {

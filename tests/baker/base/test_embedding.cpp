@@ -50,8 +50,8 @@ struct TemporaryFile {
     std::string path;
 };
 
-// A four-sided tube of quads along the bar, `half` off its axis, finer than the bar; open at both ends, with a seam of double
-// vertices, a separate triangle, a face that is a line, and a vertex of no face.
+// A four-sided tube of quads along the bar, `half` off its axis, finer than the bar; open at both ends, with a seam of
+// double vertices, a separate triangle, a face that is a line, and a vertex of no face.
 std::string tube_text(double half, int rings)
 {
     std::string text;

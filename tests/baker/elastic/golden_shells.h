@@ -1,6 +1,6 @@
-// Independent numbers for the shell energies (another program, another language): energies, gradients and Hessian products of
-// small meshes, and averages of some of them; those of ARAP are written by golden_arap.py. Material parameters: lambda = mu = kL =
-// kA = 1, thickness 0.1 (absolute).
+// Independent numbers for the shell energies (another program, another language): energies, gradients and Hessian products
+// of small meshes, and averages of some of them; those of ARAP are written by golden_arap.py. Material parameters: lambda =
+// mu = kL = kA = 1, thickness 0.1 (absolute).
 #pragma once
 
 #include <vector>

@@ -1,5 +1,5 @@
-// Independent numbers for the energies of solids (another program, another language): energies, gradients and Hessian products of
-// one, two and five tetrahedra, and edge lengths of averages of the poses X and Y.
+// Independent numbers for the energies of solids (another program, another language): energies, gradients and Hessian
+// products of one, two and five tetrahedra, and edge lengths of averages of the poses X and Y.
 #pragma once
 
 #include <vector>

@@ -126,7 +126,8 @@ TEST_CASE("a solid at rest has exactly no energy, six null modes, and none of it
 
 namespace {
 
-// The runtime's element as formats/SPEC.md states it for kinds 6 and 7, in plain double precision: f for columns of F = I + D.
+// The runtime's element as formats/SPEC.md states it for kinds 6 and 7, in plain double precision: f for columns of F = I +
+// D.
 double runtime_energy(const RuntimeElement& e, Eigen::Index pose, const Eigen::Matrix3d& f)
 {
     const Eigen::Matrix3d g = f.transpose() * f - Eigen::Matrix3d::Identity();

@@ -96,8 +96,8 @@ TEST_CASE("ties vanish at the poses, and exactly six motions are free")
 
 namespace {
 
-// Two rigid tubes; the second turns by these angles about a skew hinge near the end of the first, to which its tied vertices lie askew.
-// Closed at both ends they are stiff, open ones give way.
+// Two rigid tubes; the second turns by these angles about a skew hinge near the end of the first, to which its tied vertices
+// lie askew. Closed at both ends they are stiff, open ones give way.
 PoseSet hinged_tubes(const std::vector<double>& angles, bool is_closed)
 {
     const Eigen::Vector3d hinge(3.2, 0.1, 0), axis = Eigen::Vector3d(0.3, 0.2, 1).normalized(),
@@ -297,7 +297,8 @@ TEST_CASE("touching parts that lie in one plane are held to first order")
 
 namespace {
 
-// A box from one corner to the opposite one, its vertices and faces added to a pose set; `high` may differ between the poses.
+// A box from one corner to the opposite one, its vertices and faces added to a pose set; `high` may differ between the
+// poses.
 void add_box(PoseSet& poses, const Eigen::RowVector3d& low, const std::vector<Eigen::RowVector3d>& high)
 {
     const std::uint32_t first = poses.positions.empty() ? 0 : std::uint32_t(poses.positions[0].rows());
@@ -375,8 +376,8 @@ TEST_CASE("what is next to a part much smaller than the way to it is tied")
 
 namespace {
 
-// Two strips of squares along x that share the border y = 0 only in space: the lower one has vertices at x = 0, 1, 2, .. there, the upper
-// one at 0, 2, 4, .., and the two are one part by the square at their end if `is_joined`.
+// Two strips of squares along x that share the border y = 0 only in space: the lower one has vertices at x = 0, 1, 2, ..
+// there, the upper one at 0, 2, 4, .., and the two are one part by the square at their end if `is_joined`.
 PoseSet cracked_sheet(bool is_joined)
 {
     PoseSet poses;

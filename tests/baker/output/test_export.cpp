@@ -1,4 +1,5 @@
-// The parts of `pliant export` by themselves: GLB bytes, fitted normals, paths, warnings, skins. Whole exports: tests/baker/output/engines.
+// The parts of `pliant export` by themselves: GLB bytes, fitted normals, paths, warnings, skins. Whole exports:
+// tests/baker/output/engines.
 #include "output/export/draco_mesh.h"
 #include "output/export/export_asset.h"
 #include "output/export/glb.h"

@@ -75,7 +75,8 @@ class Interrupting(unittest.TestCase):
     def test_ctrl_c_in_averages_on_threads(self):
         self.interrupt("averages")
 
-    # Without numpy's threads: they do not block SIGTERM, and METIS has its own handler there for moments (README, "SIGTERM").
+    # Without numpy's threads: they do not block SIGTERM, and METIS has its own handler there for moments (README,
+    # "SIGTERM").
     def test_termination(self):
         child = Child("average", OPENBLAS_NUM_THREADS="1")
         child.process.send_signal(signal.SIGTERM)

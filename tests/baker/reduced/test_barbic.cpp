@@ -62,8 +62,8 @@ TEST_CASE("linear modes satisfy K x = lambda M x, are mass-orthonormal and hold 
         CHECK(modes.residual <= 1e-8);
         const Eigen::MatrixXd& x = modes.vectors;
         const Eigen::VectorXd mass = p.mass_diagonal();
-        // In the norm of M^-1, as the residual is defined. K has eigenvalues a million times as large as these, so that rounding
-        // of the factorisation shows here.
+        // In the norm of M^-1, as the residual is defined. K has eigenvalues a million times as large as these, so that
+        // rounding of the factorisation shows here.
         const Eigen::MatrixXd stiffness = p.stiffness(k);
         const Eigen::MatrixXd off = stiffness * x - mass.asDiagonal() * x * modes.eigenvalues.asDiagonal();
         for (Eigen::Index j = 0; j < x.cols(); ++j)

@@ -1,5 +1,6 @@
-// What the paper proves about elastic averages (von Tycowicz, Schulz, Seidel, Hildebrandt 2015, section 3), as tests: of the unreduced
-// average and, where it holds there too, of the reduced one. Each case also shows what a violation would look like.
+// What the paper proves about elastic averages (von Tycowicz, Schulz, Seidel, Hildebrandt 2015, section 3), as tests: of the
+// unreduced average and, where it holds there too, of the reduced one. Each case also shows what a violation would look
+// like.
 #include "../tube.h"
 
 #include "bake/bake.h"
@@ -75,8 +76,8 @@ PoseSet scattered_tubes()
     return poses;
 }
 
-// Relative L2 after rigid alignment: two ways to compute the same shape agree to `same` (1e-15 was measured), and what breaks a
-// proposition slightly is farther apart than `different`.
+// Relative L2 after rigid alignment: two ways to compute the same shape agree to `same` (1e-15 was measured), and what
+// breaks a proposition slightly is farther apart than `different`.
 constexpr double same = 1e-12, different = 1e-5;
 
 } // namespace
@@ -142,7 +143,8 @@ TEST_CASE("the order of the poses does not matter, up to a rigid motion")
     const Weights w = weights3(0.5, 0.2, 0.3);
     PoseSet turned = tube_poses(3);
     const std::size_t order[] = { 2, 0, 1 };
-    // The aligned shapes, so that the reduced spaces can be compared too: which pose comes first decides where all others go.
+    // The aligned shapes, so that the reduced spaces can be compared too: which pose comes first decides where all others
+    // go.
     for (std::size_t k = 0; k < 3; ++k) turned.positions[k] = to_input_units(p.set, p.set.shapes[order[k]]);
     Problem other(turned, true);
     const Weights permuted = weights3(w[2], w[0], w[1]);

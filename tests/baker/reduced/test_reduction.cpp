@@ -221,7 +221,8 @@ TEST_CASE("a few elements give the reduced average within a per cent, and the er
 
 TEST_CASE("elements that hardly deform get no weight")
 {
-    // A tube that bends a little, and a longer one behind it that does not: what its hinges say is rounding, until a weight makes it large.
+    // A tube that bends a little, and a longer one behind it that does not: what its hinges say is rounding, until a weight
+    // makes it large.
     PoseSet poses = tube_poses(2);
     poses.positions[1] = poses.positions[0] + 0.003 * (poses.positions[1] - poses.positions[0]);
     const Positions& straight = poses.positions[0];

@@ -1,5 +1,6 @@
-// Damaged glTF files: random mutations of good ones, in child processes. Whatever the bytes, reading ends within five seconds, in meshes
-// whose indices are in range or in numbered diagnostics, and never in a crash, another exception, or much memory.
+// Damaged glTF files: random mutations of good ones, in child processes. Whatever the bytes, reading ends within five
+// seconds, in meshes whose indices are in range or in numbered diagnostics, and never in a crash, another exception, or much
+// memory.
 #include <doctest/doctest.h>
 
 #include "../io/mutation_loop.h"
@@ -90,8 +91,9 @@ TEST_CASE("skin, morph target, animation, texture, sparse accessor")
         const pliant_test::TemporaryFolder folder;
         pliant_test::write_bytes(folder / "a.glb", sample);
         DiagnosticList diagnostics;
-        REQUIRE(read_pose_sources({ folder / "a.glb", folder / "a.glb#animation=Run@0,0.4,1" }, 100, diagnostics).meshes.size()
-                == 5);
+        REQUIRE(
+            read_pose_sources({ folder / "a.glb", folder / "a.glb#animation=Run@0,0.4,1" }, 100, diagnostics).meshes.size()
+            == 5);
         REQUIRE(!diagnostics.has_errors());
     }
     CHECK(first_failure(sample, choices) == -1);

@@ -1,5 +1,6 @@
-// load_poses_tool [--fix FILE] POSE...: loads poses, prints what was found as `pliant check` does, exits with its code. For the tests of
-// tests/bad_input where the tool `pliant` is not built. Also: load_poses_tool --write OUT [--repeat N] POSE... writes pose 0.
+// load_poses_tool [--fix FILE] POSE...: loads poses, prints what was found as `pliant check` does, exits with its code. For
+// the tests of tests/bad_input where the tool `pliant` is not built. Also: load_poses_tool --write OUT [--repeat N] POSE...
+// writes pose 0.
 #include "input/io/encode_ply.h"
 #include "input/io/write_file.h"
 #include "input/poses/load_poses.h"
@@ -38,7 +39,8 @@ Arguments parse(int argc, char** argv)
 
 void print(const std::vector<pliant::Diagnostic>& diagnostics)
 {
-    for (const pliant::Diagnostic& diagnostic : diagnostics) std::fprintf(stderr, "load_poses_tool: %s\n", to_text(diagnostic).c_str());
+    for (const pliant::Diagnostic& diagnostic : diagnostics)
+        std::fprintf(stderr, "load_poses_tool: %s\n", to_text(diagnostic).c_str());
 }
 
 } // namespace

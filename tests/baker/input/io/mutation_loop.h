@@ -1,4 +1,5 @@
-// Readers under damaged files: many mutations of one sample, read in child processes, so that a crash is a failure and not the end.
+// Readers under damaged files: many mutations of one sample, read in child processes, so that a crash is a failure and not
+// the end.
 #pragma once
 
 #include "files.h"
@@ -10,7 +11,8 @@
 
 namespace pliant_test {
 
-// Number of the first of `count` mutations at which a child crashed, did not end within five seconds, or found reading not sane;
+// Number of the first of `count` mutations at which a child crashed, did not end within five seconds, or found reading not
+// sane;
 // -1: none. mutate(sample, random) gives the bytes that are written to `path`, is_sane() reads them.
 template <class Mutate, class IsSane>
 int first_failure(const std::string& path, const std::string& sample, unsigned count, Mutate mutate, IsSane is_sane)

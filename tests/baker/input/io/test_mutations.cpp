@@ -1,5 +1,6 @@
-// Damaged files: random mutations of good ones, in child processes. Whatever the bytes, reading ends within five seconds, in a mesh
-// whose indices are in range or in numbered diagnostics, and never in a crash, another exception, or a failed allocation.
+// Damaged files: random mutations of good ones, in child processes. Whatever the bytes, reading ends within five seconds, in
+// a mesh whose indices are in range or in numbered diagnostics, and never in a crash, another exception, or a failed
+// allocation.
 #include <doctest/doctest.h>
 
 #include "input/io/encode_ply.h"

@@ -84,8 +84,8 @@ TEST_CASE("real data, spoilt")
         CHECK(changed(poses.positions[0]) == 3009);
         Positions shifted = poses.positions[1]; // one vertex was inserted and one lost: every number is off by one
         shifted << poses.positions[1].bottomRows(1), poses.positions[1].topRows(shifted.rows() - 1);
-        const int number_of_shifted
-            = changed(shifted); // neighbours may have neighbouring numbers, so small stretch is possible
+        // Neighbours may have neighbouring numbers, so small stretch is possible
+        const int number_of_shifted = changed(shifted);
         CHECK((number_of_shifted == 3006 || number_of_shifted == 0));
         Positions reversed = poses.positions[1].colwise().reverse();
         CHECK(changed(reversed) == 3006);

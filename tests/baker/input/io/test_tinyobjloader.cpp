@@ -1,5 +1,5 @@
-// Our OBJ reader against tinyobjloader, which shares no code with it. It does not round to nearest, so coordinates may differ
-// by some units in the last place.
+// Our OBJ reader against tinyobjloader, which shares no code with it. It does not round to nearest, so coordinates may
+// differ by some units in the last place.
 #include <doctest/doctest.h>
 
 #define TINYOBJLOADER_USE_DOUBLE

@@ -7,7 +7,8 @@ import numpy as np
 
 from support import Glb, check, export, run_node
 
-# Told about every file with our extension: a validator that does not know it cannot look into it, nor see that the view is used.
+# Told about every file with our extension: a validator that does not know it cannot look into it, nor see that the view is
+# used.
 EXPECTED = ("UNSUPPORTED_EXTENSION", "UNUSED_OBJECT /bufferViews/")
 WITH_EXTENSION = {"--embed", "--draco"}
 
