@@ -54,7 +54,7 @@ void check_surrogate(const BakeOptions& options, const PoseSet& poses)
                                "leave it out, or use --energy cubature"));
     if (options.surrogate == SurrogateKind::ghost) // before the minutes that come before the ghost
         require_manifold(poses.triangles, poses.vertex_count(), poses.source_vertices, "--energy ghost",
-                         "repair it in all poses alike, or use --energy cubature, which does not need one");
+                         "repair it the same way in all poses, or use --energy cubature, which does not need one");
 }
 
 } // namespace

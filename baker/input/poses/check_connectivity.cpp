@@ -121,8 +121,8 @@ void Checker::find_crowded_edges()
     warn(2203, edges, 2,
          fmt::format("edge {} {} belongs to {} faces: {}{}", begin->low, begin->high, faces.size(), first_few(faces),
                      edges.size() > 1 ? fmt::format(" ({} edges have more than two faces)", edges.size()) : ""),
-         "each face bends against the next one around the edge; if this is not intended, separate the sheets in all poses "
-         "alike");
+         "each face bends against the next one around the edge; if this is not intended, separate the sheets the same "
+         "way in all poses");
 }
 
 void Checker::find_turned_neighbours()
@@ -136,7 +136,7 @@ void Checker::find_turned_neighbours()
     warn(2204, edges, 1,
          fmt::format("faces {} and {} have opposite orientations at their edge {} {}{}", face(h[0]), face(h[1]), h->low,
                      h->high, edges.size() > 1 ? fmt::format(" ({} such pairs)", edges.size()) : ""),
-         "blends are not affected, lighting is: orient all faces alike, in all poses");
+         "blends are not affected, lighting is: orient all faces consistently, in all poses");
 }
 
 void Checker::find_unreferenced_vertices()
@@ -214,7 +214,7 @@ void Checker::find_bow_ties()
         diagnostics_.add(about_vertices(
             warning_at(2206, mesh_.path,
                        fmt::format("{} parts of the surface touch in vertex {} only", fan_counts[vertex], vertex),
-                       "discrete shells support this, ARAP does not: split the vertex in all poses alike"),
+                       "discrete shells support this, ARAP does not: split the vertex the same way in all poses"),
             { vertex }));
     }
 }

@@ -105,7 +105,7 @@ bool check_volumes(const MeshFile& mesh, const MeshFile* first, DiagnosticList& 
     if (first && volumes.negative_count != 0 && volumes.negative_count + volumes.flat_count == mesh.tets.size()) {
         diagnostics.add(error_at(3007, mesh.path,
                                  fmt::format("is mirrored relative to {}: all its tetrahedra are inside out", first->path),
-                                 "the export flipped an axis of one of the two: export both alike"));
+                                 "the export flipped an axis of one of the two: export both in the same way"));
         return false;
     }
     for (std::size_t t = 0; t < mesh.tets.size(); ++t) {

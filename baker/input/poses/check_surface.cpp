@@ -58,7 +58,7 @@ void check_fans(const MeshFile& mesh, const Triangulation& triangulation, const 
             diagnostics.add(about_faces(
                 warning_at(2210, where_is_face(mesh, face),
                            fmt::format("face {} is not convex: its triangles from the first corner overlap", face),
-                           "triangulate it before you export it, in all poses alike"),
+                           "triangulate it before you export it, the same way in all poses"),
                 { face }));
             break;
         }

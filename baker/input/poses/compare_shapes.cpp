@@ -157,7 +157,7 @@ void check_mirrored(const MeshFile& first, const MeshFile& other, const Shape& a
             3007, other.path,
             fmt::format("is mirrored relative to {}: its surface is inside out (signed volume {:.3g} against {:.3g})",
                         first.path, eb.volume, ea.volume),
-            "the export flipped an axis of one of the two: export both alike"));
+            "the export flipped an axis of one of the two: export both in the same way"));
         return;
     }
     if (is_enclosing) return;
