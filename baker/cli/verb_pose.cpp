@@ -22,10 +22,10 @@ struct Arguments {
 constexpr char footer[] = R"(The script has one handle per line: a region, and the motion of its vertices.
   box x0 y0 z0 x1 y1 z1  |  sphere x y z r  |  vertices i j k ...
   hold  |  move dx dy dz  |  turn px py pz ax ay az degrees
-Points are fractions of the bounding box of REST, lengths (r, dx dy dz) are fractions of its diagonal. Vertices count
-from 0 as in the file. A turn is about the axis ax ay az through the point px py pz, counter-clockwise if the axis points
-at you. Several motions on a line are applied in order. A vertex in several regions belongs to the first line that names
-it; # starts a comment.
+Points are fractions of the bounding box of REST; lengths (r, dx dy dz) are fractions of its diagonal. Vertices are
+counted from 0 in the order of the file. A turn is about the axis ax ay az through the point px py pz, counter-clockwise
+if the axis points towards you. Several motions on a line are applied in order. A vertex in several regions belongs to
+the first line that names it; # starts a comment.
 
 Example: bent.txt holds one end of a bar along x, twists the other by 60 degrees and bends it by 90:
   box 0 0 0  0.1 1 1     hold
@@ -106,7 +106,7 @@ Verb add_pose(CLI::App& app)
 {
     auto a = std::make_shared<Arguments>();
     CLI::App* verb
-        = app.add_subcommand("pose", "Make a new pose of a solid: moves some vertices, the others follow elastically");
+        = app.add_subcommand("pose", "Make a new pose of a solid: you move some vertices, the others follow elastically");
     verb->footer(footer);
     verb->add_option("rest", a->rest, "Rest pose, a solid of tetrahedra: .msh (Gmsh) .mesh (MEDIT) .veg (Vega) .vtk")
         ->required()
