@@ -54,8 +54,8 @@ std::string verdict(const CertificateFacts& facts)
     const bool is_kept = facts.meets_tolerance.value_or(false);
     return fmt::format(
         "<p class=\"verdict\"><b class=\"{}\">Tolerance {}.</b> Blends at {} weights differ from the unreduced "
-        "elastic average by {} on average and by {} at most; the tolerance for the average is {}.</p>",
-        is_kept ? "kept" : "missed", is_kept ? "kept" : "missed", facts.checks.size(), percent_text(*facts.mean_error),
+        "elastic average by a mean of {} and at most {}; the tolerance for the mean is {}.</p>",
+        is_kept ? "kept" : "missed", is_kept ? "met" : "missed", facts.checks.size(), percent_text(*facts.mean_error),
         percent_text(facts.largest_error.value_or(NAN)), percent_text(facts.tolerance));
 }
 
