@@ -87,8 +87,7 @@ namespace {
 std::string describe(const Branch& branch, const std::string& pose)
 {
     switch (branch.kind) {
-    case Branch::Kind::other_mean:
-        return fmt::format("seen from pose {}, the average of all poses is another one", pose);
+    case Branch::Kind::other_mean: return fmt::format("seen from pose {}, the average of all poses is another one", pose);
     case Branch::Kind::jump: return fmt::format("the average jumps on the way towards pose {}", pose);
     default: return fmt::format("there are two averages towards pose {}", pose);
     }

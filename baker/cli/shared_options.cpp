@@ -177,7 +177,7 @@ PoseSet load_with_warnings(const std::string& verb, const std::vector<std::strin
 }
 
 RenderMesh load_surface_with_warnings(const std::string& verb, const std::string& path, const PoseSet& poses,
-                                        std::vector<Diagnostic>* kept)
+                                      std::vector<Diagnostic>* kept)
 {
     std::vector<Diagnostic> warnings;
     RenderMesh surface = load_render_mesh(path, poses, &warnings);

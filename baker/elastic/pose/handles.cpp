@@ -85,16 +85,17 @@ void Handles::add_handle(const Script& script, std::size_t line, const Positions
             claim(v, line, found);
         else
             diagnostics.add(error_at(2812, where, fmt::format("uses vertex {}, the mesh has {}", v, owners_.size()),
-                                  "count from 0, in the order of the mesh file"));
+                                     "count from 0, in the order of the mesh file"));
     }
     for (Eigen::Index v = 0; v < rest.rows() && !is_list; ++v)
         if (contains(region, rest.row(v).transpose())) claim(std::size_t(v), line, found);
     if (found.count == 0 && found.taken > 0)
-        diagnostics.add(error_at(2814, where, fmt::format("all {} vertices of the region belong to earlier lines", found.taken),
-                              "a vertex belongs to the first line that names it: put the smaller region first"));
+        diagnostics.add(error_at(2814, where,
+                                 fmt::format("all {} vertices of the region belong to earlier lines", found.taken),
+                                 "a vertex belongs to the first line that names it: put the smaller region first"));
     else if (found.count == 0 && !is_list)
         diagnostics.add(error_at(2813, where, "no vertex lies in the region",
-                              "points are fractions of the bounding box of the rest pose, radii of its diagonal"));
+                                 "points are fractions of the bounding box of the rest pose, radii of its diagonal"));
     Handle handle { script.lines[line].motions, found.count };
     for (Motion& motion : handle.motions) {
         motion.by *= diagonal_;
@@ -109,18 +110,18 @@ void Handles::check_grip(const Script& script, DiagnosticList& diagnostics) cons
     if (script.lines.empty()) return;
     if (vertices_.size() < 3 || are_on_a_line(rest_, 1e-6 * diagonal_))
         diagnostics.add(error_at(2815, script.path,
-                              fmt::format("{} vertices are held or moved{}: the body could still turn", vertices_.size(),
-                                          vertices_.size() < 3 ? "" : ", all on a line"),
-                              "let the regions contain three or more that do not lie on a line"));
+                                 fmt::format("{} vertices are held or moved{}: the body could still turn", vertices_.size(),
+                                             vertices_.size() < 3 ? "" : ", all on a line"),
+                                 "let the regions contain three or more that do not lie on a line"));
     else if (vertices_.size() == owners_.size())
         diagnostics.add(error_at(2816, script.path,
-                              fmt::format("all {} vertices are held or moved: none is free to follow", owners_.size()),
-                              "leave the parts that are to bend out of the regions"));
+                                 fmt::format("all {} vertices are held or moved: none is free to follow", owners_.size()),
+                                 "leave the parts that are to bend out of the regions"));
     const bool is_moved
         = std::any_of(handles_.begin(), handles_.end(), [](const Handle& handle) { return !handle.motions.empty(); });
     if (!is_moved)
         diagnostics.add(error_at(2817, script.path, "every region is held: the result would be the rest pose",
-                              "move or turn at least one of them"));
+                                 "move or turn at least one of them"));
 }
 
 Positions Handles::at(double time) const

@@ -13,7 +13,7 @@ std::optional<RestPose> read_rest_pose(const std::string& path, DiagnosticList& 
     if (!mesh) return std::nullopt;
     if (mesh->tets.empty()) {
         diagnostics.add(error_at(2609, path, "is a surface: a solid of tetrahedra is wanted here",
-                              "give a .msh, .mesh, .veg or .vtk file; TetGen, fTetWild or Gmsh fill a surface"));
+                                 "give a .msh, .mesh, .veg or .vtk file; TetGen, fTetWild or Gmsh fill a surface"));
         return std::nullopt;
     }
     RestPose rest;

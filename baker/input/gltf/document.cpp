@@ -71,7 +71,7 @@ std::uint32_t u32_at(std::string_view bytes, std::size_t offset)
 void GltfValue::fail(int number, const std::string& what, const std::string& hint) const
 {
     Diagnostic diagnostic { Diagnostic::Severity::error, number, *file_, place_.empty() ? what : place_ + ": " + what,
-                      hint.empty() ? "the file is damaged: export it again, a glTF validator says more" : hint };
+                            hint.empty() ? "the file is damaged: export it again, a glTF validator says more" : hint };
     throw Failure(ExitCode::bad_input, std::move(diagnostic));
 }
 
@@ -79,7 +79,7 @@ void GltfValue::expect(const char* what) const
 {
     const std::string expected = fmt::format("{} expected", what);
     Diagnostic diagnostic = error_at(2306, *file_, fmt::format("{}: {}{}", place_, exists() ? "" : "is missing: ", expected),
-                               "the file is damaged: export it again, a glTF validator says more");
+                                     "the file is damaged: export it again, a glTF validator says more");
     throw Failure(ExitCode::bad_input, std::move(diagnostic));
 }
 
@@ -118,8 +118,9 @@ std::size_t GltfValue::index(std::size_t count, const char* things) const
 {
     const std::uint64_t value = whole();
     if (value >= count) {
-        Diagnostic diagnostic = error_at(2307, *file_, fmt::format("{} is {}, the file has {} {}", place_, value, count, things),
-                                   "the file is damaged: export it again, a glTF validator says more");
+        Diagnostic diagnostic
+            = error_at(2307, *file_, fmt::format("{} is {}, the file has {} {}", place_, value, count, things),
+                       "the file is damaged: export it again, a glTF validator says more");
         throw Failure(ExitCode::bad_input, std::move(diagnostic));
     }
     return static_cast<std::size_t>(value);

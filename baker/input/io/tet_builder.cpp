@@ -48,7 +48,7 @@ bool TetBuilder::finish()
     }
     if (total != 0)
         file_.diagnostics->add(warning_at(2115, file_.path, fmt::format("{} left out: only tetrahedra count", list),
-                                       "harmless: they usually mark the boundary"));
+                                          "harmless: they usually mark the boundary"));
     return true;
 }
 

@@ -69,7 +69,7 @@ bool check_same_faces(const MeshFile& first, const MeshFile& other, DiagnosticLi
             "vertices or faces were reordered: export with 'keep vertex order'"));
     } else {
         diagnostics.add(error_at(3004, where_is_face(other, face), fmt::format("has other faces: {}", difference),
-                              "poses must be the same mesh in other positions: export them all from the same one"));
+                                 "poses must be the same mesh in other positions: export them all from the same one"));
     }
     return false;
 }

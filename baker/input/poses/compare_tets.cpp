@@ -53,7 +53,7 @@ bool check_same_kind(const MeshFile& first, const MeshFile& other, DiagnosticLis
     if (first.tets.empty() == other.tets.empty()) return true;
     const auto kind = [](const MeshFile& mesh) { return mesh.tets.empty() ? "a surface" : "a solid of tetrahedra"; };
     diagnostics.add(error_at(3012, other.path, fmt::format("is {}, {} is {}", kind(other), first.path, kind(first)),
-                          "poses must be the same mesh in other positions: all surfaces or all solids"));
+                             "poses must be the same mesh in other positions: all surfaces or all solids"));
     return false;
 }
 
@@ -80,7 +80,7 @@ bool check_same_tets(const MeshFile& first, const MeshFile& other, DiagnosticLis
                      "vertices or tetrahedra were reordered: export all poses from the same mesh"));
     } else {
         diagnostics.add(error_at(3004, where_is_tet(other, tet), fmt::format("has other tetrahedra: {}", difference),
-                              "poses must be the same mesh in other positions: export them all from the same one"));
+                                 "poses must be the same mesh in other positions: export them all from the same one"));
     }
     return false;
 }

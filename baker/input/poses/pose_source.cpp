@@ -205,7 +205,8 @@ public:
         if (!source.is_gltf) return source;
         source.file = open(source.argument.path);
         if (source.file)
-            guard(source.argument.path, [&] { source.plans = plan_poses(source.file->scene, source.argument, diagnostics_); });
+            guard(source.argument.path,
+                  [&] { source.plans = plan_poses(source.file->scene, source.argument, diagnostics_); });
         return source;
     }
 
@@ -260,7 +261,8 @@ private:
     std::map<std::string, std::unique_ptr<GltfFile>> files_;
 };
 
-void check_pose_count(const std::vector<Source>& sources, std::size_t count, std::size_t limit, const DiagnosticList& diagnostics)
+void check_pose_count(const std::vector<Source>& sources, std::size_t count, std::size_t limit,
+                      const DiagnosticList& diagnostics)
 {
     if (count < 2 && !diagnostics.has_errors())
         throw Failure(ExitCode::bad_input,

@@ -73,7 +73,7 @@ void Builder::warn(int number, const MeshFile& mesh, std::string what, std::vect
     faces.erase(std::unique(faces.begin(), faces.end()), faces.end());
     if (faces.size() > 1) what += fmt::format(" ({} faces: {})", faces.size(), first_few(faces));
     Diagnostic diagnostic = { Diagnostic::Severity::warning, number, where_is_face(mesh, faces[0]),
-                        fmt::format("{}: {}", what, left_out), drawn_hint };
+                              fmt::format("{}: {}", what, left_out), drawn_hint };
     diagnostics_.add(about_faces(std::move(diagnostic), faces));
 }
 
@@ -88,9 +88,9 @@ void Builder::join_vertices(double tolerance)
     out_.repairs.welded_count = joined.size();
     if (joined.empty()) return;
     Diagnostic diagnostic = warning_at(2220, first_.path,
-                                 fmt::format("{} of {} vertices lie on others in all poses and are welded to them: {}",
-                                             joined.size(), out_.targets.size(), first_few(joined)),
-                                 "right for seams; --weld 0 keeps them apart");
+                                       fmt::format("{} of {} vertices lie on others in all poses and are welded to them: {}",
+                                                   joined.size(), out_.targets.size(), first_few(joined)),
+                                       "right for seams; --weld 0 keeps them apart");
     diagnostics_.add(about_vertices(std::move(diagnostic), joined));
 }
 
