@@ -1,5 +1,5 @@
 #!/usr/bin/python3
-"""Second implementation of the .pliant format, in numpy and double precision: reads an asset, evaluates its stand-in energy,
+"""Second implementation of the .pliant format, in numpy and double precision: reads an asset, evaluates its surrogate energy,
 minimises it, rebuilds positions. Written from SPEC.md, sharing no code with the C runtime: where the two disagree, one
 of them or the SPEC is wrong. Slow and readable.
 
@@ -328,7 +328,7 @@ class Asset:
         return self.features(weights) @ self.load_coefficients
 
     def evaluate(self, z, weights):
-        """Energy and gradient of the stand-in, its load included; (inf, None) where it is not defined."""
+        """Energy and gradient of the surrogate energy, its load included; (inf, None) where it is not defined."""
         gradient = self.load(weights)
         energy = gradient @ z
         if self.quartic is not None:

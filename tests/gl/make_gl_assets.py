@@ -2,7 +2,7 @@
 
 Copies the named small assets and makes large.pliant: many copies of tube_neo side by side, so more vertices than a texture's row has
 texels; every second one has its normals smoothed in pairs (SMTH). large_compact.pliant is the same with a compact basis of many widths. The
-stand-in looks at no vertices, so it remains what it was.
+surrogate energy looks at no vertices, so it remains what it was.
 """
 import shutil
 import sys

@@ -116,7 +116,7 @@ standin() {
     "$study" -o "$out/standin/$1" --dims 1 --kinds none --train 1 --fresh "$3" "${assets[@]}" "${threads[@]}" "${poses[@]}" \
         2>> "$out/study.log"
     mv "$out/standin/$1_assets.csv" "$out/$1_assets.csv"
-    say "stand-in $1: $((SECONDS - start)) s"
+    say "surrogate energy $1: $((SECONDS - start)) s"
 }
 
 # sheet SET DIM OPTION...: pictures side by side. The paper's method is Algorithm 1 with a ghost.

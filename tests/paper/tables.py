@@ -53,7 +53,7 @@ def error_over_d(out, name, rows):
               f"{100 * column(g, 'solved_distance').mean():.3f}", f"{100 * column(g, 'solved_distance').max():.3f}",
               f"{column(g, 'projected_l2').mean():.2e}", len(g)] for (basis, d), g in groups.items()]
     write_table(out / f"{name}_error_over_d", f"{name}: error of the subspace over d",
-                "Exact reduced averages (no stand-in) against unreduced ones at fresh weights; farthest vertex in % of the bounding-box "
+                "Exact reduced averages (no surrogate energy) against unreduced ones at fresh weights; farthest vertex in % of the bounding-box "
                 "diagonal; best possible: distance of the truth from the subspace.", header, table)
     if pyplot:
         figure, axes = pyplot.subplots(figsize=(6, 4.2))
@@ -111,13 +111,13 @@ def stand_in(out, name, rows):
     groups = defaultdict(list)
     for row in rows:
         groups[row["asset"]].append(row)
-    header = ["asset", "d", "elements", "total L2 mean", "total largest", "subspace mean", "stand-in mean", "stand-in largest",
+    header = ["asset", "d", "elements", "total L2 mean", "total largest", "subspace mean", "surrogate energy mean", "surrogate energy largest",
               "farthest % largest", "iterations"]
     table = [[asset, g[0]["d"], g[0]["elements"], f"{column(g, 'total_l2').mean():.2e}", f"{column(g, 'total_l2').max():.2e}",
               f"{column(g, 'subspace_l2').mean():.2e}", f"{column(g, 'stand_in_l2').mean():.2e}", f"{column(g, 'stand_in_l2').max():.2e}",
               f"{100 * column(g, 'total_distance').max():.3f}", f"{column(g, 'iterations').mean():.1f}"] for asset, g in groups.items()]
-    write_table(out / f"{name}_stand_in", f"{name}: error of the stand-in over its elements",
-                "The runtime's blends. total: against unreduced averages; subspace: exact reduced averages against unreduced; stand-in: "
+    write_table(out / f"{name}_stand_in", f"{name}: error of the surrogate energy over its elements",
+                "The runtime's blends. total: against unreduced averages; subspace: exact reduced averages against unreduced; surrogate energy: "
                 "blends against exact reduced averages.", header, table)
     if pyplot:
         figure, axes = pyplot.subplots(figsize=(6, 4.2))
@@ -125,11 +125,11 @@ def stand_in(out, name, rows):
             points = sorted((int(g[0]["elements"]), g) for asset, g in groups.items() if asset.startswith(kind))
             if points:
                 counts = [n for n, _ in points]
-                axes.loglog(counts, [column(g, "stand_in_l2").mean() for _, g in points], "o-", color=colour, label=f"{kind}, stand-in alone")
+                axes.loglog(counts, [column(g, "stand_in_l2").mean() for _, g in points], "o-", color=colour, label=f"{kind}, surrogate energy alone")
                 axes.loglog(counts, [column(g, "total_l2").mean() for _, g in points], "x:", color=colour, label=f"{kind}, total")
         first = next(iter(groups.values()))
         axes.axhline(column(first, "subspace_l2").mean(), color="#888888", linestyle="--", linewidth=1, label="subspace alone")
-        axes.set(xlabel="elements", ylabel="relative L2, mean", title=f"{name}: error of the stand-in, d = {first[0]['d']}")
+        axes.set(xlabel="elements", ylabel="relative L2, mean", title=f"{name}: error of the surrogate energy, d = {first[0]['d']}")
         finish(figure, axes, out / f"{name}_stand_in.png")
 
 

@@ -70,13 +70,13 @@ def make_model(mesh, size, poses, dimension, material, predictor, load, seed, qu
     if quartic:
         stand_in.quartic, stand_in.batches = tiny_solids.quartic_of(stand_in.batches[0], dimension), []
 
-    # The stand-in and the textbook differ by a constant, or one of them is wrong.
+    # The surrogate energy and the textbook differ by a constant, or one of them is wrong.
     w = random.dirichlet(np.ones(poses))
     z = 0.05 * random.standard_normal(dimension)
     relative = stand_in.evaluate(z, w)[0]
     textbook = absolute(w, centre + np.tensordot(z, directions, 1)) - absolute(w, centre)
     if not abs(relative - textbook) < 1e-9 * absolute(equal, centre):
-        raise AssertionError(f"{material}: the stand-in gives {relative}, the definition {textbook}")
+        raise AssertionError(f"{material}: the surrogate energy gives {relative}, the definition {textbook}")
 
     samples = sample_weights(poses)
     answers = [stand_in.minimise(w, np.zeros(dimension))[0] for w in samples]
