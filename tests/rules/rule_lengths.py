@@ -1,5 +1,5 @@
-"""A code file has at most 600 lines, and should have at most 500: longer ones do more than one thing. Tables of data that stand
-between "clang-format off" and "clang-format on" do not count."""
+"""A code file has at most 600 lines, and should have at most 500: longer ones do more than one thing. Tables of data that
+stand between "clang-format off" and "clang-format on" do not count."""
 from tree import Plant
 
 NOTED = 500
