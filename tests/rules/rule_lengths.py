@@ -101,10 +101,9 @@ PLANTS = [
     Plant("tests/planted.py", TABLE + "# planted\n" * (FILE_LIMIT + 1), f"{FILE_LIMIT + 1} lines"),
     Plant("baker/cli/planted.h", "// " + "x" * (CODE_COLUMNS - 2) + "\n", f":1: {CODE_COLUMNS + 1} columns"),
     Plant("tests/planted.sh", TABLE + "#" * (CODE_COLUMNS + 1) + "\n", f":4: {CODE_COLUMNS + 1} columns"),
-    Plant("samples/planted.md", "| " + WORDS + WORDS, f":2: {TEXT_COLUMNS + 4} columns"),
-    Plant("samples/planted.md", "```\n" + WORDS + "a " * CODE_COLUMNS + "\n```\n", f":3: {2 * CODE_COLUMNS} columns"),
-    Plant("samples/planted.md", "- [a link](" + "x" * TEXT_COLUMNS + ")\n- [a link](" + "x" * TEXT_COLUMNS + ") and text\n",
-          f":2: {TEXT_COLUMNS + 21} columns"),
+    Plant("samples/README.md", "| " + WORDS + WORDS, f"{TEXT_COLUMNS + 4} columns, the limit is {TEXT_COLUMNS}"),
+    Plant("samples/README.md", "```\n" + WORDS + "a " * CODE_COLUMNS + "\n```\n", f"{2 * CODE_COLUMNS} columns"),
+    Plant("samples/README.md", "[a link](" + "x" * TEXT_COLUMNS + ") and text\n", f"{TEXT_COLUMNS + 19} columns"),
     Plant("runtime/planted.c", "void planted(void)\n{\n" + "    ;\n" * (FUNCTION_LIMIT + 1) + "}\n",
           f":2: a function of {FUNCTION_LIMIT + 1} lines"),
 ]
