@@ -179,7 +179,8 @@ class Asset:
         arrays = (lanes_of(rows_at, 1 + self.dimension, row_count), lanes_of(fixed_at, fixed_count),
                   lanes_of(poses_at, self.pose_count, number_count))
         if kind in (TET_STVK, TET_MOONEY_RIVLIN):
-            require((arrays[0][0] == np.eye(3).reshape(9, 1)).all(), "R17", "a tetrahedron that is not the identity at z = 0")
+            require((arrays[0][0] == np.eye(3).reshape(9, 1)).all(), "R17",
+                    "a tetrahedron that is not the identity at z = 0")
         return Batch(kind, valence, is_closed, *(array[..., :count] for array in arrays))
 
     def read_quartic(self):
@@ -291,7 +292,8 @@ class Asset:
         self.answers = [(row[:self.pose_count], row[self.pose_count:]) for row in table]
 
     def scene(self):
-        """What is drawn with the vertices (pliant_reference_scene.Scene), or None. Opening an asset does not look into it."""
+        """What is drawn with the vertices (pliant_reference_scene.Scene), or None.
+        Opening an asset does not look into it."""
         return Scene(self.bytes_of("GLTF"), self.boundary_vertex_count, require) if "GLTF" in self.chunks else None
 
     def read_morph_ranges(self):

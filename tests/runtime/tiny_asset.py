@@ -93,8 +93,8 @@ def make_model(mesh, size, poses, dimension, material, predictor, load, seed, qu
 
 
 def add_load(model, random):
-    """Elements with wrong weights, as a coarse sample of a mesh has them, and the load that puts the minimisers back where those
-    of the right ones are. z stays whitened for the right ones."""
+    """Elements with wrong weights, as a coarse sample of a mesh has them, and the load that puts the minimisers back where
+    those of the right ones are. z stays whitened for the right ones."""
     dimension = len(model.mean)
     quartic = model.stand_in.quartic
     if quartic is not None:
@@ -302,7 +302,8 @@ def main():
     parser.add_argument("--poses", type=int, default=2)
     parser.add_argument("--dim", type=int, default=4)
     parser.add_argument("--material", default="neo-hookean",
-                        choices=["neo-hookean", "stvk", "edge", "arap", "mixed", "tied", "tet-stvk", "mooney-rivlin", "tet-mixed"])
+                        choices=["neo-hookean", "stvk", "edge", "arap", "mixed", "tied", "tet-stvk", "mooney-rivlin",
+                                 "tet-mixed"])
     parser.add_argument("--quartic", action="store_true", help="QUAR instead of ELEM, for tet-stvk")
     parser.add_argument("--predictor", action="store_true")
     parser.add_argument("--load", action="store_true", help="needs --predictor")

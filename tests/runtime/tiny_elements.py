@@ -252,7 +252,8 @@ def tie_places(topology, frames, x):
 def tie_numbers(topology, poses, base):
     frames, stiffness = tie_frames(topology, poses), np.full((1, len(topology.faces)), TIE_STIFFNESS)
     start = tie_places(topology, frames, base)
-    numbers = [np.concatenate([stiffness, 2 * TIE_STIFFNESS * (start - tie_places(topology, frames, pose))]) for pose in poses]
+    numbers = [np.concatenate([stiffness, 2 * TIE_STIFFNESS * (start - tie_places(topology, frames, pose))])
+               for pose in poses]
     return np.zeros((0, len(topology.faces))), np.array(numbers)
 
 

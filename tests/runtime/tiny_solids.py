@@ -1,6 +1,6 @@
-"""Element numbers of a whole tiny solid, from the energies themselves (StVK and Mooney-Rivlin on linear tetrahedra), for tests only.
-The counterpart of tiny_elements.py, and written twice like it: absolute_energy() as a textbook has it, and the batches as
-SPEC.md section 4 wants them."""
+"""Element numbers of a whole tiny solid, from the energies themselves (StVK and Mooney-Rivlin on linear tetrahedra), for
+tests only. The counterpart of tiny_elements.py, and written twice like it: absolute_energy() as a textbook has it, and the
+batches as SPEC.md section 4 wants them."""
 import itertools
 
 import numpy as np
@@ -142,8 +142,8 @@ def boundary_of(tets):
 
 
 def beam(columns, rows):
-    """A box of cubes of six tetrahedra each. Vertices, tetrahedra and the number that each vertex had before those of the boundary
-    went first."""
+    """A box of cubes of six tetrahedra each. Vertices, tetrahedra and the number that each vertex had before those of the
+    boundary went first."""
     sizes = (columns, rows, rows)
     grid = np.arange(columns * rows * rows).reshape(sizes)
     x = np.stack(np.meshgrid(np.linspace(0, 3, columns), np.linspace(-0.4, 0.4, rows), np.linspace(-0.3, 0.3, rows),
