@@ -284,8 +284,8 @@ pliant_energy_layout pliant_solver_measure_energy(const pliant_asset* asset);
 /* Makes `combined` that of solver->weights, if it is not that already: a function of them alone. */
 void pliant_solver_combine(pliant_solver* solver);
 
-/* Evaluates the surrogate energy and the load at `z` and counts it. 1 if value and gradient are finite, 0 otherwise: such a point
-   counts as +infinity. */
+/* Evaluates the surrogate energy and the load at `z` and counts it. 1 if value and gradient are finite, 0 otherwise: such a
+   point counts as +infinity. */
 int pliant_solver_evaluate(pliant_solver* solver, const float* z, double* energy, float* gradient);
 
 /* Minimises from solver->z, where energy and gradient are known. LIMIT at desc.max_iterations or at evaluation_limit. */

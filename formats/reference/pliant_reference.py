@@ -1,7 +1,7 @@
 #!/usr/bin/python3
-"""Second implementation of the .pliant format, in numpy and double precision: reads an asset, evaluates its surrogate energy,
-minimises it, rebuilds positions. Written from SPEC.md, sharing no code with the C runtime: where the two disagree, one
-of them or the SPEC is wrong. Slow and readable.
+"""Second implementation of the .pliant format, in numpy and double precision: reads an asset, evaluates its surrogate
+energy, minimises it, rebuilds positions. Written from SPEC.md, sharing no code with the C runtime: where the two disagree,
+one of them or the SPEC is wrong. Slow and readable.
 
     python3 pliant_reference.py ASSET                          what is in it
     python3 pliant_reference.py ASSET --weights 1,1 [-o OUT]   blend; OUT gets one "x y z" line a vertex

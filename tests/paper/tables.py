@@ -144,7 +144,8 @@ def stand_in(out, name, rows):
         first = next(iter(groups.values()))
         axes.axhline(column(first, "subspace_l2").mean(), color="#888888", linestyle="--", linewidth=1,
                      label="subspace alone")
-        axes.set(xlabel="elements", ylabel="relative L2, mean", title=f"{name}: error of the surrogate energy, d = {first[0]['d']}")
+        axes.set(xlabel="elements", ylabel="relative L2, mean",
+                 title=f"{name}: error of the surrogate energy, d = {first[0]['d']}")
         finish(figure, axes, out / f"{name}_stand_in.png")
 
 

@@ -1,8 +1,8 @@
 """The pieces of the study on a tube: test_study.py PLIANT_STUDY PLIANT
 
 pliant_study measures subspaces and an asset, tables.py and manifold.py read what it wrote, sheet.py draws. Wanted: finite
-errors, no solution better than the best projection, POD better than all others at equal d, surrogate energy and subspace errors that
-explain the total.
+errors, no solution better than the best projection, POD better than all others at equal d, surrogate energy and subspace
+errors that explain the total.
 """
 import csv
 import subprocess

@@ -269,7 +269,8 @@ def fan_classes(topology):
 
 
 def make_batches(topology, poses, material, base, directions):
-    """The surrogate energy of a material: all elements, weight 1, relative to the shape `base`; z runs along `directions`."""
+    """The surrogate energy of a material: all elements, weight 1, relative to the shape `base`;
+    z runs along `directions`."""
     fields = np.concatenate([base[None], directions])
     batches = []
     if material != "arap":

@@ -78,7 +78,8 @@ def mooney_rivlin_numbers(tets, poses, base):
 
 
 def make_batches(tets, poses, material, base, directions):
-    """The surrogate energy of a material: all tetrahedra, weight 1, relative to the shape `base`; z runs along `directions`."""
+    """The surrogate energy of a material: all tetrahedra, weight 1, relative to the shape `base`;
+    z runs along `directions`."""
     batches, rows = [], rows_of(tets, base, directions)
     for name, kind, numbers in (("tet-stvk", TET_STVK, stvk_numbers),
                                 ("mooney-rivlin", TET_MOONEY_RIVLIN, mooney_rivlin_numbers)):
