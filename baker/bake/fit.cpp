@@ -205,7 +205,7 @@ FittedModel fit(const FitProblem& problem, const BakeOptions& options, Progress&
     out.report = complete(out.report, problem, out);
     if (out.report.surrogate.curvature.lowest <= 0)
         progress.warn(4402,
-                      fmt::format("the stand-in is not convex at all training weights (lowest curvature {:.3g})",
+                      fmt::format("the surrogate energy is not convex at some training weights (lowest curvature {:.3g})",
                                   out.report.surrogate.curvature.lowest),
                       "raise --elements, or add an in-between pose");
     return out;

@@ -19,7 +19,7 @@ Material material_for(const EnergyOptions& options, bool is_solid)
                       error_at(1206, "",
                                fmt::format("--material {} is for {}, the poses are {}", name_of(material),
                                            is_of_solids ? "solids" : "surfaces", is_solid ? "solids" : "surfaces"),
-                               is_solid ? "solids are stvk or mooney-rivlin" : "surfaces are discrete-shells or arap"));
+                               is_solid ? "use stvk or mooney-rivlin" : "use discrete-shells or arap"));
     return material;
 }
 
@@ -54,7 +54,7 @@ void check_surrogate(const BakeOptions& options, const PoseSet& poses)
                                "leave it out, or use --energy cubature"));
     if (options.surrogate == SurrogateKind::ghost) // before the minutes that come before the ghost
         require_manifold(poses.triangles, poses.vertex_count(), poses.source_vertices, "--energy ghost",
-                         "repair it alike in all poses, or use --energy cubature, which needs none");
+                         "repair it the same way in all poses, or use --energy cubature, which does not need one");
 }
 
 } // namespace

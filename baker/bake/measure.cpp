@@ -58,11 +58,10 @@ void check_same_poses(const RuntimeBlender& blender, const NormalizedPoses& set,
         is_same = (shape - set.shapes[k]).norm() <= 1e-4 * set.shapes[k].norm(); // float32 reproduces a pose to 1e-6
     }
     if (!is_same)
-        throw Failure(
-            ExitCode::bad_input,
-            error_at(
-                5104, path, "was baked from other poses or another surface, or in another order",
-                "give the poses in the order of the bake (`pliant info` lists their names), and its surface if it had one"));
+        throw Failure(ExitCode::bad_input,
+                      error_at(5104, path, "was baked from other poses or another render mesh, or in another order",
+                               "give the poses in the order of the bake (`pliant info` lists their names), and its "
+                               "--surface if it had one"));
 }
 
 // A cold solve, repeated: the median is what a jump costs.

@@ -16,13 +16,13 @@ bool is_shell(const EnergyOptions& energy, bool is_solid)
 std::string remedy(const BakeReport& r, const BakeOptions& options)
 {
     if (!r.branches.empty() && is_shell(options.energy, r.input.tet_count > 0))
-        return "averages jump (P4406): for one connected surface try --material arap, leave a pose out, or ask for less "
-               "with --tolerance";
+        return "averages jump (P4406): for one connected surface try --material arap; otherwise leave a pose out, or raise "
+               "--tolerance";
     if (r.fit.subspace_error.mean > 0.7 * options.tolerance)
         return r.fit.dimension >= 60
-            ? "add a pose between those of the worst weights, leave a pose out, or ask for less with --tolerance"
-            : "raise --dim or leave it out, add a pose in between, or ask for less with --tolerance";
-    return "raise --elements, add a pose between those of the worst weights, or ask for less with --tolerance";
+            ? "add a pose between those of the worst weights, leave a pose out, or raise --tolerance"
+            : "raise --dim or leave it out, add a pose in between, or raise --tolerance";
+    return "raise --elements, add a pose between those of the worst weights, or raise --tolerance";
 }
 
 } // namespace
@@ -49,7 +49,7 @@ void warn_of(const ToleranceMiss& miss, Progress& progress) { progress.warn(4404
 Failure to_failure(const ToleranceMiss& miss)
 {
     return Failure(ExitCode::misses_tolerance,
-                   error_at(4405, "", miss.what, miss.hint + "; --best-effort writes it all the same"));
+                   error_at(4405, "", miss.what, miss.hint + "; --best-effort writes the asset anyway"));
 }
 
 void require_convergence(const NewtonResult& result, const NewtonOptions& options, const std::string& frame)
@@ -75,11 +75,13 @@ void warn_of_jumps(const FamilyPoint& point, const PoseSet& poses, const EnergyO
                    Progress& progress)
 {
     for (const Branch& jump : point.jumps)
-        progress.warn(4406,
-                      fmt::format("{}the average jumps on the way towards pose {}: {:.1f} %, most at vertex {}, weights {}",
-                                  frame, poses.names[jump.pose], 100 * jump.distance, poses.file_number(jump.vertex),
-                                  weights_text(jump.weights)),
-                      hint_for_jumps(energy, poses.is_solid()));
+        progress.warn(
+            4406,
+            fmt::format(
+                "{}the average jumps on the path towards pose {}: distance {:.1f} %, largest at vertex {}, weights {}",
+                frame, poses.names[jump.pose], 100 * jump.distance, poses.file_number(jump.vertex),
+                weights_text(jump.weights)),
+            hint_for_jumps(energy, poses.is_solid()));
 }
 
 namespace {
@@ -87,17 +89,18 @@ namespace {
 std::string describe(const Branch& branch, const std::string& pose)
 {
     switch (branch.kind) {
-    case Branch::Kind::other_mean: return fmt::format("seen from pose {}, the average of all poses is another one", pose);
-    case Branch::Kind::jump: return fmt::format("the average jumps on the way towards pose {}", pose);
-    default: return fmt::format("there are two averages towards pose {}", pose);
+    case Branch::Kind::other_mean: return fmt::format("there is a second average of all poses, found from pose {}", pose);
+    case Branch::Kind::jump: return fmt::format("the average jumps on the path towards pose {}", pose);
+    default: return fmt::format("there is a second average on the path to pose {}", pose);
     }
 }
 
 void warn_of_inversion(const BakeReport& report, Progress& progress)
 {
     if (!report.input.tet_count || report.check.blends.empty() || report.check.cell_ratio > 0) return;
-    progress.warn(4407, fmt::format("blends have tetrahedra inside out (smallest J {:.3f})", report.check.cell_ratio),
-                  "use --material mooney-rivlin, or add a pose in between");
+    progress.warn(
+        4407, fmt::format("blends contain inverted tetrahedra (smallest volume ratio J = {:.3f})", report.check.cell_ratio),
+        "use --material mooney-rivlin, or add a pose in between");
 }
 
 } // namespace
@@ -115,7 +118,7 @@ void warn_of_blends(const BakeReport& report, const PoseSet& poses, const Energy
 {
     for (const Branch& branch : report.branches)
         progress.warn(4406,
-                      fmt::format("{}: {:.1f} % away, most at vertex {}, weights {}",
+                      fmt::format("{}: distance {:.1f} %, largest at vertex {}, weights {}",
                                   describe(branch, poses.names[branch.pose]), 100 * branch.distance, branch.vertex,
                                   weights_text(branch.weights)),
                       hint_for_jumps(energy, poses.is_solid()));

@@ -16,81 +16,80 @@ void add_bake_options(CLI::App& verb, BakeRequest& r)
     add_surface(verb, r.surface);
     verb.add_option(
             "--subspace", r.subspace,
-            "How the reduced space is built: adaptive (of true averages, with as few dimensions as keep --tolerance), "
-            "krylov "
-            "(Algorithm 1 of von Tycowicz et al. 2015: quicker to bake, far less accurate) or barbic (Barbic et al. 2009: "
-            "tangents and linear modes; for comparison)")
+            "How to build the reduced space: adaptive (from unreduced averages, with the fewest dimensions that meet "
+            "--tolerance), krylov (Algorithm 1 of von Tycowicz et al. 2015: faster to bake, far less accurate) or barbic "
+            "(Barbic et al. 2009: tangents and linear modes; for comparison)")
         ->check(CLI::IsMember({ "adaptive", "krylov", "barbic" }))
         ->capture_default_str()
         ->type_name("NAME");
-    verb.add_option(
-            "--tolerance", r.bake.tolerance,
-            "Wanted relative L2 error of blends, mean over check weights, stand-in included; if you give it and it is "
-            "missed, nothing is written and the exit code is 4")
+    verb.add_option("--tolerance", r.bake.tolerance,
+                    "Allowed relative L2 error of blends, mean over the check weights, including the error of the "
+                    "surrogate energy. If you set it and the bake misses it, no asset is written and the exit code is 4")
         ->each([&r](const std::string&) { r.has_tolerance = true; })
         ->check(CLI::Range(1e-8, 1.0))
         ->capture_default_str();
     verb.add_option("--tolerance-max", r.bake.tolerance_max,
-                    "Wanted largest error over the check weights (default: reported, not asked)")
+                    "Allowed largest error over the check weights (default: no limit)")
         ->check(CLI::Range(1e-8, 1.0));
     verb.add_flag("--best-effort", r.is_best_effort,
-                  "Write the asset even if it misses --tolerance (exit code 4 all the same)");
+                  "Write the asset even if it misses --tolerance (the exit code is still 4)");
     verb.add_option("--ritz", r.bake.ritz_count, "krylov: Ritz vectors per tangent")
         ->check(CLI::Range(0, 32))
         ->capture_default_str();
-    verb.add_option("--dim", r.bake.dimension,
-                    "Dimension of the reduced space (default: what the tolerance or --ritz asks for)")
+    verb.add_option("--dim", r.bake.dimension, "Dimension of the reduced space (default: chosen by the tolerance or --ritz)")
         ->check(CLI::Range(1, 256));
     verb.add_option(
             "--energy", r.surrogate,
-            "Stand-in for the energy: quartic (a polynomial, exact, of stvk solids), cubature (few elements, accurate), "
-            "ghost (coarse mesh, of surfaces), or auto: quartic where d is at most 32, else cubature")
+            "Surrogate energy: quartic (an exact polynomial; stvk solids only), cubature (few elements, accurate), ghost (a "
+            "coarse mesh; surfaces only), or auto (for stvk solids quartic if d is at most 32; otherwise cubature)")
         ->check(CLI::IsMember({ "auto", "quartic", "cubature", "ghost" }))
         ->capture_default_str()
         ->type_name("NAME");
     verb.add_option("--elements", r.bake.element_count,
-                    "Cubature elements (default: as few as keep the tolerance, 4 to 12 per dimension)")
+                    "Number of cubature elements (default: the fewest that meet the tolerance, 4 to 12 per dimension)")
         ->check(CLI::Range(1, 1000000));
     verb.add_option_function<std::string>(
             "--cubature",
             [&r](const std::string& name) {
                 r.bake.cubature_solver = name == "nn-htp" ? CubatureSolver::nn_htp : CubatureSolver::nnls;
             },
-            "How cubature elements are found: nnls (greedy) or nn-htp (hard thresholding pursuit, von Tycowicz et al. 2013)")
+            "How to find cubature elements: nnls (greedy) or nn-htp (hard thresholding pursuit, von Tycowicz et al. 2013)")
         ->check(CLI::IsMember({ "nnls", "nn-htp" }))
         ->default_str("nnls")
         ->type_name("NAME");
-    verb.add_option("--ghost-vertices", r.bake.ghost_vertex_count, "Vertices of the ghost")
+    verb.add_option("--ghost-vertices", r.bake.ghost_vertex_count, "Number of vertices of the ghost")
         ->check(CLI::Range(4, 1000000))
         ->capture_default_str();
-    verb.add_option("--check-samples", r.bake.check_count,
-                    "Weights at which dimension, elements and dead load are judged by unreduced averages")
+    verb.add_option(
+            "--check-samples", r.bake.check_count,
+            "Number of weights at which dimension, elements and dead load are chosen by comparison with unreduced averages")
         ->check(CLI::Range(0, 1000))
         ->capture_default_str();
     verb.add_option("--fresh-samples", r.bake.fresh_count,
-                    "Further weights, by which nothing is chosen, at which the asset is compared with unreduced averages")
+                    "Number of further weights at which the finished asset is compared with unreduced averages; they affect "
+                    "no choice")
         ->check(CLI::Range(0, 1000))
         ->capture_default_str();
-    verb.add_option("--position-error", r.bake.position_error,
-                    "How far a vertex may be moved by storing the basis in few bits, over the bounding-box diagonal; 0 "
-                    "stores single "
-                    "precision, which --fix always does")
+    verb.add_option(
+            "--position-error", r.bake.position_error,
+            "Allowed displacement of a vertex by the compact storage of the basis, as a fraction of the bounding-box "
+            "diagonal; 0 stores single precision, as --fix always does")
         ->check(CLI::Range(0.0, 1e-2))
         ->capture_default_str();
-    verb.add_option("--seed", r.bake.seed, "Seed of everything random")->capture_default_str();
+    verb.add_option("--seed", r.bake.seed, "Random seed")->capture_default_str();
     verb.add_flag_callback(
         "--no-scene", [&r] { r.bake.keep_scene = false; },
-        "Do not store what poses from glTF are drawn with: texture coordinates, colours, materials, images");
-    verb.add_option("--report", r.report, "Also write a report with errors and times")->type_name("OUT.json");
+        "Do not store texture coordinates, colours, materials and images of poses from glTF files");
+    verb.add_option("--report", r.report, "Also write a report with errors, times and warnings")->type_name("OUT.json");
     verb.add_option(
             "--depfile", r.depfile,
-            "Also write the names of all files that were read (poses and what they name, --fix, --surface, --config), "
-            "as Make and Ninja want them")
+            "Also write a dependency file for Make and Ninja with the names of all files that were read: the poses and the "
+            "files that they refer to, --fix, --surface, --config")
         ->type_name("OUT.d");
     verb.add_option(
             "--stamp", r.stamp,
-            "Also write, last of all, what the asset was baked from: hashes of all inputs and of the asset, options, "
-            "version. `pliant bake-all` keeps one beside each asset")
+            "Also write, as the last file, a stamp of the bake: hashes of all inputs and of the asset, options, version. "
+            "`pliant bake-all` keeps a stamp next to each asset")
         ->type_name("OUT.stamp");
     add_threads(verb);
     add_quiet(verb, r.is_quiet);

@@ -93,7 +93,7 @@ Json checked_value(const CLI::Option& option, const Json& value, const std::stri
         if (!is_whole(value)) fail_wrong_kind(where, key, "a whole number", value);
         return value.is_number_float() ? Json(std::int64_t(value.get<double>())) : value;
     case Kind::name:
-        if (!value.is_string()) fail_wrong_kind(where, key, "a text", value);
+        if (!value.is_string()) fail_wrong_kind(where, key, "a string", value);
         return value;
     default: return checked_paths(kind, key, value, where, folder);
     }

@@ -127,7 +127,7 @@ int catch_interrupts()
 {
     int ends[2];
     if (::pipe2(ends, O_CLOEXEC | O_NONBLOCK) != 0)
-        throw Failure(ExitCode::failed, error_at(4601, "", "a pipe cannot be made", "close other programs"));
+        throw Failure(ExitCode::failed, error_at(4601, "", "a pipe cannot be created", "close other programs"));
     interrupt_pipe = ends[1];
     return ends[0];
 }

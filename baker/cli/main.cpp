@@ -25,7 +25,7 @@ ExitCode guarded(const std::string& name, const Verb& verb)
     } catch (const Interrupted&) {
         return ExitCode::interrupted;
     } catch (const std::bad_alloc&) {
-        print_finding(name, error_at(4901, "", "memory ran out", "`pliant check` says how much a bake needs"));
+        print_finding(name, error_at(4901, "", "memory ran out", "`pliant check` estimates the memory of a bake"));
     } catch (const std::exception& e) {
         print_finding(
             name, error_at(4902, "", fmt::format("unexpected: {}", e.what()), "please report this with the command line"));
@@ -49,13 +49,13 @@ int main(int argc, char** argv)
     start_with_one_blas_thread(argv);
     keep_freed_memory();
     install_signal_handlers();
-    CLI::App app("Pliant: bake poses of a character into an asset that games blend elastically.", "pliant");
+    CLI::App app("Pliant: bakes poses of a character into an asset that games blend elastically.", "pliant");
     app.set_version_flag("--version", baker_version);
     app.require_subcommand(1);
     app.failure_message(CLI::FailureMessage::help);
-    app.footer("Exit codes: 0 done, 1 failed while working, 2 wrong usage, 3 bad input file, 4 misses the tolerance, 130 "
+    app.footer("Exit codes: 0 success, 1 failure, 2 wrong usage, 3 bad input file, 4 tolerance missed, 130 "
                "interrupted.\n"
-               "`pliant VERB --help` teaches each verb with an example.");
+               "`pliant VERB --help` explains a verb, with an example.");
     const std::vector<std::pair<std::string, Verb>> verbs = {
         { "bake", add_bake(app) },         { "check", add_check(app) },     { "average", add_average(app) },
         { "blend", add_blend(app) },       { "measure", add_measure(app) }, { "info", add_info(app) },
@@ -67,7 +67,8 @@ int main(int argc, char** argv)
     } catch (const CLI::ParseError& e) {
         if (e.get_exit_code() == 0) return app.exit(e); // --help, --version
         const std::string name = app.get_subcommands().empty() ? "" : " " + app.get_subcommands()[0]->get_name();
-        fmt::print(stderr, "pliant{}: error P1101: {}\n  hint: `pliant{} --help` shows how\n", name, e.what(), name);
+        fmt::print(stderr, "pliant{}: error P1101: {}\n  hint: `pliant{} --help` lists the arguments\n", name, e.what(),
+                   name);
         return int(pliant::ExitCode::usage);
     }
     for (const auto& [name, verb] : verbs) {

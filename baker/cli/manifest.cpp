@@ -50,7 +50,7 @@ Json checked_part(const Json& part, const std::string& where, const std::string&
     for (const auto& [key, value] : part.items()) {
         if (!is_one_of(known, key) && key != "$schema") fail_unknown_key(where, key, known);
         if (key != "name" && key != "config") continue;
-        if (!value.is_string() || value.get<std::string>().empty()) fail_wrong_kind(where, key, "a text", value);
+        if (!value.is_string() || value.get<std::string>().empty()) fail_wrong_kind(where, key, "a string", value);
         options.erase(key);
     }
     return checked_config(bake.app, options, where, folder);
@@ -115,10 +115,10 @@ void check_distinct(const std::vector<BatchJob>& jobs, const std::string& path)
         for (std::size_t k = 0; k < i; ++k) {
             if (jobs[i].name == jobs[k].name)
                 fail(2708, path, fmt::format("bakes[{}] and bakes[{}] have the name {}", k, i, excerpt(jobs[i].name)),
-                     "give each bake a name of its own");
+                     "give each bake its own name");
             if (place(jobs[i].output) == place(jobs[k].output))
                 fail(2708, path, fmt::format("bakes[{}] and bakes[{}] have the output {}", k, i, jobs[i].output),
-                     "give each bake an output of its own");
+                     "give each bake its own output");
         }
 }
 

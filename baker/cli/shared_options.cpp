@@ -49,20 +49,20 @@ void add_material(CLI::App& verb, EnergyOptions& options)
                 for (Material v : values)
                     if (name == name_of(v)) options.material = v;
             },
-            "Elastic energy. Of surfaces: discrete-shells (thin shell, the default and best for characters) or arap (as "
-            "rigid as possible; one connected surface; for characters of few polygons, whose shells may snap from fold to "
-            "fold). Of solids: stvk (St. Venant-Kirchhoff, the default) or mooney-rivlin (holds its volume better, "
-            "tetrahedra never turn inside out)")
+            "Elastic energy. For surfaces: discrete-shells (thin shell; the default, best for characters) or arap (as "
+            "rigid as possible; needs one connected surface; for low-polygon characters, whose shells may snap between "
+            "folds). For solids: stvk (St. Venant-Kirchhoff; the default) or mooney-rivlin (preserves volume better, "
+            "never inverts tetrahedra)")
         ->check(CLI::IsMember(names))
         ->type_name("NAME");
     verb.add_option(
             "--poisson", options.poisson,
-            "Poisson's ratio of a solid (default: 0.4 for stvk, 0.45 for mooney-rivlin; above 0.45 tetrahedra lock); "
-            "where a .veg file gives its parts moduli, those count")
+            "Poisson's ratio of a solid (default: 0.4 for stvk, 0.45 for mooney-rivlin; above 0.45 tetrahedra lock). "
+            "The materials of a .veg file take precedence")
         ->check(CLI::Range(0.0, 0.499));
 }
 
-// What a glTF file names is input, too. One that cannot be read is reported where it is loaded.
+// The files that a glTF file refers to are inputs, too. One that cannot be read is reported where it is loaded.
 void add_named_files(const std::string& path, std::vector<std::string>& files)
 {
     if (!is_gltf_name(path)) return;
@@ -78,11 +78,13 @@ void add_named_files(const std::string& path, std::vector<std::string>& files)
 CLI::Option* add_pose_arguments(CLI::App& verb, std::vector<std::string>& poses)
 {
     return verb
-        .add_option("poses", poses,
-                    "Poses, the rest pose first: one mesh, other positions. Surfaces: .obj .ply .off .glb .gltf; solids of "
-                    "tetrahedra: .msh (Gmsh) .mesh (MEDIT) .veg (Vega) .vtk. A glTF file gives its shape at rest and "
-                    "every morph target at weight 1; FILE.glb#rest only the first, FILE.glb#target=NAME,NAME only these "
-                    "targets, FILE.glb#animation=NAME@0,0.3,0.6 an animation (name, or number from 0) at these seconds")
+        .add_option(
+            "poses", poses,
+            "Poses, the rest pose first: one mesh with different positions. Surfaces: .obj .ply .off .glb .gltf; solids of "
+            "tetrahedra: .msh (Gmsh) .mesh (MEDIT) .veg (Vega) .vtk. A glTF file gives its rest shape and one "
+            "pose for each morph target at weight 1. FILE.glb#rest gives the rest shape only, "
+            "FILE.glb#target=NAME,NAME only these targets, FILE.glb#animation=NAME@0,0.3,0.6 an animation (by "
+            "name, or by number from 0) at these times in seconds")
         ->required()
         ->type_name("POSE")
         ->expected(1, -1);
@@ -92,13 +94,13 @@ void add_energy_options(CLI::App& verb, EnergyOptions& options)
 {
     add_material(verb, options);
     add_choice(verb, "--membrane", options.shell.membrane, { Membrane::neo_hookean, Membrane::stvk, Membrane::edge },
-               "How a shell resists stretching; neo-hookean cannot collapse a triangle");
+               "Membrane energy of shells: how they resist stretching; neo-hookean cannot collapse a triangle");
     verb.add_option("--thickness", options.shell.thickness,
-                    "Shell thickness relative to the root of the surface area: more bends less sharply")
+                    "Shell thickness relative to the square root of the surface area; a thicker shell bends less sharply")
         ->capture_default_str()
         ->check(CLI::Range(1e-6, 1.0));
     verb.add_option("--foldover-damping", options.shell.foldover_damping,
-                    "Factor on the bending of hinges that are folded over in some pose; 1 = off")
+                    "Factor on the bending energy of hinges that are folded over in some pose; 1 = off")
         ->capture_default_str()
         ->check(CLI::Range(0.0, 1.0));
     std::vector<SolverKind> solvers = { SolverKind::eigen };
@@ -106,16 +108,17 @@ void add_energy_options(CLI::App& verb, EnergyOptions& options)
     add_choice(verb, "--solver", options.solver, solvers,
                "Sparse factorisation: cholmod (fast) or eigen (portable, bit-stable)");
     verb.add_flag("--no-align", options.keep_placement,
-                  "Take the poses where they stand instead of moving them rigidly onto the first");
+                  "Keep the poses where they are instead of aligning them rigidly with the first");
     verb.add_option(
             "--weld", options.weld_tolerance,
-            "Vertices of a surface that lie this near to each other in all poses, over the diagonal, are one for the "
-            "energy: seams of files are no cuts; 0: none are")
+            "Weld surface vertices that are closer than this in all poses, as a fraction of the bounding-box diagonal, so "
+            "that seams in a file are not cuts; 0 welds none")
         ->check(CLI::Range(0.0, 1e-3))
         ->capture_default_str();
-    verb.add_option("--fix", options.fixed_path,
-                    "Vertices that stay where they are: a text file, one number a line, from 0 as the pose files count. "
-                    "Implies --no-align")
+    verb.add_option(
+            "--fix", options.fixed_path,
+            "Text file of fixed vertices: one vertex number per line, counted from 0 in the order of the pose files. "
+            "Implies --no-align")
         ->type_name("FILE")
         ->each([&options](const std::string&) { options.keep_placement = true; });
 }
@@ -123,33 +126,29 @@ void add_energy_options(CLI::App& verb, EnergyOptions& options)
 void add_threads(CLI::App& verb)
 {
     verb.add_option_function<unsigned>("--threads", set_thread_count,
-                                       "Threads for element loops (default: all cores); results do not depend on it")
+                                       "Number of threads (default: all cores); results do not depend on it")
         ->check(CLI::Range(1u, 256u));
 }
 
 void add_all_vertices(CLI::App& verb, bool& all_vertices)
 {
     verb.add_flag("--all", all_vertices,
-                  "Of a solid write all vertices in the order of the pose files, not its boundary alone");
+                  "Write all vertices of a solid, in the order of the pose files, instead of its boundary only");
 }
 
 void add_surface(CLI::App& verb, std::string& path)
 {
-    verb.add_option(
-            "--surface", path,
-            "Surface that is drawn in the place of a solid's own boundary, and rides on its tetrahedra: .obj .ply or "
-            ".off, in place and units of the first pose, of any topology")
+    verb.add_option("--surface", path,
+                    "Render mesh of a solid instead of its own boundary; it follows the tetrahedra. An .obj, .ply or .off "
+                    "file of any topology, at the place of the first pose and in its units")
         ->type_name("FILE");
 }
 
-void add_quiet(CLI::App& verb, bool& is_quiet)
-{
-    verb.add_flag("-q,--quiet", is_quiet, "No progress, only warnings and errors");
-}
+void add_quiet(CLI::App& verb, bool& is_quiet) { verb.add_flag("-q,--quiet", is_quiet, "Print warnings and errors only"); }
 
 void add_json(CLI::App& verb, bool& is_json)
 {
-    verb.add_flag("--json", is_json, "Figures as JSON to standard output; if it fails, nothing stands there");
+    verb.add_flag("--json", is_json, "Print the results as JSON to standard output; on failure nothing is printed there");
 }
 
 namespace {
@@ -249,8 +248,8 @@ std::string frame_name(const std::string& pattern, std::size_t frame)
     std::size_t end = percent == std::string::npos ? percent : pattern.find_first_not_of("0123456789", percent + 1);
     if (end == std::string::npos || pattern[end] != 'd' || pattern.find('%', end) != std::string::npos)
         throw Failure(ExitCode::usage,
-                      error_at(1205, "", fmt::format("'{}' does not say where the frame number goes", pattern),
-                               "write it as frame_%04d.ply: one %d or %04d"));
+                      error_at(1205, "", fmt::format("'{}' has no place for the frame number", pattern),
+                               "write it as frame_%04d.ply, with one %d or %04d"));
     const std::string digits = pattern.substr(percent + 1, end - percent - 1);
     const std::size_t width = digits.empty() ? 0 : std::min<std::size_t>(std::stoul("0" + digits.substr(0, 4)), 20);
     std::string number = std::to_string(frame);

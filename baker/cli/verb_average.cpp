@@ -57,7 +57,7 @@ std::vector<Weights> simplex_grid(std::size_t pose_count, std::uint32_t steps)
                       error_at(1221, "",
                                fmt::format("--grid {} of {} poses has {:.0f} points, the limit is {:.0f}", steps, pose_count,
                                            count, grid_limit),
-                               "take a smaller N, or list the weights you want and give them with --path"));
+                               "take a smaller N, or list the weights in a file and give it with --path"));
     std::vector<Weights> points;
     Weights row = Weights::Zero(Eigen::Index(pose_count));
     add_grid_points(row, 0, steps, steps, points);
@@ -96,7 +96,7 @@ void check_usage(const Arguments& a)
                       error_at(1220, "", "give one of --weights, --path and --grid", "see `pliant average --help`"));
     if (!a.list.empty() && a.grid == 0)
         throw Failure(ExitCode::usage,
-                      error_at(1224, "", "--list belongs to --grid", "the weights of --path are in its file already"));
+                      error_at(1224, "", "--list belongs to --grid", "the file of --path lists its weights already"));
     if (!a.weights.empty()) parse_weights(a.weights);
     const std::vector<std::string> inputs = all_inputs(a);
     probe_output(a.weights.empty() ? frame_name(a.output, 0) : a.output, inputs);
@@ -201,20 +201,20 @@ ExitCode run(const Arguments& a)
 Verb add_average(CLI::App& app)
 {
     auto a = std::make_shared<Arguments>();
-    CLI::App* verb = app.add_subcommand("average", "Compute the unreduced elastic average: the truth, slowly");
+    CLI::App* verb = app.add_subcommand("average", "Compute unreduced elastic averages: slow, the reference for blends");
     verb->footer("Examples:\n  pliant average rest.ply run.ply --weights 1,1 -o between.ply\n"
                  "  pliant average rest.ply run.ply --path weights.csv -o truth_%04d.ply\n"
                  "  pliant average rest.ply run.ply --grid 8 --list truth.csv -o truth_%04d.ply\n"
-                 "Meshes of --path and --grid are what `pliant-player --truth` shows beside its blends.");
+                 "`pliant-player --truth` shows meshes of --path and --grid next to its blends.");
     add_pose_arguments(*verb, a->poses);
     verb->add_option("-w,--weights", a->weights, "One weight per pose, separated by commas")->type_name("W1,W2,...");
-    verb->add_option("--path", a->path, "File with one line of weights per mesh: all of them in one run")
+    verb->add_option("--path", a->path, "File with one line of weights per mesh; computes all of them in one run")
         ->type_name("FILE.csv");
-    verb->add_option("--grid", a->grid, "All weights that are multiples of 1/N, corners included")
+    verb->add_option("--grid", a->grid, "Compute the averages at all weights that are multiples of 1/N, corners included")
         ->type_name("N")
         ->check(CLI::Range(1u, 1000u));
-    verb->add_option("--list", a->list, "With --grid: write the weights there, one line per mesh")->type_name("FILE.csv");
-    verb->add_option("-o,--output", a->output, "Mesh to write; with --path and --grid a pattern like truth_%04d.ply")
+    verb->add_option("--list", a->list, "With --grid: also write the weights, one line per mesh")->type_name("FILE.csv");
+    verb->add_option("-o,--output", a->output, "Mesh to write; with --path and --grid a pattern such as truth_%04d.ply")
         ->required()
         ->type_name("OUT.ply");
     add_energy_options(*verb, a->energy);

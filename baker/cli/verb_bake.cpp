@@ -26,19 +26,19 @@ void print_summary(const BakeRequest& a, const BakedAsset& baked)
         : fmt::format("{} elements{}", r.fit.element_count, r.fit.surrogate.has_load ? " and a dead load" : "");
     fmt::print("{}: {} poses, {} vertices, d = {}, {}, {:.1f} MiB\n", a.output, r.input.pose_count, r.input.vertex_count,
                r.fit.dimension, energy, double(baked.bytes.size()) / 1048576.0);
-    fmt::print("basis: {:.2f} bytes a number, off by {:.1e} of the diagonal at most\n", r.check.basis.bytes_per_number,
+    fmt::print("basis: {:.2f} bytes per number, largest error {:.1e} of the diagonal\n", r.check.basis.bytes_per_number,
                r.check.basis.largest_difference);
-    if (!r.fit.reason.empty()) fmt::print("cubature, not the quartic: {}\n", r.fit.reason);
+    if (!r.fit.reason.empty()) fmt::print("cubature instead of the quartic: {}\n", r.fit.reason);
     if (r.input.tet_count && !r.check.blends.empty())
-        fmt::print("smallest J of a tetrahedron: {:.3f}\n", r.check.cell_ratio);
+        fmt::print("smallest volume ratio of a tetrahedron: {:.3f}\n", r.check.cell_ratio);
     if (r.check.render_mesh)
-        fmt::print("drawn: {} vertices of {}{}\n", a.bake.render_mesh->embedding.count(), a.surface,
+        fmt::print("render mesh: {} vertices of {}{}\n", a.bake.render_mesh->embedding.count(), a.surface,
                    r.check.blends.empty() ? ""
-                                          : fmt::format(", relative L2 there {:.2e} (mean), {:.2e} (largest)",
+                                          : fmt::format(", relative L2 {:.2e} (mean), {:.2e} (largest)",
                                                         r.check.render_mesh->mean, r.check.render_mesh->largest));
     if (!r.check.blends.empty())
         fmt::print(
-            "blends at {} weights: relative L2 {:.2e} (mean), {:.2e} (largest), of which the subspace {:.2e} and {:.2e}; "
+            "blends at {} weights: relative L2 {:.2e} (mean), {:.2e} (largest), the subspace alone {:.2e} and {:.2e}; "
             "farthest vertex {:.2f} % of the diagonal\n",
             r.check.blends.size(), r.check.mean_error, r.check.largest_error, r.fit.subspace_error.mean,
             r.fit.subspace_error.largest, 100 * r.check.largest_distance);
@@ -145,22 +145,22 @@ ExitCode run(BakeRequest& a, CLI::App& verb)
 Verb add_bake(CLI::App& app)
 {
     auto a = std::make_shared<BakeRequest>();
-    CLI::App* verb = app.add_subcommand("bake", "Turn poses into an asset for the runtime");
+    CLI::App* verb = app.add_subcommand("bake", "Bake poses into an asset for the runtime");
     verb->footer("Example:\n  pliant bake rest.ply run.ply jump.ply -o hero.pliant\n"
-                 "Bakes the three poses of one mesh (same vertices, same faces) into hero.pliant, then checks it with the "
-                 "real runtime\n"
-                 "against the unreduced average. Try `pliant check` first: it is quick and writes nothing.");
+                 "Bakes three poses of one mesh (same vertices, same faces) into hero.pliant, then compares blends of the "
+                 "runtime with\nunreduced averages. Try `pliant check` first: it is fast and writes nothing.");
     add_bake_options(*verb, *a);
-    verb->add_option("--config", a->config,
-                     "Options from a JSON file, keys as here with '_' for '-', poses and output among them; its paths are "
-                     "relative to its folder, and options of the command line beat it (schema: bake_config.schema.json)")
+    verb->add_option(
+            "--config", a->config,
+            "Read options, poses and output from a JSON file (schema: bake_config.schema.json). Keys are the options with "
+            "'_' for '-', paths are relative to the folder of the file. The command line overrides it")
         ->type_name("FILE.json");
     verb->add_flag(
         "--print-config", a->is_print_config,
-        "Print all options as they would be, as JSON for --config (paths as seen from the current folder), and bake "
+        "Print all options with their values as JSON for --config (paths relative to the current folder), and bake "
         "nothing");
     verb->add_flag("--dry-run", a->is_dry_run,
-                   "Check the poses, print what the bake would cost, as JSON like `pliant check --json`, and bake nothing");
+                   "Check the poses, print the estimated cost as JSON like `pliant check --json`, and bake nothing");
     return [a, verb] { return run(*a, *verb); };
 }
 

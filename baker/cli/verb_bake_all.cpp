@@ -54,7 +54,7 @@ void keep_only(std::vector<BatchJob>& jobs, const std::vector<std::string>& only
         const std::string nearest = nearest_word(name, names);
         throw Failure(ExitCode::usage,
                       error_at(1304, "", fmt::format("--only {}: the manifest has no such bake", excerpt(name)),
-                               nearest.empty() ? "names are the \"name\" of a bake, or its output without .pliant"
+                               nearest.empty() ? "a bake has its \"name\", or the name of its output without .pliant"
                                                : fmt::format("did you mean {}?", nearest)));
     }
     const auto is_left_out
@@ -100,12 +100,13 @@ ExitCode run(const Arguments& a)
 void add_what_to_do(CLI::App& verb, Arguments& a)
 {
     verb.add_flag("--dry-run", a.is_dry_run, "Print the plan and bake nothing");
-    verb.add_flag("--force", a.is_forced, "Bake what is up to date, too");
-    verb.add_option("--only", a.only, "Only the bake with this name; may be given several times")
+    verb.add_flag("--force", a.is_forced, "Also bake assets that are up to date");
+    verb.add_option("--only", a.only, "Bake only the one with this name; may be given several times")
         ->type_name("NAME")
         ->allow_extra_args(false);
-    CLI::Option* keep_going = verb.add_flag("--keep-going", a.is_keep_going, "Bake the others if one fails (the default)");
-    verb.add_flag("--fail-fast", a.is_fail_fast, "Start no further bake once one has failed")->excludes(keep_going);
+    CLI::Option* keep_going
+        = verb.add_flag("--keep-going", a.is_keep_going, "Continue with the other bakes if one fails (the default)");
+    verb.add_flag("--fail-fast", a.is_fail_fast, "Start no further bake after the first failure")->excludes(keep_going);
 }
 
 } // namespace
@@ -113,7 +114,7 @@ void add_what_to_do(CLI::App& verb, Arguments& a)
 Verb add_bake_all(CLI::App& app)
 {
     auto a = std::make_shared<Arguments>();
-    CLI::App* verb = app.add_subcommand("bake-all", "Bake many characters, those only that are not up to date");
+    CLI::App* verb = app.add_subcommand("bake-all", "Bake all characters of a manifest that are not up to date");
     verb->footer(
         "Example:\n  pliant bake-all characters.json --jobs 4 --memory 16GiB\n"
         "with characters.json\n"
@@ -122,27 +123,26 @@ Verb add_bake_all(CLI::App& app)
         "               { \"name\": \"troll\", \"config\": \"troll.json\" } ] }\n"
         "Keys are the options of `pliant bake` with '_' for '-'; paths are relative to the folder of the manifest. An asset "
         "is up to date if\n"
-        "its stamp (NAME.pliant.stamp) says that it was baked from these contents, with these options, by this version; "
-        "times "
-        "of files do\n"
-        "not count. Each bake is a process of its own: stop at any time and run again, what is done stays done. Exit codes: "
-        "0 all is done,\n"
-        "1 a bake failed, 4 only tolerances are missed, 130 interrupted.");
+        "its stamp (NAME.pliant.stamp) records the same inputs, options and version; file times do not matter. Each bake "
+        "runs in its own\n"
+        "process: you can interrupt bake-all and start it again, finished bakes are kept. Exit codes: 0 success, 1 a bake "
+        "failed, 4 only\n"
+        "tolerances were missed, 130 interrupted.");
     verb->add_option("manifest", a->manifest, "JSON file with all bakes (schema: bake_manifest.schema.json)")
         ->required()
         ->type_name("MANIFEST.json");
-    verb->add_option("-j,--jobs", a->job_count, "Bakes at the same time; each gets its share of the cores")
+    verb->add_option("-j,--jobs", a->job_count, "Number of bakes at the same time; each gets its share of the cores")
         ->check(CLI::Range(1, 256))
         ->capture_default_str();
     verb->add_option(
             "--memory", a->memory,
-            "Memory for all bakes that run at the same time, by their estimates (see `pliant check`): what does not "
-            "fit waits; 500MiB, 16GiB, ... (default: 80 % of the machine's, or of the container's)")
+            "Memory that all running bakes together may use, by their estimates (see `pliant check`), such as 500MiB or "
+            "16GiB; other bakes wait (default: 80 % of the memory of the machine or container)")
         ->transform(CLI::AsSizeValue(false))
         ->type_name("SIZE");
     add_what_to_do(*verb, *a);
     verb->add_option("--report", a->report, "Also write the summary as JSON")->type_name("OUT.json");
-    verb->add_flag("--json", a->is_json, "The summary as JSON to standard output; the plan goes to standard error");
+    verb->add_flag("--json", a->is_json, "Print the summary as JSON to standard output and the plan to standard error");
     add_quiet(*verb, a->is_quiet);
     return [a] { return run(*a); };
 }

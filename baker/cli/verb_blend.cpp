@@ -86,14 +86,14 @@ ExitCode run(const Arguments& a)
 Verb add_blend(CLI::App& app)
 {
     auto a = std::make_shared<Arguments>();
-    CLI::App* verb = app.add_subcommand("blend", "Blend with the runtime and write the shape");
+    CLI::App* verb = app.add_subcommand("blend", "Compute blends with the runtime and write them as meshes");
     verb->footer("Examples:\n  pliant blend hero.pliant --weights 0.5,0.25,0.25 -o blend.ply\n"
                  "  pliant blend hero.pliant --path weights.csv -o frame_%04d.ply");
     verb->add_option("asset", a->asset, "Asset")->required()->type_name("ASSET");
-    verb->add_option("-w,--weights", a->weights, "One weight per pose, separated by commas; only ratios matter")
+    verb->add_option("-w,--weights", a->weights, "One weight per pose, separated by commas; only their ratios matter")
         ->type_name("W1,W2,...");
     verb->add_option("--path", a->path, "File with one line of weights per frame")->type_name("FILE.csv");
-    verb->add_option("-o,--output", a->output, "Mesh to write; with --path a pattern like frame_%04d.ply")
+    verb->add_option("-o,--output", a->output, "Mesh to write; with --path a pattern such as frame_%04d.ply")
         ->required()
         ->type_name("OUT.ply");
     add_all_vertices(*verb, a->all_vertices);

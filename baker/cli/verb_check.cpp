@@ -39,11 +39,11 @@ double turned_degrees(const NormalizedPoses& set, std::size_t pose)
 void print_surface(const PoseSet& poses)
 {
     const RenderMesh* const drawn = poses.render_mesh.get();
-    fmt::print("{} poses of {} vertices, {} faces, {} triangles: fit to bake\n", poses.pose_count(),
+    fmt::print("{} poses of {} vertices, {} faces, {} triangles: ready to bake\n", poses.pose_count(),
                drawn ? drawn->embedding.count() : poses.vertex_count(), poses.polygons.count(),
                drawn ? drawn->triangles.size() : poses.triangles.size());
     if (drawn)
-        fmt::print("  the elastic mesh has {} vertices, {} triangles in {} components\n", poses.vertex_count(),
+        fmt::print("  the simulation mesh has {} vertices, {} triangles in {} components\n", poses.vertex_count(),
                    poses.triangles.size(), poses.repairs.component_count);
 }
 
@@ -57,18 +57,19 @@ ExitCode run(const Arguments& a)
     const NormalizedPoses set = normalize(poses, a.bake.energy.keep_placement);
     const Material material = material_for(a.bake.energy, poses.is_solid());
     if (poses.is_solid())
-        fmt::print("{} poses of {} vertices, {} tetrahedra, {} of the vertices on the boundary: fit to bake\n",
+        fmt::print("{} poses of {} vertices, {} tetrahedra, {} of the vertices on the boundary: ready to bake\n",
                    poses.pose_count(), poses.vertex_count(), poses.tets.size(), poses.boundary_vertex_count);
     else
         print_surface(poses);
     for (std::size_t k = 1; k < poses.pose_count(); ++k)
-        fmt::print("  {}: turned by {:.1f} degrees to meet {}\n", poses.names[k], turned_degrees(set, k), poses.names[0]);
+        fmt::print("  {}: rotated by {:.1f} degrees to align it with {}\n", poses.names[k], turned_degrees(set, k),
+                   poses.names[0]);
     const Hinges hinges = hinges_of(set, material, a.bake.energy.shell);
     if (hinges.foldover_count > 0)
-        fmt::print("  {} of {} hinges are folded over or fold strongly between poses: their bending will be damped\n",
+        fmt::print("  {} of {} hinges are folded over or fold strongly between poses: their bending energy will be damped\n",
                    hinges.foldover_count, hinges.count);
     const BakeEstimate e = estimate_bake(poses.vertex_count(), poses.pose_count(), a.bake);
-    fmt::print("a bake would have d = {}, take roughly {:.0f} s and {:.1f} GiB, and write {:.1f} MiB\n", e.dimension,
+    fmt::print("estimate of a bake: d = {}, {:.0f} s, {:.1f} GiB of memory, an asset of {:.1f} MiB\n", e.dimension,
                e.seconds, e.memory / 1073741824.0, e.asset_size / 1048576.0);
     return ExitCode::done;
 }
@@ -100,12 +101,11 @@ nlohmann::ordered_json describe_poses(const PoseSet& poses, const BakeOptions& o
 Verb add_check(CLI::App& app)
 {
     auto a = std::make_shared<Arguments>();
-    CLI::App* verb = app.add_subcommand("check", "Check poses and say what a bake would cost; writes nothing");
-    verb->footer(
-        "Example:\n  pliant check rest.ply run.ply jump.ply\nReports everything that is wrong with all files in one run.");
+    CLI::App* verb = app.add_subcommand("check", "Check poses and estimate the cost of a bake; writes nothing");
+    verb->footer("Example:\n  pliant check rest.ply run.ply jump.ply\nReports the problems of all files in one run.");
     add_pose_arguments(*verb, a->poses);
     add_energy_options(*verb, a->bake.energy);
-    verb->add_option("--dim", a->bake.dimension, "As for bake")->check(CLI::Range(1, 256));
+    verb->add_option("--dim", a->bake.dimension, "Dimension of the reduced space, as for bake")->check(CLI::Range(1, 256));
     add_json(*verb, a->is_json);
     return [a] { return run(*a); };
 }

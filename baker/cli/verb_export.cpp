@@ -56,17 +56,17 @@ void tell(const Arguments& a, const ExportedFile& file)
                    report.part_count == 1 ? "part" : "parts", report.image_count,
                    report.image_count == 1 ? "image" : "images");
     if (report.target_count)
-        fmt::print("  {} morph targets; normals against recomputed ones: mean {:.2f}, 99.9 % below {:.2f}, worst {:.1f} "
-                   "degrees\n  animation of {} frames at {:g} a second\n",
+        fmt::print("  {} morph targets; error of normals: mean {:.2f}, 99.9 % below {:.2f}, largest {:.1f} degrees\n"
+                   "  animation of {} frames at {:g} frames per second\n",
                    report.target_count, report.normal_error.mean_degrees, report.normal_error.percentile_degrees,
                    report.normal_error.worst_degrees, report.frame_count, a.frames_per_second);
     if (report.bone_count)
-        fmt::print(
-            "  {} bones; against the blends: RMS {:.3f} %, largest {:.2f} % of the diagonal\n  animation of {} frames at "
-            "{:g} a second\n",
-            report.bone_count, 100 * report.skin_rms, 100 * report.skin_largest, report.frame_count, a.frames_per_second);
+        fmt::print("  {} bones; distance from the blends: RMS {:.3f} %, largest {:.2f} % of the diagonal\n"
+                   "  animation of {} frames at {:g} frames per second\n",
+                   report.bone_count, 100 * report.skin_rms, 100 * report.skin_largest, report.frame_count,
+                   a.frames_per_second);
     if (a.with_compression)
-        fmt::print("  compressed with Draco: coordinates are off by {:.2g} at most\n", report.compression_error);
+        fmt::print("  compressed with Draco: largest error of a coordinate {:.2g}\n", report.compression_error);
     if (a.with_asset) fmt::print("  the asset is embedded (PLIANT_elastic_blend)\n");
 }
 
@@ -111,31 +111,31 @@ Verb add_export(CLI::App& app)
     auto a = std::make_shared<Arguments>();
     CLI::App* verb = app.add_subcommand("export", "Write an asset as a GLB for engines");
     verb->footer(
-        "Examples:\n  pliant export hero.pliant -o hero.glb                 morph targets: plays in any glTF viewer\n"
-        "  pliant export hero.pliant --path weights.csv --fps 60 -o hero.glb\n"
-        "  pliant export hero.pliant --embed -o hero.glb         the asset inside, for programs with the runtime\n"
-        "  pliant export hero.pliant --skin 24 -o hero.glb       bones: for engines without morph targets, and crowds\n"
-        "Morph target j is coordinate q_j of the asset, with weights in [0,1]: pliant_morph_weights makes them of the q "
-        "of pliant_solve.");
+        "Examples:\n  pliant export hero.pliant -o hero.glb                 morph targets: works in any glTF viewer\n  "
+        "pliant export hero.pliant --path weights.csv --fps 60 -o hero.glb\n  pliant export hero.pliant --embed -o "
+        "hero.glb         with the asset inside, for programs with the runtime\n  pliant export hero.pliant --skin 24 -o "
+        "hero.glb       bones: for crowds and engines without morph targets\nMorph target j is coordinate q_j of the "
+        "asset; its weights are in [0,1]. pliant_morph_weights computes them from the q of pliant_solve.");
     verb->add_option("asset", a->asset, "Asset")->required()->type_name("ASSET");
     verb->add_option("-o,--output", a->output, "File to write")->required()->type_name("OUT.glb");
     verb->add_flag(
         "--morph", a->with_morph,
-        "The reduced space as morph targets, and an animation of their weights (the default; with --embed only if "
-        "given)");
-    verb->add_flag("--embed", a->with_asset, "Put the asset into the GLB, where the C runtime opens it in place");
+        "Write the reduced space as morph targets, with an animation of their weights (the default without --embed and "
+        "--skin)");
+    verb->add_flag("--embed", a->with_asset, "Put the asset into the GLB; the C runtime opens it there in place");
     verb->add_option("--skin", a->bone_count,
-                     "A skin of B bones, fitted to the blends, instead of morph targets; its error is printed")
+                     "Write a skin of B bones, fitted to the blends, instead of morph targets, and print its error")
         ->check(CLI::Range(1, 1024))
         ->type_name("B");
     verb->add_flag(
         "--draco", a->with_compression,
-        "Compress positions, normals and triangles of the mesh (KHR_draco_mesh_compression); not its morph targets");
-    verb->add_option("--path", a->path,
-                     "The animation: a file with one line of weights a frame (default: from pose to pose and through their "
-                     "average, 6 seconds)")
+        "Compress positions, normals and triangles of the mesh, but not its morph targets (KHR_draco_mesh_compression)");
+    verb->add_option(
+            "--path", a->path,
+            "Animation: a file with one line of weights per frame (default: 6 seconds from pose to pose and through "
+            "their average)")
         ->type_name("FILE.csv");
-    verb->add_option("--fps", a->frames_per_second, "Frames a second of the animation")
+    verb->add_option("--fps", a->frames_per_second, "Frames per second of the animation")
         ->check(CLI::Range(1.0, 1000.0))
         ->capture_default_str();
     add_quiet(*verb, a->is_quiet);

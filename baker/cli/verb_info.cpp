@@ -94,12 +94,12 @@ void print_shape(const Json& info)
     for (const Json& group : basis["columns"])
         columns
             += fmt::format("{}{} of {} bits", columns.empty() ? "" : ", ", group["columns"].dump(), group["bits"].dump());
-    fmt::print("basis: {:.2f} bytes a number; columns: {}\n", basis["bytes_per_number"].get<double>(), columns);
-    fmt::print("file {:.1f} KiB, read in a frame {:.1f} KiB; linear morph targets of the same poses in single precision: "
-               "{:.1f} and "
-               "{:.1f} KiB\n",
-               info["file_size"].get<double>() / 1024, shape["frame_bytes"].get<double>() / 1024,
-               morph["file_size"].get<double>() / 1024, morph["frame_bytes"].get<double>() / 1024);
+    fmt::print("basis: {:.2f} bytes per number; columns: {}\n", basis["bytes_per_number"].get<double>(), columns);
+    fmt::print(
+        "file {:.1f} KiB, read per frame {:.1f} KiB; linear morph targets of the same poses in single precision: {:.1f} and "
+        "{:.1f} KiB\n",
+        info["file_size"].get<double>() / 1024, shape["frame_bytes"].get<double>() / 1024,
+        morph["file_size"].get<double>() / 1024, morph["frame_bytes"].get<double>() / 1024);
 }
 
 ExitCode run_info(const Arguments& a)
@@ -194,14 +194,15 @@ CLI::App* add_asset_verb(CLI::App& app, const char* name, const char* help, cons
 Verb add_info(CLI::App& app)
 {
     auto a = std::make_shared<Arguments>();
-    add_asset_verb(app, "info", "Show what is in an asset", "Example:\n  pliant info hero.pliant", a);
+    add_asset_verb(app, "info", "Show the contents of an asset", "Example:\n  pliant info hero.pliant", a);
     return [a] { return run_info(*a); };
 }
 
 Verb add_validate(CLI::App& app)
 {
     auto a = std::make_shared<Arguments>();
-    add_asset_verb(app, "validate", "Check an asset: structure, checksums, and its stored answers through the runtime",
+    add_asset_verb(app, "validate",
+                   "Check an asset: structure, checksums, and that the runtime reproduces its stored answers",
                    "Example:\n  pliant validate hero.pliant", a);
     return [a] { return run_validate(*a); };
 }

@@ -61,7 +61,7 @@ void print_table(const std::vector<Measurement>& samples)
                    100 * s.error.largest_distance, energy_text(s), s.linear.relative_l2, s.info.iterations,
                    s.info.evaluations, s.microseconds, w,
                    !s.has_converged     ? "  (unreduced average did not converge)"
-                       : s.branch_count ? fmt::format("  (another average is here: {:.1e})", s.nearest_error)
+                       : s.branch_count ? fmt::format("  (nearest other average: {:.1e})", s.nearest_error)
                                         : "");
         mean += s.error.relative_l2 / double(samples.size());
         worst = std::max(worst, s.error.relative_l2);
@@ -77,11 +77,11 @@ void print_table(const std::vector<Measurement>& samples)
                mean, worst, 100 * farthest, median(times));
     if (branched)
         fmt::print(
-            "{} of {} weights have another average than the one that the straight line from the mean leads to; relative "
-            "L2 to the average next to the blend: mean {:.2e}, largest {:.2e}\n",
+            "{} of {} weights have a second average besides the one on the straight path from the mean; relative L2 to "
+            "the average nearest to the blend: mean {:.2e}, largest {:.2e}\n",
             branched, samples.size(), nearest_mean, nearest_worst);
     if (unconverged)
-        fmt::print("{} of {} unreduced averages did not converge: their rows are upper bounds at best\n", unconverged,
+        fmt::print("{} of {} unreduced averages did not converge: their rows are not reliable\n", unconverged,
                    samples.size());
 }
 
@@ -89,11 +89,9 @@ void print_table(const std::vector<Measurement>& samples)
 std::optional<RenderMesh> load_drawn(const Arguments& a, const std::string& certificate, const PoseSet& poses)
 {
     if (has_render_mesh(certificate) == a.surface.empty())
-        throw Failure(
-            ExitCode::bad_input,
-            error_at(5106, a.asset,
-                     a.surface.empty() ? "was baked with a surface of its own (--surface)" : "was baked without --surface",
-                     a.surface.empty() ? "give the same file here: --surface FILE" : "leave --surface out"));
+        throw Failure(ExitCode::bad_input,
+                      error_at(5106, a.asset, a.surface.empty() ? "was baked with --surface" : "was baked without --surface",
+                               a.surface.empty() ? "give the same file here: --surface FILE" : "leave --surface out"));
     if (a.surface.empty()) return {};
     if (a.measure.from_blend)
         throw Failure(ExitCode::usage,
@@ -133,23 +131,23 @@ Verb add_measure(CLI::App& app)
     verb->footer("Example:\n  pliant measure hero.pliant rest.ply run.ply jump.ply --samples 30\n"
                  "Relative L2 is mass-weighted, after rigid alignment, relative to the distance from the centroid; the "
                  "farthest vertex is in\n"
-                 "per cent of the bounding-box diagonal; energy +% is the elastic energy above the least possible; linear "
-                 "L2 is the error\n"
-                 "of the linear blend; times are medians of cold solves on this machine.");
+                 "percent of the bounding-box diagonal; energy +% is the excess of the elastic energy over that of the "
+                 "average; linear L2 is\n"
+                 "the error of the linear blend; times are medians of cold solves on this machine.");
     verb->add_option("asset", a->asset, "Asset")->required()->type_name("ASSET");
-    verb->add_option("poses", a->poses, "The poses it was baked from, in the same order")
+    verb->add_option("poses", a->poses, "The poses that it was baked from, in the same order")
         ->required()
         ->type_name("POSE")
         ->expected(1, -1);
     add_surface(*verb, a->surface);
-    verb->add_option("--samples", a->measure.sample_count, "How many weights")
+    verb->add_option("--samples", a->measure.sample_count, "Number of weights")
         ->check(CLI::Range(1, 100000))
         ->capture_default_str();
-    verb->add_option("--seed", a->measure.seed, "Seed of the weights")->capture_default_str();
+    verb->add_option("--seed", a->measure.seed, "Random seed of the weights")->capture_default_str();
     verb->add_flag(
         "--from-blend", a->measure.from_blend,
-        "Look for each unreduced average by Newton's method from the blend only, and by continuation from the average of "
-        "all poses where that is 5 % away: several times faster, but another branch nearer than that is not seen");
+        "Compute each unreduced average by Newton's method from the blend, and by continuation from the average of all "
+        "poses only where the result is more than 5 % away: several times faster, but misses other branches within 5 %");
     add_json(*verb, a->is_json);
     add_threads(*verb);
     add_quiet(*verb, a->is_quiet);

@@ -90,13 +90,13 @@ void add_material(CLI::App& verb, SolidOptions& material)
             [&material](const std::string& name) {
                 material.law = name == "stvk" ? SolidLaw::stvk : SolidLaw::mooney_rivlin;
             },
-            "Elastic energy: mooney-rivlin (holds its volume) or stvk (St. Venant-Kirchhoff)")
+            "Elastic energy: mooney-rivlin (preserves volume) or stvk (St. Venant-Kirchhoff)")
         ->check(CLI::IsMember(std::vector<std::string> { "mooney-rivlin", "stvk" }))
         ->default_str("mooney-rivlin")
         ->type_name("NAME");
     verb.add_option("--poisson", material.poisson,
-                    "Poisson's ratio (default: 0.45 for mooney-rivlin, 0.4 for stvk); where a .veg file gives its parts "
-                    "moduli, those count")
+                    "Poisson's ratio (default: 0.45 for mooney-rivlin, 0.4 for stvk); the materials of a .veg file "
+                    "take precedence")
         ->check(CLI::Range(0.0, 0.499));
 }
 
@@ -106,16 +106,18 @@ Verb add_pose(CLI::App& app)
 {
     auto a = std::make_shared<Arguments>();
     CLI::App* verb
-        = app.add_subcommand("pose", "Make a new pose of a solid: drag some vertices, the others follow elastically");
+        = app.add_subcommand("pose", "Make a new pose of a solid: moves some vertices, the others follow elastically");
     verb->footer(footer);
     verb->add_option("rest", a->rest, "Rest pose, a solid of tetrahedra: .msh (Gmsh) .mesh (MEDIT) .veg (Vega) .vtk")
         ->required()
         ->type_name("REST");
-    verb->add_option("script", a->script, "Regions and their motions, see below")->required()->type_name("SCRIPT");
+    verb->add_option("script", a->script, "Text file of regions and their motions, see below")
+        ->required()
+        ->type_name("SCRIPT");
     verb->add_option("-o,--output", a->output, "Deformed mesh to write, Gmsh 2.2; vertices and tetrahedra as in REST")
         ->required()
         ->type_name("OUT.msh");
-    verb->add_option("--ply", a->ply, "Also write the boundary of the deformed mesh, to look at it")->type_name("OUT.ply");
+    verb->add_option("--ply", a->ply, "Also write the boundary of the deformed mesh, for viewing")->type_name("OUT.ply");
     add_material(*verb, a->material);
     add_threads(*verb);
     add_quiet(*verb, a->is_quiet);

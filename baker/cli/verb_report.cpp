@@ -63,27 +63,26 @@ ExitCode run(const Arguments& a)
 Verb add_report(CLI::App& app)
 {
     auto a = std::make_shared<Arguments>();
-    CLI::App* verb = app.add_subcommand("report", "Write a page about an asset: pictures, errors, sizes, times, warnings");
+    CLI::App* verb
+        = app.add_subcommand("report", "Write an HTML page about an asset: pictures, errors, sizes, times, warnings");
     verb->footer(
         "Examples:\n  pliant report hero.pliant -o hero.html\n"
         "  pliant bake rest.ply run.ply jump.ply -o hero.pliant --report hero.json && pliant report hero.json -o hero.html\n"
-        "The page is one file that needs nothing else: open it in any browser, send it, print it. An asset knows its "
-        "shapes, errors "
-        "and sizes;\nthe report of the bake adds seconds and warnings, and names the asset, which must be where it was, "
-        "seen from the "
-        "report.\nPictures are drawn without display or graphics driver.");
-    verb->add_option("input", a->input, "Asset, or what `pliant bake --report` wrote about one")
+        "The page is one self-contained file for any browser. The asset provides shapes, errors and sizes. The report of "
+        "the bake adds\ntimes and warnings; it names the asset by a path relative to its own folder. No display or graphics "
+        "driver is needed.");
+    verb->add_option("input", a->input, "Asset, or a report that `pliant bake --report` wrote")
         ->required()
         ->type_name("ASSET|REPORT.json");
     verb->add_option("-o,--output", a->output, "Page to write")->required()->type_name("OUT.html");
-    verb->add_option("--up", a->up, "Axis that points upwards in pictures")
+    verb->add_option("--up", a->up, "Axis that points up in the pictures")
         ->check(CLI::IsMember({ "x", "y", "z" }))
         ->capture_default_str()
         ->type_name("AXIS");
     verb->add_option(
             "--view", a->view,
-            "From where shapes are seen: front (the longer horizontal principal axis of the first pose lies across the "
-            "picture), side (a quarter turn from it) or three-quarter (30 degrees from the front, from a little above)")
+            "Camera: front (the longer horizontal principal axis of the first pose lies across the picture), side (rotated "
+            "by 90 degrees) or three-quarter (rotated by 30 degrees, slightly from above)")
         ->check(CLI::IsMember({ "front", "side", "three-quarter" }))
         ->capture_default_str()
         ->type_name("NAME");

@@ -56,10 +56,10 @@ void take_estimate(BatchJob& job, const ChildEnd& end, double memory)
     job.estimated_memory = estimate.value("memory", 0.0);
     if (job.estimated_memory <= memory) return;
     job.outcome = Outcome::too_large;
-    tell(to_text(error_at(
-        4603, job.name,
-        fmt::format("would take {}, there are {} for all bakes", size_text(job.estimated_memory), size_text(memory)),
-        "raise --memory, lower --threads, or bake a coarser mesh")));
+    tell(to_text(
+        error_at(4603, job.name,
+                 fmt::format("needs {}, all bakes together may use {}", size_text(job.estimated_memory), size_text(memory)),
+                 "raise --memory, lower --threads, or bake a coarser mesh")));
 }
 
 // How a child ended, unless it was well.
@@ -70,8 +70,9 @@ void judge_end(BatchJob& job, const ChildEnd& end)
     if (end.signal != 0) {
         job.outcome = Outcome::crashed;
         tell(to_text(error_at(4602, job.name, fmt::format("the bake was killed by signal {}", end.signal),
-                              end.signal == 9 ? "the system kills what takes too much memory: lower --jobs or --memory"
-                                              : "please report this with its poses")));
+                              end.signal == 9
+                                  ? "the system kills processes that use too much memory: lower --jobs or --memory"
+                                  : "please report this with its poses")));
     } else if (end.exit_code == int(ExitCode::misses_tolerance)) {
         job.outcome = Outcome::misses_tolerance;
     } else if (end.exit_code == int(ExitCode::interrupted)) {

@@ -30,7 +30,7 @@ constexpr std::chrono::seconds patience { 5 };
 {
     throw Failure(ExitCode::failed,
                   error_at(4601, "", fmt::format("a process cannot be started: {}: {}", what, std::strerror(errno)),
-                           "take fewer --jobs, or close other programs"));
+                           "lower --jobs, or close other programs"));
 }
 
 struct Pipe {

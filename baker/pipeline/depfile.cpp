@@ -13,10 +13,11 @@ namespace {
 std::string escaped(const std::string& path)
 {
     if (path.find_first_of("\r\n") != std::string::npos)
-        throw Failure(ExitCode::failed,
-                      error_at(4604, "",
-                               fmt::format("the name {} has a line break: no dependency file can hold it", excerpt(path)),
-                               "rename it, or leave --depfile out"));
+        throw Failure(
+            ExitCode::failed,
+            error_at(4604, "",
+                     fmt::format("the name {} contains a line break, which a dependency file cannot express", excerpt(path)),
+                     "rename it, or leave --depfile out"));
     std::string text;
     std::size_t backslashes = 0;
     for (const char c : path) {

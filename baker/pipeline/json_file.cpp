@@ -89,7 +89,7 @@ Json read_json_file(const std::string& path)
         fail(2701, path, fmt::format("is not JSON: {} is not understood", line_and_column(*text, error.byte)),
              "look for a comma, a quotation mark or a bracket there; JSON has no comments");
     } catch (const Json::out_of_range&) {
-        fail(2701, path, "holds a number beyond 1.8e308", "take a smaller number");
+        fail(2701, path, "holds a number beyond 1.8e308", "use a smaller number");
     }
     if (!json.is_object()) fail(2701, path, "is " + kind_of(json) + ", an object expected", "write { \"key\": value, ... }");
     return json;
@@ -124,8 +124,8 @@ std::string kind_of(const Json& value)
 {
     switch (value.type()) {
     case Json::value_t::null: return "null";
-    case Json::value_t::boolean: return "a truth value";
-    case Json::value_t::string: return "a text";
+    case Json::value_t::boolean: return "a boolean";
+    case Json::value_t::string: return "a string";
     case Json::value_t::array: return "a list";
     case Json::value_t::object: return "an object";
     default: return "a number";
@@ -135,7 +135,7 @@ std::string kind_of(const Json& value)
 void fail_wrong_kind(const std::string& where, const std::string& key, const std::string& wanted, const Json& value)
 {
     const auto wants = [&](const char* words) { return wanted.find(words) != std::string::npos; };
-    const char* hint = "write it in quotation marks"; // a text, or the name of a file
+    const char* hint = "write it in quotation marks"; // a string, or the name of a file
     if (wants("true or false"))
         hint = "write true or false, without quotation marks";
     else if (wants("number"))

@@ -26,7 +26,7 @@ std::string nearest_word(const std::string& word, const std::vector<std::string>
 // JSON to be read by people and programs; bytes of file names that are not UTF-8 are replaced.
 std::string json_text(const Json& json);
 
-// "a number", "a text", ...: what a value is, for messages.
+// "a number", "a string", ...: what a value is, for messages.
 std::string kind_of(const Json& value);
 
 // What `value`, whose place is `where` + `key`, must be: P2705.

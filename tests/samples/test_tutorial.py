@@ -58,7 +58,7 @@ def main():
                 (folder / "make.py").write_text(MAKE_BLEND)
                 run("blender --background --python make.py", folder, environment)
             printed[number] = run(block, folder, environment)
-        assert "3 poses of 3994 vertices" in printed[2] and "fit to bake" in printed[2]
+        assert "3 poses of 3994 vertices" in printed[2] and "ready to bake" in printed[2]
         lines = printed[6].strip().splitlines()[-5:]
         assert all("vertex 0 at" in line for line in lines) and lines[0][6:] != lines[4][6:], "the blend does not move"
         assert (folder / "wolf_blends.glb").read_bytes()[:4] == b"glTF"

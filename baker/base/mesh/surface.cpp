@@ -114,7 +114,7 @@ void require_manifold(const std::vector<Triangle>& triangles, std::size_t vertex
         if (end - begin > 2)
             defect = fmt::format("edge {} {} belongs to {} faces", number(from), number(to), end - begin);
         else if (triangles[begin[1].face][begin[1].corner] == from)
-            defect = fmt::format("the faces at edge {} {} are turned against each other", number(from), number(to));
+            defect = fmt::format("the faces at edge {} {} have opposite orientations", number(from), number(to));
     });
     for (std::uint32_t f = 1; f < triangles.size() && defect.empty(); ++f)
         if (parts.find(f) != parts.find(0)) defect = "it has several components";

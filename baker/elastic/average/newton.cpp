@@ -71,7 +71,7 @@ void NewtonSolver::factorize_shifted(const Weights& w, const Shape& y, HessianKi
     }
     throw Failure(
         ExitCode::failed,
-        error_at(4302, "", "the elastic energy has no positive definite model here",
+        error_at(4302, "", "the Hessian of the elastic energy cannot be made positive definite",
                  "the poses may contain nearly collapsed triangles; try another --membrane or a larger --thickness"));
 }
 

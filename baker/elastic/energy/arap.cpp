@@ -48,7 +48,7 @@ Arap::Arap(const NormalizedPoses& set)
     , cells_(std::size_t(set.dof_count() / 3))
 {
     require_manifold(set.triangles, cells_.size(), set.source_vertices, "--material arap",
-                     "repair it alike in all poses, or use --material discrete-shells, which needs none");
+                     "repair it the same way in all poses, or use --material discrete-shells, which does not need one");
     const std::vector<Fan> fans = find_fans(set.triangles, cells_.size());
 
     for (std::size_t i = 0; i < cells_.size(); ++i) {

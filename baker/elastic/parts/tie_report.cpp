@@ -81,17 +81,17 @@ std::vector<std::uint32_t> vertices_of(const std::vector<PartSummary>& parts)
 
 std::string text_of(const PartSummary& part)
 {
-    return fmt::format("the one of vertex {} ({} vertices)", part.vertex, part.vertex_count);
+    return fmt::format("that of vertex {} ({} vertices)", part.vertex, part.vertex_count);
 }
 
 void warn_about_loose(const std::vector<PartSummary>& parts, Progress& progress)
 {
     if (parts.empty()) return;
-    progress.warn(
-        4409,
-        fmt::format("{} parts hang on nothing, as what is next to them has no three vertices that could hold them: {}",
-                    parts.size(), text_of(parts[0])),
-        "join them with other parts, or leave them out of all poses");
+    progress.warn(4409,
+                  fmt::format("{} parts are attached to nothing: their neighbours have no three vertices that could hold "
+                              "them; the first is {}",
+                              parts.size(), text_of(parts[0])),
+                  "join them to other parts, or remove them from all poses");
 }
 
 void warn_about_distant(const std::vector<PartSummary>& parts, Progress& progress)
@@ -101,23 +101,22 @@ void warn_about_distant(const std::vector<PartSummary>& parts, Progress& progres
         parts.begin(), parts.end(), [](const PartSummary& a, const PartSummary& b) { return a.distance < b.distance; });
     progress.warn(
         4410,
-        fmt::format("{} parts are far from all others, most {}: {:.0f} % of the diagonal from the part of vertex {}, "
-                    "which it follows",
+        fmt::format("{} parts are far from all others, the farthest is {}: {:.0f} % of the diagonal from the part of vertex "
+                    "{}, which it follows",
                     parts.size(), text_of(farthest), 100 * farthest.distance, farthest.parent_vertex),
-        "bake one by one what does not belong together");
+        "bake separate objects one by one");
 }
 
 void warn_about_drift(const TieReport& report, double limit, Progress& progress)
 {
     const WorstDrift& worst = report.blends;
     if (!(worst.drift.largest > limit)) return;
-    progress.warn(
-        4408,
-        fmt::format("the part of vertex {} drifts by {:.2f} % of the diagonal from where it is attached, most at vertex "
-                    "{}, weights {}",
-                    report.parts[worst.drift.part].vertex, 100 * worst.drift.largest, worst.drift.vertex,
-                    weights_text(worst.weights)),
-        "add a pose in between, or lower --tolerance");
+    progress.warn(4408,
+                  fmt::format("the part of vertex {} drifts by {:.2f} % of the diagonal from its attachment, most at vertex "
+                              "{}, weights {}",
+                              report.parts[worst.drift.part].vertex, 100 * worst.drift.largest, worst.drift.vertex,
+                              weights_text(worst.weights)),
+                  "add a pose in between, or lower --tolerance");
 }
 
 } // namespace

@@ -117,7 +117,8 @@ void Dragger::give_up(double time) const
 {
     // St. Venant-Kirchhoff softens under compression: beyond some point the only equilibrium has collapsed tetrahedra.
     const std::string hint = std::string(energy_.law() == SolidLaw::stvk ? "try --material mooney-rivlin, or " : "")
-        + "turn or move by less, make the regions smaller so that more of the body can give way, or add one that guides it";
+        + "turn or move by less, make the regions smaller so that more of the body can give way, or add one that guides the "
+          "body";
     const std::string how_far = fmt::format("stuck at {:.1f} % of the motion", 100 * time);
     if (bad_tet_ >= rest_.tets.size())
         throw Failure(ExitCode::failed, error_at(4304, "", how_far + ": Newton's method finds no equilibrium", hint));
@@ -126,7 +127,7 @@ void Dragger::give_up(double time) const
     centre = rest_.length * centre + rest_.centre;
     throw Failure(ExitCode::failed,
                   error_at(4304, "",
-                           fmt::format("{}: tetrahedron {} (at rest near {:.4g} {:.4g} {:.4g}) would turn over", how_far,
+                           fmt::format("{}: tetrahedron {} (at rest near {:.4g} {:.4g} {:.4g}) would be inverted", how_far,
                                        bad_tet_, centre[0], centre[1], centre[2]),
                            hint));
 }

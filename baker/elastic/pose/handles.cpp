@@ -116,7 +116,7 @@ void Handles::check_grip(const Script& script, DiagnosticList& diagnostics) cons
     else if (vertices_.size() == owners_.size())
         diagnostics.add(error_at(2816, script.path,
                                  fmt::format("all {} vertices are held or moved: none is free to follow", owners_.size()),
-                                 "leave the parts that are to bend out of the regions"));
+                                 "leave the parts that should bend out of the regions"));
     const bool is_moved
         = std::any_of(handles_.begin(), handles_.end(), [](const Handle& handle) { return !handle.motions.empty(); });
     if (!is_moved)

@@ -12,8 +12,9 @@ std::optional<RestPose> read_rest_pose(const std::string& path, DiagnosticList& 
     std::optional<MeshFile> mesh = read_mesh(path, diagnostics);
     if (!mesh) return std::nullopt;
     if (mesh->tets.empty()) {
-        diagnostics.add(error_at(2609, path, "is a surface: a solid of tetrahedra is wanted here",
-                                 "give a .msh, .mesh, .veg or .vtk file; TetGen, fTetWild or Gmsh fill a surface"));
+        diagnostics.add(
+            error_at(2609, path, "is a surface: a solid of tetrahedra is expected here",
+                     "give a .msh, .mesh, .veg or .vtk file; TetGen, fTetWild or Gmsh fill a surface with tetrahedra"));
         return std::nullopt;
     }
     RestPose rest;

@@ -106,8 +106,8 @@ bool LineParser::read_vertices(Region& region)
     for (; !word_.empty() && !is_motion(word_); advance()) {
         const std::optional<std::int64_t> vertex = parse_integer(word_);
         if (!vertex || *vertex < 0 || *vertex >= std::int64_t(vertex_count_limit))
-            return fail(2808, fmt::format("{} is not the number of a vertex", excerpt(word_)),
-                        "vertices count from 0 in the order of the mesh file; hold, move or turn follows them");
+            return fail(2808, fmt::format("{} is not a vertex number", excerpt(word_)),
+                        "write vertex numbers, counted from 0 in the order of the mesh file, and then hold, move or turn");
         region.vertices.push_back(std::uint32_t(*vertex));
     }
     if (region.vertices.empty()) return fail(2808, "no vertex is named", "write vertices i j k ..., counted from 0");

@@ -98,7 +98,7 @@ void read_sparse(const GltfDocument& document, const GltfValue& accessor, const 
         sparse.fail(2308, fmt::format("replaces {} elements of an accessor with {}", count, shape.count));
     const unsigned index_type = static_cast<unsigned>(indices["componentType"].whole());
     if (index_type != uint8 && index_type != uint16 && index_type != uint32)
-        indices.fail(2311, fmt::format("component type {} cannot number elements", index_type));
+        indices.fail(2311, fmt::format("component type {} cannot hold indices", index_type));
     const std::size_t component_size = size_of(shape.component_type);
     const Elements places = elements_of(document, indices, count, size_of(index_type));
     const Elements data = elements_of(document, values, count, component_size * static_cast<std::size_t>(shape.components));
@@ -185,7 +185,7 @@ std::vector<std::uint32_t> read_indices(const GltfDocument& document, const Gltf
 {
     const AccessorShape shape = accessor_shape(document, reference);
     if (shape.component_type != uint8 && shape.component_type != uint16 && shape.component_type != uint32)
-        reference.fail(2311, fmt::format("component type {} cannot number anything", shape.component_type));
+        reference.fail(2311, fmt::format("component type {} cannot hold indices", shape.component_type));
     const GltfNumbers numbers = read_numbers(document, reference, { components });
     std::vector<std::uint32_t> indices(static_cast<std::size_t>(numbers.size()));
     // A uint32 fits into a double; normalized ones are nonsense here and come out as 0 or 1.

@@ -31,7 +31,7 @@ std::vector<double> read_times(const GltfDocument& document, const GltfValue& in
     if (numbers.rows() == 0) input.fail(2326, "has no keys");
     for (Eigen::Index i = 0; i < numbers.rows(); ++i)
         if (!std::isfinite(numbers(i, 0)) || (i > 0 && !(numbers(i, 0) > numbers(i - 1, 0))))
-            input.fail(2326, fmt::format("times of keys must rise, that of key {} does not", i));
+            input.fail(2326, fmt::format("the times of keys must increase, that of key {} does not", i));
     return { numbers.data(), numbers.data() + numbers.size() };
 }
 

@@ -71,7 +71,7 @@ std::uint32_t u32_at(std::string_view bytes, std::size_t offset)
 void GltfValue::fail(int number, const std::string& what, const std::string& hint) const
 {
     Diagnostic diagnostic { Diagnostic::Severity::error, number, *file_, place_.empty() ? what : place_ + ": " + what,
-                            hint.empty() ? "the file is damaged: export it again, a glTF validator says more" : hint };
+                            hint.empty() ? "the file is damaged: export it again; a glTF validator says more" : hint };
     throw Failure(ExitCode::bad_input, std::move(diagnostic));
 }
 
@@ -79,7 +79,7 @@ void GltfValue::expect(const char* what) const
 {
     const std::string expected = fmt::format("{} expected", what);
     Diagnostic diagnostic = error_at(2306, *file_, fmt::format("{}: {}{}", place_, exists() ? "" : "is missing: ", expected),
-                                     "the file is damaged: export it again, a glTF validator says more");
+                                     "the file is damaged: export it again; a glTF validator says more");
     throw Failure(ExitCode::bad_input, std::move(diagnostic));
 }
 
@@ -120,7 +120,7 @@ std::size_t GltfValue::index(std::size_t count, const char* things) const
     if (value >= count) {
         Diagnostic diagnostic
             = error_at(2307, *file_, fmt::format("{} is {}, the file has {} {}", place_, value, count, things),
-                       "the file is damaged: export it again, a glTF validator says more");
+                       "the file is damaged: export it again; a glTF validator says more");
         throw Failure(ExitCode::bad_input, std::move(diagnostic));
     }
     return static_cast<std::size_t>(value);
@@ -149,7 +149,7 @@ std::vector<double> GltfValue::numbers(std::size_t count) const
 
 std::string GltfValue::text() const
 {
-    if (!json_ || !json_->is_string()) expect("a text");
+    if (!json_ || !json_->is_string()) expect("a string");
     return json_->get<std::string>();
 }
 
@@ -232,17 +232,17 @@ void GltfDocument::parse(std::string_view text)
 {
     if (text.size() > json_size_limit)
         root().fail(2008, fmt::format("has {} bytes of JSON, the limit is {}", text.size(), json_size_limit),
-                    "keep the buffers in a file of their own, or use .glb");
+                    "store the buffers in a separate file, or use .glb");
     if (const int nesting = nesting_of(text); nesting > nesting_limit)
         root().fail(2303, fmt::format("its JSON is nested {} deep, the limit is {}", nesting, nesting_limit),
-                    "no exporter writes such files");
+                    "no known exporter writes such files");
     try {
         json_ = GltfJson::parse(text.begin(), text.end());
     } catch (const GltfJson::parse_error& error) {
         root().fail(2302, fmt::format("its JSON is not understood at byte {}", error.byte),
                     "the file is cut off or damaged: export or copy it again");
     }
-    if (!json_.is_object()) root().fail(2302, "its JSON is no object", "export it as glTF 2.0 (.glb or .gltf)");
+    if (!json_.is_object()) root().fail(2302, "its JSON is not an object", "export it as glTF 2.0 (.glb or .gltf)");
     const std::string version = (*this)["asset"]["version"].text_or("missing");
     if (version.compare(0, 2, "2.") != 0)
         root().fail(2304, fmt::format("its glTF version is {}, only 2.x is read", excerpt(version)),
@@ -267,15 +267,19 @@ std::string GltfDocument::read_beside(const GltfValue& uri_value, const std::str
     const std::optional<std::string> name = decode_file_uri(uri);
     const std::filesystem::path folder = std::filesystem::absolute(path_).parent_path();
     if (!name || is_alone_)
-        uri_value.fail(2309, fmt::format("{} is not a file in the folder of this one", excerpt(uri)),
-                       "only files beside the .gltf or below are opened: put them there, or pack all into one .glb");
+        uri_value.fail(
+            2309, fmt::format("{} is not a file in the folder of this one", excerpt(uri)),
+            "only files in the folder of the .gltf or below it are opened: put the file there, or pack everything into "
+            "one .glb");
     // A link inside the folder may still lead out of it.
     std::error_code ignored;
     const std::filesystem::path home = std::filesystem::weakly_canonical(folder, ignored);
     const std::filesystem::path place = std::filesystem::weakly_canonical(folder / *name, ignored);
     if (std::mismatch(home.begin(), home.end(), place.begin(), place.end()).first != home.end())
-        uri_value.fail(2309, fmt::format("{} leads out of the folder of this one", excerpt(uri)),
-                       "only files beside the .gltf or below are opened: put them there, or pack all into one .glb");
+        uri_value.fail(
+            2309, fmt::format("{} leads out of the folder of this one", excerpt(uri)),
+            "only files in the folder of the .gltf or below it are opened: put the file there, or pack everything into "
+            "one .glb");
     DiagnosticList diagnostics;
     std::optional<std::string> bytes = read_bytes(place.string(), diagnostics);
     if (!bytes)

@@ -19,7 +19,7 @@ std::unique_ptr<draco::Mesh> decode(const GltfValue& extension, std::string_view
     buffer.Init(bytes.data(), bytes.size());
     const auto type = draco::Decoder::GetEncodedGeometryType(&buffer);
     if (!type.ok() || type.value() != draco::TRIANGULAR_MESH)
-        extension.fail(2318, "its Draco data are not those of a triangle mesh", damaged);
+        extension.fail(2318, "its Draco data do not hold a triangle mesh", damaged);
     draco::Decoder decoder;
     std::string reason;
     try {
@@ -81,7 +81,7 @@ DracoMesh decode_draco(const GltfDocument& document, const GltfValue& extension,
         const draco::Mesh::Face& face = mesh->face(f);
         const Triangle triangle { face[0].value(), face[1].value(), face[2].value() };
         for (const std::uint32_t v : triangle)
-            if (v >= out.vertex_count) extension.fail(2318, "its Draco data number vertices that they do not have", damaged);
+            if (v >= out.vertex_count) extension.fail(2318, "its Draco data use vertices that they do not have", damaged);
         out.triangles.push_back(triangle);
     }
     const GltfValue ids = extension["attributes"];

@@ -40,7 +40,7 @@ void read_plain(const GltfDocument& document, const GltfValue& primitive, std::u
         primitive.fail(2007,
                        fmt::format("makes {} vertices and {} corners, the limit for this file is {} vertices", shape.count,
                                    corner_count, count_limit),
-                       "simplify the mesh, or draw it fewer times");
+                       "simplify the mesh, or use fewer instances of it");
     out.positions = read_numbers(document, position, { 3 });
     std::vector<std::uint32_t> corners;
     if (index_value.exists()) {

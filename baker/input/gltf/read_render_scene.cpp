@@ -74,7 +74,7 @@ GltfJson take_images(const GltfDocument& document, RenderScene& out, std::vector
         numbers.push_back(bytes.empty() ? -1 : static_cast<int>(images.size()));
         if (bytes.empty()) {
             warnings.push_back(warning_at(2328, document.path(), fmt::format("image {} is left out: {}", i, why),
-                                          "put the file there, or pack all into one .glb"));
+                                          "put the file there, or pack everything into one .glb"));
             continue;
         }
         GltfJson image = GltfJson::object();

@@ -174,16 +174,17 @@ void read_instances(GltfScene& scene, std::vector<Diagnostic>& warnings)
         is_read[mesh] = true;
         const std::uint64_t count = vertex_count_of(scene.meshes[mesh]);
         if (count > limit)
-            document["nodes"].at(node).fail(2007, fmt::format("makes the scene more than the {} vertices allowed", limit),
-                                            "simplify the mesh, or draw it fewer times");
+            document["nodes"].at(node).fail(
+                2007, fmt::format("with its mesh, the scene has more than the {} vertices allowed", limit),
+                "simplify the mesh, or use fewer instances of it");
         limit -= count;
         scene.instances.push_back({ node, mesh, scene.nodes[node].skin, false });
     }
     if (left_out.primitives != 0)
-        warnings.push_back(warning_at(
-            2313, document.path(),
-            fmt::format("{} parts of points or lines are left out, the first is {}", left_out.primitives, left_out.first),
-            "only triangles are bent and drawn"));
+        warnings.push_back(warning_at(2313, document.path(),
+                                      fmt::format("{} primitives of points or lines are ignored, the first is {}",
+                                                  left_out.primitives, left_out.first),
+                                      "only triangles are used"));
 }
 
 void read_skins(GltfScene& scene)
@@ -220,7 +221,7 @@ std::size_t normalise_weights(const GltfScene& scene, const GltfInstance& instan
             const std::uint32_t joint = primitive.joints[static_cast<std::size_t>(v * weights.size() + c)];
             if (weights[c] != 0 && joint >= joint_count)
                 scene.document->root().fail(2324,
-                                            fmt::format("node {}: vertex {} of its mesh hangs on joint {}, its skin has {}",
+                                            fmt::format("node {}: vertex {} of its mesh uses joint {}, its skin has {}",
                                                         instance.node, v, joint, joint_count),
                                             "export the file again");
         }
@@ -257,10 +258,9 @@ void check_skins(GltfScene& scene, std::vector<Diagnostic>& warnings)
         is_done[instance.mesh] = true;
     }
     if (unequal != 0)
-        warnings.push_back(
-            warning_at(2323, scene.document->path(),
-                       fmt::format("the weights of the joints of {} vertices do not sum to 1: made to", unequal),
-                       "harmless if the program that draws them does the same"));
+        warnings.push_back(warning_at(2323, scene.document->path(),
+                                      fmt::format("the joint weights of {} vertices do not sum to 1: normalised", unequal),
+                                      "harmless if the program that renders them does the same"));
 }
 
 void name_targets(GltfScene& scene)

@@ -114,7 +114,7 @@ std::vector<std::uint8_t> join(std::string text, const std::string& bytes)
     const std::uint64_t size = 28 + std::uint64_t(text.size()) + bytes.size();
     if (size > UINT32_MAX)
         throw Failure(ExitCode::bad_input,
-                      error_at(2330, "", fmt::format("the scene would take {} bytes, it can have 4294967295", size),
+                      error_at(2330, "", fmt::format("the scene would take {} bytes, the limit is 4294967295", size),
                                "leave it out with --no-scene, or make its images smaller"));
     std::vector<std::uint8_t> out = { 'g', 'l', 'T', 'F' };
     append(out, 2);

@@ -75,7 +75,7 @@ bool MeditReader::read()
         return false;
     }
     if (!has_vertices_) {
-        report_truncated(file_, "what comes before Vertices");
+        report_truncated(file_, "the part before Vertices");
         return false;
     }
     return tets_.finish();

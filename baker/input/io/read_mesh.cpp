@@ -110,7 +110,7 @@ const Format* choose_format(const SourceFile& file)
     }
     const char* content = sniff(file.bytes);
     if (!content || std::string_view(content) == format->name) return format;
-    file.error(2004, file.path, fmt::format("named {}, content looks like {}", format->extension, content),
+    file.error(2004, file.path, fmt::format("is named {}, but its content looks like {}", format->extension, content),
                "rename the file, or export it again");
     return nullptr;
 }
@@ -118,7 +118,7 @@ const Format* choose_format(const SourceFile& file)
 void check_not_empty(const SourceFile& file, const MeshFile& mesh)
 {
     if (mesh.positions.rows() == 0)
-        file.error(2005, file.path, "has no vertices", "export the mesh, not only its settings");
+        file.error(2005, file.path, "has no vertices", "export the mesh itself");
     else if (mesh.faces.count() == 0 && mesh.tets.empty())
         file.error(2006, file.path, "has no faces", "export the faces along with the vertices");
 }

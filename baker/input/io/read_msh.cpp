@@ -144,7 +144,7 @@ bool MshReader::read_format()
         if (*one == 0x01000000)
             numbers_.set_layout(NumberLayout::big_endian);
         else if (*one != 1) {
-            file_.error(2102, file_.path, "header not understood: the number that tells the order of bytes is not 1",
+            file_.error(2102, file_.path, "header not understood: the number that shows the byte order is not 1",
                         "the file is damaged: export it again");
             return false;
         }

@@ -180,7 +180,7 @@ bool VegaReader::read_number(std::uint64_t element, const char* kind, std::int64
     const std::int64_t expected = first + static_cast<std::int64_t>(element);
     if (number == expected) return true;
     return fail(2118, fmt::format("{} {} is numbered {}, {} expected", kind, element, excerpt(word), expected),
-                "number them one by one, from 0 or from 1");
+                "number them consecutively, from 0 or from 1");
 }
 
 bool VegaReader::read_vertices()
@@ -281,7 +281,7 @@ bool VegaReader::read_material(const std::string& name)
         return fail(2119, fmt::format("material {} not understood: {}", excerpt(name), excerpt(line_)),
                     "write ENU, density, Young's modulus above 0, Poisson's ratio between -1 and 0.5, decimal points");
     if (!materials_.emplace(name, static_cast<std::uint32_t>(mesh_.regions.materials.size())).second)
-        return fail(2119, fmt::format("material {} comes twice", excerpt(name)), "give each another name");
+        return fail(2119, fmt::format("material {} comes twice", excerpt(name)), "give each its own name");
     mesh_.regions.materials.push_back({ name, values[1], values[2] });
     return true;
 }
@@ -290,7 +290,7 @@ bool VegaReader::read_set(const std::string& name)
 {
     Set& set = sets_[name];
     if (set.is_all || set.line != 0)
-        return fail(2119, fmt::format("set {} comes twice", excerpt(name)), "give each another name");
+        return fail(2119, fmt::format("set {} comes twice", excerpt(name)), "give each its own name");
     set.line = lines_.number();
     while (next_row()) {
         for (const std::string_view part : split(line_)) {

@@ -84,7 +84,7 @@ std::optional<std::string> read_whole(const std::string& path, DiagnosticList& d
     struct stat status {};
     if (file.value < 0 || ::fstat(file.value, &status) != 0) {
         diagnostics.add(error_at(2001, path, fmt::format("cannot be read: {}", std::strerror(errno)),
-                                 "check the name, and that you may read the file"));
+                                 "check the name and the permissions of the file"));
         return std::nullopt;
     }
     if (!S_ISREG(status.st_mode)) {
@@ -101,7 +101,7 @@ std::optional<std::string> read_whole(const std::string& path, DiagnosticList& d
         std::string bytes(static_cast<std::size_t>(status.st_size), '\0');
         if (read_all(file.value, bytes)) return bytes;
         diagnostics.add(error_at(2001, path, fmt::format("cannot be read: {}", std::strerror(errno)),
-                                 "check the disk or the network drive it is on"));
+                                 "check the disk or network drive that holds the file"));
     } catch (const std::bad_alloc&) {
         diagnostics.add(error_at(2008, path, fmt::format("does not fit into memory: {} bytes", status.st_size),
                                  "use a machine with more memory or a coarser mesh"));

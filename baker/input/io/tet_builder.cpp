@@ -28,7 +28,7 @@ void TetBuilder::add(std::size_t line, const std::array<std::int64_t, 4>& corner
 void TetBuilder::refuse(const std::string& where, std::uint64_t element, const std::string& kind)
 {
     file_.error(2114, where, fmt::format("element {} is {}", element, kind),
-                "solids are made of tetrahedra with four corners: mesh the body with these alone");
+                "only tetrahedra of four corners are supported: mesh the body with them alone");
 }
 
 bool TetBuilder::finish()
@@ -42,12 +42,13 @@ bool TetBuilder::finish()
     }
     if (mesh_.positions.rows() == 0) return true; // P2005 says it better
     if (mesh_.tets.empty()) {
-        file_.error(2116, file_.path, fmt::format("has no tetrahedra{}{}", total == 0 ? "" : ", only ", list),
-                    "this format is read for its tetrahedra: mesh the inside, or export a surface as .obj, .ply or .off");
+        file_.error(
+            2116, file_.path, fmt::format("has no tetrahedra{}{}", total == 0 ? "" : ", only ", list),
+            "only tetrahedra are read from this format: fill the surface with them, or export it as .obj, .ply or .off");
         return false;
     }
     if (total != 0)
-        file_.diagnostics->add(warning_at(2115, file_.path, fmt::format("{} left out: only tetrahedra count", list),
+        file_.diagnostics->add(warning_at(2115, file_.path, fmt::format("{} ignored: only tetrahedra are used", list),
                                           "harmless: they usually mark the boundary"));
     return true;
 }

@@ -120,8 +120,9 @@ void Checker::find_crowded_edges()
     for (const HalfEdge* h = begin; h != end; ++h) faces.push_back(face(*h));
     warn(2203, edges, 2,
          fmt::format("edge {} {} belongs to {} faces: {}{}", begin->low, begin->high, faces.size(), first_few(faces),
-                     edges.size() > 1 ? fmt::format(" ({} edges have more than two)", edges.size()) : ""),
-         "each bends against the next around the edge; if that is not meant, separate the sheets, alike in all poses");
+                     edges.size() > 1 ? fmt::format(" ({} edges have more than two faces)", edges.size()) : ""),
+         "each face bends against the next one around the edge; if this is not intended, separate the sheets the same "
+         "way in all poses");
 }
 
 void Checker::find_turned_neighbours()
@@ -133,9 +134,9 @@ void Checker::find_turned_neighbours()
     if (edges.empty()) return;
     const HalfEdge* const h = edges[0].first;
     warn(2204, edges, 1,
-         fmt::format("faces {} and {} run along their edge {} {} in the same direction{}", face(h[0]), face(h[1]), h->low,
-                     h->high, edges.size() > 1 ? fmt::format(" ({} pairs do)", edges.size()) : ""),
-         "blends do not mind, lighting does: turn all faces the same way round, alike in all poses");
+         fmt::format("faces {} and {} have opposite orientations at their edge {} {}{}", face(h[0]), face(h[1]), h->low,
+                     h->high, edges.size() > 1 ? fmt::format(" ({} such pairs)", edges.size()) : ""),
+         "blends are not affected, lighting is: orient all faces consistently, in all poses");
 }
 
 void Checker::find_unreferenced_vertices()
@@ -150,8 +151,8 @@ void Checker::find_unreferenced_vertices()
     if (unused.empty()) return;
     diagnostics_.add(about_vertices(
         warning_at(2207, mesh_.path,
-                   fmt::format("{} vertices belong to no face of the elastic mesh: {}", unused.size(), first_few(unused)),
-                   "ties hold them to what lies beside them; remove them from all poses if they are nothing"),
+                   fmt::format("{} vertices belong to no face of the simulation mesh: {}", unused.size(), first_few(unused)),
+                   "ties hold them to the parts next to them; remove them from all poses if they are not needed"),
         unused));
 }
 
@@ -183,10 +184,10 @@ void Checker::find_components()
     std::vector<Index> smaller; // a face of each but the largest
     for (std::size_t i = 1; i < components.size(); ++i) smaller.push_back(triangulation_.faces[components[i]]);
     diagnostics_.add(about_faces(
-        warning_at(
-            2208, mesh_.path,
-            fmt::format("has {} components: {}{}", components.size(), list, components.size() > 5 ? ", ..." : ""),
-            "ties hold each to the one beside it, and a bake tells how far it drifts; join them if they should be one"),
+        warning_at(2208, mesh_.path,
+                   fmt::format("has {} components: {}{}", components.size(), list, components.size() > 5 ? ", ..." : ""),
+                   "ties hold each component to the one next to it, and a bake reports how far it drifts; join them if they "
+                   "should be one"),
         smaller));
 }
 
@@ -213,7 +214,7 @@ void Checker::find_bow_ties()
         diagnostics_.add(about_vertices(
             warning_at(2206, mesh_.path,
                        fmt::format("{} parts of the surface touch in vertex {} only", fan_counts[vertex], vertex),
-                       "discrete shells can do it, ARAP cannot: split the vertex, alike in all poses"),
+                       "discrete shells support this, ARAP does not: split the vertex the same way in all poses"),
             { vertex }));
     }
 }

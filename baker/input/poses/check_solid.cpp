@@ -93,9 +93,8 @@ void orient_tets(std::vector<MeshFile>& meshes, DiagnosticList& diagnostics)
         for (Tetrahedron& tet : mesh.tets) std::swap(tet[2], tet[3]);
     }
     diagnostics.add(warning_at(
-        2214, meshes[0].path,
-        fmt::format("all {} tetrahedra number their corners the other way round: turned, in all poses alike", count),
-        "harmless if the program that wrote the file counts so; if an axis was flipped, export again"));
+        2214, meshes[0].path, fmt::format("all {} tetrahedra have the opposite orientation: reversed in all poses", count),
+        "harmless if the program that wrote the file uses that convention; if it flipped an axis, export again"));
 }
 
 bool check_volumes(const MeshFile& mesh, const MeshFile* first, DiagnosticList& diagnostics)
@@ -105,8 +104,8 @@ bool check_volumes(const MeshFile& mesh, const MeshFile* first, DiagnosticList& 
     const double unit3 = volumes.unit * volumes.unit * volumes.unit;
     if (first && volumes.negative_count != 0 && volumes.negative_count + volumes.flat_count == mesh.tets.size()) {
         diagnostics.add(error_at(3007, mesh.path,
-                                 fmt::format("is mirrored against {}: all its tetrahedra are inside out", first->path),
-                                 "the export flipped an axis of one of them: export both alike"));
+                                 fmt::format("is mirrored relative to {}: all its tetrahedra are inside out", first->path),
+                                 "the export flipped an axis of one of the two: export both in the same way"));
         return false;
     }
     for (std::size_t t = 0; t < mesh.tets.size(); ++t) {
@@ -122,7 +121,7 @@ bool check_volumes(const MeshFile& mesh, const MeshFile* first, DiagnosticList& 
                 error_at(2213, where_is_tet(mesh, t),
                          fmt::format("tetrahedron {} ({}) is inverted: its volume is {:.3g}", t, corners_of(mesh.tets[t]),
                                      volume * unit3),
-                         "this pose turns it inside out: repair the pose, or its numbering if it is so in all poses"));
+                         "repair the pose; if the tetrahedron is inverted in all poses, repair the order of its vertices"));
         }
     }
     return volumes.flat_count == 0 && volumes.negative_count == 0;

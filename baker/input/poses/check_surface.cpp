@@ -57,8 +57,8 @@ void check_fans(const MeshFile& mesh, const Triangulation& triangulation, const 
             if (area_vector(positions, triangles[t]).dot(sum) > 0) continue;
             diagnostics.add(about_faces(
                 warning_at(2210, where_is_face(mesh, face),
-                           fmt::format("face {} is not convex: the triangles from its first corner fold over", face),
-                           "cut it into triangles before you export it, alike in all poses"),
+                           fmt::format("face {} is not convex: its triangles from the first corner overlap", face),
+                           "triangulate it before you export it, the same way in all poses"),
                 { face }));
             break;
         }
@@ -90,11 +90,11 @@ void check_precision(const MeshFile& mesh, DiagnosticList& diagnostics)
     const double spacing = 2 * coordinate_rounding(mesh.positions);
     const bool is_point = !(size.norm() > 0); // P2202 says it better
     if (is_point || spacing <= coarse_spacing * size.norm()) return;
-    diagnostics.add(
-        warning_at(2209, mesh.path,
-                   fmt::format("is so far from the origin that its coordinates are {:.2g} apart, {:.1g} of its size",
-                               spacing, spacing / size.norm()),
-                   "move the character to the origin before you export it, or export in double precision"));
+    diagnostics.add(warning_at(
+        2209, mesh.path,
+        fmt::format("is so far from the origin that neighbouring coordinates differ by {:.2g}, {:.1g} of its size", spacing,
+                    spacing / size.norm()),
+        "move the character to the origin before you export it, or export in double precision"));
 }
 
 std::vector<FlatTriangle> find_flat_triangles(const MeshFile& mesh, const std::vector<Triangle>& triangles)

@@ -127,7 +127,7 @@ void TetChecker::check_face(const TetFace* begin, const TetFace* end, bool has_g
     error(2216, begin[2].tet,
           fmt::format("face {} belongs to {} tetrahedra: {}{}", vertices, end - begin, tets,
                       end - begin > listed ? ", ..." : ""),
-          "at most two can lie at a face: remove the others from all poses");
+          "at most two tetrahedra can share a face: remove the others from all poses");
 }
 
 void TetChecker::find_unused_vertices()
@@ -146,7 +146,7 @@ void TetChecker::find_unused_vertices()
     diagnostics_.add(
         error_at(2207, mesh_.path,
                  fmt::format("{} vertices belong to no tetrahedron: {}{}", count, list, count > listed ? ", ..." : ""),
-                 "nothing says where they should go: remove them from all poses"));
+                 "no energy determines where they move: remove them from all poses"));
 }
 
 void TetChecker::find_components()
@@ -172,7 +172,7 @@ void TetChecker::find_components()
     diagnostics_.add(
         error_at(2208, mesh_.path,
                  fmt::format("has {} components: {}{}", components.size(), list, components.size() > 5 ? ", ..." : ""),
-                 "no elastic energy holds parts together that share no face: join them or bake them one by one"));
+                 "the elastic energy does not hold parts together that share no face: join them, or bake them one by one"));
 }
 
 // ------------------------------------------------------------------------------------------------------------ the boundary
@@ -245,7 +245,7 @@ void BoundaryChecker::find_edges()
     diagnostics_.add(warning_at(
         2217, mesh_.path,
         fmt::format("the boundary touches itself along {} edges, the first of them {} {}", count, first.first, first.second),
-        "the parts can turn there as at a hinge: join them by a face, or give each vertices of its own"));
+        "the parts can rotate there as at a hinge: join them by a face, or give each its own vertices"));
 }
 
 void BoundaryChecker::find_vertices()
@@ -266,7 +266,7 @@ void BoundaryChecker::find_vertices()
         if (fan_counts[vertex] < 2 || is_told_[vertex]) continue;
         diagnostics_.add(about_vertices(
             warning_at(2217, mesh_.path, fmt::format("the boundary touches itself in vertex {}", vertex),
-                       "the parts can turn there freely: join them by a face, or give each vertices of its own"),
+                       "the parts can rotate there freely: join them by a face, or give each its own vertices"),
             { vertex }));
     }
 }

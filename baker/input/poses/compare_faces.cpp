@@ -42,7 +42,7 @@ bool check_same_vertex_count(const MeshFile& first, const MeshFile& other, Diagn
     diagnostics.add(
         error_at(3003, other.path,
                  fmt::format("has {} vertices, {} has {}", other.positions.rows(), first.path, first.positions.rows()),
-                 "poses must be the same mesh in other positions: export them all from the same one"));
+                 "all poses must have the same mesh and differ in positions only: export them all from one mesh"));
     return false;
 }
 
@@ -65,11 +65,12 @@ bool check_same_faces(const MeshFile& first, const MeshFile& other, DiagnosticLi
     if (is_likely) {
         diagnostics.add(error_at(
             3005, where_is_face(other, face),
-            fmt::format("{}the same surface with other numbers: {}", is_proven ? "is " : "seems to be ", difference),
+            fmt::format("{}the same surface in a different order: {}", is_proven ? "is " : "seems to be ", difference),
             "vertices or faces were reordered: export with 'keep vertex order'"));
     } else {
-        diagnostics.add(error_at(3004, where_is_face(other, face), fmt::format("has other faces: {}", difference),
-                                 "poses must be the same mesh in other positions: export them all from the same one"));
+        diagnostics.add(
+            error_at(3004, where_is_face(other, face), fmt::format("has other faces: {}", difference),
+                     "all poses must have the same mesh and differ in positions only: export them all from one mesh"));
     }
     return false;
 }

@@ -148,23 +148,23 @@ void check_mirrored(const MeshFile& first, const MeshFile& other, const Shape& a
         const double smaller = std::min(std::abs(ea.volume), std::abs(eb.volume));
         if (smaller < alike * std::max(std::abs(ea.volume), std::abs(eb.volume))) {
             diagnostics.add(warning_at(3014, other.path,
-                                       fmt::format("is inside out for a large part (signed volume {:.3g}, {} has {:.3g})",
+                                       fmt::format("a large part is inside out (signed volume {:.3g}, {} has {:.3g})",
                                                    eb.volume, first.path, ea.volume),
-                                       "right if it is meant to fold through itself; blends with it may do so, too"));
+                                       "correct if it is meant to fold through itself; its blends may do so, too"));
             return;
         }
-        diagnostics.add(
-            error_at(3007, other.path,
-                     fmt::format("is mirrored against {}: its surface is inside out (signed volume {:.3g} against {:.3g})",
-                                 first.path, eb.volume, ea.volume),
-                     "the export flipped an axis of one of them: export both alike"));
+        diagnostics.add(error_at(
+            3007, other.path,
+            fmt::format("is mirrored relative to {}: its surface is inside out (signed volume {:.3g} against {:.3g})",
+                        first.path, eb.volume, ea.volume),
+            "the export flipped an axis of one of the two: export both in the same way"));
         return;
     }
     if (is_enclosing) return;
     const MirrorFit fit = mirror_fit(a, b, lumped_masses(a, triangles));
     if (fit.proper < distinct || fit.improper > exact * fit.proper) return;
     diagnostics.add(warning_at(3011, other.path, fmt::format("is nearly a mirror image of {}", first.path),
-                               "right if the sheet bends the other way; if not, an axis was flipped by the export"));
+                               "correct if the sheet bends the other way; otherwise the export flipped an axis"));
 }
 
 } // namespace
@@ -185,7 +185,7 @@ void check_correspondence(const MeshFile& first, const MeshFile& other, const Tr
     const bool is_smaller = std::max(size_ratio, edge_ratio) < 1 / unit_mismatch;
     if (is_larger || is_smaller) {
         diagnostics.add(error_at(3008, other.path,
-                                 fmt::format("scale {:.4g} against {}: unit mismatch?", size_ratio, first.path),
+                                 fmt::format("scale {:.4g} relative to {}: unit mismatch?", size_ratio, first.path),
                                  "export all poses in the same unit of length"));
     }
 
@@ -242,7 +242,7 @@ void check_distinct(const std::vector<MeshFile>& poses, const Triangulation& tri
         if (is_hopeless)
             diagnostics.add(error_at(3009, poses[k].path, what + ": nothing to blend", "give at least two different poses"));
         else
-            diagnostics.add(warning_at(3010, poses[k].path, what, "it takes a weight of its own but adds no shape"));
+            diagnostics.add(warning_at(3010, poses[k].path, what, "it has a weight of its own but adds no shape"));
     }
 }
 

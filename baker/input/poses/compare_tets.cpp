@@ -53,7 +53,7 @@ bool check_same_kind(const MeshFile& first, const MeshFile& other, DiagnosticLis
     if (first.tets.empty() == other.tets.empty()) return true;
     const auto kind = [](const MeshFile& mesh) { return mesh.tets.empty() ? "a surface" : "a solid of tetrahedra"; };
     diagnostics.add(error_at(3012, other.path, fmt::format("is {}, {} is {}", kind(other), first.path, kind(first)),
-                             "poses must be the same mesh in other positions: all surfaces or all solids"));
+                             "all poses must be surfaces, or all must be solids"));
     return false;
 }
 
@@ -74,13 +74,14 @@ bool check_same_tets(const MeshFile& first, const MeshFile& other, DiagnosticLis
         ? fmt::format("tetrahedron {} is {} here and {} in {}", tet, corners_of(b[tet]), corners_of(a[tet]), first.path)
         : fmt::format("has {} tetrahedra, {} has {}", b.size(), first.path, a.size());
     if (is_likely) {
-        diagnostics.add(
-            error_at(3005, where_is_tet(other, tet),
-                     fmt::format("{}the same solid with other numbers: {}", is_proven ? "is " : "seems to be ", difference),
-                     "vertices or tetrahedra were reordered: export all poses from the same mesh"));
+        diagnostics.add(error_at(
+            3005, where_is_tet(other, tet),
+            fmt::format("{}the same solid in a different order: {}", is_proven ? "is " : "seems to be ", difference),
+            "vertices or tetrahedra were reordered: export all poses from the same mesh"));
     } else {
-        diagnostics.add(error_at(3004, where_is_tet(other, tet), fmt::format("has other tetrahedra: {}", difference),
-                                 "poses must be the same mesh in other positions: export them all from the same one"));
+        diagnostics.add(
+            error_at(3004, where_is_tet(other, tet), fmt::format("has other tetrahedra: {}", difference),
+                     "all poses must have the same mesh and differ in positions only: export them all from one mesh"));
     }
     return false;
 }

@@ -53,11 +53,11 @@ std::vector<std::uint32_t> read_fixed_vertices(const std::string& path, std::siz
         const std::string_view more = next_word(line, '#');
         if (!vertex || !more.empty()) {
             file.error(2602, file.at_line(lines.number()),
-                       fmt::format("number of a vertex {} not understood", excerpt(lines.line())),
-                       "one line per fixed vertex, its number from 0; # starts a comment");
+                       fmt::format("vertex number {} not understood", excerpt(lines.line())),
+                       "write one vertex number per line, counted from 0; # starts a comment");
         } else if (*vertex < 0 || static_cast<std::uint64_t>(*vertex) >= vertex_count) {
             file.error(2603, file.at_line(lines.number()),
-                       fmt::format("vertex {} is to be fixed, the poses have {}", *vertex, vertex_count),
+                       fmt::format("vertex {} is to be fixed, the poses have {} vertices", *vertex, vertex_count),
                        "count from 0, in the order of the pose files");
         } else {
             fixed.push_back(static_cast<std::uint32_t>(*vertex));
@@ -81,7 +81,7 @@ void check_fixed_vertices(const std::string& path, const std::vector<std::uint32
                                  "fix three or more that do not lie on a line, or none"));
     } else if (fixed.size() == vertex_count) {
         diagnostics.add(error_at(2605, path, fmt::format("all {} vertices are fixed: nothing could move", fixed.size()),
-                                 "name those only that hold the body"));
+                                 "name only those that hold the body"));
     }
     for (std::size_t k = 1; k < meshes.size(); ++k) {
         const Positions& pose = meshes[k].positions;
@@ -93,7 +93,7 @@ void check_fixed_vertices(const std::string& path, const std::vector<std::uint32
                 error_at(3013, meshes[k].path,
                          fmt::format("vertex {} is fixed, but lies {:.3g} away from where {} has it (allowed {:.2g})",
                                      vertex, distance, meshes[0].path, allowed),
-                         "fixed vertices must have the same place in all poses, which are not moved onto each other"));
+                         "fixed vertices must have the same place in all poses; poses with fixed vertices are not aligned"));
         }
     }
 }

@@ -23,15 +23,14 @@ void check_is_surface(const MeshFile& mesh, const std::vector<Triangle>& triangl
 {
     std::string what;
     if (!mesh.tets.empty()) {
-        what = "is a solid of tetrahedra: a surface is wanted here";
+        what = "is a solid of tetrahedra: a surface is expected here";
     } else {
         const Positions unit = to_unit_box(mesh.positions);
         const Shape shape = Eigen::Map<const Shape>(unit.data(), unit.size());
         if (!(triangle_areas(shape, triangles).maxCoeff() > least_area)) what = "has no triangle with area";
     }
     if (!what.empty())
-        throw Failure(ExitCode::bad_input,
-                      error_at(2608, mesh.path, what, "give the surface that is to be drawn, as .obj, .ply or .off"));
+        throw Failure(ExitCode::bad_input, error_at(2608, mesh.path, what, "give the render mesh as .obj, .ply or .off"));
 }
 
 [[noreturn]] void refuse_far(const MeshFile& mesh, const PoseSet& poses, const Embedding& embedding)
@@ -47,11 +46,12 @@ void check_is_surface(const MeshFile& mesh, const std::vector<Triangle>& triangl
               .distances[0];
     throw Failure(
         ExitCode::bad_input,
-        error_at(2606, mesh.path,
-                 fmt::format("vertex {} lies {:.3g} outside {}: {:.3g} % of its diagonal, {:.0f} % allowed{}", first,
-                             distance, poses.paths[0], 100 * distance / box_diagonal(poses.positions[0]),
-                             100 * outside_limit, count > 1 ? fmt::format(" ({} vertices are too far)", count) : ""),
-                 "the surface must lie where the first pose is, in its units; or mesh a larger solid around it"));
+        error_at(
+            2606, mesh.path,
+            fmt::format("vertex {} lies {:.3g} outside {}: {:.3g} % of its diagonal, {:.0f} % allowed{}", first, distance,
+                        poses.paths[0], 100 * distance / box_diagonal(poses.positions[0]), 100 * outside_limit,
+                        count > 1 ? fmt::format(" ({} vertices are too far)", count) : ""),
+            "the surface must lie at the place of the first pose, in the same units; or mesh a larger solid around it"));
 }
 
 void require_solid(const PoseSet& poses)
@@ -59,7 +59,7 @@ void require_solid(const PoseSet& poses)
     if (!poses.is_solid())
         throw Failure(ExitCode::usage,
                       error_at(1209, "", "--surface is for solids, the poses are surfaces",
-                               "leave it out: surfaces are drawn themselves"));
+                               "leave it out: a surface is its own render mesh"));
 }
 
 } // namespace
@@ -89,7 +89,7 @@ RenderMesh embed_render_mesh(MeshFile mesh, const PoseSet& poses, std::vector<Di
             warning_at(2607, mesh.path,
                        fmt::format("{} vertices lie more than {:.1f} % of the diagonal outside {}, the farthest {:.2f} %",
                                    warned_count, 100 * outside_warned, poses.paths[0], 100 * surface.farthest_outside),
-                       "they move as the nearest tetrahedron goes on; a larger solid around them is safer"));
+                       "their motion is extrapolated from the nearest tetrahedron; a larger solid around them is safer"));
     surface.polygons = std::move(mesh.faces);
     return surface;
 }

@@ -111,7 +111,7 @@ std::vector<Plan> plan_animation(const GltfScene& scene, const std::string& want
     const std::size_t at = wanted.rfind('@'); // names may have one, times do not
     if (at == std::string::npos)
         usage(error_at(1211, document.path(), fmt::format("#animation={} names no time", wanted),
-                       "write #animation=NAME@0,0.3,0.6: the seconds at which poses are taken"));
+                       "write #animation=NAME@0,0.3,0.6 with the times of the poses in seconds"));
     const std::string name = wanted.substr(0, at);
     const std::size_t animation = find_animation(document, name);
     const double end = animation_end(document, animation);
@@ -119,10 +119,10 @@ std::vector<Plan> plan_animation(const GltfScene& scene, const std::string& want
     for (const std::string& word : split(wanted.substr(at + 1), ',')) {
         const double seconds = parse_seconds(document.path(), word);
         if (seconds > end)
-            diagnostics.add(warning_at(
-                2322, document.path(),
-                fmt::format("{} s is after the end of animation {} ({:.6g} s): its end is taken", word, name, end),
-                fmt::format("take times from 0 to {:.6g}", end)));
+            diagnostics.add(
+                warning_at(2322, document.path(),
+                           fmt::format("{} s is after the end of animation {} ({:.6g} s): its end is used", word, name, end),
+                           fmt::format("use times from 0 to {:.6g}", end)));
         plans.push_back(
             { Plan::Kind::animation, "", animation, seconds, name + "@" + word, "animation=" + name + "@" + word });
     }

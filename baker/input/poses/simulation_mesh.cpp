@@ -12,8 +12,8 @@ namespace {
 
 using Index = std::uint32_t;
 
-constexpr const char* left_out = "left out of the elastic mesh";
-constexpr const char* drawn_hint = "it is drawn all the same; to be rid of this line, remove it from all poses";
+constexpr const char* left_out = "left out of the simulation mesh";
+constexpr const char* drawn_hint = "it is still rendered; remove it from all poses to avoid this warning";
 
 class Builder {
 public:
@@ -58,7 +58,8 @@ SimulationMesh Builder::build(double weld_tolerance)
         out_.triangulation.faces.push_back(drawn_.faces[t]);
     }
     if (out_.triangulation.triangles.empty() && !diagnostics_.has_errors())
-        diagnostics_.add(error_at(2221, first_.path, "no face has an area in all poses", "nothing of it can be elastic"));
+        diagnostics_.add(error_at(2221, first_.path, "no face has an area in all poses",
+                                  "the simulation mesh would be empty: export the poses again"));
     return std::move(out_);
 }
 
@@ -87,10 +88,11 @@ void Builder::join_vertices(double tolerance)
         if (out_.is_welded(v)) joined.push_back(v);
     out_.repairs.welded_count = joined.size();
     if (joined.empty()) return;
-    Diagnostic diagnostic = warning_at(2220, first_.path,
-                                       fmt::format("{} of {} vertices lie on others in all poses and are welded to them: {}",
-                                                   joined.size(), out_.targets.size(), first_few(joined)),
-                                       "right for seams; --weld 0 keeps them apart");
+    Diagnostic diagnostic
+        = warning_at(2220, first_.path,
+                     fmt::format("{} of {} vertices coincide with others in all poses and are welded to them: {}",
+                                 joined.size(), out_.targets.size(), first_few(joined)),
+                     "correct for seams; --weld 0 keeps them apart");
     diagnostics_.add(about_vertices(std::move(diagnostic), joined));
 }
 
@@ -160,7 +162,7 @@ bool Builder::judge_flat(const MeshFile& pose, const std::vector<FlatTriangle>& 
         2221, where_is_face(pose, drawn_.faces[flat[0].triangle]),
         fmt::format("face {} and others have no area: {} triangles, {:.1f} % of the surface of {}, {:.0f} % allowed",
                     drawn_.faces[flat[0].triangle], flat.size(), 100 * worst, where->path, 100 * flat_part_limit),
-        "these parts cannot be elastic: export this pose again, or leave it out"));
+        "the simulation mesh cannot contain these parts: export this pose again, or leave it out"));
     return false;
 }
 

@@ -15,7 +15,7 @@ Failure open_failure(pliant_result result, const std::string& path)
     const char* hint = "";
     switch (result) {
     case PLIANT_ERROR_VERSION: hint = "bake it again with this version, or use a newer tool"; break;
-    case PLIANT_ERROR_NOT_PLIANT: hint = "a .pliant file comes out of `pliant bake`"; break;
+    case PLIANT_ERROR_NOT_PLIANT: hint = "`pliant bake` writes .pliant files"; break;
     default: hint = "the file is damaged: copy it again (in binary mode) or bake it again"; break;
     }
     return Failure(ExitCode::bad_input,
@@ -73,7 +73,7 @@ void RuntimeBlender::configure(const pliant_solver_desc& desc)
     const std::size_t size = pliant_solver_memory(&asset_, &desc);
     memory_.assign(size / 8 + 1, 0);
     if (size == 0 || pliant_solver_init(&solver_, &asset_, &desc, memory_.data(), size) != PLIANT_OK)
-        throw Failure(ExitCode::failed, error_at(4504, "", "the solver settings are refused by the runtime"));
+        throw Failure(ExitCode::failed, error_at(4504, "", "the runtime rejects the solver settings"));
 }
 
 void RuntimeBlender::solve_tightly()
@@ -102,7 +102,7 @@ std::vector<float> RuntimeBlender::solve(const std::vector<float>& weights, bool
     if (result != PLIANT_OK)
         throw Failure(ExitCode::usage,
                       error_at(1204, "", fmt::format("weights {}: {}", fmt::join(weights, ","), pliant_result_text(result)),
-                               "weights are finite, not negative, and not all zero"));
+                               "weights must be finite, not negative and not all zero"));
     return q;
 }
 

@@ -44,11 +44,11 @@ std::vector<float> decoded_positions(const std::string& bytes, const std::vector
     const draco::Mesh& mesh = *decoded.value();
     const draco::PointAttribute* attribute = mesh.GetNamedAttribute(draco::GeometryAttribute::POSITION);
     if (!attribute || mesh.num_points() != count || mesh.num_faces() != triangles.size() / 3)
-        fail("another mesh comes back");
+        fail("decoding gives another mesh");
     for (std::uint32_t f = 0; f < mesh.num_faces(); ++f)
         for (std::uint32_t c = 0; c < 3; ++c)
             if (mesh.face(draco::FaceIndex(f))[c].value() != triangles[3 * std::size_t(f) + c])
-                fail("faces come back in another order");
+                fail("decoding changes the order of the faces");
     std::vector<float> positions(3 * count);
     for (std::uint32_t v = 0; v < count; ++v)
         attribute->GetMappedValue(draco::PointIndex(v), &positions[3 * std::size_t(v)]);

@@ -115,17 +115,17 @@ std::vector<Diagnostic> warnings_about(const ExportReport& report)
     std::vector<Diagnostic> warnings;
     if (report.target_count == 0) return warnings;
     if (report.target_count > many_targets)
-        warnings.push_back(
-            warning_at(5202, "", fmt::format("{} morph targets: some engines stop at {}", report.target_count, many_targets),
-                       "bake with --dim 64 or less for Bevy before 0.18; Filament and Bevy take 256, three.js any number"));
+        warnings.push_back(warning_at(
+            5202, "", fmt::format("{} morph targets: some engines support {} only", report.target_count, many_targets),
+            "bake with --dim 64 or less for Bevy before 0.18; Filament and Bevy support 256, three.js any number"));
     if (!report.box_covers)
-        warnings.push_back(warning_at(5203, "",
-                                      "the box that an engine computes from base and targets does not hold all shapes",
-                                      "take the one in the mesh's extras (pliant.bounds), or switch culling off for it"));
+        warnings.push_back(warning_at(
+            5203, "", "the bounding box that an engine computes from base and targets does not contain all shapes",
+            "use the box in the mesh's extras (pliant.bounds), or disable culling for the mesh"));
     if (!report.has_stored_ranges)
         warnings.push_back(
-            warning_at(5205, "", "the asset has no morph ranges: they were found now, and are in the mesh's extras only",
-                       "bake it again, and pliant_morph_weights knows them, too"));
+            warning_at(5205, "", "the asset has no morph ranges: they were computed now and are in the mesh's extras only",
+                       "bake the asset again if you need pliant_morph_weights"));
     return warnings;
 }
 

@@ -89,12 +89,11 @@ RenderScene exported_scene(const RuntimeBlender& blender, const DrawnSpace& spac
     const auto is_empty = [](const ScenePart& part) { return part.face_count == 0; };
     scene.parts.erase(std::remove_if(scene.parts.begin(), scene.parts.end(), is_empty), scene.parts.end());
     if (scene.vertex_count != space.vertex_count() || scene.parts.empty())
-        throw Failure(
-            ExitCode::bad_input,
-            error_at(4505, path,
-                     fmt::format("the scene in it has {} vertices and {} parts with faces, the asset draws {} vertices",
-                                 scene.vertex_count, scene.parts.size(), space.vertex_count()),
-                     "bake it again"));
+        throw Failure(ExitCode::bad_input,
+                      error_at(4505, path,
+                               fmt::format("its scene has {} vertices and {} parts with faces, the asset has {} vertices",
+                                           scene.vertex_count, scene.parts.size(), space.vertex_count()),
+                               "bake it again"));
     return scene;
 }
 

@@ -47,7 +47,7 @@ void check_glb_size(std::uint64_t size)
 {
     if (size > 0xFFFFFFFFull)
         throw Failure(ExitCode::failed,
-                      error_at(5201, "", fmt::format("the GLB would have {} bytes, the format counts to 4 GiB", size),
+                      error_at(5201, "", fmt::format("the GLB would have {} bytes, the limit of the format is 4 GiB", size),
                                "bake with a smaller --dim, or export with --embed or --skin instead of --morph"));
 }
 

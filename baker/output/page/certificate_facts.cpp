@@ -106,20 +106,19 @@ std::vector<NamedPlace> places_of(const Json& certificate, std::size_t pose_coun
             if (place.weights.empty() || !vertex(branch) || places.size() >= place_limit) continue;
             const std::string kind = word(branch, "kind"), pose = word(branch, "pose");
             place.what = kind == "other mean"
-                ? fmt::format("Seen from pose {}, the average of all poses is another one", pose)
-                : kind == "jump" ? fmt::format("The average jumps on the way towards pose {}", pose)
-                                 : fmt::format("There are two averages towards pose {}", pose);
-            place.what += fmt::format(": {} away, most at vertex {}.",
+                ? fmt::format("There is a second average of all poses, found from pose {}", pose)
+                : kind == "jump" ? fmt::format("The average jumps on the path towards pose {}", pose)
+                                 : fmt::format("There is a second average on the path to pose {}", pose);
+            place.what += fmt::format(": distance {}, largest at vertex {}.",
                                       percent_text(number(branch, "distance").value_or(NAN)), place.vertex);
             places.push_back(std::move(place));
         }
     const Json* drift = find(certificate, "ties/drift_of_blends");
     if (drift && vertex(*drift) && !weights(*drift, pose_count).empty())
-        places.push_back(
-            { 4408,
-              fmt::format("The part that drifts most from where it is attached: {} of the diagonal, at vertex {}.",
-                          percent_text(number(*drift, "largest").value_or(NAN)), *vertex(*drift)),
-              weights(*drift, pose_count), *vertex(*drift) });
+        places.push_back({ 4408,
+                           fmt::format("Largest drift of a part from its attachment: {} of the diagonal, at vertex {}.",
+                                       percent_text(number(*drift, "largest").value_or(NAN)), *vertex(*drift)),
+                           weights(*drift, pose_count), *vertex(*drift) });
     return places;
 }
 
@@ -155,12 +154,12 @@ Rows material_rows(const Json& c)
     Rows rows;
     add_word(rows, "Material", c, "energy/material");
     add_word(rows, "Membrane", c, "energy/membrane");
-    add_number(rows, "Thickness, over the root of the area", c, "energy/thickness");
+    add_number(rows, "Thickness, relative to the square root of the area", c, "energy/thickness");
     add_number(rows, "Poisson’s ratio", c, "energy/poisson");
-    add_number(rows, "Damping of folded hinges", c, "energy/foldover_damping");
+    add_number(rows, "Bending factor of folded hinges", c, "energy/foldover_damping");
     add_count(rows, "Hinges folded over in some pose", c, "foldover_hinges");
     add_flag(rows, "Poses aligned", c, "energy/aligned");
-    add_count(rows, "Vertices of the elastic mesh", c, "vertices");
+    add_count(rows, "Vertices of the simulation mesh", c, "vertices");
     add_count(rows, "Tetrahedra", c, "tetrahedra");
     add_count(rows, "Welded vertices", c, "elastic/welded_vertices");
     return rows;
@@ -171,10 +170,11 @@ Rows subspace_rows(const Json& c)
     Rows rows;
     add_word(rows, "Built by", c, "subspace/kind");
     add_count(rows, "Dimension d", c, "subspace/dimension");
-    add_count(rows, "Unreduced averages it was built of", c, "subspace/snapshots");
+    add_count(rows, "Unreduced averages used to build it", c, "subspace/snapshots");
     add_percent(rows, "Error of the subspace alone, mean", c, "subspace/mean_error");
     add_percent(rows, "Error of the subspace alone, largest", c, "subspace/largest_error");
-    add_percent(rows, "Basis: farthest vertex from double precision, over the diagonal", c, "basis/largest_difference");
+    add_percent(rows, "Basis: largest distance from double precision, relative to the diagonal", c,
+                "basis/largest_difference");
     return rows;
 }
 
@@ -194,15 +194,15 @@ Rows surrogate_rows(const Json& c)
 Rows measured_rows(const Json& c)
 {
     Rows rows;
-    add_percent(rows, "Tolerance asked for, mean relative L2", c, "tolerance");
-    add_percent(rows, "Largest error allowed", c, "tolerance_max");
+    add_percent(rows, "Tolerance, mean relative L2", c, "tolerance");
+    add_percent(rows, "Tolerance, largest relative L2", c, "tolerance_max");
     add_percent(rows, "Error, mean", c, "measured/mean_error");
     add_percent(rows, "Error, largest", c, "measured/largest_error");
-    add_percent(rows, "Farthest vertex, over the diagonal", c, "measured/largest_distance");
-    add_number(rows, "Smallest triangle, over its smallest in any pose", c, "measured/smallest_triangle_ratio");
-    add_number(rows, "Smallest J of a tetrahedron", c, "measured/smallest_j");
+    add_percent(rows, "Largest error of a vertex, relative to the diagonal", c, "measured/largest_distance");
+    add_number(rows, "Smallest triangle, relative to its smallest area in any pose", c, "measured/smallest_triangle_ratio");
+    add_number(rows, "Smallest volume ratio of a tetrahedron", c, "measured/smallest_j");
     add_percent(rows, "Runtime against double precision", c, "measured/runtime_against_double");
-    add_count(rows, "Checks whose truth did not converge", c, "measured/unconverged_checks");
+    add_count(rows, "Checks whose reference did not converge", c, "measured/unconverged_checks");
     return rows;
 }
 
@@ -236,7 +236,7 @@ CertificateFacts read_certificate_facts(const std::string& text, std::size_t pos
     facts.places = places_of(c, pose_count);
     facts.groups = { { "Elastic material", material_rows(c) },
                      { "Reduced space", subspace_rows(c) },
-                     { "Stand-in for the energy", surrogate_rows(c) },
+                     { "Surrogate energy", surrogate_rows(c) },
                      { "Measured", measured_rows(c) },
                      { "The bake", bake_rows(c) } };
     facts.pretty = c.dump(2, ' ', false, Json::error_handler_t::replace);

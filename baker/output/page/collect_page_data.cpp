@@ -215,8 +215,8 @@ PageData collect_page_data(RuntimeBlender& blender, const std::string& name, con
     const PagePainter painter(blender, shown(blends), view);
     for (std::size_t k = 0; k < std::min(data.pose_count, pose_limit); ++k)
         data.pose_pictures.push_back({ painter.draw(painter.shape(blends.poses[k]), pose_size), data.poses[k], {}, {} });
-    data.centre
-        = draw_blend(painter, "All poses in equal parts", blends.centre_linear, blends.centre_elastic, centre_size, true);
+    data.centre = draw_blend(painter, "All poses with equal weights", blends.centre_linear, blends.centre_elastic,
+                             centre_size, true);
     draw_edges(painter, blends, data);
     add_columns(blender, blends, painter.diagonal(), data);
     data.has_report = report != nullptr;

@@ -48,13 +48,13 @@ std::string fact(const char* name, const std::string& value)
 std::string verdict(const CertificateFacts& facts)
 {
     if (!facts.is_readable)
-        return "<p class=\"verdict\">The certificate in this asset cannot be read: what was measured is not known.</p>";
+        return "<p class=\"verdict\">The certificate in this asset cannot be read, so its measured errors are unknown.</p>";
     if (facts.checks.empty() || !facts.mean_error)
-        return "<p class=\"verdict\">Nothing was measured at the bake: it was asked for no check weights.</p>";
+        return "<p class=\"verdict\">The bake measured no errors: it was run without check weights.</p>";
     const bool is_kept = facts.meets_tolerance.value_or(false);
     return fmt::format(
         "<p class=\"verdict\"><b class=\"{}\">Tolerance {}.</b> Blends at {} weights differ from the unreduced "
-        "elastic average by {} in the mean and {} at most; {} in the mean is the tolerance.</p>",
+        "elastic average by {} on average and by {} at most; the tolerance for the average is {}.</p>",
         is_kept ? "kept" : "missed", is_kept ? "kept" : "missed", facts.checks.size(), percent_text(*facts.mean_error),
         percent_text(facts.largest_error.value_or(NAN)), percent_text(facts.tolerance));
 }
@@ -67,11 +67,11 @@ std::string header(const PageData& data, const CertificateFacts& facts)
     html += fact("Triangles", count_text(data.triangles)) + fact("Dimension d", count_text(data.dimension));
     for (const auto& [title, rows] : facts.groups)
         for (const auto& [name, value] : rows)
-            if (name == "Elements" || name == "Kind") html += fact(name == "Kind" ? "Stand-in" : "Elements", value);
+            if (name == "Elements" || name == "Kind") html += fact(name == "Kind" ? "Surrogate energy" : "Elements", value);
     html += fact("File size", bytes_text(double(data.file_size)));
-    html += fact("Read in a frame", bytes_text(double(data.frame_bytes)));
-    html += fact("Solver, a character", bytes_text(double(data.solver_memory)));
-    if (facts.largest_distance) html += fact("Farthest vertex off", percent_text(*facts.largest_distance));
+    html += fact("Read per frame", bytes_text(double(data.frame_bytes)));
+    html += fact("Solver memory per character", bytes_text(double(data.solver_memory)));
+    if (facts.largest_distance) html += fact("Largest error of a vertex", percent_text(*facts.largest_distance));
     if (data.has_report) html += fact("Warnings", count_text(data.warnings.size()));
     return html + "</dl></header>\n";
 }
@@ -81,10 +81,9 @@ std::string poses_section(const PageData& data)
     std::string body = "<div class=\"gallery\">";
     for (const PagePicture& picture : data.pose_pictures) body += figure(picture, "pose");
     body += "</div>";
-    std::string sentence
-        = fmt::format("What was baked, as the asset holds it, all at one scale ({}).", escape_html(data.view));
+    std::string sentence = fmt::format("The poses as the asset stores them, all at one scale ({}).", escape_html(data.view));
     if (data.pose_pictures.size() < data.pose_count)
-        sentence += fmt::format(" The first {} of {} poses.", data.pose_pictures.size(), data.pose_count);
+        sentence += fmt::format(" Shown are the first {} of {} poses.", data.pose_pictures.size(), data.pose_count);
     return section("poses", "Poses", sentence, body);
 }
 
@@ -96,7 +95,7 @@ std::string blend_html(const PageBlend& blend)
     if (blend.difference) html += figure(*blend.difference, "coloured");
     const char* const note = blend.difference
         ? "</div><p class=\"note\">Distance between the two: 0<span class=\"scale\"></span>{} of the diagonal.</p></div>"
-        : "</div><p class=\"note\">Farthest vertex between the two: {} of the diagonal.</p></div>";
+        : "</div><p class=\"note\">Largest distance between the two: {} of the diagonal.</p></div>";
     return html + fmt::format(fmt::runtime(note), percent_text(blend.distance));
 }
 
@@ -112,30 +111,30 @@ std::string blends_section(const PageData& data)
     if (data.edges.size() < data.edge_count)
         body += fmt::format("<p class=\"note\">The {} of {} pairs of poses in which linear and elastic differ most.</p>",
                             data.edges.size(), data.edge_count);
-    return section(
-        "blends", "Blends",
-        "Left the linear blend, the weighted mean of positions; right the elastic blend that the runtime computes. "
-        "What turns from pose to pose shrinks or flattens in the linear one.",
-        body);
+    return section("blends", "Blends",
+                   "Left: the linear blend, a weighted mean of positions. Right: the elastic blend that the runtime "
+                   "computes. Parts that rotate between poses shrink or flatten in the linear blend.",
+                   body);
 }
 
 std::string error_section(const PageData& data, const CertificateFacts& facts)
 {
     if (facts.checks.empty())
-        return section("errors", "Errors over the weights", "The certificate holds no checks: nothing is known of errors.",
-                       "");
+        return section("errors", "Errors over the weights", "The certificate has no checks, so the errors are unknown.", "");
     std::string sentence
-        = "The relative L2 error of a blend: how far its vertices lie from the unreduced elastic average (root mean "
-          "square over the surface, after rigid alignment), over their distance from the centroid.";
+        = "The relative L2 error of a blend is the distance of its vertices from the unreduced elastic average (root mean "
+          "square over the surface, after rigid alignment), divided by their distance from the centroid.";
     if (data.pose_count == 2)
-        sentence += " Filled points were used to choose the dimension and the elements; hollow ones are fresh: nothing was "
-                    "chosen by them.";
+        sentence
+            += " Filled points were used to choose the dimension and the elements; hollow points are fresh weights, which "
+               "were not used for any choice.";
     else if (data.pose_count == 3)
-        sentence += " Larger and darker is worse. Dashed: fresh weights, by which nothing was chosen.";
+        sentence += " Larger and darker circles have larger errors. Dashed circles are fresh weights, which were not used "
+                    "for any choice.";
     else
-        sentence += " One row a check, the worst first; hollow bars are fresh weights, by which nothing was chosen; the "
-                    "dashed line is the "
-                    "tolerance, which is about the mean.";
+        sentence
+            += " One row per check, the largest error first. Hollow bars are fresh weights, which were not used for any "
+               "choice. The dashed line is the tolerance for the mean.";
     if (data.pose_count <= 3) {
         sentence += " Here";
         for (std::size_t k = 0; k < data.poses.size(); ++k)
@@ -150,7 +149,7 @@ std::string warnings_section(const PageData& data)
     if (!data.has_report && data.warnings.empty())
         return section(
             "warnings", "Warnings",
-            "The certificate names no trouble. Warnings about the pose files are in the report of the bake (pliant bake "
+            "The certificate has no warnings. Warnings about the pose files are in the report of the bake (pliant bake "
             "--report), not in the asset.",
             "");
     if (data.warnings.empty()) return section("warnings", "Warnings", "None.", "");
@@ -167,24 +166,23 @@ std::string warnings_section(const PageData& data)
     return section(
         "warnings", "Warnings",
         data.has_report
-            ? "What the bake warned of. What a warning names is marked: faces in colour, vertices by a circle, dashed "
-              "where they lie behind the shape."
-            : "What the certificate in the asset names, marked by a circle, dashed where it lies behind the shape. The "
-              "report of the bake (pliant bake --report) has the other warnings.",
+            ? "The warnings of the bake. Their faces are marked in colour, their vertices by a circle; the circle is dashed "
+              "if the vertex is behind the shape."
+            : "The warnings of the certificate in the asset. Their vertices are marked by a circle, dashed if the vertex is "
+              "behind the shape. The report of the bake (pliant bake --report) has the other warnings.",
         body);
 }
 
 std::string spectrum_section(const PageData& data)
 {
-    const std::string source = data.has_stored_amplitudes
-        ? "as far as the baker saw blends go"
-        : "as far as it is used by the blends that this page looked at; the asset does not say";
-    return section(
-        "basis", "Spectrum of the basis",
-        fmt::format("A blend is a rest shape and {} columns, each times a number. Above: how far a column moves the vertex "
-                    "that it moves furthest, {}. Below: what a number of it takes, {:.2f} bytes in the mean{}.",
-                    data.dimension, source, data.bytes_per_number, data.is_compact ? "" : " (single precision)"),
-        spectrum_chart(data.columns));
+    const std::string source = data.has_stored_amplitudes ? "over the blends of the bake"
+                                                          : "over the blends on this page (the asset does not store it)";
+    return section("basis", "Spectrum of the basis",
+                   fmt::format("A blend is the rest shape plus {} columns, each multiplied by a number. Above: the largest "
+                               "motion of a vertex by each column, {}. Below: the bits per number of each column, {:.2f} "
+                               "bytes on average{}.",
+                               data.dimension, source, data.bytes_per_number, data.is_compact ? "" : " (single precision)"),
+                   spectrum_chart(data.columns));
 }
 
 // What each chunk is for (formats/SPEC.md).
@@ -192,22 +190,22 @@ const char* chunk_purpose(const std::string& tag)
 {
     static const std::pair<const char*, const char*> purposes[] = {
         { "SOLV", "start and scaling of the solver" },
-        { "ELEM", "elements of the stand-in" },
-        { "QUAR", "quartic stand-in" },
-        { "PRED", "prediction of where to start" },
-        { "LOAD", "dead load, corrects the stand-in" },
+        { "ELEM", "elements of the surrogate energy" },
+        { "QUAR", "quartic surrogate energy" },
+        { "PRED", "predictor of the solver's start" },
+        { "LOAD", "dead load, corrects the surrogate energy" },
         { "REST", "rest positions" },
         { "TRIS", "triangles" },
         { "MRNG", "ranges of morph weights" },
-        { "VERT", "vertex numbers of the files" },
+        { "VERT", "vertex numbers of the pose files" },
         { "SMTH", "vertices that share a normal" },
-        { "POLY", "faces as the files had them" },
+        { "POLY", "faces of the pose files" },
         { "NAME", "names of the poses" },
-        { "ANSW", "stored answers, to validate" },
+        { "ANSW", "stored answers, for validation" },
         { "CERT", "certificate" },
         { "GLTF", "textures and materials" },
         { "BASI", "basis, single precision" },
-        { "BASC", "basis, in few bits" },
+        { "BASC", "basis, compact" },
         { "BNDS", "bounding boxes" },
     };
     for (const auto& [name, purpose] : purposes)
@@ -226,8 +224,8 @@ std::string bytes_section(const PageData& data)
     }
     std::stable_sort(rows.begin(), rows.end(), [](const BarRow& a, const BarRow& b) { return a.part > b.part; });
     rows.push_back({ "rest", "header and padding", count_text(rest), double(rest) / whole });
-    return section("bytes", "Where the bytes went",
-                   fmt::format("The file has {} bytes ({}, format {}); a frame reads {} of them to rebuild all vertices.",
+    return section("bytes", "File size by chunk",
+                   fmt::format("The file has {} bytes ({}, format {}). Each frame reads {} of them to rebuild all vertices.",
                                count_text(data.file_size), bytes_text(double(data.file_size)), escape_html(data.format),
                                bytes_text(double(data.frame_bytes))),
                    bar_table(rows, "chunk", "bytes"));
@@ -236,15 +234,15 @@ std::string bytes_section(const PageData& data)
 std::string seconds_section(const PageData& data)
 {
     if (!data.has_report)
-        return section("seconds", "Where the seconds went",
-                       "An asset holds no times. Bake with --report REPORT.json and make the page of that file.", "");
+        return section("seconds", "Time by stage",
+                       "An asset stores no times. Bake with --report REPORT.json and run pliant report on that file.", "");
     double sum = 0;
     for (const PageStage& stage : data.stages) sum += stage.seconds;
     std::vector<BarRow> rows;
     for (const PageStage& stage : data.stages)
         rows.push_back({ stage.name, "", seconds_text(stage.seconds), sum > 0 ? stage.seconds / sum : 0 });
-    return section("seconds", "Where the seconds went",
-                   fmt::format("The bake took {}, by the clock on the wall, in this order:", seconds_text(sum)),
+    return section("seconds", "Time by stage",
+                   fmt::format("The bake took {} of wall-clock time. The stages in order:", seconds_text(sum)),
                    bar_table(rows, "stage", "time"));
 }
 
@@ -262,8 +260,8 @@ std::string certificate_section(const CertificateFacts& facts)
                         escape_html(facts.pretty));
     return section(
         "certificate", "Certificate",
-        "It is stored in the asset and says how it was baked and what was measured. No times, no paths: the same poses and "
-        "options give the same text.",
+        "The asset stores how it was baked and what was measured, without times and paths: the same poses and options give "
+        "the same text.",
         body);
 }
 
@@ -284,8 +282,7 @@ std::string write_page(const PageData& data)
         + warnings_section(data);
     html += spectrum_section(data) + bytes_section(data) + seconds_section(data) + certificate_section(facts);
     return html
-        + "<footer>Written by pliant report. Lengths in per cent of the diagonal are over the diagonal of the first pose’s "
-          "box.</footer>\n"
+        + "<footer>Written by pliant report. “The diagonal” is the bounding-box diagonal of the first pose.</footer>\n"
           "</main></body></html>\n";
 }
 

@@ -48,7 +48,7 @@ std::vector<std::size_t> worst_first(const std::vector<CheckFact>& checks)
 std::string check_title(const CheckFact& check, const std::vector<std::string>& poses)
 {
     return escape_html(fmt::format("{}: {}{}{}", percent_text(check.error), weights_in_words(check.weights, poses),
-                                   check.is_fresh ? ", fresh" : "", check.has_converged ? "" : ", truth not converged"));
+                                   check.is_fresh ? ", fresh" : "", check.has_converged ? "" : ", reference not converged"));
 }
 
 std::string point(double x, double y, const CheckFact& check, bool is_worst, const std::vector<std::string>& poses)
@@ -101,7 +101,7 @@ std::string error_curve(const CertificateFacts& facts, const std::vector<std::st
     svg += fmt::format("<path class=\"curve\" d=\"{}\"/>", path);
     if (has_tolerance) {
         svg += line(left, y(facts.tolerance), chart_width - right, y(facts.tolerance), "limit");
-        svg += label(chart_width - right, y(facts.tolerance) - 5, "end", "tolerance (of the mean)");
+        svg += label(chart_width - right, y(facts.tolerance) - 5, "end", "tolerance (for the mean)");
     }
     for (const CheckFact* check : sorted)
         svg += point(x(check->weights[1]), y(check->error), *check, check == &checks[order[0]], poses);
@@ -250,8 +250,8 @@ std::string spectrum_chart(const std::vector<PageColumn>& columns)
                            place_text(bits_top + bits_height - bits_y(columns[j].bits)));
     }
     svg += line(left, height, chart_width - right, height, "axis");
-    svg += label(left + 4, top - 2, "start", "farthest a vertex moves, of the diagonal");
-    svg += label(left + 4, bits_top - 3, "start", "bits a number");
+    svg += label(left + 4, top - 2, "start", "largest motion of a vertex, relative to the diagonal");
+    svg += label(left + 4, bits_top - 3, "start", "bits per number");
     svg += label(left, full - 16, "start", "column 1")
         + label(chart_width - right, full - 16, "end", fmt::format("column {}", columns.size()));
     return "<figure class=\"chart\">" + svg + "</svg></figure>";

@@ -32,7 +32,7 @@ public:
     {
         throw Failure(ExitCode::bad_input,
                       error_at(5302, path_, fmt::format("its member {} is not {}", member, wanted),
-                               "a report comes out of `pliant bake --report`: bake again with this version"));
+                               "`pliant bake --report` writes reports: bake again with this version"));
     }
 
     const Json& member(const Json& json, const char* name, const std::string& within, Json::value_t type,
@@ -44,7 +44,7 @@ public:
 
     std::string text(const Json& json, const char* name, const std::string& within) const
     {
-        return member(json, name, within, Json::value_t::string, "a text").get<std::string>();
+        return member(json, name, within, Json::value_t::string, "a string").get<std::string>();
     }
 
     std::vector<std::uint32_t> numbers(const Json& json, const char* name, const std::string& within) const
@@ -114,7 +114,7 @@ ReportFile parse_report(const std::string& text, const std::string& path)
     if (!json.is_object())
         throw Failure(ExitCode::bad_input,
                       error_at(5301, path, "is neither an asset nor the report of a bake",
-                               "give what `pliant bake` wrote with -o or with --report"));
+                               "give a file that `pliant bake` wrote with -o or --report"));
     const Reader reader(path);
     ReportFile report;
     if (!json.contains("asset"))
@@ -137,7 +137,7 @@ void check_same_bake(const std::string& report, const std::string& certificate, 
         for (const auto& [key, value] : inner.items()) is_same = is_same && outer.contains(key) && outer.at(key) == value;
     if (!is_same)
         throw Failure(ExitCode::bad_input,
-                      error_at(5304, path, fmt::format("is of another bake than {}", asset),
+                      error_at(5304, path, fmt::format("belongs to another bake than {}", asset),
                                "bake again with --report, or give the asset itself: `pliant report hero.pliant`"));
 }
 

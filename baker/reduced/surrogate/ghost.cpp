@@ -48,7 +48,7 @@ HalfEdgeMesh to_half_edges(const NormalizedPoses& set)
 Ghost make_ghost(const NormalizedPoses& set, const Subspace& subspace, std::size_t vertex_count)
 {
     require_manifold(set.triangles, std::size_t(set.dof_count() / 3), set.source_vertices, "--energy ghost",
-                     "repair it alike in all poses, or use --energy cubature, which needs none");
+                     "repair it the same way in all poses, or use --energy cubature, which does not need one");
     HalfEdgeMesh mesh = to_half_edges(set);
     OpenMesh::Decimater::DecimaterT<HalfEdgeMesh> decimater(mesh);
     OpenMesh::Decimater::ModQuadricT<HalfEdgeMesh>::Handle quadric;

@@ -25,9 +25,9 @@ constexpr char bake_hint[] = "make an asset with: pliant bake rest.ply pose1.ply
 std::string hint_for(pliant_result result)
 {
     switch (result) {
-    case PLIANT_ERROR_VERSION: return "bake the asset again with the pliant tool of this version";
+    case PLIANT_ERROR_VERSION: return "bake the asset again with this version of the pliant tool";
     case PLIANT_ERROR_NOT_PLIANT: return bake_hint;
-    case PLIANT_ERROR_ABSENT: return "only files of `pliant export --embed` have an asset inside";
+    case PLIANT_ERROR_ABSENT: return "only .glb files of `pliant export --embed` contain an asset";
     default:
         return "the file is damaged: copy it again (as binary) or bake it again; `pliant validate` names the broken rule";
     }
@@ -57,7 +57,7 @@ AssetFile::AssetFile(const std::string& path)
     if (error) refuse_file(path, error.message());
 
     blob_.reset(static_cast<std::byte*>(::operator new[](size > 0 ? size : 1, blob_alignment)));
-    if (std::fread(blob_.get(), 1, size, file.get()) != size) refuse_file(path, "ended early while it was read");
+    if (std::fread(blob_.get(), 1, size, file.get()) != size) refuse_file(path, "ended before all of it was read");
     std::size_t offset = 0, asset_size = 0;
     pliant_result result = find_asset(blob_.get(), size, offset, asset_size);
     if (result == PLIANT_OK) {

@@ -58,7 +58,7 @@ BlendCost Character::blend(const std::vector<double>& weights, BlendMode mode)
         const pliant_result result = pliant_solve(solver_, weights_f32.data(), q_.data(), &cost.info);
         if (result != PLIANT_OK) {
             throw Error(ErrorNumber::weights, ExitCode::usage, std::string("weights: ") + pliant_result_text(result),
-                        "weights are numbers >= 0, one for each pose, not all zero");
+                        "give one number >= 0 per pose, not all zero");
         }
     }
     cost.solve_us = solve.microseconds();

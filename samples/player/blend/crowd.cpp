@@ -60,7 +60,7 @@ void Crowd::solve(const std::vector<std::vector<double>>& weights, BlendMode mod
         const pliant_result result = pliant_solve(solvers_[i], weights_.data(), q_[i].data(), &info);
         if (result != PLIANT_OK) {
             throw Error(ErrorNumber::weights, ExitCode::usage, std::string("weights: ") + pliant_result_text(result),
-                        "weights are numbers >= 0, one for each pose, not all zero");
+                        "give one number >= 0 per pose, not all zero");
         }
         cost.evaluations += info.evaluations;
         cost.not_converged += info.status != PLIANT_STATUS_CONVERGED;

@@ -121,9 +121,9 @@ Truth::Truth(const std::string& weights_file, const std::string& pattern, const 
         shapes_.push_back(read_ply_positions(path));
         if (shapes_.back().size() != asset.view().boundary_vertex_count) {
             throw Error(ErrorNumber::truth_of_another, ExitCode::bad_input,
-                        path + ": " + std::to_string(shapes_.back().size()) + " vertices, " + asset.path() + " draws "
-                            + std::to_string(asset.view().boundary_vertex_count),
-                        "average the very poses that the asset was baked from, without --all");
+                        path + ": " + std::to_string(shapes_.back().size()) + " vertices, the render mesh of " + asset.path()
+                            + " has " + std::to_string(asset.view().boundary_vertex_count),
+                        "average the same poses that the asset was baked from, without --all");
         }
     }
 }

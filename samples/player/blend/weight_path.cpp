@@ -95,8 +95,8 @@ std::string numbered_name(const std::string& option, const std::string& pattern,
     const std::size_t end = percent == std::string::npos ? percent : pattern.find_first_not_of("0123456789", percent + 1);
     if (end == std::string::npos || pattern[end] != 'd' || pattern.find('%', end) != std::string::npos) {
         throw Error(ErrorNumber::no_frame_number, ExitCode::usage,
-                    option + ": '" + pattern + "' does not say where the frame number goes",
-                    "write it as frame_%04d: one %d or %04d in the name");
+                    option + ": '" + pattern + "' has no place for the frame number",
+                    "write it as frame_%04d, with one %d or %04d");
     }
     const std::string digits = pattern.substr(percent + 1, end - percent - 1);
     const std::size_t width = digits.empty() ? 0 : std::min<std::size_t>(std::stoul(digits.substr(0, 4)), 20);

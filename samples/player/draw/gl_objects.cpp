@@ -26,7 +26,7 @@ GlName compile(const std::string& name, GLenum stage, const std::string& source)
     if (!done) {
         char log[2048] = "";
         glGetShaderInfoLog(shader.get(), sizeof log, nullptr, log);
-        refuse("shader '" + name + "' was refused by the driver: " + log);
+        refuse("shader '" + name + "' was rejected by the driver: " + log);
     }
     return shader;
 }
@@ -34,7 +34,7 @@ GlName compile(const std::string& name, GLenum stage, const std::string& source)
 void check_framebuffer(int width, int height)
 {
     if (glCheckFramebufferStatus(GL_FRAMEBUFFER) != GL_FRAMEBUFFER_COMPLETE)
-        refuse("a picture of " + std::to_string(width) + " x " + std::to_string(height) + " was refused by the driver");
+        refuse("a picture of " + std::to_string(width) + " x " + std::to_string(height) + " was rejected by the driver");
 }
 
 GlName storage(GLint samples, GLenum format, int width, int height)
@@ -95,7 +95,7 @@ Program::Program(const std::string& name, const std::string& vertex_source, cons
     if (!done) {
         char log[2048] = "";
         glGetProgramInfoLog(program_.get(), sizeof log, nullptr, log);
-        refuse("program '" + name + "' was refused by the driver: " + log);
+        refuse("program '" + name + "' was rejected by the driver: " + log);
     }
 }
 

@@ -16,9 +16,9 @@ void check(pliant_gl_result result, const pliant_gl& gl)
     std::string words = gl.message; // from the driver, possibly many lines
     std::replace(words.begin(), words.end(), '\n', ' ');
     words.erase(words.find_last_not_of(' ') + 1);
-    std::string what = std::string("the graphics driver cannot rebuild the shapes: ") + pliant_gl_result_text(result);
+    std::string what = std::string("the graphics driver cannot compute the shapes: ") + pliant_gl_result_text(result);
     if (!words.empty()) what += " (" + words + ")";
-    throw Error(ErrorNumber::rebuild_refused, ExitCode::failed, what, "--rebuild cpu rebuilds them on the processor");
+    throw Error(ErrorNumber::rebuild_refused, ExitCode::failed, what, "use --rebuild cpu to compute them on the CPU");
 }
 
 } // namespace
@@ -37,7 +37,7 @@ void GpuCrowd::upload(const pliant_asset& asset, std::uint32_t count, pliant_gl_
     std::vector<std::byte> memory(pliant_normals_memory(&asset));
     pliant_normals adjacency {};
     if (pliant_normals_init(&adjacency, &asset, memory.data(), memory.size()) != PLIANT_OK)
-        throw Error(ErrorNumber::asset_refused, ExitCode::bad_input, "the asset has no triangles to make normals of",
+        throw Error(ErrorNumber::asset_refused, ExitCode::bad_input, "the asset has no triangles, which normals need",
                     "bake the asset again");
     check(pliant_gl_mesh_init(&mesh_.mesh, &context_.gl, &asset, &adjacency), context_.gl);
     shapes_.list.resize(count);

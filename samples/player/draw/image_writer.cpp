@@ -31,7 +31,7 @@ namespace {
 [[noreturn]] void refuse(const std::string& path, const std::string& reason)
 {
     throw Error(ErrorNumber::picture_not_written, ExitCode::failed, path + ": cannot be written: " + reason,
-                "check that the folder exists, may be written to and has room");
+                "check that the folder exists, is writable and has free space");
 }
 
 void append(void* context, void* data, int size)
@@ -49,7 +49,7 @@ void write_png(const std::string& path, int width, int height, const std::vector
     const auto kind = std::filesystem::status(path, error).type();
     // The renaming below would replace a device or a pipe by a file.
     if (kind != std::filesystem::file_type::not_found && kind != std::filesystem::file_type::regular)
-        refuse(path, "it exists and is not a plain file");
+        refuse(path, "it exists and is not a regular file");
     std::vector<std::uint8_t> png;
     if (!stbi_write_png_to_func(append, &png, width, height, 3, pixels.data(), width * 3)) refuse(path, "out of memory");
 

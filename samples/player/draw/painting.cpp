@@ -66,7 +66,7 @@ template <int N> glm::vec<N, float> vector_of(const Json& object, const char* na
     if (!list.is_array() || list.size() != N) refuse(std::string(name) + " has another size");
     glm::vec<N, float> result;
     for (int c = 0; c < N; ++c) {
-        if (!list[static_cast<std::size_t>(c)].is_number()) refuse(std::string(name) + " is not of numbers");
+        if (!list[static_cast<std::size_t>(c)].is_number()) refuse(std::string(name) + " is not a list of numbers");
         result[c] = list[static_cast<std::size_t>(c)].get<float>();
     }
     return result;
@@ -91,11 +91,11 @@ struct Document {
 
     explicit Document(Bytes chunk)
     {
-        if (chunk.size < 28 || std::memcmp(chunk.data, "glTF", 4) != 0) refuse("no binary glTF");
+        if (chunk.size < 28 || std::memcmp(chunk.data, "glTF", 4) != 0) refuse("not binary glTF");
         const std::uint64_t text = chunk.at<std::uint32_t>(3);
-        if (chunk.at<std::uint32_t>(4) != json_tag || text % 4 != 0 || text > chunk.size - 28) refuse("no binary glTF");
+        if (chunk.at<std::uint32_t>(4) != json_tag || text % 4 != 0 || text > chunk.size - 28) refuse("not binary glTF");
         const std::uint64_t size = chunk.at<std::uint32_t>(5 + text / 4);
-        if (chunk.at<std::uint32_t>(6 + text / 4) != binary_tag || size > chunk.size - 28 - text) refuse("no binary glTF");
+        if (chunk.at<std::uint32_t>(6 + text / 4) != binary_tag || size > chunk.size - 28 - text) refuse("not binary glTF");
         json = Json::parse(chunk.data + 20, chunk.data + 20 + text);
         binary = { chunk.data + 28 + text, size };
     }
@@ -104,7 +104,7 @@ struct Document {
     {
         const Json& view = element(member(json, "bufferViews"), index, "view");
         const std::uint64_t offset = whole(view, "byteOffset", 0), size = whole(view, "byteLength");
-        if (offset > binary.size || size > binary.size - offset) refuse("a view leaves the buffer");
+        if (offset > binary.size || size > binary.size - offset) refuse("a buffer view ends outside its buffer");
         return { binary.data + offset, size };
     }
 
@@ -113,7 +113,8 @@ struct Document {
     {
         const Bytes all = view(whole(accessor, "bufferView"));
         const std::uint64_t offset = whole(accessor, "byteOffset", 0);
-        if (offset > all.size || count > (all.size - offset) / (width * bytes)) refuse("an accessor leaves its view");
+        if (offset > all.size || count > (all.size - offset) / (width * bytes))
+            refuse("an accessor ends outside its buffer view");
         return { all.data + offset, count * width * bytes };
     }
 };
@@ -232,11 +233,11 @@ void read_indices(const Document& document, const Json& primitive, std::uint32_t
     if (member(primitive, "indices").is_null()) return; // no faces
     const Json& accessor = element(member(document.json, "accessors"), whole(primitive, "indices"), "accessor");
     const std::uint64_t type = whole(accessor, "componentType"), corners = whole(accessor, "count");
-    if ((type != uint16 && type != uint32) || corners % 3 != 0) refuse("indices are not those of triangles");
+    if ((type != uint16 && type != uint32) || corners % 3 != 0) refuse("the indices are not triangles");
     const Bytes values = document.numbers(accessor, corners, 1, type == uint16 ? 2 : 4);
     for (std::uint64_t i = 0; i < corners; ++i) {
         const std::uint32_t vertex = type == uint16 ? values.at<std::uint16_t>(i) : values.at<std::uint32_t>(i);
-        if (vertex >= count) refuse("an index is beyond its part");
+        if (vertex >= count) refuse("an index is outside its part");
         painting.indices.push_back(first + vertex);
     }
 }
@@ -277,7 +278,7 @@ std::optional<Painting> read_painting(Bytes chunk, std::uint32_t vertex_count, s
         is_painted |= read_part(document, primitive, static_cast<std::uint32_t>(first), count, painting);
         first += count;
     }
-    if (first != drawn_count) refuse("its parts do not have all vertices");
+    if (first != drawn_count) refuse("its parts do not cover all vertices");
     if (!is_painted) return std::nullopt;
     return painting;
 }

@@ -15,7 +15,7 @@ const char* status_text(pliant_status status)
 {
     switch (status) {
     case PLIANT_STATUS_CONVERGED: return "converged";
-    case PLIANT_STATUS_LIMIT: return "at its limit";
+    case PLIANT_STATUS_LIMIT: return "at the iteration limit";
     case PLIANT_STATUS_STALLED: return "at float precision";
     }
     return "unknown";
@@ -67,7 +67,7 @@ void draw_sources(const Overlay& overlay, const HudModel& model)
         std::to_string(*model.shown.truth + 1) + " of " + std::to_string(model.truth->count()));
     ImGui::PushFont(overlay.small());
     ImGui::PushStyleColor(ImGuiCol_Text, unreduced_ink);
-    ImGui::TextUnformatted("all are shown at its weights (ring), the\nnearest to the point");
+    ImGui::TextUnformatted("all blends use its weights: the ring\nnearest to the point");
     ImGui::PopStyleColor();
     ImGui::PopFont();
 }

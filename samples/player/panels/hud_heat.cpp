@@ -17,7 +17,7 @@ ImU32 heat_ink(std::size_t stop)
 
 std::string distances(const Shown& shown, Kind kind)
 {
-    if (kind == Kind::unreduced) return "what both are measured against";
+    if (kind == Kind::unreduced) return "the reference for both";
     const HeatSummary& heat = kind == Kind::linear ? shown.linear_heat : shown.elastic_heat;
     return "mean " + percent(heat.mean) + ", largest " + percent(heat.largest);
 }
@@ -46,8 +46,8 @@ void draw_heat_legend(const Overlay& overlay, const Shown& shown, const Area& fr
     const float s = overlay.scale(), width = std::min(340.0f * s, 0.8f * free.width), height = 12.0f * s;
     const ImVec2 corner { free.x + 0.5f * (free.width - width), free.y + 44.0f * s };
     const std::string title
-        = std::string(shown.truth ? "distance from the unreduced average" : "linear and elastic: distance")
-        + ", share of the diagonal";
+        = std::string(shown.truth ? "distance from the unreduced average" : "distance between linear and elastic")
+        + ", fraction of the diagonal";
     draw_text(list, overlay.small(), { corner.x + 0.5f * width, corner.y - 8.0f * s }, { 0.5f, 1.0f }, ink, title);
     const float step = width / static_cast<float>(heat_colours.size() - 1);
     for (std::size_t i = 0; i + 1 < heat_colours.size(); ++i) {

@@ -108,9 +108,10 @@ void run_crowd(const Options& options, const AssetFile& file)
         std::printf("\n}\n");
         return;
     }
-    std::printf("%s: %s blend, %u characters, %d frames, %u vertices, %u poses, d = %u; each number is of the whole crowd\n",
-                file.path().c_str(), blend, crowd.count(), options.benchmark_frames, asset.vertex_count, asset.pose_count,
-                asset.dimension);
+    std::printf(
+        "%s: %s blend, %u characters, %d frames, %u vertices, %u poses, d = %u; all numbers are for the whole crowd\n",
+        file.path().c_str(), blend, crowd.count(), options.benchmark_frames, asset.vertex_count, asset.pose_count,
+        asset.dimension);
     if (gpu) std::printf("shapes rebuilt by pliant::gl: %s, %s\n", gpu->path().c_str(), gpu->driver().c_str());
     std::printf("              median        p95\n");
     print_text_row("solve", solve);

@@ -88,7 +88,7 @@ def checked(tool, poses):
     """The cells from drawn vertices to verdict."""
     result = run(tool, "check", *poses)
     drawn = re.search(r"poses of (\d+) vertices, \d+ faces, (\d+) triangles", result.stdout)
-    elastic = re.search(r"elastic mesh has (\d+) vertices, (\d+) triangles", result.stdout)
+    elastic = re.search(r"simulation mesh has (\d+) vertices, (\d+) triangles", result.stdout)
     parts = re.search(r"has (\d+) components", result.stderr)
     verdict = "fit" if result.returncode == 0 else f"exit code {result.returncode}"
     if not drawn:

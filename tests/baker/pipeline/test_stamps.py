@@ -126,8 +126,8 @@ def test_manifests(folder):
     refused(folder, {"bakes": [{**good, "stamp": "a"}]}, "P2704", "there is no key 'stamp'",
             "a stamp, which bake-all sees to")
     refused(folder, {"bakes": [{**good, "dim": 0}]}, "P2706", "1 to 256", "a dimension out of range")
-    refused(folder, {"bakes": [good], "defaults": {"dim": "3"}}, "P2705", "defaults: \"dim\" is a text",
-            "a text for a number")
+    refused(folder, {"bakes": [good], "defaults": {"dim": "3"}}, "P2705", "defaults: \"dim\" is a string",
+            "a string for a number")
     refused(folder, {"bakes": [7]}, "P2705", "bakes[0]: is a number", "a number for a bake")
     result = TOOL.run("bake-all", write_json(folder / "good.json", {"bakes": [{**good, "config": "none.json"}]}))
     check(result.returncode == 3 and "error P2001" in result.stderr, "a configuration that is not there")

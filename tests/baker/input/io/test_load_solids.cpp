@@ -243,7 +243,7 @@ TEST_CASE("a shuffled pose does not correspond")
     }
     const Loaded renumbered = load({ block, shuffled });
     CHECK(numbers_of(renumbered) == Numbers { 3005 });
-    CHECK(renumbered.diagnostics[0].what.find("is the same solid with other numbers: tetrahedron 0 is ") == 0);
+    CHECK(renumbered.diagnostics[0].what.find("is the same solid in a different order: tetrahedron 0 is ") == 0);
 }
 
 TEST_CASE("fixed vertices: in the set's numbering, in the same place in all poses")

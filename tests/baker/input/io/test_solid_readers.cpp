@@ -80,7 +80,7 @@ TEST_CASE("every layout arrives bit for bit, what is no tetrahedron is left out 
         } else {
             REQUIRE(diagnostics.diagnostics().size() == 1);
             CHECK(diagnostics.diagnostics()[0].number == 2115);
-            CHECK(diagnostics.diagnostics()[0].what == "2 triangles left out: only tetrahedra count");
+            CHECK(diagnostics.diagnostics()[0].what == "2 triangles ignored: only tetrahedra are used");
             CHECK(mesh->regions.of_tet.empty());
         }
     }
