@@ -1,5 +1,5 @@
 /* Opening an asset: every rule of formats/SPEC.md section 5, in place, without allocating. Hostile bytes are the normal case
-   here: see open.h. The chunks of the stand-in are in asset_energy.c, those of the shape in asset_shape.c.
+   here: see open.h. The chunks of the surrogate energy are in asset_energy.c, those of the shape in asset_shape.c.
 
    On a big-endian machine format_major reads as 256 and open answers PLIANT_ERROR_VERSION: assets are used in place, so a
    byte-swapped one would have to be converted offline. */
@@ -79,7 +79,7 @@ static pliant_result check_presence(const pliant_open_context* context)
                                          PLIANT_CHUNK_NAMES,  PLIANT_CHUNK_ANSWERS, PLIANT_CHUNK_CERTIFICATE };
     for (size_t i = 0; i < sizeof required / sizeof *required; ++i)
         if (!pliant_open_find(context, required[i])) return PLIANT_ERROR_LAYOUT;
-    /* One stand-in and one basis, and not two. */
+    /* One surrogate energy and one basis, and not two. */
     if (!pliant_open_find(context, PLIANT_CHUNK_ELEMENTS) == !pliant_open_find(context, PLIANT_CHUNK_QUARTIC))
         return PLIANT_ERROR_LAYOUT;
     return !pliant_open_find(context, PLIANT_CHUNK_BASIS) != !pliant_open_find(context, PLIANT_CHUNK_COMPACT)

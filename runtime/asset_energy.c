@@ -1,4 +1,4 @@
-/* Opening what a frame reads: the stand-in energy, the start and the dead load. formats/SPEC.md section 4, ELEM, QUAR, PRED
+/* Opening what a frame reads: the surrogate energy, the start and the dead load. formats/SPEC.md section 4, ELEM, QUAR, PRED
    and LOAD. */
 #include "open.h"
 

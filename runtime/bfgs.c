@@ -1,4 +1,4 @@
-/* Minimisation of the stand-in for one frame: BFGS with a dense inverse Hessian in whitened coordinates, where the
+/* Minimisation of the surrogate energy for one frame: BFGS with a dense inverse Hessian in whitened coordinates, where the
    identity is the right first guess.
 
    Source: Nocedal, Wright, "Numerical Optimization", 2nd edition, chapters 3 and 6; the use for shape interpolation is von

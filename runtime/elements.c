@@ -1,4 +1,4 @@
-/* The stand-in energy: combine once per frame, then two passes over the rows of every batch per evaluation, forward
+/* The surrogate energy: combine once per frame, then two passes over the rows of every batch per evaluation, forward
    (differences from z) and backward (gradient from forces). The passes are memory streams and dominate; the elements between
    them work on a block of lanes that is still in the first-level cache.
 

@@ -202,7 +202,7 @@ const pliant_kernels* pliant_kernels_choose(void);
 PLIANT_KERNELS(PLIANT_KERNEL_DECLARE)
 #undef PLIANT_KERNEL_DECLARE
 
-/* --------------------------------------------------------------------------------------------- stand-in energy ---- */
+/* --------------------------------------------------------------------------------------------- surrogate energy ---- */
 
 /* An asset has elements or a quartic polynomial: objective.c decides which three functions to call. */
 
@@ -218,7 +218,7 @@ pliant_energy_layout pliant_elements_measure(const pliant_asset* asset);
 void pliant_elements_combine(const pliant_kernels* kernels, const pliant_asset* asset, const float* weights,
                              float* combined);
 
-/* Value and gradient of the stand-in at z. Arrays of z and gradient have padded_dimension floats; the padding of the
+/* Value and gradient of the surrogate energy at z. Arrays of z and gradient have padded_dimension floats; the padding of the
    gradient comes back as zero. The value may come back as infinity or not-a-number: the caller decides. */
 double pliant_elements_evaluate(const pliant_kernels* kernels, const pliant_asset* asset, const float* weights,
                                 const float* combined, const float* z, float* gradient, float* scratch);
@@ -268,7 +268,7 @@ struct pliant_solver {
 
     float* inverse_hessian;  /* padded_dimension squared, symmetric to the bit */
     int is_identity;         /* whether inverse_hessian is the identity */
-    float* combined;         /* numbers of the stand-in for combined_weights */
+    float* combined;         /* numbers of the surrogate energy for combined_weights */
     float* combined_weights; /* padded pose count */
     int is_combined;         /* whether `combined` holds anything yet */
     float* scratch;
@@ -278,14 +278,14 @@ struct pliant_solver {
     uint32_t evaluation_limit; /* at which a descent ends: desc.max_evaluations, or the share of it that it may use */
 };
 
-/* Memory that the asset's stand-in needs. */
+/* Memory that the asset's surrogate energy needs. */
 pliant_energy_layout pliant_solver_measure_energy(const pliant_asset* asset);
 
 /* Makes `combined` that of solver->weights, if it is not that already: a function of them alone. */
 void pliant_solver_combine(pliant_solver* solver);
 
-/* Evaluates the stand-in and the load at `z` and counts it. 1 if value and gradient are finite, 0 otherwise: such a point
-   counts as +infinity. */
+/* Evaluates the surrogate energy and the load at `z` and counts it. 1 if value and gradient are finite, 0 otherwise: such a
+   point counts as +infinity. */
 int pliant_solver_evaluate(pliant_solver* solver, const float* z, double* energy, float* gradient);
 
 /* Minimises from solver->z, where energy and gradient are known. LIMIT at desc.max_iterations or at evaluation_limit. */

@@ -1,4 +1,4 @@
-/* The function that a frame minimises: the stand-in energy of the asset, elements or a quartic, combined for the weights of
+/* The function that a frame minimises: the surrogate energy of the asset, elements or a quartic, combined for the weights of
    the frame, plus its dead load. */
 #include "internal.h"
 #include "linalg.h"

@@ -1,5 +1,5 @@
-/* The stand-in as a quartic polynomial per pose, formats/SPEC.md section 4, QUAR: what St. Venant-Kirchhoff solids are
-   exactly, in O(d^4) for any number of tetrahedra.
+/* The surrogate energy as a quartic polynomial per pose, formats/SPEC.md section 4, QUAR: what St. Venant-Kirchhoff solids
+   are exactly, in O(d^4) for any number of tetrahedra.
 
    The polynomial is a quadratic form in the products phi_t = x_a x_b of pairs t of x = (1, z), which is evaluated by its
    rows: row (i, j) holds what x_i x_j is multiplied with, for the pairs that do not come before (j, j). One pass over the

@@ -11,8 +11,8 @@ pliant_packages() {
     case $1 in
         build)
             printf '%s\n' build-essential cmake ninja-build pkg-config libeigen3-dev libopenmesh-dev libsuitesparse-dev \
-                libmetis-dev libopenblas-pthread-dev libtinyobjloader-dev libcli11-dev nlohmann-json3-dev libfmt-dev zlib1g-dev \
-                libdraco-dev libstb-dev
+                libmetis-dev libopenblas-pthread-dev libtinyobjloader-dev libcli11-dev nlohmann-json3-dev libfmt-dev \
+                zlib1g-dev libdraco-dev libstb-dev
             ;;
         player)
             # fonts-dejavu-core: without it the player's texts are drawn with a coarse built-in font.
@@ -20,8 +20,8 @@ pliant_packages() {
                 libegl1-mesa-dev libgl1-mesa-dev fonts-dejavu-core
             ;;
         tests)
-            printf '%s\n' doctest-dev libbenchmark-dev python3-dev python3-venv python3-numpy python3-pil python3-jsonschema clang libclang-rt-14-dev clang-format valgrind \
-                doxygen
+            printf '%s\n' doctest-dev libbenchmark-dev python3-dev python3-venv python3-numpy python3-pil \
+                python3-jsonschema clang libclang-rt-14-dev clang-format valgrind doxygen
             ;;
         engines)
             # Programs that draw what `pliant export` writes, and an ARM processor; the tests that ask them are skipped
@@ -75,7 +75,8 @@ pliant_install_packages() {
     fi
     echo "installing ${#missing[@]} packages: ${missing[*]}"
     "${sudo[@]}" apt-get update -qq || return 1
-    "${sudo[@]}" env DEBIAN_FRONTEND=noninteractive apt-get install -y -qq --no-install-recommends "${missing[@]}" || return 1
+    "${sudo[@]}" env DEBIAN_FRONTEND=noninteractive apt-get install -y -qq --no-install-recommends "${missing[@]}" \
+        || return 1
 }
 
 if [[ ${BASH_SOURCE[0]} == "$0" ]]; then

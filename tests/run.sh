@@ -56,7 +56,8 @@ build_suite() {
     if command -v ccache > /dev/null; then
         launcher=(-DCMAKE_C_COMPILER_LAUNCHER=ccache -DCMAKE_CXX_COMPILER_LAUNCHER=ccache)
     fi
-    cmake --preset "$preset" "${launcher[@]}" "$@" && cmake --build --preset "$preset" --target "$target" --parallel "$(nproc)"
+    cmake --preset "$preset" "${launcher[@]}" "$@" \
+        && cmake --build --preset "$preset" --target "$target" --parallel "$(nproc)"
 }
 
 # test_suite <preset> [<ctest option>...]: runs it and adds to the counts. They come from ctest's own result file; a test
@@ -95,7 +96,8 @@ if ((install)); then
         echo "tests/run.sh: the packages cannot be installed; if they are here by other means, use --no-install" >&2
         run_dev=0 run_asan=0 failed=1
     elif ((!only_build)) && ! bash samples/install_packages.sh engines; then
-        echo "tests/run.sh: warning: chromium, Godot, Blender or the ARM compiler cannot be installed; the tests that ask them will be skipped" >&2
+        echo "tests/run.sh: warning: chromium, Godot, Blender or the ARM compiler cannot be installed;" \
+            "the tests that ask them will be skipped" >&2
     fi
 fi
 second_tool=()

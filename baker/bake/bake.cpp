@@ -17,17 +17,17 @@ namespace pliant {
 
 namespace {
 
-void describe_foldover(const Energy& energy, const PoseSet& poses, InputReport& report)
+// Vertices of the edges of damped hinges, the first of them, by the numbers of the files.
+std::vector<std::uint32_t> foldover_vertices(const DiscreteShells& shells, const PoseSet& poses)
 {
-    const auto* shells = dynamic_cast<const DiscreteShells*>(&without_ties(energy));
-    if (!shells) return;
-    report.foldover_count = shells->foldover_hinges().size();
-    for (const std::size_t hinge : shells->foldover_hinges()) {
-        if (report.foldover_vertices.size() >= Diagnostic::element_limit) break;
+    std::vector<std::uint32_t> out;
+    for (const std::size_t hinge : shells.foldover_hinges()) {
+        if (out.size() >= Diagnostic::element_limit) break;
         std::size_t count = 0;
-        const std::uint32_t* vertices = shells->element_vertices(hinge, count); // the edge, then what is opposite
-        for (std::size_t i = 0; i < 2; ++i) report.foldover_vertices.push_back(poses.file_number(vertices[i]));
+        const std::uint32_t* vertices = shells.element_vertices(hinge, count); // the edge, then what is opposite
+        for (std::size_t i = 0; i < 2; ++i) out.push_back(poses.file_number(vertices[i]));
     }
+    return out;
 }
 
 InputReport describe(const PoseSet& poses, const NormalizedPoses& set, const Energy& energy)
@@ -43,7 +43,10 @@ InputReport describe(const PoseSet& poses, const NormalizedPoses& set, const Ene
     }
     for (std::uint32_t v : set.fixed_vertices) report.fixed_vertices.push_back(poses.file_number(v));
     std::sort(report.fixed_vertices.begin(), report.fixed_vertices.end());
-    describe_foldover(energy, poses, report);
+    if (const auto* shells = dynamic_cast<const DiscreteShells*>(&without_ties(energy))) {
+        report.foldover_count = shells->foldover_hinges().size();
+        report.foldover_vertices = foldover_vertices(*shells, poses);
+    }
     return report;
 }
 

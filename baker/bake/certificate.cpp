@@ -56,14 +56,14 @@ Json surrogate_of(const BakeReport& report, const BakeOptions& options)
 {
     const SurrogateReport& r = report.fit.surrogate;
     Json surrogate = { { "kind", name_of(report.fit.kind) },
-                      { "elements", report.fit.element_count },
-                      { "training_weights", report.fit.training_count },
-                      { "unconverged_training_weights", report.fit.unconverged_training_count },
-                      { "lowest_curvature", r.curvature.lowest },
-                      { "highest_curvature", r.curvature.highest },
-                      { "dead_load", r.has_load },
-                      { "mean_error_without_load", r.plain.mean },
-                      { "largest_error_without_load", r.plain.largest } };
+                       { "elements", report.fit.element_count },
+                       { "training_weights", report.fit.training_count },
+                       { "unconverged_training_weights", report.fit.unconverged_training_count },
+                       { "lowest_curvature", r.curvature.lowest },
+                       { "highest_curvature", r.curvature.highest },
+                       { "dead_load", r.has_load },
+                       { "mean_error_without_load", r.plain.mean },
+                       { "largest_error_without_load", r.plain.largest } };
     if (report.fit.kind == SurrogateKind::cubature)
         surrogate["cubature"] = options.cubature_solver == CubatureSolver::nn_htp ? "nn-htp" : "nnls";
     if (!report.fit.reason.empty()) surrogate["reason"] = report.fit.reason;
@@ -81,7 +81,7 @@ Json findings_of(const BakeReport& report, const std::vector<std::string>& pose_
         branches.push_back({ { "kind",
                                branch.kind == Branch::Kind::other_mean ? "other mean"
                                    : branch.kind == Branch::Kind::jump ? "jump"
-                                                                               : "other path" },
+                                                                       : "other path" },
                              { "weights", json_of(branch.weights) },
                              { "pose", pose_names[branch.pose] },
                              { "distance", branch.distance },

@@ -180,15 +180,16 @@ FittedModel Fitter::choose()
     return out;
 }
 
-void complete_report(const FitProblem& p, FittedModel& fitted)
+// The rest of the report.
+FitReport complete(FitReport report, const FitProblem& p, const FittedModel& fitted)
 {
-    FitReport& report = fitted.report;
     report.dimension = fitted.subspace.dimension();
     report.element_count = fitted.model.surrogate->element_count();
     report.training_count = fitted.training.weights.size();
     report.unconverged_training_count = fitted.training.unconverged_count;
     const ReducedSolver reduced(p.energy, fitted.subspace, p.family.mean_hessian(), p.family.mean().energy);
     report.subspace_error = subspace_error(reduced, p.set, p.found.checks);
+    return report;
 }
 
 } // namespace
@@ -201,7 +202,7 @@ Shape FittedModel::mean_shape() const
 FittedModel fit(const FitProblem& problem, const BakeOptions& options, Progress& progress)
 {
     FittedModel out = Fitter(problem, options, progress).choose();
-    complete_report(problem, out);
+    out.report = complete(out.report, problem, out);
     if (out.report.surrogate.curvature.lowest <= 0)
         progress.warn(4402,
                       fmt::format("the surrogate energy is not convex at some training weights (lowest curvature {:.3g})",

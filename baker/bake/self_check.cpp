@@ -10,7 +10,8 @@
 
 #include <algorithm>
 #include <fmt/core.h>
-#include <iterator>
+#include <optional>
+#include <utility>
 
 namespace pliant {
 
@@ -114,33 +115,10 @@ std::vector<CheckPoint> fresh_averages(OpenedAsset& opened, const AverageFamily&
     return points;
 }
 
-// Blends next to the averages at `points`, the last `fresh_count` of which nothing was chosen by.
-CheckReport compare_with_averages(OpenedAsset& opened, const SolverPool& pool, const std::vector<CheckPoint>& points,
-                                  std::size_t fresh_count)
+CheckReport summarize(std::vector<BlendCheck> blends, const BakeOptions& options)
 {
-    const NormalizedPoses& set = pool.set();
-    const TieSet* ties = ties_of(pool.energy());
     CheckReport report;
-    if (ties) report.ties = start_tie_report(*ties, set);
-    for (std::size_t i = 0; i < points.size(); ++i) {
-        const CheckPoint& point = points[i];
-        const Shape blend = opened.blend(point.weights);
-        report.blends.push_back({ point.weights, shape_error(pool.energy(), set, point.weights, blend, point.reference),
-                                  smallest_cell_ratio(set, blend), i + fresh_count >= points.size(), point.has_converged });
-        if (ties) add_check(*ties, set, point.weights, point.reference, blend, *report.ties);
-    }
-    return report;
-}
-
-std::vector<Branch> branches_of(const std::vector<CheckPoint>& points)
-{
-    std::vector<Branch> branches;
-    for (const CheckPoint& point : points) branches.insert(branches.end(), point.branches.begin(), point.branches.end());
-    return branches;
-}
-
-void summarize(const BakeOptions& options, CheckReport& report)
-{
+    report.blends = std::move(blends);
     for (const BlendCheck& check : report.blends) {
         report.mean_error += check.error.relative_l2 / double(report.blends.size());
         report.largest_distance = std::max(report.largest_distance, check.error.largest_distance);
@@ -151,6 +129,35 @@ void summarize(const BakeOptions& options, CheckReport& report)
     }
     report.meets_tolerance = !report.blends.empty() && report.mean_error <= options.tolerance
         && (options.tolerance_max == 0 || report.largest_error <= options.tolerance_max);
+    return report;
+}
+
+// Blends next to the averages at `points`, the last `fresh_count` of which nothing was chosen by.
+CheckReport compare_with_averages(OpenedAsset& opened, const SolverPool& pool, const std::vector<CheckPoint>& points,
+                                  std::size_t fresh_count, const BakeOptions& options)
+{
+    const NormalizedPoses& set = pool.set();
+    const TieSet* ties = ties_of(pool.energy());
+    std::optional<TieReport> tie_report;
+    if (ties) tie_report = start_tie_report(*ties, set);
+    std::vector<BlendCheck> blends;
+    for (std::size_t i = 0; i < points.size(); ++i) {
+        const CheckPoint& point = points[i];
+        const Shape blend = opened.blend(point.weights);
+        blends.push_back({ point.weights, shape_error(pool.energy(), set, point.weights, blend, point.reference),
+                           smallest_cell_ratio(set, blend), i + fresh_count >= points.size(), point.has_converged });
+        if (ties) add_check(*ties, set, point.weights, point.reference, blend, *tie_report);
+    }
+    CheckReport report = summarize(std::move(blends), options);
+    report.ties = std::move(tie_report);
+    return report;
+}
+
+std::vector<Branch> branches_of(const std::vector<CheckPoint>& points)
+{
+    std::vector<Branch> branches;
+    for (const CheckPoint& point : points) branches.insert(branches.end(), point.branches.begin(), point.branches.end());
+    return branches;
 }
 
 // Positions that the runtime rebuilds at these coordinates against the subspace in double precision.
@@ -172,13 +179,12 @@ BasisReport check_basis(const RuntimeBlender& blender, const AssetModel& asset, 
     return report;
 }
 
-// What is written beside the asset, but for its certificate. The solver is left tight.
-AssetRecord make_record(OpenedAsset& opened, const AssetModel& asset, const TrainingSet& training, CheckReport& report)
+// What is written beside the asset, but for its certificate.
+AssetRecord make_record(OpenedAsset& opened, const TrainingSet& training)
 {
     AssetRecord record;
     record.morph_ranges = find_morph_ranges(opened.blender());
     record.answers = collect_answers(opened, training);
-    report.runtime_error = std::max(report.runtime_error, compare_with_model(opened, asset, record.answers));
     return record;
 }
 
@@ -191,30 +197,28 @@ CheckedAsset self_check(const CheckProblem& p, const BakeOptions& options, Progr
     const Eigen::MatrixXd reachable = reachable_coordinates(p.fitted);
     const auto assemble_with
         = [&](StoredMesh mesh) { return assemble(set, p.fitted, std::move(mesh), p.poses, reachable, options); };
-    AssetModel simulated = assemble_with(simulation_mesh(p.poses, set, options));
+    const AssetModel simulated = assemble_with(simulation_mesh(p.poses, set, options));
     OpenedAsset opened(simulated, training);
     const std::vector<CheckPoint> fresh = fresh_averages(opened, p.fit.family, options, progress);
     std::vector<CheckPoint> points = p.fit.found.checks;
     points.insert(points.end(), fresh.begin(), fresh.end());
-    CheckReport report = compare_with_averages(opened, p.pool, points, fresh.size());
-    summarize(options, report);
-    std::vector<Branch> branches = branches_of(points);
+    CheckReport report = compare_with_averages(opened, p.pool, points, fresh.size(), options);
+    const auto finish = [&](OpenedAsset& last, AssetModel asset) -> CheckedAsset {
+        report.basis = check_basis(last.blender(), asset, reachable);
+        AssetRecord record = make_record(last, training);
+        report.runtime_error = std::max(report.runtime_error, compare_with_model(last, asset, record.answers));
+        return { std::move(asset), std::move(record), std::move(report), branches_of(points) };
+    };
     const std::shared_ptr<const RenderMesh> drawn = render_mesh_of(p.poses, options);
-    if (!drawn) {
-        report.basis = check_basis(opened.blender(), simulated, reachable);
-        AssetRecord record = make_record(opened, simulated, training, report);
-        return { std::move(simulated), std::move(record), std::move(report), std::move(branches) };
-    }
+    if (!drawn) return finish(opened, simulated);
     report.runtime_error = compare_with_model(opened, simulated, collect_answers(opened, training));
     // Its coordinates may be others: what single precision does as well stays in it.
-    AssetModel rendered = assemble_with(stored_render_mesh(*drawn, p.poses, options));
+    const AssetModel rendered = assemble_with(stored_render_mesh(*drawn, p.poses, options));
     OpenedAsset opened_rendered(rendered, training);
     // Welded vertices are rows of the simulation mesh, so what was found at these holds there, too.
     if (options.render_mesh)
         report.render_mesh = check_render_mesh(opened_rendered.blender(), set, *options.render_mesh, points);
-    report.basis = check_basis(opened_rendered.blender(), rendered, reachable);
-    AssetRecord record = make_record(opened_rendered, rendered, training, report);
-    return { std::move(rendered), std::move(record), std::move(report), std::move(branches) };
+    return finish(opened_rendered, rendered);
 }
 
 } // namespace pliant

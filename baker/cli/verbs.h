@@ -41,7 +41,7 @@ PoseSet load_with_warnings(const std::string& verb, const std::vector<std::strin
 
 // Loads the surface that is drawn in the place of a solid's boundary; warnings as above.
 RenderMesh load_surface_with_warnings(const std::string& verb, const std::string& path, const PoseSet& poses,
-                                        std::vector<Diagnostic>* kept = nullptr);
+                                      std::vector<Diagnostic>* kept = nullptr);
 
 // What `pliant check --json` says: counts, and what a bake would cost. Throws Failure (usage, P1206).
 nlohmann::ordered_json describe_poses(const PoseSet& poses, const BakeOptions& options);

@@ -1,7 +1,7 @@
 #!/usr/bin/python3
-"""Second implementation of the .pliant format, in numpy and double precision: reads an asset, evaluates its stand-in energy,
-minimises it, rebuilds positions. Written from SPEC.md, sharing no code with the C runtime: where the two disagree, one
-of them or the SPEC is wrong. Slow and readable.
+"""Second implementation of the .pliant format, in numpy and double precision: reads an asset, evaluates its surrogate
+energy, minimises it, rebuilds positions. Written from SPEC.md, sharing no code with the C runtime: where the two disagree,
+one of them or the SPEC is wrong. Slow and readable.
 
     python3 pliant_reference.py ASSET                          what is in it
     python3 pliant_reference.py ASSET --weights 1,1 [-o OUT]   blend; OUT gets one "x y z" line a vertex
@@ -179,7 +179,8 @@ class Asset:
         arrays = (lanes_of(rows_at, 1 + self.dimension, row_count), lanes_of(fixed_at, fixed_count),
                   lanes_of(poses_at, self.pose_count, number_count))
         if kind in (TET_STVK, TET_MOONEY_RIVLIN):
-            require((arrays[0][0] == np.eye(3).reshape(9, 1)).all(), "R17", "a tetrahedron that is not the identity at z = 0")
+            require((arrays[0][0] == np.eye(3).reshape(9, 1)).all(), "R17",
+                    "a tetrahedron that is not the identity at z = 0")
         return Batch(kind, valence, is_closed, *(array[..., :count] for array in arrays))
 
     def read_quartic(self):
@@ -291,7 +292,8 @@ class Asset:
         self.answers = [(row[:self.pose_count], row[self.pose_count:]) for row in table]
 
     def scene(self):
-        """What is drawn with the vertices (pliant_reference_scene.Scene), or None. Opening an asset does not look into it."""
+        """What is drawn with the vertices (pliant_reference_scene.Scene), or None.
+        Opening an asset does not look into it."""
         return Scene(self.bytes_of("GLTF"), self.boundary_vertex_count, require) if "GLTF" in self.chunks else None
 
     def read_morph_ranges(self):
@@ -328,7 +330,7 @@ class Asset:
         return self.features(weights) @ self.load_coefficients
 
     def evaluate(self, z, weights):
-        """Energy and gradient of the stand-in, its load included; (inf, None) where it is not defined."""
+        """Energy and gradient of the surrogate energy, its load included; (inf, None) where it is not defined."""
         gradient = self.load(weights)
         energy = gradient @ z
         if self.quartic is not None:

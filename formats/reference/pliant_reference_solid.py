@@ -1,5 +1,5 @@
-"""What format 1.2 added to the reference: elements of tetrahedra (kinds 6 and 7 of SPEC.md) and the quartic polynomial of QUAR. The
-elements are the plain formulas, value minus value at z = 0, where the C runtime avoids the cancellation."""
+"""What format 1.2 added to the reference: elements of tetrahedra (kinds 6 and 7 of SPEC.md) and the quartic polynomial of
+QUAR. The elements are the plain formulas, value minus value at z = 0, where the C runtime avoids the cancellation."""
 import itertools
 
 import numpy as np

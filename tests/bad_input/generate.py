@@ -53,7 +53,8 @@ def good():
         r = 1 + 0.2 * math.sin(3 * theta + phi) + 0.1 * math.cos(2 * phi)
         return 1.3 * r * math.sin(theta) * math.cos(phi), r * math.sin(theta) * math.sin(phi), 2 * r * math.cos(theta)
 
-    vertices = [place(math.pi * (i + 1) / (RINGS + 1), 2 * math.pi * k / SEGMENTS) for i in range(RINGS) for k in range(SEGMENTS)]
+    vertices = [place(math.pi * (i + 1) / (RINGS + 1), 2 * math.pi * k / SEGMENTS)
+                for i in range(RINGS) for k in range(SEGMENTS)]
     north, south = len(vertices), len(vertices) + 1
     vertices += [place(0, 0), place(math.pi, 0)]
     faces = []
@@ -107,12 +108,14 @@ def obj_text(mesh):
 
 
 def off_text(mesh):
-    return "\n".join(["OFF", f"{len(mesh.vertices)} {len(mesh.faces)} 0"] + ["{:.17g} {:.17g} {:.17g}".format(*v) for v in mesh.vertices]
+    return "\n".join(["OFF", f"{len(mesh.vertices)} {len(mesh.faces)} 0"]
+                     + ["{:.17g} {:.17g} {:.17g}".format(*v) for v in mesh.vertices]
                      + [" ".join(map(str, (len(face),) + face)) for face in mesh.faces]) + "\n"
 
 
 def ply_header(mesh, real="float", count="uchar", encoding="binary_little_endian"):
-    return (f"ply\nformat {encoding} 1.0\nelement vertex {len(mesh.vertices)}\nproperty {real} x\nproperty {real} y\nproperty {real} z\n"
+    return (f"ply\nformat {encoding} 1.0\nelement vertex {len(mesh.vertices)}\nproperty {real} x\nproperty {real} y\n"
+            f"property {real} z\n"
             f"element face {len(mesh.faces)}\nproperty list {count} int vertex_indices\nend_header\n").encode()
 
 
@@ -175,8 +178,8 @@ def both_case(name, file, mesh):
 
 
 for nothing_to_add in ("missing_file", "one_pose", "thirteen_poses", "good", "output_folder_missing", "output_is_folder",
-                       "output_is_input", "output_is_device", "unknown_option", "weights_not_numbers", "too_few_weights", "grid_too_fine", "list_without_grid",
-                       "average_path_one_name",
+                       "output_is_input", "output_is_device", "unknown_option", "weights_not_numbers", "too_few_weights",
+                       "grid_too_fine", "list_without_grid", "average_path_one_name",
                        "negative_weight", "not_an_asset", "tolerance_missed"):
     CASES[nothing_to_add] = lambda folder: None
 
@@ -217,7 +220,8 @@ def garbage(folder):
         write(folder / f"garbage.{extension}", random.Random(seed).randbytes(4 << 20))
 
 
-file_case("garbage_after_header", "noise.ply", lambda: ply_header(bent()) + random.Random(3).randbytes(len(ply_body(bent()))))
+file_case("garbage_after_header", "noise.ply",
+          lambda: ply_header(bent()) + random.Random(3).randbytes(len(ply_body(bent()))))
 
 
 def with_header(old, new):
@@ -271,7 +275,8 @@ def flattened(mesh, height):
     return mesh.with_vertex(edited_corners(mesh)[2], tuple(m + height * (z - m) for m, z in zip(middle, c)))
 
 
-both_case("repeated_vertex", "twice", lambda: good().with_face(EDITED_FACE, edited_corners(good())[:2] + edited_corners(good())[:1]))
+both_case("repeated_vertex", "twice",
+          lambda: good().with_face(EDITED_FACE, edited_corners(good())[:2] + edited_corners(good())[:1]))
 mesh_case("zero_area", "flat.obj", lambda: flattened(good(), 0))
 mesh_case("zero_area_in_second_pose", "flat_bent.obj", lambda: flattened(bent(), 0))
 mesh_case("needle_in_second_pose", "needle.obj", lambda: flattened(bent(), 1e-8))
@@ -289,7 +294,8 @@ def split(mesh):
 
 
 both_case("flat_shaded", "split", lambda: split(good()))
-both_case("flat_shaded_and_bad", "split", lambda: split(good().with_face(EDITED_FACE, edited_corners(good())[:2] + edited_corners(good())[:1])))
+both_case("flat_shaded_and_bad", "split",
+          lambda: split(good().with_face(EDITED_FACE, edited_corners(good())[:2] + edited_corners(good())[:1])))
 both_case("three_faces_at_edge", "fin", lambda: good().plus([(9, 9, 9)], [edited_corners(good())[:2] + (VERTEX_COUNT,)]))
 both_case("flipped_face", "flipped", lambda: good().with_face(EDITED_FACE, edited_corners(good())[::-1]))
 both_case("duplicate_face", "double", lambda: good().plus([], [edited_corners(good())[1:] + edited_corners(good())[:1]]))
@@ -421,13 +427,15 @@ def quads(folder):
     write_mesh(folder / "quads_bent.obj", sheet(roof, quads=True))
 
 
-mesh_case("rows_rotated", "rotated.obj", lambda: Mesh(bent().vertices, [f[i % 3:] + f[:i % 3] for i, f in enumerate(bent().faces)]))
+mesh_case("rows_rotated", "rotated.obj",
+          lambda: Mesh(bent().vertices, [f[i % 3:] + f[:i % 3] for i, f in enumerate(bent().faces)]))
 both_case("slivers", "sliver", lambda: flattened(good(), math.radians(0.25)))
 
 
 @case
 def touching_vertices(folder):
-    write_mesh(folder / "tube.obj", sheet(lambda x, y: (math.sin(math.pi * x) / math.pi, y, math.cos(math.pi * x) / math.pi)))
+    write_mesh(folder / "tube.obj",
+               sheet(lambda x, y: (math.sin(math.pi * x) / math.pi, y, math.cos(math.pi * x) / math.pi)))
     write_mesh(folder / "tube_bent.obj", sheet(lambda x, y: (x, y, 0)))
 
 

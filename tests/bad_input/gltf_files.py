@@ -1,4 +1,5 @@
-"""Cases of glTF for generate.py: a small good file with one edit each. Also what tests/baker/input/gltf makes its files with."""
+"""Cases of glTF for generate.py: a small good file with one edit each. Also what tests/baker/input/gltf makes its files
+with."""
 import base64
 import copy
 import json
@@ -13,8 +14,8 @@ class Gltf:
     """The JSON and the bytes of one buffer."""
 
     def __init__(self):
-        self.json = {"asset": {"version": "2.0"}, "scene": 0, "scenes": [{"nodes": [0]}], "nodes": [{"mesh": 0}], "meshes": [],
-                     "accessors": [], "bufferViews": [], "buffers": [{"byteLength": 0}]}
+        self.json = {"asset": {"version": "2.0"}, "scene": 0, "scenes": [{"nodes": [0]}], "nodes": [{"mesh": 0}],
+                     "meshes": [], "accessors": [], "bufferViews": [], "buffers": [{"byteLength": 0}]}
         self.bytes = b""
 
     def view(self, data):
@@ -37,7 +38,8 @@ class Gltf:
                      "indices": self.accessor([i for face in faces for i in face], 5125)}
         if targets:
             primitive["targets"] = [{"POSITION": self.accessor(target)} for target in targets]
-        self.json["meshes"].append({"name": "body", "primitives": [primitive], **({"extras": {"targetNames": list(names)}} if names else {})})
+        self.json["meshes"].append({"name": "body", "primitives": [primitive],
+                                    **({"extras": {"targetNames": list(names)}} if names else {})})
         return primitive
 
     def animation(self, name, *channels):
@@ -45,14 +47,16 @@ class Gltf:
         animation = {"name": name, "channels": [], "samplers": []}
         for node, path, interpolation, times, rows in channels:
             animation["channels"].append({"sampler": len(animation["samplers"]), "target": {"node": node, "path": path}})
-            animation["samplers"].append({"input": self.accessor(times), "output": self.accessor(rows), "interpolation": interpolation})
+            animation["samplers"].append({"input": self.accessor(times), "output": self.accessor(rows),
+                                          "interpolation": interpolation})
         self.json.setdefault("animations", []).append(animation)
 
     def glb(self):
         text = json.dumps(self.json).encode()
         text += b" " * (-len(text) % 4)
         data = self.bytes + b"\0" * (-len(self.bytes) % 4)
-        chunks = struct.pack("<II", len(text), 0x4E4F534A) + text + (struct.pack("<II", len(data), 0x004E4942) + data if data else b"")
+        chunks = (struct.pack("<II", len(text), 0x4E4F534A) + text
+                  + (struct.pack("<II", len(data), 0x004E4942) + data if data else b""))
         return struct.pack("<4sII", b"glTF", 2, 12 + len(chunks)) + chunks
 
     def gltf(self, uri=None):
@@ -105,7 +109,8 @@ def add_cases(good):
 
     def many(gltf):
         gltf.json["meshes"] = []
-        gltf.mesh(good().vertices, good().faces, [[(0.01 * k * v[2] ** 2, 0, 0) for v in good().vertices] for k in range(1, 15)])
+        gltf.mesh(good().vertices, good().faces,
+                  [[(0.01 * k * v[2] ** 2, 0, 0) for v in good().vertices] for k in range(1, 15)])
     case("gltf_many_targets", many)
     case("gltf_one_pose", lambda g: g.json["meshes"][0]["primitives"][0].pop("targets"))
 
@@ -123,8 +128,9 @@ def add_cases(good):
     edited("gltf_view_outside", "bufferViews", 0, "byteLength", value=1000000)
     edited("gltf_huge_count", "accessors", 0, "count", value=4294967295)
     edited("gltf_huge_numbers", "bufferViews", 0, "byteOffset", value=9007199254740992)
-    edited("gltf_huge_sparse", "accessors", 0, "sparse", value={"count": 1 << 40, "indices": {"bufferView": 0, "componentType": 5125},
-                                                                "values": {"bufferView": 0}})
+    edited("gltf_huge_sparse", "accessors", 0, "sparse",
+           value={"count": 1 << 40, "indices": {"bufferView": 0, "componentType": 5125},
+                  "values": {"bufferView": 0}})
     edited("gltf_accessor_type", "accessors", 0, "type", value="VEC4")
     edited("gltf_component_type", "accessors", 0, "componentType", value=5124)
     edited("gltf_no_triangles", *primitive, "mode", value=1)

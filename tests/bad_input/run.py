@@ -1,8 +1,8 @@
 """run.py [--sanitized] --tool PROGRAM --interface pliant|load_poses_tool CASE: runs one case of cases.txt.
 
-Makes its files in a folder of its own, runs the command there and asserts the exit code, the number and text of the message, that nothing
-was created or changed, and that it took neither long nor much memory, whatever the files claim. Exit code 0 passed, 1 failed, 77 skipped.
-`run.py --self-test` checks that table and generator name the same cases."""
+Makes its files in a folder of its own, runs the command there and asserts the exit code, the number and text of the message,
+that nothing was created or changed, and that it took neither long nor much memory, whatever the files claim. Exit code 0
+passed, 1 failed, 77 skipped. `run.py --self-test` checks that table and generator name the same cases."""
 import argparse
 import os
 import pathlib
@@ -39,7 +39,8 @@ def contents(folder):
     result = {}
     for path in sorted(folder.rglob("*")):
         readable = path.is_file() and path.stat().st_mode & 0o400
-        result[str(path)] = path.read_bytes() if readable else (path.stat().st_mode, path.stat().st_size if path.is_file() else 0)
+        result[str(path)] = (path.read_bytes() if readable
+                             else (path.stat().st_mode, path.stat().st_size if path.is_file() else 0))
     return result
 
 
@@ -103,8 +104,8 @@ def run_case(row, arguments):
         after = contents(pathlib.Path(name))
         input_size = sum(path.stat().st_size for path in folder.iterdir() if path.is_file())
         problems = list(problems_of(row, result, before, after, input_size, arguments))
-    print(shlex.join(command_of(row, arguments, output)), result.stdout.decode(errors="replace"), result.stderr.decode(errors="replace"),
-          *[f"FAILED: {problem}" for problem in problems], sep="\n")
+    print(shlex.join(command_of(row, arguments, output)), result.stdout.decode(errors="replace"),
+          result.stderr.decode(errors="replace"), *[f"FAILED: {problem}" for problem in problems], sep="\n")
     return 1 if problems else 0
 
 

@@ -9,7 +9,8 @@ EDITED_VERTEX, EDITED_TET = 5, 7
 
 
 class Solid:
-    """Vertices (x, y, z), tetrahedra (tuples of indices from 0), and elements that are not read: (Gmsh's type, nodes from 0)."""
+    """Vertices (x, y, z), tetrahedra (tuples of indices from 0), and elements that are not read:
+    (Gmsh's type, nodes from 0)."""
 
     def __init__(self, vertices, tets, others=()):
         self.vertices, self.tets, self.others = [tuple(v) for v in vertices], [tuple(t) for t in tets], list(others)
@@ -34,7 +35,8 @@ def is_odd(order):
 def solid():
     """A warped block of cubes, each cut into six tetrahedra around a diagonal; one vertex is inside."""
     n = CUBES + 1
-    vertices = [(x + 0.1 * math.sin(y + 2 * z), y + 0.1 * x * z, 1.5 * z) for x in range(n) for y in range(n) for z in range(n)]
+    vertices = [(x + 0.1 * math.sin(y + 2 * z), y + 0.1 * x * z, 1.5 * z)
+                for x in range(n) for y in range(n) for z in range(n)]
     tets = []
     for cube in itertools.product(range(CUBES), repeat=3):
         for order in itertools.permutations(range(3)):
@@ -62,7 +64,8 @@ def msh_lines(mesh):
     return ["$MeshFormat", "2.2 0 8", "$EndMeshFormat", "$Nodes", str(len(mesh.vertices))] \
         + ["{} {:.17g} {:.17g} {:.17g}".format(i + 1, *v) for i, v in enumerate(mesh.vertices)] \
         + ["$EndNodes", "$Elements", str(len(elements))] \
-        + [" ".join(map(str, (i + 1, kind, 2, 0, 1) + tuple(v + 1 for v in nodes))) for i, (kind, nodes) in enumerate(elements)] \
+        + [" ".join(map(str, (i + 1, kind, 2, 0, 1) + tuple(v + 1 for v in nodes)))
+           for i, (kind, nodes) in enumerate(elements)] \
         + ["$EndElements"]
 
 
@@ -75,7 +78,8 @@ def msh4_text(mesh):
     return "\n".join(["$MeshFormat", "4.1 0 8", "$EndMeshFormat", "$Nodes", f"1 {count} 1 {count}", f"3 1 0 {count}"]
                      + [str(i + 1) for i in range(count)] + ["{:.17g} {:.17g} {:.17g}".format(*v) for v in mesh.vertices]
                      + ["$EndNodes", "$Elements", f"1 {tets} 1 {tets}", f"3 1 4 {tets}"]
-                     + [" ".join(str(i + 1) for i in (t,) + tet) for t, tet in enumerate(mesh.tets)] + ["$EndElements"]) + "\n"
+                     + [" ".join(str(i + 1) for i in (t,) + tet) for t, tet in enumerate(mesh.tets)]
+                     + ["$EndElements"]) + "\n"
 
 
 def msh4_bytes(mesh):
@@ -104,9 +108,11 @@ def vega_text(mesh):
 
 
 def vtk_text(mesh):
-    return "\n".join(["# vtk DataFile Version 3.0", "a solid", "ASCII", "DATASET UNSTRUCTURED_GRID", f"POINTS {len(mesh.vertices)} double"]
+    return "\n".join(["# vtk DataFile Version 3.0", "a solid", "ASCII", "DATASET UNSTRUCTURED_GRID",
+                      f"POINTS {len(mesh.vertices)} double"]
                      + ["{:.17g} {:.17g} {:.17g}".format(*v) for v in mesh.vertices]
-                     + [f"CELLS {len(mesh.tets)} {5 * len(mesh.tets)}"] + [" ".join(map(str, (4,) + tet)) for tet in mesh.tets]
+                     + [f"CELLS {len(mesh.tets)} {5 * len(mesh.tets)}"]
+                     + [" ".join(map(str, (4,) + tet)) for tet in mesh.tets]
                      + [f"CELL_TYPES {len(mesh.tets)}"] + ["10"] * len(mesh.tets)) + "\n"
 
 
@@ -157,30 +163,35 @@ def vega_with(old, new):
 
 
 case("solid_good", lambda: {})
-case("solid_formats", lambda: {"a.veg": solid().moved(lambda x, y, z: bend(x, z, -y)), "b.mesh": solid().moved(lambda x, y, z: (x, y, z + 0.1 * x * x)),
+case("solid_formats", lambda: {"a.veg": solid().moved(lambda x, y, z: bend(x, z, -y)),
+                               "b.mesh": solid().moved(lambda x, y, z: (x, y, z + 0.1 * x * x)),
                                "c.vtk": solid().moved(lambda x, y, z: (x, y + 0.1 * x * x, z)),
                                "d.msh": msh4_text(solid().moved(lambda x, y, z: (x, y + 0.2 * x * x, z))),
                                "e.msh": msh4_bytes(solid().moved(lambda x, y, z: (x, y, z + 0.2 * x * x)))})
 case("solid_sparse_tags", lambda: {"sparse.msh": "\n".join(
     " ".join(str(7 * int(word)) if word.isdigit() and (k > 4 or k == 0) and len(line.split()) in (4, 9) else word
              for k, word in enumerate(line.split())) for line in msh_lines(solid().moved(bend))) + "\n"})
-case("solid_garbage", lambda: {f"noise.{end}": WRITERS["." + end](solid())[:300] + "\x01\x02" * 500 for end in ("msh", "mesh", "veg", "vtk")})
+case("solid_garbage",
+     lambda: {f"noise.{end}": WRITERS["." + end](solid())[:300] + "\x01\x02" * 500 for end in ("msh", "mesh", "veg", "vtk")})
 case("solid_named_mesh", lambda: {"wrong.mesh": msh_text(solid())})
 case("solid_nan", lambda: {"nan.msh": edited(VERTEX_LINE, f"{EDITED_VERTEX + 1} 0 nan 0")})
 case("solid_decimal_comma", lambda: {"comma.veg": vega_with(" 0.1", " 0,1")})
 case("solid_index_too_large", lambda: {"beyond.mesh": medit_text(solid().with_tet(EDITED_TET, (0, 1, 2, 9000)))})
 case("solid_unknown_node", lambda: {"beyond.msh": solid().with_tet(EDITED_TET, (0, 1, 2, 9000))})
 case("solid_truncated", lambda: {"cut.msh": msh4_bytes(solid().moved(bend))[:-200]})
-case("solid_header_many", lambda: {"many.vtk": vtk_text(solid().moved(bend)).replace(f"POINTS {VERTEX_COUNT}", "POINTS 60000000")})
+case("solid_header_many",
+     lambda: {"many.vtk": vtk_text(solid().moved(bend)).replace(f"POINTS {VERTEX_COUNT}", "POINTS 60000000")})
 case("solid_too_few_numbers", lambda: {"short.msh": edited(VERTEX_LINE, f"{EDITED_VERTEX + 1} 0 0")})
-case("solid_more_in_section", lambda: {"more.msh": msh_text(solid().moved(bend)).replace("$EndElements", "1 2 3\n$EndElements")})
+case("solid_more_in_section",
+     lambda: {"more.msh": msh_text(solid().moved(bend)).replace("$EndElements", "1 2 3\n$EndElements")})
 case("solid_old_version", lambda: {"old.msh": edited(2, "4.0 0 8")})
 case("solid_unknown_section", lambda: {"odd.mesh": medit_text(solid().moved(bend)).replace("End\n", "Tetrahydra\n0\nEnd\n")})
 case("solid_hexahedron", lambda: {"hex.msh": solid().plus(others=[(5, (0, 1, 4, 3, 9, 10, 13, 12))])})
 case("solid_vtk_hexahedron", lambda: {"hex.vtk": vtk_text(solid()).replace("\n10\n", "\n12\n", 1)})
 case("solid_quadratic", lambda: {"quadratic.msh": solid().plus(others=[(11, tuple(range(10)))])})
 case("solid_cubes", lambda: {"cubes.veg": vega_with("TET\n", "CUBIC\n")})
-case("solid_triangles", lambda: {"skin.msh": solid().moved(bend).plus(others=[(2, (0, 1, 4)), (2, (0, 4, 3)), (1, (0, 1)), (15, (0,))])})
+case("solid_triangles",
+     lambda: {"skin.msh": solid().moved(bend).plus(others=[(2, (0, 1, 4)), (2, (0, 4, 3)), (1, (0, 1)), (15, (0,))])})
 case("solid_only_triangles", lambda: {"skin.msh": Solid(solid().vertices, [], [(2, (0, 1, 4)), (2, (0, 4, 3))])})
 case("solid_section_missing", lambda: {"part.msh": "\n".join(msh_lines(solid())[:VERTEX_COUNT + 6]) + "\n"})
 case("solid_section_twice", lambda: {"twice.veg": vega_text(solid()) + "*ELEMENTS\nTET\n0 4 0\n"})
@@ -252,7 +263,8 @@ case("surface_and_solid", lambda: {})
 case("solid_other_count", lambda: {"longer.msh": solid().moved(bend).plus([(9, 9, 9)], [(18, 21, 22, VERTEX_COUNT)])})
 case("solid_other_tets", lambda: {"other.msh": solid().moved(bend).with_tet(EDITED_TET, solid().tets[0])})
 case("solid_reordered", lambda: {"order.msh": Solid(solid().moved(bend).vertices, solid().tets[1:] + solid().tets[:1])})
-case("solid_corners_turned", lambda: {"turned.msh": Solid(solid().moved(bend).vertices, [(t[1], t[2], t[0], t[3]) for t in solid().tets])})
+case("solid_corners_turned",
+     lambda: {"turned.msh": Solid(solid().moved(bend).vertices, [(t[1], t[2], t[0], t[3]) for t in solid().tets])})
 case("solid_mirrored", lambda: {"mirrored.msh": solid().moved(bend).moved(lambda x, y, z: (x, -y, z))})
 case("solid_centimetres", lambda: {"large.msh": solid().moved(bend).moved(lambda x, y, z: (100 * x, 100 * y, 100 * z))})
 case("solid_identical", lambda: {"same.msh": solid()})
@@ -288,7 +300,8 @@ case("fixed_not_a_number", lambda: {"fixed.txt": fixed_text(FOOT + ["7;"])})
 case("fixed_two_a_line", lambda: {"fixed.txt": fixed_text(["0 3", 6, 9])})
 case("fixed_out_of_range", lambda: {"fixed.txt": fixed_text(FOOT + [VERTEX_COUNT])})
 case("fixed_too_few", lambda: {"fixed.txt": fixed_text(FOOT[:2])})
-case("fixed_on_a_line", lambda: {"fixed.txt": fixed_text([0, 9, 18]), "line.msh": Solid([(0, 0, 0)] + solid().vertices[1:], solid().tets)})
+case("fixed_on_a_line",
+     lambda: {"fixed.txt": fixed_text([0, 9, 18]), "line.msh": Solid([(0, 0, 0)] + solid().vertices[1:], solid().tets)})
 case("fixed_all", lambda: {"fixed.txt": fixed_text(range(VERTEX_COUNT))})
 case("fixed_moved", lambda: {"fixed.txt": fixed_text(FOOT + [26])})
 case("fixed_surface", lambda: {"fixed.txt": fixed_text([7, 70, 100])})

@@ -1,5 +1,6 @@
-"""test_bake_output.py PLIANT: bakes that do not end well. Interrupted: exit code 130, nothing new, the old file untouched. Cut short
-by a limit on the size of files: exit code 1, the same. Two at once to one output: both succeed, one whole asset stays."""
+"""test_bake_output.py PLIANT: bakes that do not end well. Interrupted: exit code 130, nothing new, the old file untouched.
+Cut short by a limit on the size of files: exit code 1, the same. Two at once to one output: both succeed, one whole asset
+stays."""
 import os
 import pathlib
 import resource
@@ -24,7 +25,8 @@ def check(condition, text):
 
 
 def bake(poses, output, *options, **keywords):
-    return subprocess.Popen([TOOL, "bake", *map(str, poses), "-o", str(output), "--quiet", *options], stdin=subprocess.DEVNULL,
+    return subprocess.Popen([TOOL, "bake", *map(str, poses), "-o", str(output), "--quiet", *options],
+                            stdin=subprocess.DEVNULL,
                             stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True, **keywords)
 
 
@@ -41,7 +43,8 @@ def test_interrupt(folder, poses, number, name):
         print(f"skipped {name}: the bake was done too soon")
         return
     check(process.returncode == 130, f"{name}: exit code {process.returncode}, wanted 130")
-    check(target.read_bytes() == b"old" and os.listdir(folder / "out") == ["a.pliant"], f"{name}: the old file alone is there")
+    check(target.read_bytes() == b"old" and os.listdir(folder / "out") == ["a.pliant"],
+          f"{name}: the old file alone is there")
 
 
 def limit_file_size():
@@ -54,8 +57,10 @@ def test_cut_short(folder, poses):
     target.write_bytes(b"old")
     process = bake(poses, target, preexec_fn=limit_file_size)
     _, errors = process.communicate(timeout=300)
-    check(process.returncode == 1 and "error P4005" in errors, f"cut short: exit code {process.returncode}, {errors.strip()}")
-    check(target.read_bytes() == b"old" and os.listdir(folder / "limited") == ["a.pliant"], "cut short: the old file alone is there")
+    check(process.returncode == 1 and "error P4005" in errors,
+          f"cut short: exit code {process.returncode}, {errors.strip()}")
+    check(target.read_bytes() == b"old" and os.listdir(folder / "limited") == ["a.pliant"],
+          "cut short: the old file alone is there")
 
 
 def test_two_bakes(folder, poses):
@@ -65,12 +70,14 @@ def test_two_bakes(folder, poses):
     errors = [process.communicate(timeout=300)[1] for process in processes]
     check(all(process.returncode == 0 for process in processes), f"two bakes at once succeed {errors}")
     check(os.listdir(folder / "two") == ["a.pliant"], "two bakes: one file is there")
-    valid = subprocess.run([TOOL, "validate", str(target)], stdin=subprocess.DEVNULL, capture_output=True, text=True, timeout=300)
+    valid = subprocess.run([TOOL, "validate", str(target)], stdin=subprocess.DEVNULL, capture_output=True, text=True,
+                           timeout=300)
     check(valid.returncode == 0, f"two bakes: it is valid {valid.stderr}")
 
 
 def run(*arguments):
-    return subprocess.run([TOOL, *map(str, arguments)], stdin=subprocess.DEVNULL, capture_output=True, text=True, timeout=300)
+    return subprocess.run([TOOL, *map(str, arguments)], stdin=subprocess.DEVNULL, capture_output=True, text=True,
+                          timeout=300)
 
 
 def change_first_answer(blob):
@@ -92,19 +99,23 @@ def test_wrong_partners(folder, poses):
     asset, changed = folder / "a.pliant", folder / "changed.pliant"
     check(run("bake", *poses, "-o", asset, "--quiet").returncode == 0, "a good bake")
     swapped = run("measure", asset, *reversed(poses), "--samples", "1")
-    check(swapped.returncode == 3 and "error P5104" in swapped.stderr, f"measured with poses in another order: {swapped.stderr}")
+    check(swapped.returncode == 3 and "error P5104" in swapped.stderr,
+          f"measured with poses in another order: {swapped.stderr}")
     changed.write_bytes(change_first_answer(asset.read_bytes()))
     unreproduced = run("validate", changed)
-    check(unreproduced.returncode == 3 and "error P5105" in unreproduced.stderr, f"a stored answer changed: {unreproduced.stderr}")
+    check(unreproduced.returncode == 3 and "error P5105" in unreproduced.stderr,
+          f"a stored answer changed: {unreproduced.stderr}")
     check(run("validate", asset).returncode == 0, "the unchanged asset is valid")
     missed = run("bake", *poses, "-o", folder / "missed.pliant", "--tolerance", "1e-8", "--best-effort")
-    check(missed.returncode == 4 and "warning P4404" in missed.stderr, f"best effort: exit code {missed.returncode}, {missed.stderr}")
+    check(missed.returncode == 4 and "warning P4404" in missed.stderr,
+          f"best effort: exit code {missed.returncode}, {missed.stderr}")
     check((folder / "missed.pliant").exists(), "best effort: the asset is written")
 
 
 def test_drawn_surface(folder):
     generate.generate("output_is_surface", folder)
-    solids, shell, asset, plain = [folder / "solid.msh", folder / "solid_bent.msh"], folder / "shell.obj", folder / "d.pliant", folder / "p.pliant"
+    solids, shell, asset, plain = ([folder / "solid.msh", folder / "solid_bent.msh"], folder / "shell.obj",
+                                   folder / "d.pliant", folder / "p.pliant")
     quick = ["--quiet", "--check-samples", "2", "--fresh-samples", "0", "--dim", "4"]
     baked = run("bake", *solids, "--surface", shell, "-o", asset, *quick)
     check(baked.returncode == 0, f"a solid that draws a surface {baked.stderr}")
@@ -112,14 +123,16 @@ def test_drawn_surface(folder):
     check(run("validate", asset).returncode == 0, "with a surface it is valid")
     measured = run("measure", asset, *solids, "--surface", shell, "--samples", "2")
     check(measured.returncode == 0 and "relative L2: mean" in measured.stdout, f"measured at its surface {measured.stderr}")
-    for name, arguments, number in [("without the surface", [asset], "P5106"), ("a surface that it has not", [plain, "--surface", shell], "P5106"),
+    for name, arguments, number in [("without the surface", [asset], "P5106"),
+                                    ("a surface that it has not", [plain, "--surface", shell], "P5106"),
                                     ("from blends", [asset, "--from-blend", "--surface", shell], "P1210"),
                                     ("another surface", [asset, "--surface", folder / "other.obj"], "P5104")]:
         (folder / "other.obj").write_text(shell.read_text().replace("v 1 1 2", "v 1 1 2.5"))
         result = run("measure", arguments[0], *solids, *arguments[1:], "--samples", "1")
         check(f"error {number}" in result.stderr, f"measured {name}: {result.stderr}")
     blend = run("blend", asset, "--weights", "1,1", "-o", folder / "blend.ply")
-    check(blend.returncode == 0 and b"element vertex 6\n" in (folder / "blend.ply").read_bytes(), f"the surface is written {blend.stderr}")
+    check(blend.returncode == 0 and b"element vertex 6\n" in (folder / "blend.ply").read_bytes(),
+          f"the surface is written {blend.stderr}")
 
 
 def main():

@@ -1,5 +1,6 @@
-"""test_seams.py PLIANT: every verb on a flat-shaded mesh with a face that is a line, and the same on the joined one. What is written has the
-vertices and faces of the files; what is measured is the same. Messages name vertices and faces of the files."""
+"""test_seams.py PLIANT: every verb on a flat-shaded mesh with a face that is a line, and the same on the joined one. What is
+written has the vertices and faces of the files; what is measured is the same. Messages name vertices and faces of the
+files."""
 import json
 import pathlib
 import subprocess
@@ -20,7 +21,8 @@ def check(condition, text):
 
 
 def run(*arguments):
-    return subprocess.run([TOOL, *map(str, arguments)], stdin=subprocess.DEVNULL, capture_output=True, text=True, timeout=300)
+    return subprocess.run([TOOL, *map(str, arguments)], stdin=subprocess.DEVNULL, capture_output=True, text=True,
+                          timeout=300)
 
 
 def counts(ply):
@@ -80,14 +82,16 @@ def main():
             check(result.returncode == 0, f"{kind}: is measured {result.stderr}")
             measured[kind] = [sample["relative_l2"] for sample in json.loads(result.stdout)["samples"]]
             if kind == "split":
-                check("P2220" in baked.stderr and "P2201: " + str(files[0]) + ":1025: face 256 uses vertex 0" in baked.stderr,
+                check("P2220" in baked.stderr
+                      and "P2201: " + str(files[0]) + ":1025: face 256 uses vertex 0" in baked.stderr,
                       f"what was done is said {baked.stderr}")
                 from_blend = run("measure", asset, *files, "--samples", "1", "--from-blend")
                 check(from_blend.returncode == 0, f"measured from the blends {from_blend.stderr}")
                 wrong = run("measure", asset, *poses["joined"], "--samples", "1")
                 check("error P5104" in wrong.stderr, f"the joined poses are other ones {wrong.stderr}")
                 apart = run("check", *files, "--weld", "0")
-                check(apart.returncode == 0 and "has 256 components" in apart.stderr, f"--weld 0 keeps vertices apart {apart.stderr}")
+                check(apart.returncode == 0 and "has 256 components" in apart.stderr,
+                      f"--weld 0 keeps vertices apart {apart.stderr}")
         for shape in ("blend", "average"):
             check(counts(folder / f"split_{shape}.ply") == [768, 257], f"{shape}: vertices and faces of the files")
             check(counts(folder / f"joined_{shape}.ply") == [130, 256], f"{shape}: the same of the joined mesh")

@@ -1,7 +1,8 @@
 """Normals: recomputed, or from a linear basis? normal_basis.py ASSET... [--train N] [--test N]
 
-Shapes are those of the asset's predictor at random weights, so no solver is needed. Normals of the training shapes give a basis; on fresh
-shapes its normals are compared with recomputed ones (area-weighted, as the runtime computes them). Two ways to find coefficients:
+Shapes are those of the asset's predictor at random weights, so no solver is needed. Normals of the training shapes give a
+basis; on fresh shapes its normals are compared with recomputed ones (area-weighted, as the runtime computes them). Two ways
+to find coefficients:
   best    the true normals projected onto the first r principal axes: what no rule for coefficients can beat;
   linear  in q, fitted by least squares: what an engine's morph targets would do with normal deltas, one column a dimension.
 Prints degrees: mean, 99th percentile, worst over vertices and shapes, and bytes a vertex in single precision.
@@ -45,7 +46,8 @@ def report(name, found, truth, columns):
     lengths = np.linalg.norm(a, axis=1)
     chord = np.linalg.norm(a / np.where(lengths > 0, lengths, 1)[:, None] - b, axis=1)
     degrees = np.degrees(2 * np.arcsin(np.minimum(chord / 2, 1)))
-    print(f"  {name:18} {degrees.mean():9.4f} {np.percentile(degrees, 99):9.3f} {degrees.max():9.2f}   {12 * (1 + columns):6}")
+    print(f"  {name:18} {degrees.mean():9.4f} {np.percentile(degrees, 99):9.3f} {degrees.max():9.2f}   "
+          f"{12 * (1 + columns):6}")
 
 
 def study(path, train, test):
@@ -55,7 +57,8 @@ def study(path, train, test):
     fresh_q, truth = samples(asset, test, random)
     mean = normals.mean(axis=0)
     _, _, axes = np.linalg.svd(normals - mean, full_matrices=False)
-    print(f"{path}: {asset.boundary_vertex_count} vertices, {asset.pose_count} poses, d = {asset.dimension}, {train} training shapes, "
+    print(f"{path}: {asset.boundary_vertex_count} vertices, {asset.pose_count} poses, "
+          f"d = {asset.dimension}, {train} training shapes, "
           f"{test} fresh\n  {'':18} {'mean':>9} {'99 %':>9} {'worst':>9}   bytes a vertex")
     for rank in (3, 4, 6, 8, 16, 32):
         if rank <= len(axes):

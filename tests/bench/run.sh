@@ -10,7 +10,8 @@ cmake -S "$root" -B "$build" -G Ninja -DCMAKE_BUILD_TYPE=Release >/dev/null
 cmake --build "$build" --target pliant_bench pliant_converge creature >/dev/null
 
 if [ "${1:-}" = converge ]; then
-    exec "$build/tests/bench/pliant_converge" "$data"/human_pair/{man,woman}.ply -- "$data"/mhr_body/{rest,pose0,pose1,pose2,pose3}.ply \
+    exec "$build/tests/bench/pliant_converge" "$data"/human_pair/{man,woman}.ply \
+        -- "$data"/mhr_body/{rest,pose0,pose1,pose2,pose3}.ply \
         -- "$data"/makehuman_body/{rest,benchmark,dance1_f00,tpose,walk1_f03,walk1_f10,zombieWalk1_f00,zombieWalk1_f20}.ply \
         -- "$data"/ict_face/{neutral,jaw_open,smile,pucker,blink_brow_down,cheek_puff,sneer_frown}.ply
 fi

@@ -1,6 +1,6 @@
 /* libFuzzer target: any bytes through open, two frames (the second continues the first), reconstruction, normals and the
-   small accessors. Checksums are not verified here: a checksum would hide every bug behind it, and a hostile file has the right
-   one. */
+   small accessors. Checksums are not verified here: a checksum would hide every bug behind it, and a hostile file has the
+   right one. */
 #include "pliant.h"
 
 #include <stdint.h>

@@ -1,5 +1,6 @@
-/* What positions and normals cost, on the processor and by each path of pliant_gl that the driver has: pliant_bench_gl ASSET...
-   Best of 41 updates, each waited for (glFinish). Prints the renderer: with llvmpipe it is the processor that draws. */
+/* What positions and normals cost, on the processor and by each path of pliant_gl that the driver has: pliant_bench_gl
+   ASSET... Best of 41 updates, each waited for (glFinish). Prints the renderer: with llvmpipe it is the processor that
+   draws. */
 #define _POSIX_C_SOURCE 200112L
 #include "gl_test.h"
 

@@ -121,8 +121,8 @@ static inline float* read_buffer(GLuint buffer, size_t count)
     return copy;
 }
 
-/* A program of the caller: a version line, in ES the default precision, what comes before main, main. `captured` may be null: the name
-   of what transform feedback takes. */
+/* A program of the caller: a version line, in ES the default precision, what comes before main, main. `captured` may be
+   null: the name of what transform feedback takes. */
 static inline GLuint make_test_program(int is_es, const char* vertex_head, const char* vertex_main, const char* fragment,
                                        const char* captured)
 {

@@ -1,8 +1,8 @@
 """Assets for the tests of pliant_gl: make_gl_assets.py TINY_ASSETS FOLDER NAME...
 
-Copies the named small assets and makes large.pliant: many copies of tube_neo side by side, so more vertices than a texture's row has
-texels; every second one has its normals smoothed in pairs (SMTH). large_compact.pliant is the same with a compact basis of many widths. The
-stand-in looks at no vertices, so it remains what it was.
+Copies the named small assets and makes large.pliant: many copies of tube_neo side by side, so more vertices than a texture's
+row has texels; every second one has its normals smoothed in pairs (SMTH). large_compact.pliant is the same with a compact
+basis of many widths. The surrogate energy looks at no vertices, so it remains what it was.
 """
 import shutil
 import sys

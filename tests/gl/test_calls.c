@@ -1,5 +1,5 @@
-/* What pliant_gl answers to wrong calls, old contexts, missing functions, refused shaders, small limits; and that every call leaves
-   GL's state as it was. Run once for each kind of context: test_calls CONTEXT FOLDER (with tube_neo and large). */
+/* What pliant_gl answers to wrong calls, old contexts, missing functions, refused shaders, small limits; and that every call
+   leaves GL's state as it was. Run once for each kind of context: test_calls CONTEXT FOLDER (with tube_neo and large). */
 #include "gl_test.h"
 
 static const wished_context* wished;
@@ -178,7 +178,7 @@ static void check_limits(const opened* large)
     free(adjacency.memory);
 }
 
-/* ------------------------------------------------------------------------------------------------------------- state ---- */
+/* ------------------------------------------------------------------------------------------------------- state ---- */
 
 enum { STATES = 40 };
 

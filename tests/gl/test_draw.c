@@ -1,5 +1,6 @@
-/* Draws what pliant_gl made: a depth pass and a shaded pass from one update, as a game would, and the direct path. The pictures are those
-   that buffers filled by the processor give. test_draw CONTEXT FOLDER ASSET [PICTURE.ppm]: with a name the picture is kept. */
+/* Draws what pliant_gl made: a depth pass and a shaded pass from one update, as a game would, and the direct path. The
+   pictures are those that buffers filled by the processor give. test_draw CONTEXT FOLDER ASSET [PICTURE.ppm]: with a name
+   the picture is kept. */
 #include "gl_test.h"
 
 #include <math.h>

@@ -1,6 +1,6 @@
-/* Every way to draw gives the shape of the processor: positions within 1e-4 of the diagonal, normals within 1 degree. Run once for each
-   kind of context: test_paths CONTEXT ASSET... (CONTEXT: gl33, gl43, es30, es31). Textures are tried in their usual size and so
-   small that everything takes several layers. */
+/* Every way to draw gives the shape of the processor: positions within 1e-4 of the diagonal, normals within 1 degree. Run
+   once for each kind of context: test_paths CONTEXT ASSET... (CONTEXT: gl33, gl43, es30, es31). Textures are tried in their
+   usual size and so small that everything takes several layers. */
 #include "gl_test.h"
 
 #include <math.h>
@@ -55,7 +55,8 @@ static void compare_positions(const char* name, GLuint buffer, const expected_sh
     free(found);
 }
 
-/* A chord of 0.01745 is 1 degree. Where the sum of a vertex's triangles nearly vanishes rounding decides; no asset here has such. */
+/* A chord of 0.01745 is 1 degree. Where the sum of a vertex's triangles nearly vanishes rounding decides;
+   no asset here has such. */
 static void compare_normals(const char* name, GLuint buffer, const expected_shape* e, uint32_t n)
 {
     float* found = read_buffer(buffer, n);
@@ -83,7 +84,7 @@ static void choose_q(const pliant_asset* asset, uint64_t* state, float* q)
     for (uint32_t j = 0; j < asset->dimension; ++j) q[j] += 0.2f * largest * (random_unit(state) - 0.5f);
 }
 
-/* ------------------------------------------------------------------------------------------------------ into buffers ---- */
+/* ------------------------------------------------------------------------------------------------ into buffers ---- */
 
 enum { INSTANCES = 3 };
 

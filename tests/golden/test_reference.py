@@ -1,5 +1,5 @@
-"""test_reference.py READER FOLDER: the reference reader opens every golden asset and lists its chunks; of the one with a scene it reads
-parts, materials and image as they were written, and damage to them is refused."""
+"""test_reference.py READER FOLDER: the reference reader opens every golden asset and lists its chunks; of the one with a
+scene it reads parts, materials and image as they were written, and damage to them is refused."""
 import pathlib
 import re
 import struct
@@ -27,7 +27,8 @@ def check_scene(path):
     first, second = scene.parts
     assert [first["vertex_count"], second["first_vertex"], second["vertex_count"]] == [40, 40, 41], scene.parts
     assert (first["material"], second["material"]) == (0, None) and len(first["faces"]) == 60 and second["faces"].min() >= 40
-    assert np.allclose(second["attributes"]["COLOR_0"][:, 0], np.arange(41) / 40) and first["attributes"]["TEXCOORD_0"].shape == (40, 2)
+    assert (np.allclose(second["attributes"]["COLOR_0"][:, 0], np.arange(41) / 40)
+            and first["attributes"]["TEXCOORD_0"].shape == (40, 2))
     assert scene.images == [("image/png", tiny_scene.striped_image())] and scene.materials[0]["alphaMode"] == "MASK"
 
 
@@ -41,12 +42,14 @@ golden = sorted(folder.glob("*.pliant"))
 assert len(golden) >= 7, golden
 for path in golden:
     tags = re.search(r"^chunks (.*)$", read(path), re.MULTILINE).group(1).split()
-    assert len(tags) == struct.unpack_from("<I", path.read_bytes(), 24)[0] and any(tag.startswith("CERT:") for tag in tags), tags
+    assert (len(tags) == struct.unpack_from("<I", path.read_bytes(), 24)[0]
+            and any(tag.startswith("CERT:") for tag in tags)), tags
 check_scene(folder / "format_1_3_scene.pliant")
 whole = (folder / "format_1_3_scene.pliant").read_bytes()
 with tempfile.TemporaryDirectory(prefix="pliant_golden_") as temporary:
     bad = pathlib.Path(temporary) / "bad.pliant"
-    for old, new in ((b'"material": 0', b'"material": 1'), (b'"vertex_count": 41', b'"vertex_count": 40'), (b'"meshes"', b'"mashes"'),
+    for old, new in ((b'"material": 0', b'"material": 1'), (b'"vertex_count": 41', b'"vertex_count": 40'),
+                     (b'"meshes"', b'"mashes"'),
                      (b'"first_vertex": 40', b'"first_vertex": 39'), (b'"count": 180', b'"count": 999'), (b"glTF", b"glTG"),
                      (b'"byteOffset": 0,', b'"byteOffset":-4,')):
         bad.write_bytes(damaged(whole, old, new))

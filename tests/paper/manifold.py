@@ -1,16 +1,17 @@
 """An experiment: shape spaces that are no linear spaces, at equal cost of reconstruction. manifold.py DIR SET...
 
-Reads the averages that `pliant_study --snapshots -o DIR/SET` wrote; trains on some, and reports the relative L2 distance of the others
-from the space (the best that any solver could reach there), for
+Reads the averages that `pliant_study --snapshots -o DIR/SET` wrote; trains on some, and reports the relative L2 distance of
+the others from the space (the best that any solver could reach there), for
 
   linear      y = tau + U q: differences kept, then POD; c columns, c unknowns. What Pliant does.
-  quadratic   y = tau + U q + V C (q x q) (Geelen, Wright, Willcox 2023): p unknowns; V the next c - p POD directions, C by ridge
-              regression. c columns. Since this lies inside the linear space of the same c columns, it cannot beat it at equal c; it can
-              at equal unknowns.
-  local       clusters in weight space, each with a POD basis of its own: c columns and unknowns, more memory, and jumps between clusters.
+  quadratic   y = tau + U q + V C (q x q) (Geelen, Wright, Willcox 2023): p unknowns; V the next c - p POD directions, C by
+              ridge regression. c columns. Since this lies inside the linear space of the same c columns, it cannot beat it
+              at equal c; it can at equal unknowns.
+  local       clusters in weight space, each with a POD basis of its own: c columns and unknowns, more memory,
+              and jumps between clusters.
   rotated     y = S(w) + R(w) (U q): the body's parts are moved rigidly as a polynomial in the weights tells (linear blend
-              skinning), and displacements turn with them; U by POD of what is left. c unknowns; reconstruction costs c columns and the
-              skinning. The weights are known at run time, so the parts' motions are no unknowns.
+              skinning), and displacements turn with them; U by POD of what is left. c unknowns; reconstruction costs c
+              columns and the skinning. The weights are known at run time, so the parts' motions are no unknowns.
 
 Tables DIR/SET_manifold.csv and .md, plot DIR/SET_manifold.png.
 """
@@ -95,7 +96,8 @@ def choose_ridge(features, targets):
     """The strength with the least error in five-fold cross-validation."""
     strengths, folds = 10.0 ** np.arange(-10, 1), np.arange(len(features)) % 5
     def left_out(strength):
-        return sum(np.sum((targets[folds == f] - features[folds == f] @ ridge(features[folds != f], targets[folds != f], strength)) ** 2)
+        return sum(np.sum((targets[folds == f] - features[folds == f]
+                           @ ridge(features[folds != f], targets[folds != f], strength)) ** 2)
                    for f in range(5))
     return min(strengths, key=left_out)
 
@@ -136,7 +138,8 @@ def nearest_on_manifold(target, unknowns, scale, fit):
 
 
 def local(data, clusters, count):
-    """Clusters by k-means of the weights; each basis is trained on the snapshots nearest to its centre, enough of them for its columns."""
+    """Clusters by k-means of the weights; each basis is trained on the snapshots nearest to its centre,
+    enough of them for its columns."""
     weights = np.vstack([data.train_weights, data.pose_weights])
     snapshots = np.vstack([data.train, data.poses])
     centres = k_means(weights, clusters)
@@ -254,7 +257,8 @@ class Rotated:
         # smoothly, and that is for U to mend. (Exact interpolation leaves errors between the snapshots that no U has seen.)
         degree = 3 if polynomials(weights, 3).shape[1] * 2 <= len(weights) else 2
         fit = np.linalg.lstsq(polynomials(weights, degree), known, rcond=None)[0]
-        pull = lambda rows, w: np.stack([self.pull(parts, row, motion) for row, motion in zip(rows, polynomials(w, degree) @ fit)])
+        pull = lambda rows, w: np.stack([self.pull(parts, row, motion)
+                                         for row, motion in zip(rows, polynomials(w, degree) @ fit)])
         self.poses = pull(data.poses, data.pose_weights)
         self.train = pull(data.train, data.train_weights)
         self.fresh = pull(data.fresh, data.fresh_weights)
@@ -297,15 +301,16 @@ def write(path, name, train_count, fresh_count, rows):
         csv.writer(file, lineterminator="\n").writerows([header, *cells])
     line = lambda values: "| " + " | ".join(str(v) for v in values) + " |\n"
     path.with_suffix(".md").write_text(
-        f"## {name}: shape spaces that are not linear\n\nDistance of {fresh_count} fresh averages from spaces trained on {train_count} others "
+        f"## {name}: shape spaces that are not linear\n\n"
+        f"Distance of {fresh_count} fresh averages from spaces trained on {train_count} others "
         "(manifold.py says what they are).\n\n" + line(header) + line(["---"] * len(header)) + "".join(map(line, cells)))
     if not pyplot:
         return
     figure, axes = pyplot.subplots(figsize=(6.4, 4.4))
     for method in dict.fromkeys(row[0] for row in rows):
         points = [(row[1], row[3]) for row in rows if row[0] == method]
-        axes.semilogy(*zip(*points), "k-o" if method == "linear" else "--s" if method.startswith("quadratic") else "-^", label=method,
-                      linewidth=2 if method == "linear" else 1.2, markersize=4)
+        axes.semilogy(*zip(*points), "k-o" if method == "linear" else "--s" if method.startswith("quadratic") else "-^",
+                      label=method, linewidth=2 if method == "linear" else 1.2, markersize=4)
     axes.set(xlabel="columns", ylabel="relative L2, mean, best projection", title=f"{name}: spaces at equal columns")
     axes.grid(True, which="major", color="#dddddd", linewidth=0.6)
     axes.legend(fontsize=8)

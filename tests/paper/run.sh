@@ -83,8 +83,8 @@ asset_of() {
     local asset=$out/assets/$1.pliant start=$SECONDS code=0
     shift
     [[ $asset -nt $tool ]] && return
-    "$tool" bake "${poses[@]}" -o "$asset" --position-error 0 --check-samples 0 --fresh-samples 0 --best-effort --quiet --report "${asset%.pliant}.json" "${threads[@]}" "$@" \
-        2>> "$out/bakes.log" || code=$?
+    "$tool" bake "${poses[@]}" -o "$asset" --position-error 0 --check-samples 0 --fresh-samples 0 --best-effort --quiet \
+        --report "${asset%.pliant}.json" "${threads[@]}" "$@" 2>> "$out/bakes.log" || code=$?
     ((code == 0 || code == 4)) || { say "baking $asset failed, exit code $code: $out/bakes.log"; return 1; }
     say "baked ${asset##*/} in $((SECONDS - start)) s"
 }
@@ -94,8 +94,8 @@ subspace() {
     local poses start=$SECONDS
     poses_of "$1" || return 0
     asset_of "$1" "${adaptive[@]}" --dim "${2##*,}" || return 0
-    "$study" -o "$out/$1" --dims "$2" --train "$3" --fresh "$4" --basis "adaptive=$out/assets/$1.pliant" --snapshots "${threads[@]}" \
-        "${poses[@]}" 2>> "$out/study.log"
+    "$study" -o "$out/$1" --dims "$2" --train "$3" --fresh "$4" --basis "adaptive=$out/assets/$1.pliant" --snapshots \
+        "${threads[@]}" "${poses[@]}" 2>> "$out/study.log"
     say "subspace $1: $((SECONDS - start)) s"
 }
 
@@ -116,7 +116,7 @@ standin() {
     "$study" -o "$out/standin/$1" --dims 1 --kinds none --train 1 --fresh "$3" "${assets[@]}" "${threads[@]}" "${poses[@]}" \
         2>> "$out/study.log"
     mv "$out/standin/$1_assets.csv" "$out/$1_assets.csv"
-    say "stand-in $1: $((SECONDS - start)) s"
+    say "surrogate energy $1: $((SECONDS - start)) s"
 }
 
 # sheet SET DIM OPTION...: pictures side by side. The paper's method is Algorithm 1 with a ghost.
@@ -128,7 +128,8 @@ sheet() {
     asset_of "${set}_krylov" --subspace krylov --dim "$dim" || return 0
     asset_of "${set}_krylov_ghost" --subspace krylov --dim "$dim" --energy ghost || return 0
     "$python" "$here/sheet.py" --tool "$tool" -o "$out/${set}_sheet.png" --title "$set, d = $dim" \
-        --asset "Algorithm 1, cubature=$out/assets/${set}_krylov.pliant" --asset "Algorithm 1, ghost=$out/assets/${set}_krylov_ghost.pliant" \
+        --asset "Algorithm 1, cubature=$out/assets/${set}_krylov.pliant" \
+        --asset "Algorithm 1, ghost=$out/assets/${set}_krylov_ghost.pliant" \
         --asset "adaptive, cubature=$out/assets/$set.pliant" "$@" "${poses[@]}" 2>> "$out/sheets.log"
     say "sheet $set: $((SECONDS - start)) s"
 }

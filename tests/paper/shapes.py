@@ -1,8 +1,10 @@
 """Shapes in numpy: reading the PLY files of poses and blends, masses, rigid alignment, the relative L2 error."""
 import numpy as np
 
-SCALARS = {"char": "i1", "uchar": "u1", "short": "i2", "ushort": "u2", "int": "i4", "uint": "u4", "float": "f4", "double": "f8",
-           "int8": "i1", "uint8": "u1", "int16": "i2", "uint16": "u2", "int32": "i4", "uint32": "u4", "float32": "f4", "float64": "f8"}
+SCALARS = {"char": "i1", "uchar": "u1", "short": "i2", "ushort": "u2", "int": "i4", "uint": "u4", "float": "f4",
+           "double": "f8",
+           "int8": "i1", "uint8": "u1", "int16": "i2", "uint16": "u2", "int32": "i4", "uint32": "u4", "float32": "f4",
+           "float64": "f8"}
 
 
 def read_ply(path):
@@ -73,7 +75,8 @@ def align(source, target, masses):
 
 
 def relative_l2(blend, truth, masses):
-    """The error of baker/elastic/average/shape_error.h: the truth moved rigidly onto the blend, mass norm over its own about the centroid."""
+    """The error of baker/elastic/average/shape_error.h: the truth moved rigidly onto the blend,
+    mass norm over its own about the centroid."""
     moved = align(truth, blend, masses)
     centroid = masses @ moved / masses.sum()
     norm = lambda x: np.sqrt((masses[:, None] * x ** 2).sum())

@@ -2,9 +2,9 @@
 
     sheet.py --tool PLIANT -o SHEET.png --asset LABEL=FILE... --weights W1,W2,... [--weights ...] POSE...
 
-The first column is the linear blend of the aligned poses, the last one the unreduced average; those between are the assets' blends
-through the C runtime. Errors are relative L2 and the farthest vertex in per cent of the diagonal. Colour in the error columns'
-pictures: distance from the unreduced average, white none, red --scale (share of the diagonal) and more.
+The first column is the linear blend of the aligned poses, the last one the unreduced average; those between are the assets'
+blends through the C runtime. Errors are relative L2 and the farthest vertex in per cent of the diagonal. Colour in the error
+columns' pictures: distance from the unreduced average, white none, red --scale (share of the diagonal) and more.
 """
 import argparse
 import csv
@@ -36,7 +36,8 @@ def vertex_normals(positions, triangles):
 
 
 def draw(positions, triangles, colours, view, window, size):
-    """Triangles from back to front, shaded by a light at the eye's upper left. `window`: (left, bottom, extent) in view units."""
+    """Triangles from back to front, shaded by a light at the eye's upper left.
+    `window`: (left, bottom, extent) in view units."""
     width, height = (OVERSAMPLING * s for s in size)
     seen = positions @ view.T
     scale = min(width, height) / window[2]
@@ -82,7 +83,8 @@ def coloured(shape, truth, masses, diagonal, scale):
 
 
 def main():
-    parser = argparse.ArgumentParser(description="contact sheet of blends", formatter_class=argparse.ArgumentDefaultsHelpFormatter)
+    parser = argparse.ArgumentParser(description="contact sheet of blends",
+                                     formatter_class=argparse.ArgumentDefaultsHelpFormatter)
     parser.add_argument("poses", nargs="+")
     parser.add_argument("--tool", required=True, help="the program pliant")
     parser.add_argument("-o", "--output", required=True)

@@ -1,6 +1,7 @@
 """Tables (CSV and Markdown) and plots (PNG) of a study folder: tables.py DIR
 
-Reads what pliant_study wrote: SET_subspace.csv and SET_assets.csv. Plots need matplotlib; without it tables are written all the same.
+Reads what pliant_study wrote: SET_subspace.csv and SET_assets.csv. Plots need matplotlib;
+without it tables are written all the same.
 """
 import csv
 import sys
@@ -17,7 +18,8 @@ except ImportError:
     pyplot = None
 
 # Fixed places in every plot: names, colours, order of the legend.
-BASES = {"adaptive": ("adaptive", "#1b6ca8"), "krylov": ("Algorithm 1 (krylov)", "#d1495b"), "barbic": ("Barbic et al. 2009", "#edae49"),
+BASES = {"adaptive": ("adaptive", "#1b6ca8"), "krylov": ("Algorithm 1 (krylov)", "#d1495b"),
+         "barbic": ("Barbic et al. 2009", "#edae49"),
          "pod": ("POD of true averages", "#66a182")}
 QUARTERS = (0.25, 0.5, 0.75)
 
@@ -31,7 +33,8 @@ def write_table(path, title, note, header, rows):
     with open(path.with_suffix(".csv"), "w", newline="") as file:
         csv.writer(file, lineterminator="\n").writerows([header, *rows])
     line = lambda cells: "| " + " | ".join(str(c) for c in cells) + " |\n"
-    path.with_suffix(".md").write_text(f"## {title}\n\n{note}\n\n" + line(header) + line(["---"] * len(header)) + "".join(map(line, rows)))
+    path.with_suffix(".md").write_text(f"## {title}\n\n{note}\n\n" + line(header) + line(["---"] * len(header))
+                                       + "".join(map(line, rows)))
 
 
 def by_basis(rows):
@@ -48,12 +51,14 @@ def column(rows, name):
 
 def error_over_d(out, name, rows):
     groups = by_basis(rows)
-    header = ["basis", "d", "L2 mean", "L2 largest", "farthest % mean", "farthest % largest", "best possible L2 mean", "weights"]
+    header = ["basis", "d", "L2 mean", "L2 largest", "farthest % mean", "farthest % largest", "best possible L2 mean",
+              "weights"]
     table = [[basis, d, f"{column(g, 'solved_l2').mean():.2e}", f"{column(g, 'solved_l2').max():.2e}",
               f"{100 * column(g, 'solved_distance').mean():.3f}", f"{100 * column(g, 'solved_distance').max():.3f}",
               f"{column(g, 'projected_l2').mean():.2e}", len(g)] for (basis, d), g in groups.items()]
     write_table(out / f"{name}_error_over_d", f"{name}: error of the subspace over d",
-                "Exact reduced averages (no stand-in) against unreduced ones at fresh weights; farthest vertex in % of the bounding-box "
+                "Exact reduced averages (no surrogate energy) against unreduced ones at fresh weights; "
+                "farthest vertex in % of the bounding-box "
                 "diagonal; best possible: distance of the truth from the subspace.", header, table)
     if pyplot:
         figure, axes = pyplot.subplots(figsize=(6, 4.2))
@@ -65,7 +70,8 @@ def error_over_d(out, name, rows):
                 axes.semilogy(dims, [column(g, "solved_l2").max() for _, g in points], ":", color=colour)
         linear = column(next(g for (b, _), g in groups.items() if b == "linear"), "solved_l2")
         axes.axhline(linear.mean(), color="#888888", linestyle="--", linewidth=1, label="linear blend")
-        axes.set(xlabel="dimension d", ylabel="relative L2 (line: mean, dots: largest)", title=f"{name}: error of the subspace")
+        axes.set(xlabel="dimension d", ylabel="relative L2 (line: mean, dots: largest)",
+                 title=f"{name}: error of the subspace")
         finish(figure, axes, out / f"{name}_error_over_d.png")
 
 
@@ -78,7 +84,8 @@ def error_over_w(out, name, rows):
     groups = by_basis(rows)
     header = ["basis", "d", *(f"w = {share_of_second(row):.3g}" for row in next(iter(groups.values())))]
     table = [[basis, d, *(f"{v:.2e}" for v in column(g, "solved_l2"))] for (basis, d), g in groups.items()]
-    write_table(out / f"{name}_error_over_w", f"{name}: error over w", "Relative L2 of exact reduced averages; w is the weight of the "
+    write_table(out / f"{name}_error_over_w", f"{name}: error over w",
+                "Relative L2 of exact reduced averages; w is the weight of the "
                 "second pose. As the paper's Figure 6.", header, table)
     if pyplot:
         figure, axes = pyplot.subplots(figsize=(6, 4.2))
@@ -86,8 +93,8 @@ def error_over_w(out, name, rows):
             dims = [other for b, other in groups if b == basis]
             if basis in BASES and d in (dims[0], dims[-1]):
                 label, colour = BASES[basis]
-                axes.semilogy([share_of_second(row) for row in group], column(group, "solved_l2"), "-" if d == dims[-1] else "--",
-                              color=colour, label=f"{label}, d = {d}")
+                axes.semilogy([share_of_second(row) for row in group], column(group, "solved_l2"),
+                              "-" if d == dims[-1] else "--", color=colour, label=f"{label}, d = {d}")
         axes.set(xlabel="weight of the second pose", ylabel="relative L2", title=f"{name}: error over w")
         finish(figure, axes, out / f"{name}_error_over_w.png")
 
@@ -103,7 +110,8 @@ def hausdorff(out, sets):
                 table.append([name, basis, d, *(f"{100 * float(at[w]['solved_distance']):.3f}" for w in QUARTERS)])
     if table:
         write_table(out / "hausdorff", "Distances in % of the bounding-box diagonal (the paper's Table III)",
-                    "Largest distance of corresponding vertices after rigid alignment: an upper bound of the Hausdorff distance that the "
+                    "Largest distance of corresponding vertices after rigid alignment: "
+                    "an upper bound of the Hausdorff distance that the "
                     "paper gives. Subspace alone.", header, table)
 
 
@@ -111,13 +119,17 @@ def stand_in(out, name, rows):
     groups = defaultdict(list)
     for row in rows:
         groups[row["asset"]].append(row)
-    header = ["asset", "d", "elements", "total L2 mean", "total largest", "subspace mean", "stand-in mean", "stand-in largest",
-              "farthest % largest", "iterations"]
-    table = [[asset, g[0]["d"], g[0]["elements"], f"{column(g, 'total_l2').mean():.2e}", f"{column(g, 'total_l2').max():.2e}",
-              f"{column(g, 'subspace_l2').mean():.2e}", f"{column(g, 'stand_in_l2').mean():.2e}", f"{column(g, 'stand_in_l2').max():.2e}",
-              f"{100 * column(g, 'total_distance').max():.3f}", f"{column(g, 'iterations').mean():.1f}"] for asset, g in groups.items()]
-    write_table(out / f"{name}_stand_in", f"{name}: error of the stand-in over its elements",
-                "The runtime's blends. total: against unreduced averages; subspace: exact reduced averages against unreduced; stand-in: "
+    header = ["asset", "d", "elements", "total L2 mean", "total largest", "subspace mean", "surrogate energy mean",
+              "surrogate energy largest", "farthest % largest", "iterations"]
+    table = [[asset, g[0]["d"], g[0]["elements"], f"{column(g, 'total_l2').mean():.2e}",
+              f"{column(g, 'total_l2').max():.2e}",
+              f"{column(g, 'subspace_l2').mean():.2e}", f"{column(g, 'stand_in_l2').mean():.2e}",
+              f"{column(g, 'stand_in_l2').max():.2e}",
+              f"{100 * column(g, 'total_distance').max():.3f}", f"{column(g, 'iterations').mean():.1f}"]
+             for asset, g in groups.items()]
+    write_table(out / f"{name}_stand_in", f"{name}: error of the surrogate energy over its elements",
+                "The runtime's blends. total: against unreduced averages; "
+                "subspace: exact reduced averages against unreduced; surrogate energy: "
                 "blends against exact reduced averages.", header, table)
     if pyplot:
         figure, axes = pyplot.subplots(figsize=(6, 4.2))
@@ -125,11 +137,15 @@ def stand_in(out, name, rows):
             points = sorted((int(g[0]["elements"]), g) for asset, g in groups.items() if asset.startswith(kind))
             if points:
                 counts = [n for n, _ in points]
-                axes.loglog(counts, [column(g, "stand_in_l2").mean() for _, g in points], "o-", color=colour, label=f"{kind}, stand-in alone")
-                axes.loglog(counts, [column(g, "total_l2").mean() for _, g in points], "x:", color=colour, label=f"{kind}, total")
+                axes.loglog(counts, [column(g, "stand_in_l2").mean() for _, g in points], "o-", color=colour,
+                            label=f"{kind}, surrogate energy alone")
+                axes.loglog(counts, [column(g, "total_l2").mean() for _, g in points], "x:", color=colour,
+                            label=f"{kind}, total")
         first = next(iter(groups.values()))
-        axes.axhline(column(first, "subspace_l2").mean(), color="#888888", linestyle="--", linewidth=1, label="subspace alone")
-        axes.set(xlabel="elements", ylabel="relative L2, mean", title=f"{name}: error of the stand-in, d = {first[0]['d']}")
+        axes.axhline(column(first, "subspace_l2").mean(), color="#888888", linestyle="--", linewidth=1,
+                     label="subspace alone")
+        axes.set(xlabel="elements", ylabel="relative L2, mean",
+                 title=f"{name}: error of the surrogate energy, d = {first[0]['d']}")
         finish(figure, axes, out / f"{name}_stand_in.png")
 
 

@@ -1,4 +1,5 @@
-"""pliant_bar on a coarse bar: the paper's ranking of subspaces, and what the adaptive one promises. Usage: test_bar.py PLIANT_BAR"""
+"""pliant_bar on a coarse bar: the paper's ranking of subspaces, and what the adaptive one promises.
+Usage: test_bar.py PLIANT_BAR"""
 import csv
 import subprocess
 import sys

@@ -1,7 +1,8 @@
 """The pieces of the study on a tube: test_study.py PLIANT_STUDY PLIANT
 
-pliant_study measures subspaces and an asset, tables.py and manifold.py read what it wrote, sheet.py draws. Wanted: finite errors, no
-solution better than the best projection, POD better than all others at equal d, stand-in and subspace errors that explain the total.
+pliant_study measures subspaces and an asset, tables.py and manifold.py read what it wrote, sheet.py draws. Wanted: finite
+errors, no solution better than the best projection, POD better than all others at equal d, surrogate energy and subspace
+errors that explain the total.
 """
 import csv
 import subprocess
@@ -36,7 +37,8 @@ def write_poses(folder):
     paths = []
     for k, pose in enumerate(poses):
         path = folder / f"tube{k}.ply"
-        header = (f"ply\nformat binary_little_endian 1.0\nelement vertex {pose.size // 3}\nproperty float x\nproperty float y\n"
+        header = (f"ply\nformat binary_little_endian 1.0\nelement vertex {pose.size // 3}\nproperty float x\n"
+                  "property float y\n"
                   f"property float z\nelement face {len(faces)}\nproperty list uchar int vertex_indices\nend_header\n")
         rows = np.zeros(len(faces), np.dtype([("size", "u1"), ("corners", "<i4", (3,))]))
         rows["size"], rows["corners"] = 3, faces
@@ -66,7 +68,8 @@ def check_assets(rows):
 
 
 def run(*command):
-    result = subprocess.run([str(part) for part in command], stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, check=False)
+    result = subprocess.run([str(part) for part in command], stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True,
+                            check=False)
     assert result.returncode == 0, f"{command[0]}: exit code {result.returncode}\n{result.stdout}"
 
 
@@ -77,14 +80,15 @@ def main(study, tool):
         check_subspaces(rows_of(folder / "tube_subspace.csv"))
 
         poses, asset = write_poses(folder), folder / "tube.pliant"
-        run(tool, "bake", *poses, "-o", asset, "--subspace", "barbic", "--dim", 5, "--elements", 40, "--check-samples", 0, "--quiet",
-            "--position-error", 0)
-        run(study, "-o", folder / "tube_b", "--dims", "3,5", "--kinds", "krylov", "--train", 1, "--fresh", 7, "--basis", f"barbic={asset}",
-            "--asset", f"barbic={asset}", *poses)
+        run(tool, "bake", *poses, "-o", asset, "--subspace", "barbic", "--dim", 5, "--elements", 40, "--check-samples", 0,
+            "--quiet", "--position-error", 0)
+        run(study, "-o", folder / "tube_b", "--dims", "3,5", "--kinds", "krylov", "--train", 1, "--fresh", 7, "--basis",
+            f"barbic={asset}", "--asset", f"barbic={asset}", *poses)
         check_assets(rows_of(folder / "tube_b_assets.csv"))
         # Read back through an asset, the basis is the same one.
         direct = mean(rows_of(folder / "tube_subspace.csv"), "solved_l2", basis="barbic", d="5")
-        assert abs(mean(rows_of(folder / "tube_b_subspace.csv"), "solved_l2", basis="barbic", d="5") - direct) < 0.02 * direct + 1e-6
+        assert (abs(mean(rows_of(folder / "tube_b_subspace.csv"), "solved_l2", basis="barbic", d="5") - direct)
+                < 0.02 * direct + 1e-6)
 
         tables.main(folder)
         manifold.study(folder, "tube")

@@ -1,5 +1,5 @@
-"""Every source of the runtime and the baker is compiled without floating-point contraction and without fast-math, or the same
-asset would give other bits elsewhere: compile_flags.py COMPILE_COMMANDS ROOT
+"""Every source of the runtime and the baker is compiled without floating-point contraction and without fast-math, or the
+same asset would give other bits elsewhere: compile_flags.py COMPILE_COMMANDS ROOT
 
 Reads the build's own compile_commands.json. Shown to fail on planted commands first.
 """

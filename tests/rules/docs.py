@@ -2,7 +2,8 @@
 """The API reference builds without a warning: docs.py SOURCE_DIR [--planted]
 
 Every function, type, field and constant of the public headers is documented, and what the comments refer to exists.
-With --planted an undocumented function and a wrong reference are put into a copy and must be reported. Exit code 77: no doxygen."""
+With --planted an undocumented function and a wrong reference are put into a copy and must be reported.
+Exit code 77: no doxygen."""
 import os
 import pathlib
 import shutil

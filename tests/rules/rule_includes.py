@@ -1,7 +1,7 @@
 """Includes go one way: formats <- runtime <- samples; baker <- formats, and baker <- runtime only where an asset is opened
-(output/ for the self-check, exports and pages, cli/ for `blend`, python/ whose Asset is the runtime on bytes in Python). The runtime
-sees five headers of the C library, its public headers two or none; pliant_gl declares what it needs of GL itself, and the
-runtime knows nothing of pliant_gl."""
+(output/ for the self-check, exports and pages, cli/ for `blend`, python/ whose Asset is the runtime on bytes in Python). The
+runtime sees five headers of the C library, its public headers two or none; pliant_gl declares what it needs of GL itself,
+and the runtime knows nothing of pliant_gl."""
 import re
 from pathlib import PurePosixPath
 

@@ -1,6 +1,6 @@
 """The baker and the player are built in layers. The order stands in the tables of their READMEs (baker/README.md,
-samples/player/README.md): a file may include from its own room and from rooms above it in the table. Every folder with sources is
-in the table, and every room of the table exists. Units (x.h with x.cpp) include each other in no circle.
+samples/player/README.md): a file may include from its own room and from rooms above it in the table. Every folder with
+sources is in the table, and every room of the table exists. Units (x.h with x.cpp) include each other in no circle.
 The functions of the C runtime are called only in those rooms of the baker that open assets."""
 import re
 from pathlib import PurePosixPath
@@ -50,7 +50,8 @@ def includes_of(tree, path):
 
 def judge_room(tree, base, readme):
     rooms = table_of(tree, readme)
-    faults = [f"{readme}:1: `{room}/` is in the table and not in {base}/" for room in rooms if not tree.files(f"{base}/{room}")]
+    faults = [f"{readme}:1: `{room}/` is in the table and not in {base}/"
+              for room in rooms if not tree.files(f"{base}/{room}")]
     if not rooms:
         return [f"{readme}:1: no table of rooms below {' or '.join(HEADINGS)}"]
     for path in tree.files(base, C_SUFFIXES):

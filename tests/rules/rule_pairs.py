@@ -1,5 +1,5 @@
-"""A source with a header of its own includes it first, so that every header is compiled once with nothing before it. A source without
-one is a main program, or implements a part of a header that is listed here, and includes that first."""
+"""A source with a header of its own includes it first, so that every header is compiled once with nothing before it. A
+source without one is a main program, or implements a part of a header that is listed here, and includes that first."""
 import re
 
 from rule_includes import INCLUDE, resolve
@@ -59,6 +59,7 @@ def check(tree):
 
 PLANTS = [
     Plant("baker/base/mesh/planted.cpp", "int planted;\n", "no header of its own"),
-    Plant("baker/cli/verb_planted.cpp", '#include "bake/bake.h"\n#include "cli/verbs.h"\n', "includes baker/cli/verbs.h not first"),
+    Plant("baker/cli/verb_planted.cpp", '#include "bake/bake.h"\n#include "cli/verbs.h"\n',
+          "includes baker/cli/verbs.h not first"),
     Plant("baker/input/poses/compare_planted.cpp", "#include <vector>\n", "compare_poses.h not first"),
 ]

@@ -1,10 +1,12 @@
 """What the project refers to must be in the project: no absolute path of somebody's machine, no document that is not here,
-no data outside the checkout, except in tests, which look beside it (../shared/) and skip when it is absent. No loose ends."""
+no data outside the checkout, except in tests, which look beside it (../shared/) and skip when it is absent.
+No loose ends."""
 import re
 
 from tree import CODE_SUFFIXES, Plant
 
-SUFFIXES = CODE_SUFFIXES | {"CMakeLists.txt", "CMakePresets.json", ".md", ".json", ".in", "run", ".gitignore", ".clang-format"}
+SUFFIXES = CODE_SUFFIXES | {"CMakeLists.txt", "CMakePresets.json", ".md", ".json", ".in", "run", ".gitignore",
+                            ".clang-format"}
 
 PRIVATE_PATH = re.compile(r"(?<![\w.])/(?:work|home|root)/")
 OUTSIDE_DATA = re.compile(r"\.\./shared\b|[\"']shared[\"'/]")

@@ -1,5 +1,6 @@
-"""Every test source is registered: a .c or .cpp file, and a test_*.py script, in tests/ or in a folder test/ of a sample, is named
-in a CMakeLists.txt of its folder or of one above it. Comments do not count: a test commented out is a test that does not run."""
+"""Every test source is registered: a .c or .cpp file, and a test_*.py script, in tests/ or in a folder test/ of a sample, is
+named in a CMakeLists.txt of its folder or of one above it. Comments do not count: a test commented out is a test that does
+not run."""
 import re
 from pathlib import PurePosixPath
 
@@ -48,7 +49,8 @@ def is_registered(tree, path):
 
 def check(tree):
     return [f"{path}:1: named in no CMakeLists.txt, so it never runs"
-            for path in tree.files("tests") + tree.files("samples") if is_test_source(path) and not is_registered(tree, path)]
+            for path in tree.files("tests") + tree.files("samples")
+            if is_test_source(path) and not is_registered(tree, path)]
 
 
 PLANTS = [

@@ -1,4 +1,5 @@
-"""The version stands in one place, runtime/pliant.h. No other source, build file or configuration repeats it; the change log names it."""
+"""The version stands in one place, runtime/pliant.h. No other source, build file or configuration repeats it;
+the change log names it."""
 import re
 from pathlib import Path
 

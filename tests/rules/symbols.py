@@ -1,7 +1,7 @@
 """What the runtime library needs and holds: symbols.py LIBRARY --compiler CC [--function NAME] [--sanitized]
 
-It may call a few functions of the C library that touch nothing but their arguments: no allocation, files, threads, clocks. It
-holds no writable memory, and every name it exports starts with pliant_. Shown to fail on planted objects first.
+It may call a few functions of the C library that touch nothing but their arguments: no allocation, files, threads, clocks.
+It holds no writable memory, and every name it exports starts with pliant_. Shown to fail on planted objects first.
 """
 import argparse
 import re
@@ -13,8 +13,8 @@ from pathlib import Path
 
 MEMORY = {"memcpy", "memmove", "memset", "memcmp", "strlen", "strcmp", "strncmp"}
 MATHEMATICS = {name + suffix for suffix in ("", "f") for name in (
-    "sqrt", "fabs", "floor", "ceil", "rint", "round", "fmin", "fmax", "ldexp", "frexp", "exp", "log", "log1p", "expm1", "pow",
-    "sin", "cos", "tan", "asin", "acos", "atan", "atan2", "cbrt")}
+    "sqrt", "fabs", "floor", "ceil", "rint", "round", "fmin", "fmax", "ldexp", "frexp", "exp", "log", "log1p", "expm1",
+    "pow", "sin", "cos", "tan", "asin", "acos", "atan", "atan2", "cbrt")}
 # Put in by the compiler: position-independent code, stack protector, what its own library knows of the processor.
 COMPILER = {"_GLOBAL_OFFSET_TABLE_", "__stack_chk_fail", "__stack_chk_guard", "__cpu_model", "__cpu_indicator_init"}
 ALLOWED = MEMORY | MATHEMATICS | COMPILER

@@ -1,5 +1,5 @@
-"""tests/run.sh reports honestly: stand-ins for cmake and ctest play a good build, a broken build, failures, skips and programs
-that are missing; the last line and the exit code must tell. test_run_sh.py TESTS_FOLDER"""
+"""tests/run.sh reports honestly: stand-ins for cmake and ctest play a good build, a broken build, failures, skips and
+programs that are missing; the last line and the exit code must tell. test_run_sh.py TESTS_FOLDER"""
 import os
 import shutil
 import subprocess
@@ -72,7 +72,8 @@ def main(tests):
             lines = result.stdout.splitlines()
             if result.returncode != exit_code or lines[-1] != last_line:
                 bad += 1
-                print(f"{name}: exit code {result.returncode}, wanted {exit_code}; wanted '{last_line}', output:\n{result.stdout}")
+                print(f"{name}: exit code {result.returncode}, wanted {exit_code}; wanted '{last_line}', "
+                      f"output:\n{result.stdout}")
         if run(folder, tests, ["--wrong"], PASSED, 0).returncode != 2:
             bad += 1
             print("an unknown option is not refused")

@@ -1,5 +1,5 @@
-/* Measures one evaluation of the stand-in, start and load, and one reconstruction on synthetic data of chosen size; asserts
-   nothing.
+/* Measures one evaluation of the surrogate energy, start and load, and one reconstruction on synthetic data of chosen size;
+   asserts nothing.
        bench_evaluate [d=64] [hinges=160] [faces=160] [poses=5] [vertices=20000] [centres=100]
    Prints a hash of the results: builds for other instruction sets must print the same one. */
 #define _POSIX_C_SOURCE 199309L

@@ -1,5 +1,5 @@
-/* Measures what solids cost on synthetic data: tetrahedra of both kinds, the quartic polynomial, combining; medians, with the
-   processor's kernels and with the plain ones; asserts nothing.
+/* Measures what solids cost on synthetic data: tetrahedra of both kinds, the quartic polynomial, combining; medians, with
+   the processor's kernels and with the plain ones; asserts nothing.
        bench_solid [d=32] [tetrahedra=320] [poses=5]
    Prints a hash of the results: both sets of kernels and builds for other instruction sets must print the same one. */
 #define _POSIX_C_SOURCE 199309L

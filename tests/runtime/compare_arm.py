@@ -1,5 +1,6 @@
-"""compare_arm.py FOLDER PROGRAM SOURCES...: test_bits once more, for 64-bit ARM (NEON), must tell the same hash as PROGRAM does here. The processor is
-emulated, so nothing is said of speed. Exit code 77 without aarch64-linux-gnu-gcc or qemu-aarch64."""
+"""compare_arm.py FOLDER PROGRAM SOURCES...: test_bits once more, for 64-bit ARM (NEON), must tell the same hash as PROGRAM
+does here. The processor is emulated, so nothing is said of speed. Exit code 77 without aarch64-linux-gnu-gcc or
+qemu-aarch64."""
 import pathlib
 import shutil
 import subprocess
@@ -9,8 +10,8 @@ import tempfile
 ROOT = pathlib.Path(__file__).parents[2]
 COMPILER, EMULATOR = "aarch64-linux-gnu-gcc", "qemu-aarch64"
 # As runtime/CMakeLists.txt has them. Static: the emulator then needs no ARM libraries.
-OPTIONS = ["-std=c99", "-O3", "-fno-math-errno", "-fno-trapping-math", "-ffp-contract=off", "-static", f"-I{ROOT / 'runtime'}",
-           f"-I{ROOT / 'formats'}"]
+OPTIONS = ["-std=c99", "-O3", "-fno-math-errno", "-fno-trapping-math", "-ffp-contract=off", "-static",
+           f"-I{ROOT / 'runtime'}", f"-I{ROOT / 'formats'}"]
 
 
 def main():

@@ -1,5 +1,5 @@
-/* The compact basis and the bounding boxes: every number of BASC read bit by bit as the SPEC states it, against what reconstruction
-   does with it; columns left out; boxes that hold all vertices wherever q is. */
+/* The compact basis and the bounding boxes: every number of BASC read bit by bit as the SPEC states it, against what
+   reconstruction does with it; columns left out; boxes that hold all vertices wherever q is. */
 #include "../../formats/pliant_format.h"
 #include "support.h"
 

@@ -75,8 +75,8 @@ static void check_path(const opened* o)
         CHECK(info.status == PLIANT_STATUS_CONVERGED && cold_info.status == PLIANT_STATUS_CONVERGED, "%s: frame %d", o->name,
               frame);
     }
-    /* tube_arap has two minima in frames 6 and 7, a drag stays in one until it ends (the reference finds the same four energies); the others
-       have one everywhere. */
+    /* tube_arap has two minima in frames 6 and 7, a drag stays in one until it ends (the reference finds the same four
+       energies); the others have one everywhere. */
     CHECK(parted <= (strcmp(o->name, "tube_arap") == 0 ? 2 : 0), "%s: %d frames of another minimum", o->name, parted);
     free(dragged.memory);
     free(jumped.memory);

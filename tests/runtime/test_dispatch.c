@@ -1,6 +1,6 @@
-/* The copies of the kernels for AVX2 and AVX-512 give the bits of the plain ones: energy and gradient at random points, blends while dragging
-   and jumping, tiles of vertices, normals, for all eight kinds of elements and the quartic. Where a processor has AVX2 or AVX-512 they
-   are what it gets. (test_unpack.c compares them on tiles of every kind.) */
+/* The copies of the kernels for AVX2 and AVX-512 give the bits of the plain ones: energy and gradient at random points,
+   blends while dragging and jumping, tiles of vertices, normals, for all eight kinds of elements and the quartic. Where a
+   processor has AVX2 or AVX-512 they are what it gets. (test_unpack.c compares them on tiles of every kind.) */
 #include "internal.h"
 #include "support.h"
 

@@ -1,4 +1,5 @@
-/* Morph weights: the map that SPEC.md defines, refusals. The asset inside a GLB: found where it is, and nowhere in damaged bytes. */
+/* Morph weights: the map that SPEC.md defines, refusals. The asset inside a GLB: found where it is,
+   and nowhere in damaged bytes. */
 #include "support.h"
 
 #include "pliant_format.h"

@@ -1,6 +1,6 @@
-/* Normals: against sums over all triangles in double precision, in any range and stride; fans, borders, several surfaces at one
-   vertex, more corners than are put in order at a time; groups; triangles without area; the memory's size and alignment. That
-   they are those of the numpy reference is tested in test_reference.c, that builds agree to the bit in test_bits.c. */
+/* Normals: against sums over all triangles in double precision, in any range and stride; fans, borders, several surfaces at
+   one vertex, more corners than are put in order at a time; groups; triangles without area; the memory's size and alignment.
+   That they are those of the numpy reference is tested in test_reference.c, that builds agree to the bit in test_bits.c. */
 #include "support.h"
 
 #include <math.h>

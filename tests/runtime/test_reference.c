@@ -131,8 +131,8 @@ static void check_gradient(const opened* o)
     free(e.made.memory);
 }
 
-/* The numbers of the stand-in are combined when the weights have changed, by however little, and only then; the past has no part
-   in them. */
+/* The numbers of the surrogate energy are combined when the weights have changed, by however little, and only then; the past
+   has no part in them. */
 static void check_combination(const opened* o)
 {
     const float mark = 12345.0f;

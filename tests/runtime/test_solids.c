@@ -1,6 +1,6 @@
-/* Tetrahedra by themselves: the kernels of kinds 6 and 7 against the plain formulas in double precision, from deformations of
-   1e-5 to large ones, where formulas that subtract numbers of size 1 would lose their digits; infinite where a tetrahedron has
-   collapsed or is turned inside out. */
+/* Tetrahedra by themselves: the kernels of kinds 6 and 7 against the plain formulas in double precision, from deformations
+   of 1e-5 to large ones, where formulas that subtract numbers of size 1 would lose their digits; infinite where a
+   tetrahedron has collapsed or is turned inside out. */
 #include "internal.h"
 #include "support.h"
 

@@ -46,7 +46,8 @@ static void check_bounds(const opened* o, const float* weights)
     }
 }
 
-/* The first descent alone is what a solver with its share does, the second what one without a predictor does with the rest. */
+/* The first descent alone is what a solver with its share does, the second what one without a predictor does with
+   the rest. */
 static void check_second_descent(const opened* o, const float* weights)
 {
     const float scale = o->asset.energy_scale;

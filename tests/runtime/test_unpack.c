@@ -1,5 +1,6 @@
-/* Tiles of the compact basis with fields of all widths, wherever they begin and end and whatever is left behind the last whole word:
-   every set of kernels gives the numbers that the SPEC states, and all give the same bits, for whole tiles and for their parts. */
+/* Tiles of the compact basis with fields of all widths, wherever they begin and end and whatever is left behind the last
+   whole word: every set of kernels gives the numbers that the SPEC states, and all give the same bits, for whole tiles and
+   for their parts. */
 #include "internal.h"
 #include "support.h"
 
@@ -7,7 +8,8 @@
 
 enum { VERTICES = 232, TILES = 4, PARTS = 4, LAST_PARTS = 3, LANES = 48, MOST = 40 };
 
-/* An asset of nothing but a compact basis. Every array is as long as it must be: the sanitizers see what is read behind it. */
+/* An asset of nothing but a compact basis. Every array is as long as it must be: the sanitizers see what is read
+   behind it. */
 typedef struct packed {
     pliant_asset asset;
     pliant_format_column columns[MOST];

@@ -70,13 +70,13 @@ def make_model(mesh, size, poses, dimension, material, predictor, load, seed, qu
     if quartic:
         stand_in.quartic, stand_in.batches = tiny_solids.quartic_of(stand_in.batches[0], dimension), []
 
-    # The stand-in and the textbook differ by a constant, or one of them is wrong.
+    # The surrogate energy and the textbook differ by a constant, or one of them is wrong.
     w = random.dirichlet(np.ones(poses))
     z = 0.05 * random.standard_normal(dimension)
     relative = stand_in.evaluate(z, w)[0]
     textbook = absolute(w, centre + np.tensordot(z, directions, 1)) - absolute(w, centre)
     if not abs(relative - textbook) < 1e-9 * absolute(equal, centre):
-        raise AssertionError(f"{material}: the stand-in gives {relative}, the definition {textbook}")
+        raise AssertionError(f"{material}: the surrogate energy gives {relative}, the definition {textbook}")
 
     samples = sample_weights(poses)
     answers = [stand_in.minimise(w, np.zeros(dimension))[0] for w in samples]
@@ -93,8 +93,8 @@ def make_model(mesh, size, poses, dimension, material, predictor, load, seed, qu
 
 
 def add_load(model, random):
-    """Elements with wrong weights, as a coarse sample of a mesh has them, and the load that puts the minimisers back where those
-    of the right ones are. z stays whitened for the right ones."""
+    """Elements with wrong weights, as a coarse sample of a mesh has them, and the load that puts the minimisers back where
+    those of the right ones are. z stays whitened for the right ones."""
     dimension = len(model.mean)
     quartic = model.stand_in.quartic
     if quartic is not None:
@@ -302,7 +302,8 @@ def main():
     parser.add_argument("--poses", type=int, default=2)
     parser.add_argument("--dim", type=int, default=4)
     parser.add_argument("--material", default="neo-hookean",
-                        choices=["neo-hookean", "stvk", "edge", "arap", "mixed", "tied", "tet-stvk", "mooney-rivlin", "tet-mixed"])
+                        choices=["neo-hookean", "stvk", "edge", "arap", "mixed", "tied", "tet-stvk", "mooney-rivlin",
+                                 "tet-mixed"])
     parser.add_argument("--quartic", action="store_true", help="QUAR instead of ELEM, for tet-stvk")
     parser.add_argument("--predictor", action="store_true")
     parser.add_argument("--load", action="store_true", help="needs --predictor")

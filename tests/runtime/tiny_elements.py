@@ -252,7 +252,8 @@ def tie_places(topology, frames, x):
 def tie_numbers(topology, poses, base):
     frames, stiffness = tie_frames(topology, poses), np.full((1, len(topology.faces)), TIE_STIFFNESS)
     start = tie_places(topology, frames, base)
-    numbers = [np.concatenate([stiffness, 2 * TIE_STIFFNESS * (start - tie_places(topology, frames, pose))]) for pose in poses]
+    numbers = [np.concatenate([stiffness, 2 * TIE_STIFFNESS * (start - tie_places(topology, frames, pose))])
+               for pose in poses]
     return np.zeros((0, len(topology.faces))), np.array(numbers)
 
 
@@ -268,7 +269,8 @@ def fan_classes(topology):
 
 
 def make_batches(topology, poses, material, base, directions):
-    """The stand-in of a material: all elements, weight 1, relative to the shape `base`; z runs along `directions`."""
+    """The surrogate energy of a material: all elements, weight 1, relative to the shape `base`;
+    z runs along `directions`."""
     fields = np.concatenate([base[None], directions])
     batches = []
     if material != "arap":

@@ -54,7 +54,8 @@ class Builder:
             "samplers": [{"magFilter": 9728, "minFilter": 9728, "wrapS": 10497, "wrapT": 33071}],
             "textures": [{"source": 0, "sampler": 0}],
             "materials": [{"name": "stripes", "doubleSided": True, "alphaMode": "MASK", "alphaCutoff": 0.4,
-                           "pbrMetallicRoughness": {"baseColorTexture": {"index": 0}, "metallicFactor": 0, "roughnessFactor": 1}}]})
+                           "pbrMetallicRoughness": {"baseColorTexture": {"index": 0}, "metallicFactor": 0,
+                                                    "roughnessFactor": 1}}]})
 
     def bytes(self):
         self.binary += b"\0" * (-len(self.binary) % 4)
@@ -67,12 +68,14 @@ class Builder:
 
 
 def scene_chunk(faces, vertex_count, moved=lambda places: places, transform=None):
-    """moved: what to do to texture coordinates. transform: the texture's KHR_texture_transform. Two parts: the first half of the vertices with four stripes along them (the last see-through), the others in vertex colours, from
-    cyan to magenta. Faces between the two belong to neither."""
+    """moved: what to do to texture coordinates. transform: the texture's KHR_texture_transform. Two parts: the first half of
+    the vertices with four stripes along them (the last see-through), the others in vertex colours, from cyan to magenta.
+    Faces between the two belong to neither."""
     builder = Builder()
     builder.striped_material()
     if transform:
-        builder.json["materials"][0]["pbrMetallicRoughness"]["baseColorTexture"]["extensions"] = {"KHR_texture_transform": transform}
+        texture = builder.json["materials"][0]["pbrMetallicRoughness"]["baseColorTexture"]
+        texture["extensions"] = {"KHR_texture_transform": transform}
         builder.json["extensionsUsed"] = ["KHR_texture_transform"]
     half = vertex_count // 2
     primitives = []
@@ -88,5 +91,6 @@ def scene_chunk(faces, vertex_count, moved=lambda places: places, transform=None
         primitives.append({"attributes": attributes, "indices": builder.indices(mine),
                            "extras": {"name": "half", "first_vertex": first, "vertex_count": count}})
     primitives[0]["material"] = 0
-    builder.json.update({"meshes": [{"primitives": primitives}], "nodes": [{"mesh": 0}], "scenes": [{"nodes": [0]}], "scene": 0})
+    builder.json.update({"meshes": [{"primitives": primitives}], "nodes": [{"mesh": 0}], "scenes": [{"nodes": [0]}],
+                         "scene": 0})
     return builder.bytes()

@@ -48,7 +48,8 @@ def compact_chunk(basis, error):
                     lanes[lane] |= int(value) << at
                 at += width
             data += part_bytes(lanes, (at + 3) // 4 * 4)
-    columns = b"".join(struct.pack("<fIff", scales[j], shifts[j], np.nextafter(np.float32(reach[j]), np.float32(np.inf)), 2.0)
+    columns = b"".join(struct.pack("<fIff", scales[j], shifts[j], np.nextafter(np.float32(reach[j]), np.float32(np.inf)),
+                                   2.0)
                        for j in range(d))
     head = struct.pack("<If56x", tiles, error) + columns + bytes(-len(columns) % 64) + records + fields
     return head + bytes(-len(head) % 64) + data

@@ -1,6 +1,6 @@
-"""Element numbers of a whole tiny solid, from the energies themselves (StVK and Mooney-Rivlin on linear tetrahedra), for tests only.
-The counterpart of tiny_elements.py, and written twice like it: absolute_energy() as a textbook has it, and the batches as
-SPEC.md section 4 wants them."""
+"""Element numbers of a whole tiny solid, from the energies themselves (StVK and Mooney-Rivlin on linear tetrahedra), for
+tests only. The counterpart of tiny_elements.py, and written twice like it: absolute_energy() as a textbook has it, and the
+batches as SPEC.md section 4 wants them."""
 import itertools
 
 import numpy as np
@@ -78,7 +78,8 @@ def mooney_rivlin_numbers(tets, poses, base):
 
 
 def make_batches(tets, poses, material, base, directions):
-    """The stand-in of a material: all tetrahedra, weight 1, relative to the shape `base`; z runs along `directions`."""
+    """The surrogate energy of a material: all tetrahedra, weight 1, relative to the shape `base`;
+    z runs along `directions`."""
     batches, rows = [], rows_of(tets, base, directions)
     for name, kind, numbers in (("tet-stvk", TET_STVK, stvk_numbers),
                                 ("mooney-rivlin", TET_MOONEY_RIVLIN, mooney_rivlin_numbers)):
@@ -142,8 +143,8 @@ def boundary_of(tets):
 
 
 def beam(columns, rows):
-    """A box of cubes of six tetrahedra each. Vertices, tetrahedra and the number that each vertex had before those of the boundary
-    went first."""
+    """A box of cubes of six tetrahedra each. Vertices, tetrahedra and the number that each vertex had before those of the
+    boundary went first."""
     sizes = (columns, rows, rows)
     grid = np.arange(columns * rows * rows).reshape(sizes)
     x = np.stack(np.meshgrid(np.linspace(0, 3, columns), np.linspace(-0.4, 0.4, rows), np.linspace(-0.3, 0.3, rows),

@@ -13,7 +13,8 @@ source "$script"
 for group in build player tests; do
     [[ $(pliant_packages "$group" | wc -l) -ge 7 ]] || fail "group $group is short"
 done
-[[ -z $(for group in build player tests engines; do pliant_packages "$group"; done | sort | uniq -d) ]] || fail "a package is in two groups"
+[[ -z $(for group in build player tests engines; do pliant_packages "$group"; done | sort | uniq -d) ]] \
+    || fail "a package is in two groups"
 
 code=0
 pliant_packages nonsense 2> /dev/null || code=$?

@@ -1,9 +1,10 @@
 #!/usr/bin/env python3
 """Runs the commands of samples/TUTORIAL.md: test_tutorial.py TUTORIAL.md BUILD_DIR
 
-Every ```sh block but the first (which builds what this test is part of) runs as it stands, one shell after the other, in an empty
-folder with the tutorial's Wolf.glb, HOME being that folder and ~/pliant what this build installs. The block with Blender gets a small
-hero.blend and is left out, and said so, where Blender is missing. Exit code 77: Wolf.glb is not at hand."""
+Every ```sh block but the first (which builds what this test is part of) runs as it stands, one shell after the other, in an
+empty folder with the tutorial's Wolf.glb, HOME being that folder and ~/pliant what this build installs. The block with
+Blender gets a small hero.blend and is left out, and said so, where Blender is missing. Exit code 77: Wolf.glb is not at
+hand."""
 import os
 import pathlib
 import re

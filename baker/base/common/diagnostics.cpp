@@ -82,8 +82,8 @@ const char* Failure::what() const noexcept { return text_.c_str(); }
 
 std::string to_text(const Diagnostic& diagnostic)
 {
-    std::string text
-        = fmt::format("{} P{:04}: ", diagnostic.severity == Diagnostic::Severity::error ? "error" : "warning", diagnostic.number);
+    std::string text = fmt::format("{} P{:04}: ", diagnostic.severity == Diagnostic::Severity::error ? "error" : "warning",
+                                   diagnostic.number);
     if (!diagnostic.where.empty()) text += diagnostic.where + ": ";
     text += diagnostic.what;
     if (!diagnostic.hint.empty()) text += "\n  hint: " + diagnostic.hint;
@@ -128,7 +128,8 @@ std::vector<Diagnostic> DiagnosticList::diagnostics() const
         std::vector<std::string> files = overflow.dropped_files;
         if (files.size() > overflow_file_limit) files[overflow_file_limit] = "...";
         const std::string what = fmt::format("... and {} more in {}", dropped, join(files));
-        all.push_back({ diagnostic.severity, diagnostic.number, {}, what, diagnostic.hint, overflow.vertices, overflow.faces });
+        all.push_back(
+            { diagnostic.severity, diagnostic.number, {}, what, diagnostic.hint, overflow.vertices, overflow.faces });
     }
     return all;
 }

@@ -40,7 +40,8 @@ ShapeError shape_distance(const NormalizedPoses& set, const Shape& blend, const 
     return error;
 }
 
-ShapeError shape_error(const Energy& energy, const NormalizedPoses& set, const Weights& w, const Shape& blend, const Shape& reference)
+ShapeError shape_error(const Energy& energy, const NormalizedPoses& set, const Weights& w, const Shape& blend,
+                       const Shape& reference)
 {
     ShapeError error = shape_distance(set, blend, reference);
     const double least = energy_value(energy, w, reference);

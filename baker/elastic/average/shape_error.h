@@ -13,7 +13,8 @@ struct ShapeError {
     double energy_excess = 0;    // (W(blend) - W(average)) / W(average)
 };
 
-ShapeError shape_error(const Energy& energy, const NormalizedPoses& set, const Weights& w, const Shape& blend, const Shape& reference);
+ShapeError shape_error(const Energy& energy, const NormalizedPoses& set, const Weights& w, const Shape& blend,
+                       const Shape& reference);
 
 // The distances alone; energy_excess is 0.
 ShapeError shape_distance(const NormalizedPoses& set, const Shape& blend, const Shape& reference);

@@ -18,7 +18,8 @@ void find_joints(const NormalizedPoses& set, TieSet& out)
     }
 }
 
-void tie_seams(const NormalizedPoses& set, const Eigen::MatrixXd& columns, const std::vector<BorderEdge>& border, TieSet& out)
+void tie_seams(const NormalizedPoses& set, const Eigen::MatrixXd& columns, const std::vector<BorderEdge>& border,
+               TieSet& out)
 {
     std::vector<std::size_t> part_of(std::size_t(columns.cols()), 0);
     for (std::size_t p = 0; p < out.parts.count(); ++p)

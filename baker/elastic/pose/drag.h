@@ -31,7 +31,8 @@ using DragReport = std::function<void(const DragStep&)>;
 // `rest`: to_shape_set() of the rest pose, with handles.vertices() as its fixed vertices. Throws Failure (failed, P4304) if
 // no step is short enough to keep every tetrahedron from turning over. Cost: a factorisation per step and per Newton
 // iteration.
-DragResult drag(const NormalizedPoses& rest, const Handles& handles, const SolidOptions& material, const DragReport& report = {});
+DragResult drag(const NormalizedPoses& rest, const Handles& handles, const SolidOptions& material,
+                const DragReport& report = {});
 
 // The smallest ratio of a tetrahedron's volume to its volume at rest, and the tetrahedron.
 struct SmallestJ {

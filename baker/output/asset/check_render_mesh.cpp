@@ -7,7 +7,7 @@
 namespace pliant {
 
 RenderMeshErrors check_render_mesh(RuntimeBlender& blender, const NormalizedPoses& solid, const RenderMesh& surface,
-                        const std::vector<CheckPoint>& checks)
+                                   const std::vector<CheckPoint>& checks)
 {
     const NormalizedPoses set = render_mesh_shapes(solid, surface);
     RenderMeshErrors errors;

@@ -101,7 +101,7 @@ Camera PagePainter::camera(int size) const
     return camera;
 }
 
-RenderMesh PagePainter::mesh(const DrawnShape& shape) const
+PictureMesh PagePainter::mesh(const DrawnShape& shape) const
 {
     const pliant_asset& asset = blender_.asset();
     return { shape.positions, shape.normals, asset.triangles, asset.triangle_count };
@@ -115,7 +115,7 @@ Image PagePainter::draw_difference(const DrawnShape& shape, const DrawnShape& ot
     std::vector<Colour> colours;
     for (std::size_t v = 0; v < shape.positions.size() / 3; ++v)
         colours.push_back(heat(largest > 0 ? float(distance(shape, other, v) / largest) : 0));
-    RenderMesh drawn = mesh(shape);
+    PictureMesh drawn = mesh(shape);
     drawn.colours = &colours;
     return render(drawn, camera(size));
 }
@@ -134,7 +134,7 @@ PagePicture PagePainter::draw_marked(const DrawnShape& shape, const std::vector<
                                      const std::vector<std::uint32_t>& faces, int size) const
 {
     std::vector<bool> is_marked(blender_.asset().triangle_count, false);
-    RenderMesh drawn = mesh(shape);
+    PictureMesh drawn = mesh(shape);
     drawn.is_marked = &is_marked;
     struct Place {
         Eigen::Vector3f position;

@@ -37,7 +37,7 @@ public:
 private:
     Camera camera(int size) const;
     std::vector<float> normals(const std::vector<float>& positions) const;
-    RenderMesh mesh(const DrawnShape& shape) const;
+    PictureMesh mesh(const DrawnShape& shape) const;
     // The number that a vertex of the files has in the asset, or none.
     bool find_vertex(std::uint32_t source, std::uint32_t& vertex) const;
 

@@ -105,7 +105,7 @@ void fill(const std::array<Corner, 3>& corners, Samples& out)
     }
 }
 
-void draw(const RenderMesh& mesh, const Camera& camera, Samples& out)
+void draw(const PictureMesh& mesh, const Camera& camera, Samples& out)
 {
     const float factor = float(out.width) / float(camera.width);
     for (std::size_t t = 0; t < mesh.triangle_count; ++t) {
@@ -158,14 +158,14 @@ Eigen::Vector3f Camera::project(const float* position) const
     return { 0.5f * float(width) + p.x(), 0.5f * float(height) - p.y(), p.z() };
 }
 
-Image render(const RenderMesh& mesh, const Camera& camera)
+Image render(const PictureMesh& mesh, const Camera& camera)
 {
     Samples out(samples * camera.width, samples * camera.height, true);
     draw(mesh, camera, out);
     return filter(out, camera.width, camera.height);
 }
 
-DepthMap draw_depths(const RenderMesh& mesh, const Camera& camera)
+DepthMap draw_depths(const PictureMesh& mesh, const Camera& camera)
 {
     Samples out(camera.width, camera.height, false);
     draw(mesh, camera, out);

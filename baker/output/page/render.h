@@ -54,7 +54,7 @@ Camera frame_shapes(const std::vector<ShapeView>& shapes, std::size_t vertex_cou
 using Colour = std::array<float, 3>; // linear red, green, blue, 0 .. 1
 
 // What is drawn. Nothing is owned.
-struct RenderMesh {
+struct PictureMesh {
     const std::vector<float>& positions;      // 3 a vertex
     const std::vector<float>& normals;        // 3 a vertex, unit; empty: flat shading
     const std::uint32_t* triangles = nullptr; // 3 vertices each, all below the number of positions
@@ -65,7 +65,7 @@ struct RenderMesh {
 
 // Triangles are seen from both sides; those with a corner that is not finite are left out. Cost: linear in triangles and
 // samples.
-Image render(const RenderMesh& mesh, const Camera& camera);
+Image render(const PictureMesh& mesh, const Camera& camera);
 
 // How near the drawn mesh is, a pixel. shows(): whether the point (as Camera::project gives it) is not behind it, to `slack`
 // pixels.
@@ -75,6 +75,6 @@ struct DepthMap {
 
     bool shows(const Eigen::Vector3f& point, float slack) const;
 };
-DepthMap draw_depths(const RenderMesh& mesh, const Camera& camera);
+DepthMap draw_depths(const PictureMesh& mesh, const Camera& camera);
 
 } // namespace pliant

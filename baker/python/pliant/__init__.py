@@ -6,8 +6,8 @@
 
 Lengths are in the units of the poses. Weights are one number >= 0 per pose; only their ratios matter.
 
-Threads: every function may be called from any thread. Bakes and averages of one process take turns, since each uses all cores. Blends
-wait neither for them nor for each other, and release the interpreter's lock.
+Threads: every function may be called from any thread. Bakes and averages of one process take turns, since each uses all
+cores. Blends wait neither for them nor for each other, and release the interpreter's lock.
 """
 from __future__ import annotations
 

@@ -24,7 +24,8 @@ def _has_shape(array: npt.NDArray[Any], shape: Sequence[int | None]) -> bool:
 
 
 def numbers(name: str, value: object, shape: Sequence[int | None], expected: str) -> npt.NDArray[np.float64]:
-    """A C-contiguous float64 array of the shape; None stands for any length. Accepts dtypes that convert to double without loss."""
+    """A C-contiguous float64 array of the shape; None stands for any length.
+    Accepts dtypes that convert to double without loss."""
     array = _as_array(name, value, expected)
     is_real = array.dtype.kind in "iuf" and np.can_cast(array.dtype, np.float64, "safe")
     if not is_real or not _has_shape(array, shape):

@@ -17,8 +17,8 @@ Source = Union[str, "os.PathLike[str]", bytes, bytearray, memoryview, mmap.mmap,
 
 
 class Asset:
-    """A baked character, made by bake() and Asset.open(). It is immutable and may be used from several threads at once: each concurrent
-    call uses a solver of its own, 16 to 350 KiB, which is kept for later calls.
+    """A baked character, made by bake() and Asset.open(). It is immutable and may be used from several threads at once: each
+    concurrent call uses a solver of its own, 16 to 350 KiB, which is kept for later calls.
 
     Vertices are in the order of the baked poses (with surface=, of that surface); lengths are in the units of the poses.
     """
@@ -31,11 +31,12 @@ class Asset:
     def open(cls, source: Source, *, verify: bool = True) -> Asset:
         """Opens an asset from a file or from bytes.
 
-        source  a path, whose file is read into memory, or an object with a buffer. `bytes` and read-only `mmap.mmap` objects are kept
-                and used in place, without a copy, if their address is a multiple of 16 (it is for both). Objects that may change
-                (bytearray, memoryview, arrays) are copied. Do not write to a mapped file while the asset is used. The tools of Pliant
-                replace files and never modify them.
-        verify  compare all checksums, which reads every byte. Without it damage to the basis is not detected, but is harmless.
+        source  a path, whose file is read into memory, or an object with a buffer. `bytes` and read-only `mmap.mmap` objects
+                are kept and used in place, without a copy, if their address is a multiple of 16 (it is for both). Objects
+                that may change (bytearray, memoryview, arrays) are copied. Do not write to a mapped file while the asset is
+                used. The tools of Pliant replace files and never modify them.
+        verify  compare all checksums, which reads every byte. Without it damage to the basis is not detected,
+                but is harmless.
 
         Raises Error: P2001 if the file cannot be read, P5102 if the bytes are not an asset. Any bytes are safe to open.
         """
@@ -77,7 +78,8 @@ class Asset:
 
     @property
     def faces(self) -> npt.NDArray[np.uint32]:
-        """(f, k) uint32: the baked faces if all have k corners, otherwise their triangles (t, 3). For a solid, its boundary."""
+        """(f, k) uint32: the baked faces if all have k corners, otherwise their triangles (t, 3). For a solid,
+        its boundary."""
         return self._view.faces()
 
     @property
@@ -87,8 +89,8 @@ class Asset:
 
     @property
     def certificate(self) -> dict[str, Any]:
-        """How the asset was baked and what was measured (formats/schema/certificate.schema.json). Raises Error P5103 if the certificate
-        cannot be read."""
+        """How the asset was baked and what was measured (formats/schema/certificate.schema.json). Raises Error P5103 if the
+        certificate cannot be read."""
         try:
             certificate = json.loads(self._view.certificate())
         except ValueError:
@@ -108,19 +110,20 @@ class Asset:
         """Positions of the elastic blend.
 
         weights     (m,) or (k, m): one number >= 0 per pose; only their ratios matter
-        continuous  rows are frames, and each continues from the previous one as in a game (`pliant blend --path`). Otherwise every row
-                    is solved independently (`pliant blend --weights`)
+        continuous  rows are frames, and each continues from the previous one as in a game (`pliant blend --path`). Otherwise
+                    every row is solved independently (`pliant blend --weights`)
 
-        Returns (n, 3) float32, or (k, n, 3), with the bits of the C runtime on every machine. Releases the interpreter's lock.
-        Raises ValueError or TypeError for a wrong shape or dtype, Error P1204 for weights that are negative, not finite or all zero.
+        Returns (n, 3) float32, or (k, n, 3), with the bits of the C runtime on every machine. Releases the interpreter's
+        lock. Raises ValueError or TypeError for a wrong shape or dtype, Error P1204 for weights that are negative, not
+        finite or all zero.
         """
         rows, is_single = _arrays.rows("weights", weights, self.pose_count, "one per pose")
         positions = self._view.reconstruct(self._view.solve(_arrays.rounded(rows), continuous), 0, self.vertex_count)
         return positions[0] if is_single else positions
 
     def coordinates(self, weights: npt.ArrayLike, *, continuous: bool = False) -> npt.NDArray[np.float32]:
-        """The reduced coordinates q of a blend, (d,) or (k, d) float32: blend() without the reconstruction. Arguments and errors are
-        those of blend()."""
+        """The reduced coordinates q of a blend, (d,) or (k, d) float32: blend() without the reconstruction. Arguments and
+        errors are those of blend()."""
         rows, is_single = _arrays.rows("weights", weights, self.pose_count, "one per pose")
         q = self._view.solve(_arrays.rounded(rows), continuous)
         return q[0] if is_single else q
@@ -129,7 +132,8 @@ class Asset:
         """Positions for any reduced coordinates.
 
         q             (d,) or (k, d)
-        first, count  the vertices first .. first + count - 1; None: all from first on. For a solid any range costs as much as all
+        first, count  the vertices first .. first + count - 1; None: all from first on.
+                      For a solid any range costs as much as all
 
         Returns (count, 3) float32, or (k, count, 3). Raises ValueError or TypeError for a wrong shape, dtype or range.
         """
@@ -163,8 +167,8 @@ class Asset:
     # ------------------------------------------------------------------------------------------------------------ bytes
 
     def save(self, path: str | os.PathLike[str]) -> None:
-        """Writes the .pliant file atomically, through a temporary file in the same folder. Raises Error P40xx if that fails; an
-        existing file is then unchanged."""
+        """Writes the .pliant file atomically, through a temporary file in the same folder. Raises Error P40xx if that fails;
+        an existing file is then unchanged."""
         core.write_file(os.fspath(path), bytes(self))
 
     def __bytes__(self) -> bytes:

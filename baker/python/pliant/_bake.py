@@ -71,21 +71,23 @@ def bake(
     threads: int | None = None,
     progress: Progress = None,
 ) -> Asset:
-    """Bakes poses into an asset, which takes minutes for a character of some 15,000 vertices. The same poses, names and options give the
-    same bytes as `pliant bake`.
+    """Bakes poses into an asset, which takes minutes for a character of some 15,000 vertices. The same poses, names and
+    options give the same bytes as `pliant bake`.
 
-    poses  (m, n, 3) float64, 2 to 12 poses of one mesh in any unit, the rest pose first; or Poses, which have their own cells
+    poses  (m, n, 3) float64, 2 to 12 poses of one mesh in any unit, the rest pose first; or Poses,
+           which have their own cells
     faces  (f, 3) integers, the triangles of a surface, vertices counted from 0; or (f, k) for polygons
     tets   (t, 4) integers, the tetrahedra of a solid, instead of faces
     names  m strings that the asset stores; default pose_0, pose_1, ...
 
-    Options have the names of the command line with underscores; None selects the default. `pliant bake --help` explains them all.
+    Options have the names of the command line with underscores; None selects the default.
+    `pliant bake --help` explains them all.
     material, membrane, thickness, foldover_damping, poisson, weld   the elastic energy
     fix             (k,) indices of vertices to keep in place; implies no_align
     no_align        do not align the poses rigidly
     surface         render mesh that replaces the boundary of a solid: a file, or a pair of positions (s, 3) and faces (g, k)
-    tolerance       tolerance for the mean relative L2 error of blends, 1e-8 to 1. If it is given and missed, ToleranceError is raised.
-                    If not given, the bake aims at 1e-3, and missing that is a warning (P4404)
+    tolerance       tolerance for the mean relative L2 error of blends, 1e-8 to 1. If it is given and missed, ToleranceError
+                    is raised. If not given, the bake aims at 1e-3, and missing that is a warning (P4404)
     tolerance_max   the same for the largest error
     best_effort     store the asset in the ToleranceError
     subspace, dim, ritz, energy, elements, cubature, ghost_vertices   the reduced model
@@ -95,14 +97,15 @@ def bake(
     solver, seed    results depend on them
     threads         results do not depend on it; None: all cores
 
-    progress  called as progress(stage, done, total) on the calling thread, at most about 20 times a second, with the name of the stage
-              and how much of it is done, out of a total of 1.0. An exception that it raises stops the bake.
+    progress  called as progress(stage, done, total) on the calling thread, at most about 20 times a second, with the name of
+              the stage and how much of it is done, out of a total of 1.0. An exception that it raises stops the bake.
 
-    Ctrl-C stops a bake at its next step, within a second up to some 6,000 vertices (the longest step is one sparse factorization);
-    nothing is left running. Warnings are of class PliantWarning; a warning that is turned into an error stops the bake, too.
+    Ctrl-C stops a bake at its next step, within a second up to some 6,000 vertices (the longest step is one sparse
+    factorization); nothing is left running. Warnings are of class PliantWarning; a warning that is turned into an error
+    stops the bake, too.
 
-    Raises TypeError and ValueError for wrong arguments, which they name; Error for poses that have no elastic average (P2xxx, P3xxx) and
-    for failures of the computation (P4xxx); ToleranceError.
+    Raises TypeError and ValueError for wrong arguments, which they name; Error for poses that have no elastic average
+    (P2xxx, P3xxx) and for failures of the computation (P4xxx); ToleranceError.
     """
     source, _, vertex_count = _source(poses, faces, tets, names)
     options = _options.checked(
@@ -148,11 +151,11 @@ def average(
     weights             (m,) or (k, m): one number >= 0 per pose; only their ratios matter
     The options are those of bake() that define the energy; progress is called as by bake().
 
-    Returns (n, 3) float64, or (k, n, 3): positions in the order and units of the poses. Several rows in one call cost less than several
-    calls, since the average of all poses, from which each row starts, is computed once.
+    Returns (n, 3) float64, or (k, n, 3): positions in the order and units of the poses. Several rows in one call cost less
+    than several calls, since the average of all poses, from which each row starts, is computed once.
 
-    Raises the errors of bake() for arguments and poses; Error P1204 for weights that are negative, not finite or all zero, P4303 if an
-    average does not converge. Warns (P4406) where the average jumps.
+    Raises the errors of bake() for arguments and poses; Error P1204 for weights that are negative, not finite or all zero,
+    P4303 if an average does not converge. Warns (P4406) where the average jumps.
     """
     if weights is None:
         raise TypeError("average() needs weights: (m,) or (k, m), one per pose")

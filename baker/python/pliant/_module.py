@@ -1,7 +1,7 @@
 """Loads the compiled module with one thread for OpenBLAS.
 
-OpenBLAS starts its threads when it is loaded. The baker uses one thread, since more would change the last bits of a bake. numpy is
-imported first, so that an OpenBLAS of its own starts with its usual threads.
+OpenBLAS starts its threads when it is loaded. The baker uses one thread, since more would change the last bits of a bake.
+numpy is imported first, so that an OpenBLAS of its own starts with its usual threads.
 """
 from __future__ import annotations
 

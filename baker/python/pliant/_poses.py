@@ -16,7 +16,8 @@ PathLike = Union[str, "os.PathLike[str]"]
 
 
 def warner(depth: int) -> Callable[[int, str, str], None]:
-    """Returns a function that turns a warning of the baker into a Python warning, attributed to the caller `depth` levels up."""
+    """Returns a function that turns a warning of the baker into a Python warning,
+    attributed to the caller `depth` levels up."""
 
     def warn(number: int, what: str, hint: str) -> None:
         warnings.warn(PliantWarning(finding(False, number, "", what, hint)), stacklevel=depth)
@@ -27,8 +28,9 @@ def warner(depth: int) -> Callable[[int, str, str], None]:
 class Poses:
     """Poses from files, made by load_poses: one mesh in several positions, the rest pose first.
 
-    It keeps everything that a bake uses, including data that the arrays do not show: faces of different sizes, moduli of a Vega file,
-    materials and images of a glTF file. Pass it to bake() and average() as a whole. It is immutable; its arrays are copies.
+    It keeps everything that a bake uses, including data that the arrays do not show: faces of different sizes, moduli of a
+    Vega file, materials and images of a glTF file. Pass it to bake() and average() as a whole. It is immutable; its arrays
+    are copies.
     """
 
     def __init__(self, source: core.Poses) -> None:
@@ -36,14 +38,16 @@ class Poses:
 
     @property
     def positions(self) -> npt.NDArray[np.float64]:
-        """(m, n, 3) float64, in the units and order of the files. Raises ValueError if the poses have different numbers of vertices."""
+        """(m, n, 3) float64, in the units and order of the files. Raises ValueError if the poses have different numbers of
+        vertices."""
         if not self._source.have_one_count():
             raise ValueError("positions: the poses have different numbers of vertices")
         return self._source.positions()
 
     @property
     def faces(self) -> npt.NDArray[np.uint32]:
-        """(f, k) uint32: the faces of the first pose if all have k corners, otherwise their triangles (t, 3). (0, 3) for solids."""
+        """(f, k) uint32: the faces of the first pose if all have k corners, otherwise their triangles (t, 3).
+        (0, 3) for solids."""
         return self._source.faces()
 
     @property
@@ -67,12 +71,12 @@ class Poses:
 def load_poses(paths: PathLike | Sequence[PathLike]) -> Poses:
     """Reads 2 to 12 poses as the command line does, the rest pose first.
 
-    paths  mesh files with one pose each, or glTF files with several: surfaces from .obj, .ply, .off, .glb, .gltf; solids of tetrahedra
-           from .msh, .mesh, .veg, .vtk. After the name of a glTF file, '#rest', '#target=NAME,NAME' or '#animation=NAME@0,0.3' selects
-           poses, as in 'hero.glb#animation=Run@0,0.3,0.6'.
+    paths  mesh files with one pose each, or glTF files with several: surfaces from .obj, .ply, .off, .glb, .gltf; solids of
+           tetrahedra from .msh, .mesh, .veg, .vtk. After the name of a glTF file, '#rest', '#target=NAME,NAME' or
+           '#animation=NAME@0,0.3' selects poses, as in 'hero.glb#animation=Run@0,0.3,0.6'.
 
-    Raises Error: P2xxx for a file that cannot be read, with file and line; P3001 and P3002 for too few and too many poses; P1211 to
-    P1213 for a choice that the file does not have. bake() and average() check that the poses have the same mesh.
+    Raises Error: P2xxx for a file that cannot be read, with file and line; P3001 and P3002 for too few and too many poses;
+    P1211 to P1213 for a choice that the file does not have. bake() and average() check that the poses have the same mesh.
     """
     if isinstance(paths, (str, os.PathLike)):
         paths = [paths]

@@ -1,5 +1,5 @@
-"""The third opinion: blends by the C runtime (tube_*.txt and bar_*.txt, written by test_bake and test_bake_solid) against the
-numpy reference, to 1e-5 relative."""
+"""The third opinion: blends by the C runtime (tube_*.txt and bar_*.txt, written by test_bake and test_bake_solid) against
+the numpy reference, to 1e-5 relative."""
 import glob
 import os
 import sys

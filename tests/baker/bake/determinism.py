@@ -1,9 +1,9 @@
 #!/usr/bin/env python3
 """The same input and options give the same bytes: determinism.py threads TOOL | compilers TOOL [SECOND_TOOL]
 
-threads: baked by one thread, by two, and by two again. compilers: baked by TOOL and by a SECOND_TOOL that another compiler made
-(tests/run.sh builds it with clang; without: exit code 77). A shell of three poses and a solid of two, with the solver that fits each
-and with Eigen's; whole bakes that choose dimension and elements themselves, and unreduced averages."""
+threads: baked by one thread, by two, and by two again. compilers: baked by TOOL and by a SECOND_TOOL that another compiler
+made (tests/run.sh builds it with clang; without: exit code 77). A shell of three poses and a solid of two, with the solver
+that fits each and with Eigen's; whole bakes that choose dimension and elements themselves, and unreduced averages."""
 import itertools
 import pathlib
 import subprocess
@@ -41,7 +41,8 @@ def make_inputs(folder):
 
 COMMANDS = {
     "shell": [["bake", "--tolerance", "5e-3", "--check-samples", "6", "--fresh-samples", "1"],
-              ["bake", "--dim", "6", "--elements", "24", "--check-samples", "3", "--fresh-samples", "1", "--solver", "eigen"],
+              ["bake", "--dim", "6", "--elements", "24", "--check-samples", "3", "--fresh-samples", "1", "--solver",
+               "eigen"],
               ["average", "--weights", "0.2,0.3,0.5"]],
     "solid": [["bake", "--material", "mooney-rivlin", "--dim", "5", "--elements", "20", "--check-samples", "3"],
               ["bake", "--material", "stvk", "--dim", "5", "--check-samples", "3", "--solver", "eigen"]],
@@ -78,7 +79,8 @@ def main():
         for kind, command in itertools.chain(*([(k, c) for c in COMMANDS[k]] for k in COMMANDS)):
             results = [run(path, folder, inputs[kind], command, threads) for path, threads in variants]
             wrong = [first_difference(results[0], result) for result in results[1:] if result != results[0]]
-            print(f"{kind}: {' '.join(command)}: {len(results[0])} bytes, {'differ at ' + wrong[0] if wrong else 'the same'}", flush=True)
+            print(f"{kind}: {' '.join(command)}: {len(results[0])} bytes, "
+                  f"{'differ at ' + wrong[0] if wrong else 'the same'}", flush=True)
             failures += bool(wrong)
     return 1 if failures else 0
 

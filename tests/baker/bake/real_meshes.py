@@ -1,7 +1,8 @@
-"""real_meshes.py TOOL [--bake] [--only TEXT]: what becomes of meshes as people make them. For every set of poses below, one row of a Markdown
-table on standard output: what the files have, what of it is elastic, what was told; with --bake a second table: what a bake of
-them comes to, each with the options that stand in its row (none: the default bake). real_meshes.md has both. Data: PLIANT_DATA; sets that are
-not there are left out. --limit S ends a bake after S seconds of processor time, and says so.
+"""real_meshes.py TOOL [--bake] [--only TEXT]: what becomes of meshes as people make them. For every set of poses below, one
+row of a Markdown table on standard output: what the files have, what of it is elastic, what was told; with --bake a second
+table: what a bake of them comes to, each with the options that stand in its row (none: the default bake). real_meshes.md has
+both. Data: PLIANT_DATA; sets that are not there are left out. --limit S ends a bake after S seconds of processor time, and
+says so.
 
 real_meshes.py TOOL --compare: the table without bakes against real_meshes.md. Exit code 0 the same, 1 not, 77 no data."""
 import argparse
@@ -18,8 +19,8 @@ HERE = pathlib.Path(__file__).parent
 DATA = pathlib.Path(os.environ.get("PLIANT_DATA", "") or HERE.parents[3] / "shared" / "data")
 TABLE = HERE / "real_meshes.md"
 HEAD = ["set", "drawn vertices / triangles", "elastic vertices / triangles", "components", "told", "verdict"]
-BAKE_HEAD = ["set", "options", "outcome", "parts", "welded", "ties", "d", "elements", "mean relative L2", "largest", "drift of averages / blends, %", "told",
-             "processor seconds"]
+BAKE_HEAD = ["set", "options", "outcome", "parts", "welded", "ties", "d", "elements", "mean relative L2", "largest",
+             "drift of averages / blends, %", "told", "processor seconds"]
 
 # Name of the set, and the poses relative to the data folder; "*" stands for files.
 SETS = [
@@ -92,7 +93,8 @@ def checked(tool, poses):
     verdict = "fit" if result.returncode == 0 else f"exit code {result.returncode}"
     if not drawn:
         return ["-", "-", "-", numbers(result), verdict]
-    return [" / ".join(drawn.groups()), " / ".join((elastic or drawn).groups()), parts[1] if parts else "1", numbers(result), verdict]
+    return [" / ".join(drawn.groups()), " / ".join((elastic or drawn).groups()), parts[1] if parts else "1", numbers(result),
+            verdict]
 
 
 def baked(arguments, poses, options):
@@ -101,7 +103,8 @@ def baked(arguments, poses, options):
         asset, report = str(pathlib.Path(folder) / "a.pliant"), pathlib.Path(folder) / "r.json"
         command = [arguments.tool, "bake", *poses, "-o", asset, "--report", str(report), *options]
         before = resource.getrusage(resource.RUSAGE_CHILDREN)
-        limit = (lambda: resource.setrlimit(resource.RLIMIT_CPU, (arguments.limit, arguments.limit))) if arguments.limit else None
+        limit = ((lambda: resource.setrlimit(resource.RLIMIT_CPU, (arguments.limit, arguments.limit))) if arguments.limit
+                 else None)
         result = subprocess.run(command, stdin=subprocess.DEVNULL, capture_output=True, text=True, preexec_fn=limit)
         after = resource.getrusage(resource.RUSAGE_CHILDREN)
         seconds = f"{after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime:.0f}"
@@ -114,8 +117,8 @@ def baked(arguments, poses, options):
         drifts = [ties.get(key, {}).get("largest") for key in ("drift_of_averages", "drift_of_blends")]
         return [
             " ".join(options) or "-", "done" if result.returncode == 0 else f"exit code {result.returncode}",
-            str(ties.get("parts", 1)), str(certificate.get("elastic", {}).get("welded_vertices", 0)), str(ties.get("ties", 0)),
-            str(certificate["subspace"]["dimension"]), str(certificate["stand_in"]["elements"]),
+            str(ties.get("parts", 1)), str(certificate.get("elastic", {}).get("welded_vertices", 0)),
+            str(ties.get("ties", 0)), str(certificate["subspace"]["dimension"]), str(certificate["stand_in"]["elements"]),
             f"{measured['mean_error']:.1e}", f"{measured['largest_error']:.1e}",
             " / ".join(f"{100 * drift:.2f}" for drift in drifts) if drifts[0] is not None else "-", told, seconds
         ]

@@ -108,7 +108,7 @@ TEST_CASE("the average of poses that are held converges by the forces on free ve
         CHECK(mean.y.segment<3>(3 * Eigen::Index(v)) == set.shapes[0].segment<3>(3 * Eigen::Index(v)));
 }
 
-TEST_CASE("materials and stand-ins of the other sort are refused")
+TEST_CASE("materials and surrogate energies of the other sort are refused")
 {
     Progress silent;
     const PoseSet poses = twisted_bar(1, 2, 0.5);

@@ -1,12 +1,14 @@
-"""test_messages.py CHECKOUT: every message number that the sources use has a row in baker/base/common/messages.md and the other way
-round, no number has two rows, and every number is named by some file under tests/, unless its row says `none: REASON`."""
+"""test_messages.py CHECKOUT: every message number that the sources use has a row in baker/base/common/messages.md and the
+other way round, no number has two rows, and every number is named by some file under tests/, unless its row says
+`none: REASON`."""
 import pathlib
 import re
 import sys
 
 # How a number gets into a message: error_at(2103, ...), SourceFile::error(2103, ...), progress.warn(4020, ...),
 # Severity::error, 2103, "error P2103: ..."
-USES = re.compile(r"(?:\b(?:error_at|warning_at|error|warning|warn|fail)\(\s*|Severity::(?:error|warning)\s*,\s*|\b(?:error|warning) P)"
+USES = re.compile(r"(?:\b(?:error_at|warning_at|error|warning|warn|fail)\(\s*"
+                  r"|Severity::(?:error|warning)\s*,\s*|\b(?:error|warning) P)"
                   r"([1-5]\d{3})\b")
 ROW = re.compile(r"^\|\s*P([1-5]\d{3})\s*\|\s*(error|warning|error, warning)\s*\|([^|]+)\|([^|]*)\|([^|]+)\|$")
 

@@ -1,7 +1,8 @@
-"""golden_arap.py: writes the numbers of ARAP into golden_shells.h, for the meshes that stand there. Needs mpmath, numpy and scipy.
+"""golden_arap.py: writes the numbers of ARAP into golden_shells.h, for the meshes that stand there. Needs mpmath,
+numpy and scipy.
 
-Independent of the baker: cells are sums over triangles here (Chao, Pinkall, Sanan, Schroeder 2010), not fans with spokes and rims; gradients and
-Hessian products are difference quotients with 60 digits; averages are minimised in double precision."""
+Independent of the baker: cells are sums over triangles here (Chao, Pinkall, Sanan, Schroeder 2010), not fans with spokes and
+rims; gradients and Hessian products are difference quotients with 60 digits; averages are minimised in double precision."""
 import ast
 import pathlib
 import textwrap
@@ -131,7 +132,8 @@ def entry(case):
     print(case[0], flush=True)
     had_average = next(model for model in models if model[0] == "arap")[5]
     average, average_energy = problem.average(weights) if len(had_average) else ([], 0)
-    parts = [[problem.energy(k, y) for k in range(count)], problem.gradient(exact, y), problem.hessian_product(exact, y, along),
+    parts = [[problem.energy(k, y) for k in range(count)], problem.gradient(exact, y),
+             problem.hessian_product(exact, y, along),
              [[problem.energy(k, problem.poses[j]) for j in range(count)] for k in range(count)], average]
     lines = [textwrap.fill(braces(part), 110, subsequent_indent=" " * 9, break_on_hyphens=False) for part in parts]
     return '{"arap", ' + ",\n         ".join(lines) + f", {float(average_energy)!r}}}"

@@ -513,7 +513,7 @@ TEST_CASE("a character in several parts bakes, and its parts keep their place")
     CHECK(baked.report.certificate.find("drift_of_blends") != std::string::npos);
 }
 
-// The table of baker/THEORY.md: baker_ties --no-skip -tc="study*"
+// The table of tests/baker/bake/real_meshes.md: baker_ties --no-skip -tc="study*"
 TEST_CASE("study: what the stiffness of ties does" * doctest::skip())
 {
     for (const double turn : { 0.8, 0.3 }) {

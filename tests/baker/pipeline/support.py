@@ -33,8 +33,8 @@ class Tool:
                                 stderr=subprocess.PIPE, text=True, **keywords)
 
     def run(self, *arguments, cwd=None):
-        return subprocess.run([self.path, *map(str, arguments)], stdin=subprocess.DEVNULL, capture_output=True, text=True, timeout=300,
-                              cwd=cwd)
+        return subprocess.run([self.path, *map(str, arguments)], stdin=subprocess.DEVNULL, capture_output=True, text=True,
+                              timeout=300, cwd=cwd)
 
 
 def sheet(path, bend, n=5, turn=0.0):
@@ -76,7 +76,8 @@ def validator(schema_folder, name):
         import jsonschema
     except ImportError:
         return None
-    schemas = [json.loads(p.read_text(encoding="utf-8")) for p in sorted(pathlib.Path(schema_folder).glob("formats/schema/*.schema.json"))]
+    schemas = [json.loads(p.read_text(encoding="utf-8"))
+               for p in sorted(pathlib.Path(schema_folder).glob("formats/schema/*.schema.json"))]
     schema = next(s for s in schemas if s["$id"] == name)
     jsonschema.Draft202012Validator.check_schema(schema)
     try:

@@ -1,5 +1,6 @@
-"""test_bake_all.py PLIANT CHECKOUT: `pliant bake-all` with twelve small characters. Twice does nothing the second time; killed in the middle it
-goes on where it was; contents count, not times; failures, crashes, interrupts and too little memory end as they should."""
+"""test_bake_all.py PLIANT CHECKOUT: `pliant bake-all` with twelve small characters. Twice does nothing the second time;
+killed in the middle it goes on where it was; contents count, not times; failures, crashes, interrupts and too little memory
+end as they should."""
 import json
 import os
 import pathlib
@@ -19,7 +20,8 @@ TWELVE = [f"hero{i:02d}" for i in range(12)]
 def manifest_of(folder, names, **more):
     for i, name in enumerate(names):
         poses(folder / "poses" / name, bend=0.6 + 0.05 * i, turn=0.03 * i)
-    bakes = [{"name": name, "poses": [f"poses/{name}/rest.obj", f"poses/{name}/bent.obj"], "output": f"out/{name}.pliant", **more.get(name, {})}
+    bakes = [{"name": name, "poses": [f"poses/{name}/rest.obj", f"poses/{name}/bent.obj"], "output": f"out/{name}.pliant",
+              **more.get(name, {})}
              for name in names]
     (folder / "out").mkdir()
     return write_json(folder / "all.json", {"defaults": {**QUICK, **more.get("defaults", {})}, "bakes": bakes})
@@ -67,12 +69,16 @@ def is_running(pid):
 def test_twelve(folder):
     manifest = manifest_of(folder, TWELVE)
     result = TOOL.run("bake-all", manifest, "--jobs", "2", "--report", folder / "report.json")
-    check(result.returncode == 0 and len(list((folder / "out").glob("*.pliant"))) == 12, f"twelve are baked {result.stderr if result.returncode else ''}")
+    check(result.returncode == 0 and len(list((folder / "out").glob("*.pliant"))) == 12,
+          f"twelve are baked {result.stderr if result.returncode else ''}")
     plan, _, summary = result.stdout.partition("12 of 12 to be baked")
-    check(plan.count("to be baked") == 12 and plan.count("no asset yet") == 12 and " MiB" in plan, "the plan is printed first")
-    check(len(re.findall(r"(?m)^hero\d\d +baked +3 +\d+ +\d\.\d\de-\d\d +\d+\.\d KiB +\d+\.\d$", summary)) == 12, f"one line a bake in the summary\n{summary}")
+    check(plan.count("to be baked") == 12 and plan.count("no asset yet") == 12 and " MiB" in plan,
+          "the plan is printed first")
+    check(len(re.findall(r"(?m)^hero\d\d +baked +3 +\d+ +\d\.\d\de-\d\d +\d+\.\d KiB +\d+\.\d$", summary)) == 12,
+          f"one line a bake in the summary\n{summary}")
     report = json.loads((folder / "report.json").read_text(encoding="utf-8"))
-    check(len(report["bakes"]) == 12 and all(bake["dimension"] == 3 and bake["seconds"] > 0 for bake in report["bakes"]), "and in the report")
+    check(len(report["bakes"]) == 12 and all(bake["dimension"] == 3 and bake["seconds"] > 0 for bake in report["bakes"]),
+          "and in the report")
     judge = support.validator(SOURCE, "bake_all_report.schema.json")
     if judge:
         check(judge(report) == [], f"the report holds to its schema {judge(report)}")
@@ -82,7 +88,8 @@ def test_twelve(folder):
     before = {path: (path.stat().st_ino, path.stat().st_mtime_ns) for path in (folder / "out").iterdir()}
     outcomes, result = run(manifest)
     after = {path: (path.stat().st_ino, path.stat().st_mtime_ns) for path in (folder / "out").iterdir()}
-    check(done(outcomes, "up to date") == TWELVE and result.returncode == 0 and before == after, "the second time does nothing")
+    check(done(outcomes, "up to date") == TWELVE and result.returncode == 0 and before == after,
+          "the second time does nothing")
     os.utime(folder / "poses/hero03/bent.obj")
     check(done(run(manifest)[0], "up to date") == TWELVE, "a pose is touched: nothing is done")
     support.sheet(folder / "poses/hero03/bent.obj", 0.9)
@@ -122,7 +129,8 @@ def test_interrupted(folder):
     output, _ = process.communicate(timeout=60)
     outcomes = {bake["name"]: bake["outcome"] for bake in json.loads(output)["bakes"]}
     check(process.returncode == 130, f"interrupted: exit code {process.returncode}")
-    check(done(outcomes, "not started") != [] and not any(is_running(child) for child in children), f"its children have ended {outcomes}")
+    check(done(outcomes, "not started") != [] and not any(is_running(child) for child in children),
+          f"its children have ended {outcomes}")
     finished = stamps(folder)
     check(done(run(manifest)[0], "up to date") == finished, "and what was finished stays")
 
@@ -132,7 +140,8 @@ def test_failures(folder):
     manifest = manifest_of(folder, names, c={"tolerance": 1e-8})
     (folder / "poses/b/bent.obj").write_text("v 0 0 nan\nf 1 1 1\n", encoding="utf-8")
     outcomes, result = run(manifest)
-    check(result.returncode == 1 and outcomes == {"a": "baked", "b": "failed", "c": "misses tolerance", "d": "baked"}, f"the others are baked {outcomes}")
+    check(result.returncode == 1 and outcomes == {"a": "baked", "b": "failed", "c": "misses tolerance", "d": "baked"},
+          f"the others are baked {outcomes}")
     check("b: error P2105" in result.stderr and "c: error P4405" in result.stderr, "the errors stand under the names")
     poses(folder / "poses/b")
     outcomes, result = run(manifest)
@@ -142,11 +151,13 @@ def test_failures(folder):
     write_json(manifest, value)
     for text in ("written all the same", "and the second time"):
         outcomes, result = run(manifest)
-        check(result.returncode == 4 and outcomes["c"] == "misses tolerance" and (folder / "out/c.pliant").exists(), f"--best-effort: {text}")
+        check(result.returncode == 4 and outcomes["c"] == "misses tolerance" and (folder / "out/c.pliant").exists(),
+              f"--best-effort: {text}")
     check("c: started" not in result.stderr, "which bakes nothing")
     (folder / "poses/a/bent.obj").write_text("v 0 0 nan\nf 1 1 1\n", encoding="utf-8")
     outcomes, result = run(manifest, "--force", "--fail-fast")
-    check(result.returncode == 1 and outcomes["a"] == "failed" and done(outcomes, "not started") == ["b", "c", "d"], f"--fail-fast starts no more {outcomes}")
+    check(result.returncode == 1 and outcomes["a"] == "failed" and done(outcomes, "not started") == ["b", "c", "d"],
+          f"--fail-fast starts no more {outcomes}")
 
 
 def test_crash(folder):
@@ -173,7 +184,8 @@ def test_crash(folder):
         os.kill(child, signal.SIGKILL)
     output, errors = process.communicate(timeout=120)
     bakes = {bake["name"]: bake for bake in json.loads(output)["bakes"]}
-    check(process.returncode == 1 and bakes["large"]["outcome"] == "crashed" and bakes["large"]["signal"] == 9, f"a crash is told {bakes['large']}")
+    check(process.returncode == 1 and bakes["large"]["outcome"] == "crashed" and bakes["large"]["signal"] == 9,
+          f"a crash is told {bakes['large']}")
     check("error P4602: large" in errors and bakes["small"]["outcome"] == "baked", "and harms no other")
 
 
@@ -208,29 +220,35 @@ def test_memory(folder):
     names = ["a", "b", "c"]
     manifest = manifest_of(folder, names)
     outcomes, result = run(manifest, "--memory", "100KiB")
-    check(result.returncode == 1 and done(outcomes, "too large") == names and "error P4603: a" in result.stderr, f"no memory for one {outcomes}")
+    check(result.returncode == 1 and done(outcomes, "too large") == names and "error P4603: a" in result.stderr,
+          f"no memory for one {outcomes}")
     dry = json.loads(TOOL.run("bake-all", manifest, "--dry-run", "--json").stdout)
     largest = max(bake["estimate"]["memory"] for bake in dry["bakes"])
     outcomes, result = run(manifest, "--jobs", "3", "--memory", f"{int(1.5 * largest)}")
     steps = re.findall(r"(?m)^pliant bake-all: (?:(\w): started|\[\d/3\] (\w): baked)", result.stderr)
-    check(done(outcomes, "baked") == names and [a + b for a, b in steps] == ["a", "a", "b", "b", "c", "c"], f"memory for one: one after the other {steps}")
+    check(done(outcomes, "baked") == names and [a + b for a, b in steps] == ["a", "a", "b", "b", "c", "c"],
+          f"memory for one: one after the other {steps}")
     together, result = run(manifest, "--jobs", "3", "--force")
     steps = re.findall(r"(?m)^pliant bake-all: (?:(\w): started|\[\d/3\] (\w): baked)", result.stderr)
     check(done(together, "baked") == names and [a for a, b in steps[:3]] == names, f"memory for all: together {steps}")
 
 
 def test_configurations(folder):
-    """Defaults, then the configuration that a bake names, then the bake itself; the configuration's paths are its own folder's."""
+    """Defaults, then the configuration that a bake names, then the bake itself;
+    the configuration's paths are its own folder's."""
     poses(folder / "deep/poses")
     write_json(folder / "deep/troll.json", {"poses": ["poses/rest.obj", "poses/bent.obj"], "seed": 2, "dim": 4})
-    manifest = write_json(folder / "all.json", {"defaults": {**QUICK, "seed": 1}, "bakes": [{"name": "troll", "config": "deep/troll.json", "dim": 2}]})
+    manifest = write_json(folder / "all.json", {"defaults": {**QUICK, "seed": 1},
+                                                "bakes": [{"name": "troll", "config": "deep/troll.json", "dim": 2}]})
     result = TOOL.run("bake-all", "all.json", "-q", cwd=folder)
     certificate = json.loads(TOOL.run("info", "--json", folder / "troll.pliant").stdout)["certificate"]
-    check(result.returncode == 0 and certificate["seed"] == 2 and certificate["subspace"]["dimension"] == 2, f"the later beat the earlier {manifest.name}")
+    check(result.returncode == 0 and certificate["seed"] == 2 and certificate["subspace"]["dimension"] == 2,
+          f"the later beat the earlier {manifest.name}")
 
 
 with tempfile.TemporaryDirectory(prefix="pliant-bake-all-") as name:
-    for number, test in enumerate((test_twelve, test_killed, test_interrupted, test_failures, test_crash, test_orphans, test_memory, test_configurations)):
+    for number, test in enumerate((test_twelve, test_killed, test_interrupted, test_failures, test_crash, test_orphans,
+                                   test_memory, test_configurations)):
         place = pathlib.Path(name) / str(number)
         place.mkdir()
         test(place)

@@ -1,5 +1,5 @@
-"""test_cmake.py CHECKOUT BUILD CMAKE GENERATOR: the sample project samples/cmake_project bakes with an installed package: all at first,
-nothing the second time, and after a touch only what has to be."""
+"""test_cmake.py CHECKOUT BUILD CMAKE GENERATOR: the sample project samples/cmake_project bakes with an installed package:
+all at first, nothing the second time, and after a touch only what has to be."""
 import os
 import pathlib
 import shutil
@@ -16,7 +16,8 @@ PROGRAM = {"Ninja": "ninja", "Unix Makefiles": "make"}[GENERATOR]
 
 
 def run(*command):
-    result = subprocess.run([str(word) for word in command], stdin=subprocess.DEVNULL, capture_output=True, text=True, timeout=280)
+    result = subprocess.run([str(word) for word in command], stdin=subprocess.DEVNULL, capture_output=True, text=True,
+                            timeout=280)
     if result.returncode != 0:
         print(result.stdout, result.stderr)
     check(result.returncode == 0, " ".join(map(str, command[:4])))
@@ -75,8 +76,10 @@ def main():
         check(baked("the tool") == both, "another tool: both")
         check(baked("at last") == set(), "and then nothing")
         (source / "poses/strip_bent.obj").write_text("v 0 0 0\n", encoding="utf-8")
-        broken = subprocess.run([CMAKE, "--build", str(build)], stdin=subprocess.DEVNULL, capture_output=True, text=True, timeout=280)
-        check(broken.returncode != 0 and "error P" in broken.stdout + broken.stderr, "a broken pose breaks the build, and says why")
+        broken = subprocess.run([CMAKE, "--build", str(build)], stdin=subprocess.DEVNULL, capture_output=True, text=True,
+                                timeout=280)
+        check(broken.returncode != 0 and "error P" in broken.stdout + broken.stderr,
+              "a broken pose breaks the build, and says why")
     support.finish()
 
 

@@ -1,5 +1,5 @@
-"""test_config.py PLIANT CHECKOUT: configuration files of `pliant bake`. They do what the same command line does, the command line beats them,
---print-config goes round, mistakes are named, and the schema says what the tool does."""
+"""test_config.py PLIANT CHECKOUT: configuration files of `pliant bake`. They do what the same command line does, the command
+line beats them, --print-config goes round, mistakes are named, and the schema says what the tool does."""
 import json
 import pathlib
 import sys
@@ -17,8 +17,10 @@ def test_same_as_command_line(folder):
     config = write_json(folder / "sub/hero.json", {"$schema": "bake_config.schema.json", "poses": ["rest.obj", "bent.obj"],
                                                    "output": "by_config.pliant", "seed": 5, "no_align": True, **QUICK})
     by_config = TOOL.run("bake", "--config", config, "--quiet", cwd=folder)
-    check(by_config.returncode == 0 and (folder / "sub/by_config.pliant").exists(), f"poses and output of a configuration {by_config.stderr}")
-    TOOL.run("bake", "sub/rest.obj", "sub/bent.obj", "-o", "by_line.pliant", "--seed", "5", "--no-align", *QUICK_OPTIONS, cwd=folder)
+    check(by_config.returncode == 0 and (folder / "sub/by_config.pliant").exists(),
+          f"poses and output of a configuration {by_config.stderr}")
+    TOOL.run("bake", "sub/rest.obj", "sub/bent.obj", "-o", "by_line.pliant", "--seed", "5", "--no-align", *QUICK_OPTIONS,
+             cwd=folder)
     wanted = (folder / "by_line.pliant").read_bytes()
     check((folder / "sub/by_config.pliant").read_bytes() == wanted, "the same bytes as by the command line")
     other = TOOL.run("bake", "--config", "sub/hero.json", "-o", "other.pliant", "--seed", "6", "--quiet", cwd=folder)
@@ -27,8 +29,10 @@ def test_same_as_command_line(folder):
 
     printed = TOOL.run("bake", "--config", "sub/hero.json", "--print-config", cwd=folder)
     effective = json.loads(printed.stdout)
-    check(printed.returncode == 0 and effective["seed"] == 5 and effective["membrane"] == "neo-hookean", "--print-config shows what is given and defaults")
-    check(effective["poses"] == ["sub/rest.obj", "sub/bent.obj"] and "tolerance" not in effective, "paths as seen from here, no condition that was not set")
+    check(printed.returncode == 0 and effective["seed"] == 5 and effective["membrane"] == "neo-hookean",
+          "--print-config shows what is given and defaults")
+    check(effective["poses"] == ["sub/rest.obj", "sub/bent.obj"] and "tolerance" not in effective,
+          "paths as seen from here, no condition that was not set")
     write_json(folder / "round.json", effective)
     again = TOOL.run("bake", "--config", "round.json", "--print-config", cwd=folder)
     check(again.stdout == printed.stdout, "the printed configuration is printed again as it is")
@@ -39,15 +43,17 @@ def test_same_as_command_line(folder):
 
 def test_round_trip_of_everything(folder):
     line = ["--", "a.obj", "-b.obj"]
-    options = ["-o", "x.pliant", "--tolerance", "0.0123456789012345", "--tolerance-max", ".5", "--seed", str(2**64 - 1), "--poisson", "0.3",
-               "--material", "stvk", "--cubature", "nn-htp", "--energy", "quartic", "--no-scene", "--best-effort", "--fix", "f.txt",
+    options = ["-o", "x.pliant", "--tolerance", "0.0123456789012345", "--tolerance-max", ".5", "--seed", str(2**64 - 1),
+               "--poisson", "0.3",
+               "--material", "stvk", "--cubature", "nn-htp", "--energy", "quartic", "--no-scene", "--best-effort", "--fix",
+               "f.txt",
                "--weld", "0", "--position-error", "1e-7", "--report", "r.json", "--depfile", "d.d", "--stamp", "s", "-q"]
     printed = TOOL.run("bake", *options, *line, "--print-config", cwd=folder)
     check(printed.returncode != 0, "behind -- nothing is an option")
     printed = TOOL.run("bake", "--print-config", *options, *line, cwd=folder)
     effective = json.loads(printed.stdout)
-    check(effective["seed"] == 2**64 - 1 and effective["tolerance"] == 0.0123456789012345 and effective["tolerance_max"] == 0.5,
-          "numbers keep all digits")
+    check(effective["seed"] == 2**64 - 1 and effective["tolerance"] == 0.0123456789012345
+          and effective["tolerance_max"] == 0.5, "numbers keep all digits")
     check(set(effective) <= set(SCHEMA), f"the schema has every key {sorted(set(effective) - set(SCHEMA))}")
     write_json(folder / "all.json", effective)
     again = TOOL.run("bake", "--config", "all.json", "--print-config", cwd=folder)
@@ -64,7 +70,8 @@ def refused(folder, value, number, text, what):
     path = folder / "bad.json"
     path.write_text(value if isinstance(value, str) else json.dumps(value), encoding="utf-8")
     result = TOOL.run("bake", "--config", path, cwd=folder)
-    good = result.returncode == 3 and f"error {number}: {path}" in result.stderr and text in result.stderr and "hint: " in result.stderr
+    good = (result.returncode == 3 and f"error {number}: {path}" in result.stderr and text in result.stderr
+            and "hint: " in result.stderr)
     check(good and result.stdout == "", f"{what}: {result.stderr.strip()}")
 
 
@@ -118,7 +125,8 @@ def test_schema_against_tool(folder):
     """Kinds, names and limits of the schema are those of the tool."""
     values = {key: values_of(key, rule, folder) for key, rule in SCHEMA.items() if key not in ("$schema", "poses", "output")}
     for turn in range(max(len(good) for good, _ in values.values())):
-        check(accepts(folder, {key: good[turn % len(good)] for key, (good, _) in values.items()}), f"values of all keys at the limits, turn {turn}")
+        check(accepts(folder, {key: good[turn % len(good)] for key, (good, _) in values.items()}),
+              f"values of all keys at the limits, turn {turn}")
     wrong = [f"{key}: {value}" for key, (_, bad) in values.items() for value in bad if accepts(folder, {key: value})]
     check(wrong == [], f"values beyond are refused {wrong}")
     known = TOOL.run("bake", "--config", write_json(folder / "k.json", {"xyzzy_plugh": 1})).stderr
@@ -127,7 +135,8 @@ def test_schema_against_tool(folder):
 
 
 with tempfile.TemporaryDirectory(prefix="pliant-config-") as name:
-    for number, test in enumerate((test_same_as_command_line, test_round_trip_of_everything, test_mistakes, test_schema_against_tool)):
+    for number, test in enumerate((test_same_as_command_line, test_round_trip_of_everything, test_mistakes,
+                                   test_schema_against_tool)):
         place = pathlib.Path(name) / str(number)
         place.mkdir()
         test(place)

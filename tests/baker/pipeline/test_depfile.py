@@ -1,4 +1,5 @@
-"""test_depfile.py PLIANT CHECKOUT: `pliant bake --depfile` names every file that was read, whatever it is called, as Make and Ninja read it."""
+"""test_depfile.py PLIANT CHECKOUT: `pliant bake --depfile` names every file that was read, whatever it is called,
+as Make and Ninja read it."""
 import base64
 import json
 import os
@@ -36,7 +37,8 @@ def write_gltf(path, folder):
     n = 6
     rest = [(x / n, y / 2, 0.0) for x in range(n + 1) for y in range(3)]
     delta = [(0.0, 0.0, x * x) for x, y, z in rest]
-    faces = [corner for i in range(n) for k in range(2) for a in [3 * i + k] for corner in (a, a + 3, a + 4, a, a + 4, a + 1)]
+    faces = [corner for i in range(n) for k in range(2) for a in [3 * i + k]
+             for corner in (a, a + 3, a + 4, a, a + 4, a + 1)]
     data = b"".join(struct.pack("<3f", *v) for v in rest + delta) + struct.pack(f"<{len(faces)}H", *faces)
     (folder / "mesh data.bin").write_bytes(data)
     (folder / "skin.png").write_bytes(base64.b64decode(
@@ -45,14 +47,18 @@ def write_gltf(path, folder):
     write_json(path, {
         "asset": {"version": "2.0"}, "scene": 0, "scenes": [{"nodes": [0]}], "nodes": [{"mesh": 0}],
         "buffers": [{"uri": "mesh%20data.bin", "byteLength": len(data)}],
-        "bufferViews": [{"buffer": 0, "byteOffset": 0, "byteLength": size}, {"buffer": 0, "byteOffset": size, "byteLength": size},
+        "bufferViews": [{"buffer": 0, "byteOffset": 0, "byteLength": size},
+                        {"buffer": 0, "byteOffset": size, "byteLength": size},
                         {"buffer": 0, "byteOffset": 2 * size, "byteLength": 2 * len(faces)}],
-        "accessors": [{"bufferView": 0, "componentType": 5126, "count": len(rest), "type": "VEC3", "min": [0, 0, 0], "max": [1, 1, 0]},
-                      {"bufferView": 1, "componentType": 5126, "count": len(rest), "type": "VEC3", "min": [0, 0, 0], "max": [0, 0, 1]},
+        "accessors": [{"bufferView": 0, "componentType": 5126, "count": len(rest), "type": "VEC3", "min": [0, 0, 0],
+                       "max": [1, 1, 0]},
+                      {"bufferView": 1, "componentType": 5126, "count": len(rest), "type": "VEC3", "min": [0, 0, 0],
+                       "max": [0, 0, 1]},
                       {"bufferView": 2, "componentType": 5123, "count": len(faces), "type": "SCALAR"}],
         "images": [{"uri": "skin.png"}, {"uri": "lost.png"}], "textures": [{"source": 0}, {"source": 1}],
         "materials": [{"pbrMetallicRoughness": {"baseColorTexture": {"index": 0}}, "emissiveTexture": {"index": 1}}],
-        "meshes": [{"primitives": [{"attributes": {"POSITION": 0}, "indices": 2, "material": 0, "targets": [{"POSITION": 1}]}]}]})
+        "meshes": [{"primitives": [{"attributes": {"POSITION": 0}, "indices": 2, "material": 0,
+                                    "targets": [{"POSITION": 1}]}]}]})
 
 
 def test_plain(folder):
@@ -71,11 +77,13 @@ def test_plain(folder):
 
 def test_gltf(folder):
     write_gltf(folder / "a.gltf", folder)
-    result = TOOL.run("bake", "a.gltf#rest", "a.gltf#target=target_1", "-o", "x.pliant", "--depfile", "x.d", *QUICK_OPTIONS, cwd=folder)
+    result = TOOL.run("bake", "a.gltf#rest", "a.gltf#target=target_1", "-o", "x.pliant", "--depfile", "x.d", *QUICK_OPTIONS,
+                      cwd=folder)
     check(result.returncode == 0 and "P2328" in result.stderr, f"a .gltf with parts beside it {result.stderr}")
     _, files = read_depfile(folder / "x.d")
     names = sorted(pathlib.Path(file).name for file in files)
-    check(names == ["a.gltf", "mesh data.bin", "skin.png"], f"its buffer and its image, but no image that is not there: {names}")
+    check(names == ["a.gltf", "mesh data.bin", "skin.png"],
+          f"its buffer and its image, but no image that is not there: {names}")
 
 
 def test_programs(folder):
@@ -85,7 +93,8 @@ def test_programs(folder):
     options = " ".join(QUICK_OPTIONS)
     command = f'"{TOOL.path}" bake "my rest.obj" bent.obj -o x.pliant --depfile x.d -q {options}'
     (folder / "Makefile").write_text(f"x.pliant: ; {command}\n-include x.d\n", encoding="utf-8")
-    (folder / "build.ninja").write_text(f"rule bake\n command = {command}\n depfile = x.d\n deps = gcc\nbuild x.pliant: bake\n", encoding="utf-8")
+    (folder / "build.ninja").write_text(f"rule bake\n command = {command}\n depfile = x.d\n deps = gcc\n"
+                                        "build x.pliant: bake\n", encoding="utf-8")
     for program in ("make", "ninja"):
         if not shutil.which(program):
             print(f"skipped: {program} is not installed")
@@ -94,7 +103,8 @@ def test_programs(folder):
 
         def rebuilt():
             before = (folder / "x.pliant").stat().st_ino if (folder / "x.pliant").exists() else 0
-            result = subprocess.run([program], cwd=folder, stdin=subprocess.DEVNULL, capture_output=True, text=True, timeout=280)
+            result = subprocess.run([program], cwd=folder, stdin=subprocess.DEVNULL, capture_output=True, text=True,
+                                    timeout=280)
             check(result.returncode == 0, f"{program} {result.stdout} {result.stderr}" if result.returncode else program)
             return (folder / "x.pliant").stat().st_ino != before
 
@@ -109,22 +119,29 @@ def test_any_bytes(folder):
     support.poses(folder)
     name = os.fsdecode(b"r\xffst.obj")
     (folder / "rest.obj").rename(folder / name)
-    result = TOOL.run("bake", name, "bent.obj", "-o", "x.pliant", "--depfile", "x.d", "--stamp", "x.stamp", "-q", *QUICK_OPTIONS, cwd=folder)
-    check(result.returncode == 0 and b"r\xffst.obj" in (folder / "x.d").read_bytes(), f"a name that is not UTF-8 {result.stderr}")
-    check(json.loads((folder / "x.stamp").read_text(encoding="utf-8"))["inputs"][1]["path"] == "bent.obj", "and a stamp that is JSON")
+    result = TOOL.run("bake", name, "bent.obj", "-o", "x.pliant", "--depfile", "x.d", "--stamp", "x.stamp", "-q",
+                      *QUICK_OPTIONS, cwd=folder)
+    check(result.returncode == 0 and b"r\xffst.obj" in (folder / "x.d").read_bytes(),
+          f"a name that is not UTF-8 {result.stderr}")
+    check(json.loads((folder / "x.stamp").read_text(encoding="utf-8"))["inputs"][1]["path"] == "bent.obj",
+          "and a stamp that is JSON")
 
 
 def test_never_half(folder):
     support.poses(folder)
     (folder / "x.d").write_text("old", encoding="utf-8")
-    missed = TOOL.run("bake", "rest.obj", "bent.obj", "-o", "x.pliant", "--depfile", "x.d", "--tolerance", "1e-8", *QUICK_OPTIONS, cwd=folder)
-    check(missed.returncode == 4 and (folder / "x.d").read_text(encoding="utf-8") == "old", "a bake that fails leaves the old one")
+    missed = TOOL.run("bake", "rest.obj", "bent.obj", "-o", "x.pliant", "--depfile", "x.d", "--tolerance", "1e-8",
+                      *QUICK_OPTIONS, cwd=folder)
+    check(missed.returncode == 4 and (folder / "x.d").read_text(encoding="utf-8") == "old",
+          "a bake that fails leaves the old one")
     same = TOOL.run("bake", "rest.obj", "bent.obj", "-o", "x.pliant", "--depfile", "rest.obj", cwd=folder)
     check(same.returncode == 1 and "error P4004" in same.stderr, f"it may not replace an input {same.stderr}")
     folder = folder / "line\nbreak"
     support.poses(folder)
-    broken = TOOL.run("bake", folder / "rest.obj", folder / "bent.obj", "-o", "x.pliant", "--depfile", "x.d", *QUICK_OPTIONS, cwd=folder)
-    check(broken.returncode == 1 and "error P4604" in broken.stderr and not (folder / "x.pliant").exists(), "a line break in a name is refused")
+    broken = TOOL.run("bake", folder / "rest.obj", folder / "bent.obj", "-o", "x.pliant", "--depfile", "x.d", *QUICK_OPTIONS,
+                      cwd=folder)
+    check(broken.returncode == 1 and "error P4604" in broken.stderr and not (folder / "x.pliant").exists(),
+          "a line break in a name is refused")
 
 
 with tempfile.TemporaryDirectory(prefix="pliant-depfile-") as name:

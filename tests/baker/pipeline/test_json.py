@@ -1,5 +1,5 @@
-"""test_json.py PLIANT CHECKOUT: what programs read. --json of every verb that prints figures is one JSON value, or nothing if it fails; the
-report holds to its schema; every exit code of baker/README.md comes as it says."""
+"""test_json.py PLIANT CHECKOUT: what programs read. --json of every verb that prints figures is one JSON value, or nothing
+if it fails; the report holds to its schema; every exit code of baker/README.md comes as it says."""
 import json
 import pathlib
 import re
@@ -27,14 +27,17 @@ def test_verbs(folder):
     pair = ["rest.obj", "bent.obj"]
     TOOL.run("bake", *pair, "-o", "a.pliant", "--report", "report.json", *QUICK_OPTIONS, cwd=folder)
     checked = figures(folder, "check", *pair, "--dim", "3")
-    check(checked["vertices"] == 66 and checked["estimate"]["memory"] > 0 and checked["estimate"]["dimension"] == 3, "check: counts and estimate")
+    check(checked["vertices"] == 66 and checked["estimate"]["memory"] > 0 and checked["estimate"]["dimension"] == 3,
+          "check: counts and estimate")
     dry = TOOL.run("bake", *pair, "-o", "b.pliant", "--dim", "3", "--dry-run", cwd=folder)
-    check(json.loads(dry.stdout)["estimate"]["dimension"] == 3 and not (folder / "b.pliant").exists(), "bake --dry-run says the same, and bakes nothing")
+    check(json.loads(dry.stdout)["estimate"]["dimension"] == 3 and not (folder / "b.pliant").exists(),
+          "bake --dry-run says the same, and bakes nothing")
     check(figures(folder, "info", "a.pliant")["dimension"] == 3, "info: dimension")
     check(figures(folder, "validate", "a.pliant")["valid"] is True, "validate: valid")
     check(len(figures(folder, "measure", "a.pliant", *pair, "--samples", "2")["samples"]) == 2, "measure: a row a sample")
     blended = figures(folder, "blend", "a.pliant", "--weights", "1,2", "-o", "b.ply")
-    check(blended["frames"][0]["output"] == "b.ply" and blended["frames"][0]["evaluations"] > 0, f"blend: evaluations {blended}")
+    check(blended["frames"][0]["output"] == "b.ply" and blended["frames"][0]["evaluations"] > 0,
+          f"blend: evaluations {blended}")
     (folder / "path.csv").write_text("0.75,0.25\n0.5,0.5\n", encoding="utf-8")
     frames = figures(folder, "blend", "a.pliant", "--path", "path.csv", "-o", "b_%d.ply")["frames"]
     check([frame["output"] for frame in frames] == ["b_0.ply", "b_1.ply"], "blend --path: a row a frame")
@@ -47,10 +50,13 @@ def test_verbs(folder):
 def test_failures(folder):
     poses(folder)
     (folder / "no.pliant").write_text("nothing", encoding="utf-8")
-    for arguments in (["check", "rest.obj", "missing.obj"], ["info", "no.pliant"], ["validate", "no.pliant"], ["measure", "no.pliant", "rest.obj"],
-                      ["blend", "no.pliant", "-w", "1,1", "-o", "b.ply"], ["average", "rest.obj", "missing.obj", "-w", "1,1", "-o", "b.ply"]):
+    for arguments in (["check", "rest.obj", "missing.obj"], ["info", "no.pliant"], ["validate", "no.pliant"],
+                      ["measure", "no.pliant", "rest.obj"],
+                      ["blend", "no.pliant", "-w", "1,1", "-o", "b.ply"],
+                      ["average", "rest.obj", "missing.obj", "-w", "1,1", "-o", "b.ply"]):
         result = TOOL.run(*arguments, "--json", cwd=folder)
-        check(result.returncode == 3 and result.stdout == "" and "error P" in result.stderr, f"{arguments[0]} fails: its errors on standard error alone")
+        check(result.returncode == 3 and result.stdout == "" and "error P" in result.stderr,
+              f"{arguments[0]} fails: its errors on standard error alone")
 
 
 def test_schema(report):

@@ -1,4 +1,5 @@
-"""test_stamps.py PLIANT CHECKOUT: stamps say what an asset was baked from; manifests are checked, and mistakes in them named."""
+"""test_stamps.py PLIANT CHECKOUT: stamps say what an asset was baked from; manifests are checked,
+and mistakes in them named."""
 import hashlib
 import json
 import pathlib
@@ -19,12 +20,15 @@ def digest(path):
 def test_stamp(folder):
     rest, bent = poses(folder / "poses")
     (folder / "out").mkdir()
-    result = TOOL.run("bake", "poses/rest.obj", "poses/bent.obj", "-o", "out/a.pliant", "--stamp", "out/a.stamp", *QUICK_OPTIONS, cwd=folder)
+    result = TOOL.run("bake", "poses/rest.obj", "poses/bent.obj", "-o", "out/a.pliant", "--stamp", "out/a.stamp",
+                      *QUICK_OPTIONS, cwd=folder)
     stamp = json.loads((folder / "out/a.stamp").read_text(encoding="utf-8"))
     wanted = [{"path": "../poses/rest.obj", "sha256": digest(rest)}, {"path": "../poses/bent.obj", "sha256": digest(bent)}]
-    check(result.returncode == 0 and stamp["inputs"] == wanted, f"inputs, seen from the asset, and their SHA-256 {stamp['inputs']}")
+    check(result.returncode == 0 and stamp["inputs"] == wanted,
+          f"inputs, seen from the asset, and their SHA-256 {stamp['inputs']}")
     check(stamp["output"] == digest(folder / "out/a.pliant"), "the asset's SHA-256")
-    check(stamp["options"]["poses"] == ["../poses/rest.obj", "../poses/bent.obj"] and "threads" not in stamp["options"], "options that count")
+    check(stamp["options"]["poses"] == ["../poses/rest.obj", "../poses/bent.obj"] and "threads" not in stamp["options"],
+          "options that count")
     check(str(folder) not in json.dumps(stamp), "no absolute path")
 
 
@@ -37,7 +41,9 @@ def test_what_counts(folder):
     """A tree may be moved and seen from elsewhere; options, version, inputs and the asset itself count."""
     first = folder / "first"
     poses(first / "poses")
-    write_json(first / "m.json", {"defaults": QUICK, "bakes": [{"name": "a", "poses": ["poses/rest.obj", "poses/bent.obj"], "output": "a.pliant"}]})
+    write_json(first / "m.json",
+               {"defaults": QUICK,
+                "bakes": [{"name": "a", "poses": ["poses/rest.obj", "poses/bent.obj"], "output": "a.pliant"}]})
     check(outcomes(first / "m.json")[0]["a"]["outcome"] == "baked", "baked")
     check(outcomes("m.json", cwd=first)[0]["a"]["outcome"] == "up to date", "seen from another folder: up to date")
     moved = folder / "moved elsewhere"
@@ -51,7 +57,8 @@ def test_what_counts(folder):
 
     reason("forced", "--force")
     manifest = json.loads((moved / "m.json").read_text(encoding="utf-8"))
-    for key, value, text in (("seed", 9, "other options"), ("threads", 2, ""), ("report", "r.json", "r.json is missing"), ("dim", 4, "other options")):
+    for key, value, text in (("seed", 9, "other options"), ("threads", 2, ""), ("report", "r.json", "r.json is missing"),
+                             ("dim", 4, "other options")):
         changed = json.loads(json.dumps(manifest))
         changed["bakes"][0][key] = value
         write_json(moved / "m.json", changed)
@@ -62,7 +69,8 @@ def test_what_counts(folder):
     stamp.write_text(re.sub(r"pliant \d+\.\d+\.\d+", "pliant 0.0.0", text), encoding="utf-8")
     reason("another version of the baker")
     for damaged, words in (("{", "no stamp"), ("[]", "no stamp"), (text.replace('"inputs"', '"x"'), "the stamp is damaged"),
-                           (text.replace('"path": "poses/rest.obj"', '"path": 7'), "the stamp is damaged"), ("[" * 100000, "no stamp")):
+                           (text.replace('"path": "poses/rest.obj"', '"path": 7'), "the stamp is damaged"),
+                           ("[" * 100000, "no stamp")):
         stamp.write_text(damaged, encoding="utf-8")
         reason(words)
     stamp.write_text(text, encoding="utf-8")
@@ -78,8 +86,11 @@ def test_what_counts(folder):
 def test_other_inputs(folder):
     """What else is read counts, too; a file that is gone has changed."""
     poses(folder / "poses")
-    manifest = write_json(folder / "m.json", {"defaults": QUICK, "bakes": [{"name": "a", "poses": ["poses/rest.obj", "poses/bent.obj"], "fix": "f.txt"}]})
-    (folder / "f.txt").write_text("5\n16\n27\n38\n49\n60\n", encoding="utf-8") # the row in the middle, where the strip is not bent
+    manifest = write_json(folder / "m.json",
+                          {"defaults": QUICK,
+                           "bakes": [{"name": "a", "poses": ["poses/rest.obj", "poses/bent.obj"], "fix": "f.txt"}]})
+    # the row in the middle, where the strip is not bent
+    (folder / "f.txt").write_text("5\n16\n27\n38\n49\n60\n", encoding="utf-8")
     bakes, result = outcomes(manifest)
     check(bakes["a"]["outcome"] == "baked", f"with fixed vertices {result.stderr}")
     check(outcomes(manifest)[0]["a"]["outcome"] == "up to date", "and again")
@@ -87,14 +98,15 @@ def test_other_inputs(folder):
     check(outcomes(manifest, "--dry-run")[0]["a"]["reason"] == "f.txt has changed", "one vertex less is a change")
     (folder / "f.txt").unlink()
     bakes, result = outcomes(manifest)
-    check(bakes["a"]["reason"] == "f.txt has changed" and bakes["a"]["outcome"] == "failed" and result.returncode == 1, "a file that is gone, too")
+    check(bakes["a"]["reason"] == "f.txt has changed" and bakes["a"]["outcome"] == "failed" and result.returncode == 1,
+          "a file that is gone, too")
 
 
 def refused(folder, value, number, text, what):
     path = write_json(folder / "bad.json", value)
     result = TOOL.run("bake-all", path)
-    check(result.returncode == 3 and f"error {number}: {path}" in result.stderr and text in result.stderr and result.stdout == "",
-          f"{what}: {result.stderr.strip()}")
+    check(result.returncode == 3 and f"error {number}: {path}" in result.stderr and text in result.stderr
+          and result.stdout == "", f"{what}: {result.stderr.strip()}")
 
 
 def test_manifests(folder):
@@ -104,13 +116,18 @@ def test_manifests(folder):
     refused(folder, {"bakes": [{"poses": ["a.obj"]}]}, "P2707", "neither a name nor an output", "no name")
     refused(folder, {"bakes": [{"name": "a"}]}, "P2707", "bakes[0]: the bake 'a' has no poses", "no poses")
     refused(folder, {"bakes": [good, good]}, "P2708", "bakes[0] and bakes[1] have the name 'a'", "a name twice")
-    refused(folder, {"bakes": [good, {**good, "name": "b", "output": "x/../a.pliant"}]}, "P2708", "have the output", "an output twice")
+    refused(folder, {"bakes": [good, {**good, "name": "b", "output": "x/../a.pliant"}]}, "P2708", "have the output",
+            "an output twice")
     refused(folder, {"bakes": [good], "default": {}}, "P2704", 'did you mean "defaults"', "a key misspelt")
-    refused(folder, {"bakes": [{**good, "tolerence": 1}]}, "P2704", 'bakes[0]: there is no key \'tolerence\'', "a key of a bake misspelt")
-    refused(folder, {"bakes": [good], "defaults": {"output": "a"}}, "P2704", "defaults: there is no key 'output'", "an output for all")
-    refused(folder, {"bakes": [{**good, "stamp": "a"}]}, "P2704", "there is no key 'stamp'", "a stamp, which bake-all sees to")
+    refused(folder, {"bakes": [{**good, "tolerence": 1}]}, "P2704", 'bakes[0]: there is no key \'tolerence\'',
+            "a key of a bake misspelt")
+    refused(folder, {"bakes": [good], "defaults": {"output": "a"}}, "P2704", "defaults: there is no key 'output'",
+            "an output for all")
+    refused(folder, {"bakes": [{**good, "stamp": "a"}]}, "P2704", "there is no key 'stamp'",
+            "a stamp, which bake-all sees to")
     refused(folder, {"bakes": [{**good, "dim": 0}]}, "P2706", "1 to 256", "a dimension out of range")
-    refused(folder, {"bakes": [good], "defaults": {"dim": "3"}}, "P2705", "defaults: \"dim\" is a string", "a string for a number")
+    refused(folder, {"bakes": [good], "defaults": {"dim": "3"}}, "P2705", "defaults: \"dim\" is a string",
+            "a string for a number")
     refused(folder, {"bakes": [7]}, "P2705", "bakes[0]: is a number", "a number for a bake")
     result = TOOL.run("bake-all", write_json(folder / "good.json", {"bakes": [{**good, "config": "none.json"}]}))
     check(result.returncode == 3 and "error P2001" in result.stderr, "a configuration that is not there")
@@ -119,7 +136,8 @@ def test_manifests(folder):
     judge = support.validator(SOURCE, "bake_manifest.schema.json")
     if judge:
         check(judge({"defaults": QUICK, "bakes": [good, {"config": "b.json"}]}) == [], "the schema takes a good manifest")
-        for bad in ({}, {"bakes": []}, {"bakes": [{"poses": ["a", "b"]}]}, {"bakes": [{**good, "dim": 0}]}, {"bakes": [{**good, "stamp": "a"}]},
+        for bad in ({}, {"bakes": []}, {"bakes": [{"poses": ["a", "b"]}]}, {"bakes": [{**good, "dim": 0}]},
+                    {"bakes": [{**good, "stamp": "a"}]},
                     {"bakes": [good], "defaults": {"output": "a"}}, {"bakes": [good], "default": {}}):
             check(judge(bad) != [], f"and refuses {bad}")
 

@@ -1,7 +1,7 @@
 """The package through pip: package.py SOURCE BINARY build BUILD_TREE COMPILER | configure | run SCRIPT
 
-build      a wheel by `pip wheel`, and a virtual environment with it, numpy, mypy and Dask. The baker's library comes from BUILD_TREE, so that
-           only the module is compiled
+build      a wheel by `pip wheel`, and a virtual environment with it, numpy, mypy and Dask. The baker's library comes from
+           BUILD_TREE, so that only the module is compiled
 configure  the way of users, who have no build: everything is configured from the tree; nothing is compiled
 run        a test, with the Python of that environment
 
@@ -42,7 +42,8 @@ def need_python():
 def need_index(pip):
     """One small package tells whether there is an index at all, in seconds."""
     with tempfile.TemporaryDirectory() as folder:
-        probe = [str(pip), "download", "--quiet", "--no-deps", "--retries", "1", "--timeout", "20", "--dest", folder, "nanobind"]
+        probe = [str(pip), "download", "--quiet", "--no-deps", "--retries", "1", "--timeout", "20", "--dest", folder,
+                 "nanobind"]
         done = subprocess.run(probe, capture_output=True, text=True)
     if done.returncode != 0:
         skip(f"the Python package index is out of reach: {done.stderr.strip().splitlines()[-1] if done.stderr else ''}")
@@ -78,7 +79,8 @@ def configure(source, binary):
     call(pip, "install", "--quiet", *BUILD_REQUIREMENTS)
     folder = binary / "configured"
     shutil.rmtree(folder, ignore_errors=True)
-    found = subprocess.run([str(pip.with_name("python")), "-m", "nanobind", "--cmake_dir"], capture_output=True, text=True, check=True)
+    found = subprocess.run([str(pip.with_name("python")), "-m", "nanobind", "--cmake_dir"], capture_output=True, text=True,
+                           check=True)
     call("cmake", "-G", "Ninja", "-S", source / "baker/python", "-B", folder, f"-Dnanobind_DIR={found.stdout.strip()}",
          f"-DPython_EXECUTABLE={pip.with_name('python')}")
     planned = subprocess.run(["ninja", "-C", str(folder), "-n", "_core"], capture_output=True, text=True, check=True).stdout

@@ -19,9 +19,11 @@ class Arguments(unittest.TestCase):
 
     def test_poses(self):
         self.refuse(ValueError, "poses: expected (m, n, 3) float64, got (3, 100) int32", np.zeros((3, 100), np.int32), FACES)
-        self.refuse(TypeError, "poses: expected (m, n, 3) float64, got (2, 5, 3) complex128", np.zeros((2, 5, 3), complex), FACES)
+        self.refuse(TypeError, "poses: expected (m, n, 3) float64, got (2, 5, 3) complex128", np.zeros((2, 5, 3), complex),
+                    FACES)
         self.refuse(TypeError, "poses: expected (m, n, 3) float64, got (2, 2, 3) object", np.full((2, 2, 3), None), FACES)
-        self.refuse(ValueError, "poses: expected (m, n, 3) float64, got something that is no array", [[[0, 0, 0]], [[1]]], FACES)
+        self.refuse(ValueError, "poses: expected (m, n, 3) float64, got something that is no array", [[[0, 0, 0]], [[1]]],
+                    FACES)
         self.refuse(ValueError, "2 to 12 poses, got (1, ", POSES[:1], FACES)
         self.refuse(ValueError, "2 to 12 poses, got (13, ", np.zeros((13, 4, 3)), FACES)
         self.refuse(ValueError, "poses: expected (m, n, 3) float64 with vertices", np.zeros((2, 0, 3)), FACES)
@@ -34,7 +36,8 @@ class Arguments(unittest.TestCase):
         self.refuse(ValueError, "faces: expected (f, 3) integers, got (208, 2) int64", POSES, FACES[:, :2])
         self.refuse(ValueError, "faces: there are none", POSES, FACES[:0])
         self.refuse(ValueError, "tets: expected (t, 4) integers, got (208, 3) int64", POSES, tets=FACES)
-        self.refuse(ValueError, "faces: holds 18446744073709551615, which is no index", POSES, FACES.astype(np.uint64) - np.uint64(1))
+        self.refuse(ValueError, "faces: holds 18446744073709551615, which is no index", POSES,
+                    FACES.astype(np.uint64) - np.uint64(1))
 
     def test_indices_that_are_no_vertices(self):
         for wrong in (112, -1, 2**40):
@@ -80,7 +83,8 @@ class Arguments(unittest.TestCase):
         self.refuse(ValueError, "fix: vertex 112 is to be fixed, the poses have 112", POSES, FACES, fix=[0, 1, 112])
         self.refuse(TypeError, "fix: expected (k,) vertex numbers", POSES, FACES, fix=[0.5])
         self.assertEqual(self.refuse(pliant.Error, "fix: 2 vertices are fixed", POSES, FACES, fix=[1, 0]).number, "P2604")
-        self.assertEqual(self.refuse(pliant.Error, "poses[1]: vertex 0 is fixed", POSES, FACES, fix=[0, 1, 2]).number, "P3013")
+        self.assertEqual(self.refuse(pliant.Error, "poses[1]: vertex 0 is fixed", POSES, FACES, fix=[0, 1, 2]).number,
+                         "P3013")
 
     def test_surface(self):
         self.refuse(TypeError, "surface: expected a path or a pair", BARS, tets=TETS, surface=3)

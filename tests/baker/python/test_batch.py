@@ -1,5 +1,5 @@
-"""pliant.batch on two local workers: twelve characters of which one worker is killed, failures, a client of one's own, no Dask at all.
-PLIANT_TOOL names the tool. Skips where Dask could not be installed."""
+"""pliant.batch on two local workers: twelve characters of which one worker is killed, failures, a client of one's own, no
+Dask at all. PLIANT_TOOL names the tool. Skips where Dask could not be installed."""
 import importlib.util
 import json
 import os
@@ -28,7 +28,8 @@ TWELVE = [f"hero{i:02d}" for i in range(12)]
 def manifest_of(folder, names, **more):
     for i, name in enumerate(names):
         support.poses(folder / "poses" / name, bend=0.6 + 0.05 * i, turn=0.03 * i)
-    bakes = [{"name": name, "poses": [f"poses/{name}/rest.obj", f"poses/{name}/bent.obj"], "output": f"out/{name}.pliant", **more.get(name, {})}
+    bakes = [{"name": name, "poses": [f"poses/{name}/rest.obj", f"poses/{name}/bent.obj"], "output": f"out/{name}.pliant",
+              **more.get(name, {})}
              for name in names]
     (folder / "out").mkdir()
     return support.write_json(folder / "all.json", {"defaults": support.QUICK, "bakes": bakes})
@@ -121,16 +122,20 @@ class OnTwoWorkers(Folder):
         manifest = manifest_of(self.folder, TWELVE, hero03=SLOW)
         killer, seen, start = Killer(manifest, "hero03"), [], time.monotonic()
         killer.start()
-        summary = pliant.batch.run(manifest, workers=2, tool=TOOL, progress=lambda record, *counts: seen.append((record["name"], *counts)))
+        summary = pliant.batch.run(manifest, workers=2, tool=TOOL,
+                                   progress=lambda record, *counts: seen.append((record["name"], *counts)))
         killer.join()
-        print(f"worker {killer.worker} was killed after {killer.finished_before} of twelve; all in {time.monotonic() - start:.1f} s")
+        print(f"worker {killer.worker} was killed after {killer.finished_before} of twelve; "
+              f"all in {time.monotonic() - start:.1f} s")
         self.assertIsNotNone(killer.worker)
         self.assertLess(killer.finished_before, 11)
-        self.assertEqual((killer.has_ended, killer.is_written), (True, False), "the bake of the killed worker went on without it")
+        self.assertEqual((killer.has_ended, killer.is_written), (True, False),
+                         "the bake of the killed worker went on without it")
         self.assertEqual(set(self.outcomes(summary).values()), {"baked"})
         self.assertEqual(([bake["name"] for bake in summary.bakes], sorted(name for name, *_ in seen)), (TWELVE, TWELVE))
         self.assertEqual([counts for _, *counts in seen], [[done, 12] for done in range(1, 13)])
-        self.assertEqual(self.names_of_outputs(), sorted([f"{n}.pliant" for n in TWELVE] + [f"{n}.pliant.stamp" for n in TWELVE]))
+        self.assertEqual(self.names_of_outputs(),
+                         sorted([f"{n}.pliant" for n in TWELVE] + [f"{n}.pliant.stamp" for n in TWELVE]))
         self.assertEqual(summary.exit_code, 0)
         self.assertEqual(running_with(manifest), [])
         self.check_same_as_bake_all(manifest, summary)
@@ -139,7 +144,8 @@ class OnTwoWorkers(Folder):
     def check_same_as_bake_all(self, manifest, summary):
         before = self.assets()
         done = support.Tool(TOOL).run("bake-all", manifest, "--json")
-        self.assertEqual({bake["outcome"] for bake in json.loads(done.stdout)["bakes"]}, {"up to date"}, "bake-all goes on from there")
+        self.assertEqual({bake["outcome"] for bake in json.loads(done.stdout)["bakes"]}, {"up to date"},
+                         "bake-all goes on from there")
         done = support.Tool(TOOL).run("bake-all", manifest, "--force", "--jobs", "2", "--json")
         self.assertEqual(done.returncode, 0, done.stderr)
         self.assertEqual(before, self.assets())
@@ -162,7 +168,8 @@ class OnTwoWorkers(Folder):
         summary = pliant.batch.run(manifest, workers=2, tool=TOOL, progress=lambda *_: seen.append(_))
         self.assertEqual(set(self.outcomes(summary).values()), {"up to date"})
         self.assertEqual(seen, [])
-        self.assertEqual(before, {path: (path.stat().st_ino, path.stat().st_mtime_ns) for path in (self.folder / "out").iterdir()})
+        self.assertEqual(before,
+                         {path: (path.stat().st_ino, path.stat().st_mtime_ns) for path in (self.folder / "out").iterdir()})
 
     @unittest.skipUnless(IS_LINUX, "finds the bakes in /proc")
     def test_ctrl_c(self):
@@ -187,7 +194,8 @@ class WithClient(Folder):
     @classmethod
     def setUpClass(cls):
         import distributed
-        cls.cluster = distributed.LocalCluster(n_workers=2, threads_per_worker=1, dashboard_address="127.0.0.1:0", resources={"MEMORY": 1e9})
+        cls.cluster = distributed.LocalCluster(n_workers=2, threads_per_worker=1, dashboard_address="127.0.0.1:0",
+                                               resources={"MEMORY": 1e9})
         cls.client = distributed.Client(cls.cluster)
 
     @classmethod
@@ -236,7 +244,8 @@ class WithClient(Folder):
     def test_a_bake_that_could_not_tell(self):
         manifest = manifest_of(self.folder, ["a", "b"])
         tool = self.folder / "pliant"  # "b" is baked, and then its first process is killed all the same
-        tool.write_text(f'#!/bin/sh\ncase "$*" in *--dry-run*) ;; *"--only b"*) mkdir {self.folder}/once 2>/dev/null && {TOOL} "$@" && kill -9 $$ ;; '
+        tool.write_text(f'#!/bin/sh\ncase "$*" in *--dry-run*) ;; *"--only b"*) '
+                        f'mkdir {self.folder}/once 2>/dev/null && {TOOL} "$@" && kill -9 $$ ;; '
                         f'esac\nexec {TOOL} "$@"\n')
         tool.chmod(0o755)
         with self.assertLogs("pliant.batch", "WARNING"):
@@ -247,7 +256,8 @@ class WithClient(Folder):
     def test_a_bake_is_killed_from_outside(self):
         manifest = manifest_of(self.folder, ["a", "b"])
         tool = self.folder / "pliant"  # the first bake of "b" meets a SIGKILL
-        tool.write_text(f'#!/bin/sh\ncase "$*" in *--dry-run*) ;; *"--only b"*) mkdir {self.folder}/once 2>/dev/null && kill -9 $$ ;; esac\n'
+        tool.write_text(f'#!/bin/sh\ncase "$*" in *--dry-run*) ;; *"--only b"*) '
+                        f'mkdir {self.folder}/once 2>/dev/null && kill -9 $$ ;; esac\n'
                         f'exec {TOOL} "$@"\n')
         tool.chmod(0o755)
         with self.assertLogs("pliant.batch", "WARNING") as log:
@@ -276,7 +286,8 @@ class WithClient(Folder):
         dry = json.loads(support.Tool(TOOL).run("bake-all", manifest, "--json", "--dry-run").stdout)
         memory = 1.5 * max(bake["estimate"]["memory"] for bake in dry["bakes"])
         tool, steps = self.folder / "pliant", self.folder / "steps"
-        tool.write_text(f'#!/bin/sh\ncase "$*" in *"--only"*) echo start >> {steps}; {TOOL} "$@"; echo end >> {steps} ;; *) exec {TOOL} "$@" ;; esac\n')
+        tool.write_text(f'#!/bin/sh\ncase "$*" in *"--only"*) echo start >> {steps}; {TOOL} "$@"; echo end >> {steps} ;; '
+                        f'*) exec {TOOL} "$@" ;; esac\n')
         tool.chmod(0o755)
         with distributed.LocalCluster(n_workers=1, threads_per_worker=3, processes=False, dashboard_address="127.0.0.1:0",
                                       resources={"MEMORY": memory}) as cluster, distributed.Client(cluster) as client:
@@ -289,8 +300,10 @@ class WithClient(Folder):
         manifest = manifest_of(self.folder, ["a"])
         with self.assertRaisesRegex(RuntimeError, "worker tcp://.*: tool: there is no program /no/such/pliant"):
             self.run_here(manifest, tool="/no/such/pliant")
-        with distributed.LocalCluster(n_workers=1, threads_per_worker=1, processes=False, dashboard_address="127.0.0.1:0") as bare:
-            with distributed.Client(bare) as client, self.assertRaisesRegex(RuntimeError, "resource MEMORY.*--resources MEMORY="):
+        with distributed.LocalCluster(n_workers=1, threads_per_worker=1, processes=False,
+                                      dashboard_address="127.0.0.1:0") as bare:
+            with distributed.Client(bare) as client, self.assertRaisesRegex(
+                    RuntimeError, "resource MEMORY.*--resources MEMORY="):
                 pliant.batch.run(manifest, client=client, tool=TOOL)
         for wrong in ({"memory": 1e9}, {"workers": 0}, {"retries": -1}, {"only": []}):
             with self.assertRaisesRegex(ValueError, next(iter(wrong))):
@@ -307,11 +320,13 @@ class WithClient(Folder):
         self.assertTrue(all("sees another folder, or none, as" in place.wrong for place in seen.values()), seen)
         token.touch()
         seen = self.client.run(_worker.look_around, TOOL, str(manifest), digest, [str(token)])
-        self.assertTrue(all(place.wrong == "" and place.version.startswith("pliant ") and place.memory == 1e9 for place in seen.values()), seen)
+        self.assertTrue(all(place.wrong == "" and place.version.startswith("pliant ") and place.memory == 1e9
+                            for place in seen.values()), seen)
 
     def test_command_line(self):
         manifest = manifest_of(self.folder, ["a", "b"])
-        words = [sys.executable, "-m", "pliant.batch", manifest, "--scheduler", self.client.scheduler.address, "--workers", "2", "--tool", TOOL]
+        words = [sys.executable, "-m", "pliant.batch", manifest, "--scheduler", self.client.scheduler.address, "--workers",
+                 "2", "--tool", TOOL]
         done = subprocess.run([*words, "--json"], capture_output=True, text=True)
         self.assertEqual(done.returncode, 0, done.stderr)
         self.assertEqual([bake["outcome"] for bake in json.loads(done.stdout)["bakes"]], ["baked", "baked"])
@@ -349,7 +364,8 @@ class WithoutDask(Folder):
         self.assertIs(signal.getsignal(signal.SIGINT), signal.default_int_handler)
 
     def test_messages_by_name(self):
-        lines = ("pliant bake-all: a: error P2105: x\npliant bake-all: a:   hint: y\npliant bake-all: error P4603: a: b: too much\n  hint: less\n")
+        lines = ("pliant bake-all: a: error P2105: x\npliant bake-all: a:   hint: y\n"
+                 "pliant bake-all: error P4603: a: b: too much\n  hint: less\n")
         self.assertEqual(_plan.messages_of(lines, ["a", "a: b"]),
                          {"a": "error P2105: x\n  hint: y", "a: b": "error P4603: too much\n  hint: less"})
 

@@ -1,5 +1,5 @@
-"""Python and the command line are one baker: the same poses and options give the same bytes, blends and averages, to the bit.
-PLIANT_TOOL names the tool, and was built from the same tree."""
+"""Python and the command line are one baker: the same poses and options give the same bytes, blends and averages, to the
+bit. PLIANT_TOOL names the tool, and was built from the same tree."""
 import json
 import os
 import re
@@ -82,8 +82,8 @@ class SameAsTool(unittest.TestCase):
             self.assertEqual(shape.tobytes(), shapes.read_ply(self.folder / f"f{k}.ply").tobytes())
 
     def test_options_reach_the_baker(self):
-        options = {**QUICK, "material": "arap", "seed": 7, "position_error": 0, "no_align": True, "subspace": "krylov", "ritz": 1,
-                   "cubature": "nn-htp", "tolerance": 0.9, "solver": "eigen", "weld": 0, "tolerance_max": 1.0}
+        options = {**QUICK, "material": "arap", "seed": 7, "position_error": 0, "no_align": True, "subspace": "krylov",
+                   "ritz": 1, "cubature": "nn-htp", "tolerance": 0.9, "solver": "eigen", "weld": 0, "tolerance_max": 1.0}
         expected = self.bake(self.obj_files(), options)
         self.assertEqual(bytes(pliant.bake(POSES, FACES, names=["p0", "p1"], **options)), expected)
 

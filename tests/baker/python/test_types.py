@@ -28,7 +28,8 @@ try:
 except pliant.ToleranceError as error:
     number: str = error.number
     saved: pliant.Asset | None = error.asset
-summary: pliant.batch.Summary = pliant.batch.run("all.json", workers=2, progress=lambda record, done, total: print(record["name"]))
+summary: pliant.batch.Summary = pliant.batch.run("all.json", workers=2,
+                                                 progress=lambda record, done, total: print(record["name"]))
 """
 
 WRONG = """

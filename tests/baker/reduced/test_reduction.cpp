@@ -169,7 +169,7 @@ TEST_CASE("non-negative least squares ends where it began, and greedy stops wher
     CHECK(rounds < 16);
 }
 
-TEST_CASE("with all elements at weight one the stand-in is the reduced energy")
+TEST_CASE("with all elements at weight one the surrogate energy is the reduced energy")
 {
     Problem p(3);
     const Subspace subspace = build_krylov_subspace(p.solver, { 0, 6, 256 }, nullptr);

@@ -1,5 +1,5 @@
-/* A program outside the project that has nothing but an installed (or embedded) runtime. Prints version and results; fails if
-   the library is not the one of the header, or does not answer. */
+/* A program outside the project that has nothing but an installed (or embedded) runtime. Prints version and results; fails
+   if the library is not the one of the header, or does not answer. */
 #include <pliant.h>
 #include <stdio.h>
 

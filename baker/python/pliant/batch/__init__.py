@@ -4,8 +4,8 @@
         print(pliant.batch.run("characters.json"))                        # on this machine
         print(pliant.batch.run("characters.json", client=Client("tcp://farm:8786")))
 
-Every bake is a `pliant bake-all MANIFEST --only NAME` on a worker. The meaning of the manifest, the stamps and the bytes of assets are
-therefore those of `pliant bake-all`, and each of the two continues where the other was stopped.
+Every bake is a `pliant bake-all MANIFEST --only NAME` on a worker. The meaning of the manifest, the stamps and the bytes of
+assets are therefore those of `pliant bake-all`, and each of the two continues where the other was stopped.
 """
 from __future__ import annotations
 
@@ -29,7 +29,8 @@ def distributed_module() -> Any:
         importlib.import_module("dask")
         return importlib.import_module("distributed")
     except ImportError as error:
-        raise ImportError(f"pliant.batch needs Dask, which is an extra: pip install \"dask[distributed]\", or \"./baker/python[batch]\" "
+        raise ImportError(f"pliant.batch needs Dask, which is an extra: "
+                          "pip install \"dask[distributed]\", or \"./baker/python[batch]\" "
                           f"from the tree of Pliant ({error})") from error
 
 
@@ -52,31 +53,36 @@ def _names(only: Union[str, Sequence[str], None]) -> Sequence[str]:
 def run(manifest: Union[str, "os.PathLike[str]"], *, client: Any = None, workers: Optional[int] = None,
         tool: Union[str, "os.PathLike[str]", None] = None, force: bool = False, only: Union[str, Sequence[str], None] = None,
         retries: int = 2, memory: Optional[float] = None, progress: Optional[Progress] = None) -> Summary:
-    """Bakes everything in a manifest (formats/schema/bake_manifest.schema.json) that is not up to date, and returns when all is done.
+    """Bakes everything in a manifest (formats/schema/bake_manifest.schema.json) that is not up to date,
+    and returns when all is done.
 
-    client     a dask.distributed.Client. Its workers must have a resource MEMORY, the bytes that all bakes on the worker may use together
-               (`dask worker ADDRESS --nthreads 4 --resources MEMORY=48e9`). They run as many bakes at a time as they have threads. They
-               need this package, the tool, and the manifest, its poses and the output folders under the same paths as this machine.
-               None: workers are started on this machine, with one bake each, and stopped at the end.
-    workers    number of processes on this machine (default: one per core, fewer if there is less to do or the largest bake needs the
-               memory); with a client: the number of workers to wait for (at most 5 minutes)
+    client     a dask.distributed.Client. Its workers must have a resource MEMORY, the bytes that all bakes on the worker may
+               use together (`dask worker ADDRESS --nthreads 4 --resources MEMORY=48e9`). They run as many bakes at a time as
+               they have threads. They need this package, the tool, and the manifest, its poses and the output folders under
+               the same paths as this machine. None: workers are started on this machine, with one bake each, and stopped at
+               the end.
+    workers    number of processes on this machine (default: one per core, fewer if there is less to do or the largest bake
+               needs the memory); with a client: the number of workers to wait for (at most 5 minutes)
     tool       path of the program `pliant`, the same on all workers; default: next to their Python, otherwise on their PATH
     force      also bake assets that are up to date
     only       a name or names: bake only these
-    retries    further attempts for a bake that was killed from outside, or whose worker was lost more often than the scheduler allows
-               (Dask's distributed.scheduler.allowed-failures, 3). Losing a worker once only delays the bake that ran there.
+    retries    further attempts for a bake that was killed from outside, or whose worker was lost more often than the
+               scheduler allows (Dask's distributed.scheduler.allowed-failures, 3). Losing a worker once only delays the bake
+               that ran there.
     memory     bytes for all bakes on this machine (default: 80 % of the machine's or container's); not with a client
-    progress   called as progress(record, done, total) in this thread after every bake; an exception ends all bakes and is raised
+    progress   called as progress(record, done, total) in this thread after every bake;
+               an exception ends all bakes and is raised
 
-    Returns a Summary. Bakes that failed, crashed or are too large are listed there and do not affect others. Errors and warnings of bakes
-    also go to the logger "pliant.batch". Raises Error, with the number of the command line, if the manifest is wrong or `only` has an
-    unknown name; ValueError for invalid numbers; FileNotFoundError without the tool; RuntimeError for workers that cannot do the work;
-    ImportError without Dask. Ctrl-C ends all bakes; finished assets stay.
+    Returns a Summary. Bakes that failed, crashed or are too large are listed there and do not affect others. Errors and
+    warnings of bakes also go to the logger "pliant.batch". Raises Error, with the number of the command line, if the
+    manifest is wrong or `only` has an unknown name; ValueError for invalid numbers; FileNotFoundError without the tool;
+    RuntimeError for workers that cannot do the work; ImportError without Dask. Ctrl-C ends all bakes; finished assets stay.
     """
     distributed = distributed_module()
     _check_numbers(workers, retries, memory)
     start = time.monotonic()
-    request = _plan.Request(os.path.abspath(os.fspath(manifest)), None if tool is None else os.fspath(tool), force, _names(only))
+    request = _plan.Request(os.path.abspath(os.fspath(manifest)), None if tool is None else os.fspath(tool), force,
+                            _names(only))
     if client is None:
         result = _local.run(distributed, request, workers, memory, retries, progress)
     elif memory is not None:

@@ -85,8 +85,8 @@ class Farm:
             raise RuntimeError(f"the cluster has no {worker_count} workers after {_PATIENCE} seconds") from error
         places = self._places([])
         share, memory = _share(places), max(place.memory for place in places.values())
-        planned = self._client.submit(_worker.call_tool, self._request.tool, self._request.dry_run(share, memory), self._group,
-                                      pure=False, workers=list(places))
+        planned = self._client.submit(_worker.call_tool, self._request.tool, self._request.dry_run(share, memory),
+                                      self._group, pure=False, workers=list(places))
         try:
             ended = _result_of(planned, self._distributed.TimeoutError)
         except Exception as error:
@@ -108,10 +108,12 @@ class Farm:
         try:
             everyone = self._client.run(_worker.look_around, request.tool, request.manifest, digest, tokens)
         except Exception as error:  # of any kind: older versions of Dask bring home no more than its text
-            raise RuntimeError(f"the workers cannot look around: {error}; do they have the package pliant, of this version?") from error
+            raise RuntimeError(f"the workers cannot look around: {error}; "
+                               "do they have the package pliant, of this version?") from error
         places = {address: place for address, place in everyone.items() if place.memory > 0}
         if not places:
-            raise RuntimeError("no worker has a resource MEMORY, the bytes that bakes may take there together: start them as "
+            raise RuntimeError("no worker has a resource MEMORY, the bytes that bakes may take there together: "
+                               "start them as "
                                "`dask worker ADDRESS --nthreads 4 --resources MEMORY=48e9`")
         for address, place in places.items():
             if place.wrong:
@@ -121,15 +123,18 @@ class Farm:
             raise RuntimeError(f"the workers have different versions of the tool: {', '.join(versions)}")
         return places
 
-    def bake(self, result: Result, share: int, memory: float, progress: Optional[Callable[[Record, int, int], object]]) -> Result:
-        """Runs the pending bakes of a plan and returns it with their results. `share`, `memory` (bytes): those of the plan."""
+    def bake(self, result: Result, share: int, memory: float,
+             progress: Optional[Callable[[Record, int, int], object]]) -> Result:
+        """Runs the pending bakes of a plan and returns it with their results.
+        `share`, `memory` (bytes): those of the plan."""
         names = result.pending()
         tries = Counter(names)
         priorities = {name: -i for i, name in enumerate(names)}
         running: Dict[Any, str] = {}
 
         def submit(name: str) -> Any:
-            future = self._client.submit(_worker.call_tool, self._request.tool, self._request.arguments(share, memory, [name]), self._group,
+            future = self._client.submit(_worker.call_tool, self._request.tool,
+                                         self._request.arguments(share, memory, [name]), self._group,
                                          key=f"pliant-bake-{uuid.uuid4().hex}", pure=False, priority=priorities[name],
                                          resources={"MEMORY": result.estimate(name)})
             running[future] = name
@@ -161,14 +166,18 @@ class Farm:
         except Exception as error:  # too many workers were lost, or the tool could not be started
             if not future.cancelled():
                 return lost, str(error), True
-            return {**planned, "outcome": "interrupted", "exit_code": 130}, "the cluster was lost, or has cancelled it", False
+            return ({**planned, "outcome": "interrupted", "exit_code": 130},
+                    "the cluster was lost, or has cancelled it", False)
         if ended.exit_code < 0:
-            return {**lost, "exit_code": 0, "signal": -ended.exit_code}, f"the tool was killed by signal {-ended.exit_code}", True
+            return ({**lost, "exit_code": 0, "signal": -ended.exit_code},
+                    f"the tool was killed by signal {-ended.exit_code}", True)
         try:
             (record,) = json.loads(ended.output)["bakes"]
         except (ValueError, KeyError, TypeError):
-            return {**lost, "outcome": "failed", "exit_code": ended.exit_code}, f"on {ended.host}: {ended.errors.strip()}", False
-        if record["outcome"] == "up to date":  # it was not when it was planned: a worker was lost after the bake, before it could tell
+            return ({**lost, "outcome": "failed", "exit_code": ended.exit_code},
+                    f"on {ended.host}: {ended.errors.strip()}", False)
+        # it was not when it was planned: a worker was lost after the bake, before it could tell
+        if record["outcome"] == "up to date":
             record["outcome"] = "baked"
         errors = _plan.messages_of(ended.errors, [record["name"]]).get(record["name"], "")
         is_stopped = record["outcome"] in ("interrupted", "not started")

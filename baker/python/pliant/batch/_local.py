@@ -25,7 +25,8 @@ def _fitting_count(result: _plan.Result, count: int, memory: float) -> int:
 
 def run(distributed: Any, request: _plan.Request, workers: Optional[int], memory: Optional[float], retries: int,
         progress: Optional[Callable[[Record, int, int], object]]) -> _plan.Result:
-    """Makes the plan first, which determines the number of workers by work and memory. Starts none if there is nothing to do."""
+    """Makes the plan first, which determines the number of workers by work and memory.
+    Starts none if there is nothing to do."""
     if memory is None:
         memory = _MEMORY_SHARE * float(distributed.system.MEMORY_LIMIT)
     if workers is not None:
@@ -41,7 +42,8 @@ def run(distributed: Any, request: _plan.Request, workers: Optional[int], memory
     if not result.pending():
         return result
     farm_request = _plan.Request(request.manifest, _worker.find_tool(request.tool), request.force, request.only)
-    cluster = distributed.LocalCluster(n_workers=count, threads_per_worker=1, processes=True, dashboard_address="127.0.0.1:0",
+    cluster = distributed.LocalCluster(n_workers=count, threads_per_worker=1, processes=True,
+                                       dashboard_address="127.0.0.1:0",
                                        resources={"MEMORY": memory / count}, preload=[_worker.__name__])
     with cluster, distributed.Client(cluster) as client:
         return Farm(distributed, client, farm_request, retries).bake(result, count, memory / count, progress)

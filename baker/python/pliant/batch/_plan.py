@@ -28,8 +28,10 @@ class Request:
     only: Sequence[str]
 
     def arguments(self, share: int, memory: float, names: Sequence[str]) -> List[str]:
-        """Arguments of the tool. `share`: number of bakes that share the cores of a machine; `memory`: limit for the estimate, in bytes."""
-        words = ["bake-all", self.manifest, "--json", "--quiet", "--jobs", str(min(share, _MOST_JOBS)), "--memory", str(int(memory))]
+        """Arguments of the tool. `share`: number of bakes that share the cores of a machine;
+        `memory`: limit for the estimate, in bytes."""
+        words = ["bake-all", self.manifest, "--json", "--quiet", "--jobs", str(min(share, _MOST_JOBS)), "--memory",
+                 str(int(memory))]
         words += ["--force"] if self.force else []
         for name in names:
             words += ["--only", name]
@@ -41,7 +43,8 @@ class Request:
 
 @dataclass
 class Result:
-    """Records and messages by name, in the order of the manifest. It starts as the plan; finished bakes replace their records."""
+    """Records and messages by name, in the order of the manifest. It starts as the plan;
+    finished bakes replace their records."""
 
     baker: str
     records: Dict[str, Record]

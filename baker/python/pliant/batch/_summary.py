@@ -13,8 +13,9 @@ _FAILURES = ("failed", "crashed", "too large", "not started")
 class Summary:
     """The result of pliant.batch.run. print() shows a table.
 
-    bakes      one record per bake, in the order of the manifest, with the keys of `pliant bake-all --json`: "name", "output" (absolute),
-               "outcome" ("baked", "up to date", "misses tolerance", "failed", "crashed", "too large"), "exit_code", "estimate", ...
+    bakes      one record per bake, in the order of the manifest, with the keys of `pliant bake-all --json`: "name", "output"
+               (absolute), "outcome" ("baked", "up to date", "misses tolerance", "failed", "crashed", "too large"),
+               "exit_code", "estimate", ...
     baker      version of the tool, like "pliant 0.1.0"
     seconds    duration of the call
     messages   errors and warnings as the tool prints them, by the name of the bake
@@ -37,14 +38,17 @@ class Summary:
 
     def as_dict(self) -> Dict[str, Any]:
         """The report of `pliant bake-all --json` (formats/schema/bake_all_report.schema.json)."""
-        return {"bake_all": 1, "baker": self.baker, "exit_code": self.exit_code, "seconds": self.seconds, "bakes": self.bakes}
+        return {"bake_all": 1, "baker": self.baker, "exit_code": self.exit_code, "seconds": self.seconds,
+                "bakes": self.bakes}
 
     def __str__(self) -> str:
         width = max([4] + [len(bake["name"]) for bake in self.bakes])
         lines = [_line(width, "name", "outcome", "d", "elements", "error", "size", "seconds")]
         for bake in self.bakes:
-            lines.append(_line(width, bake["name"], bake["outcome"], _shown(bake, "dimension", "{}"), _shown(bake, "elements", "{}"),
-                               _shown(bake, "mean_error", "{:.2e}"), size_text(bake["file_size"]) if "file_size" in bake else "-",
+            lines.append(_line(width, bake["name"], bake["outcome"], _shown(bake, "dimension", "{}"),
+                               _shown(bake, "elements", "{}"),
+                               _shown(bake, "mean_error", "{:.2e}"),
+                               size_text(bake["file_size"]) if "file_size" in bake else "-",
                                _shown(bake, "seconds", "{:.1f}")))
         return "\n".join(lines)
 

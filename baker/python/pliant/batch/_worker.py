@@ -1,4 +1,5 @@
-"""The code that runs where the files are, on a worker or on this machine: the tool as a child process, and checks of the place.
+"""The code that runs where the files are, on a worker or on this machine: the tool as a child process,
+and checks of the place.
 
 It uses the standard library only: it must load quickly, and must work where the rest of a worker's installation is broken.
 """
@@ -44,8 +45,9 @@ if sys.platform == "linux":
     _libc = ctypes.CDLL(None)  # loaded here, as between fork and exec nothing may be
 
     def _ends_with(parent: int) -> Optional[Callable[[], None]]:
-        """Runs between fork and exec: makes the child end with its parent, even if that is killed by SIGKILL. (For the kernel the parent is
-        the thread that forks, and that thread waits for the child.) The tool does the same for its own children."""
+        """Runs between fork and exec: makes the child end with its parent, even if that is killed by SIGKILL. (For the
+        kernel the parent is the thread that forks, and that thread waits for the child.) The tool does the same for its own
+        children."""
 
         def follow() -> None:
             _libc.prctl(_SET_DEATH_SIGNAL, int(signal.SIGKILL), 0, 0, 0)
@@ -57,12 +59,14 @@ if sys.platform == "linux":
 else:
 
     def _ends_with(parent: int) -> Optional[Callable[[], None]]:
-        """On other systems an abandoned child runs to its end: the asset appears whole or not at all, with the same bytes."""
+        """On other systems an abandoned child runs to its end: the asset appears whole or not at all,
+        with the same bytes."""
         return None
 
 
 def find_tool(tool: Optional[str]) -> str:
-    """The path of `pliant`: as given, else next to the running Python, else on PATH. Raises FileNotFoundError, with a remedy."""
+    """The path of `pliant`: as given, else next to the running Python, else on PATH. Raises FileNotFoundError,
+    with a remedy."""
     if tool is not None:
         found = shutil.which(tool)
         if found is None:
@@ -79,8 +83,8 @@ def call_tool(tool: Optional[str], arguments: Sequence[str], group: str = "") ->
     """Runs the tool to its end. It is ended with this process, and by stop_tools(group)."""
     command = [find_tool(tool), *arguments]
     with _children_lock:
-        child = subprocess.Popen(command, stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.PIPE, encoding="utf-8",
-                                 errors="replace", preexec_fn=_ends_with(os.getpid()))
+        child = subprocess.Popen(command, stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.PIPE,
+                                 encoding="utf-8", errors="replace", preexec_fn=_ends_with(os.getpid()))
         _children[child] = group
     try:
         output, errors = child.communicate()
@@ -103,8 +107,8 @@ def stop_tools(group: str) -> None:
 
 
 def dask_setup(worker: Any) -> None:
-    """Dask calls this in workers that preload the module, as those on this machine do. Ctrl-C at a terminal reaches all processes, but must
-    end the caller only, which then ends the bakes and the workers."""
+    """Dask calls this in workers that preload the module, as those on this machine do. Ctrl-C at a terminal reaches all
+    processes, but must end the caller only, which then ends the bakes and the workers."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)
 
 
@@ -130,8 +134,8 @@ def _wrong_with_files(manifest: str, digest: str, tokens: Sequence[str]) -> str:
 
 
 def look_around(tool: Optional[str], manifest: str, digest: str, tokens: Sequence[str], dask_worker: Any = None) -> Place:
-    """Runs on every worker and checks that it has everything that a bake needs. `tokens` are files that the client has just created in the
-    output folders. Their names are new, so no cache of a network file system can be wrong about them."""
+    """Runs on every worker and checks that it has everything that a bake needs. `tokens` are files that the client has just
+    created in the output folders. Their names are new, so no cache of a network file system can be wrong about them."""
     state = dask_worker.state
     place = Place(socket.gethostname(), int(state.nthreads), float(state.total_resources.get("MEMORY", 0)), "", "")
     wrong = _wrong_with_files(manifest, digest, tokens)

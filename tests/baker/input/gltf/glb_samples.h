@@ -117,8 +117,10 @@ inline std::string moving_glb()
     mesh["primitives"].push_back(std::move(primitive));
     glb.json["meshes"].push_back(std::move(mesh));
     glb.json.update(Json::parse(R"({"materials":[{"pbrMetallicRoughness":{"baseColorTexture":{"index":0}}}],
-        "textures":[{"source":0}],"nodes":[{"mesh":0,"skin":0,"children":[1]},{"children":[2],"translation":[0,0,1]},{"scale":[1,2,1]}],
-        "skins":[{"joints":[1,2]}],"animations":[{"name":"Run","channels":[{"sampler":0,"target":{"node":1,"path":"rotation"}},
+        "textures":[{"source":0}],
+        "nodes":[{"mesh":0,"skin":0,"children":[1]},{"children":[2],"translation":[0,0,1]},{"scale":[1,2,1]}],
+        "skins":[{"joints":[1,2]}],
+        "animations":[{"name":"Run","channels":[{"sampler":0,"target":{"node":1,"path":"rotation"}},
         {"sampler":1,"target":{"node":0,"path":"weights"}}],"samplers":[{},{"interpolation":"CUBICSPLINE"}]}]})"));
     Json image = Json::object();
     image["bufferView"] = glb.add_view("\x89PNG");

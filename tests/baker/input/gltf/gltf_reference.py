@@ -1,4 +1,5 @@
-"""A second, independent evaluator of glTF files with numpy: what the specification says, in the plainest way. No Draco, no sparse data."""
+"""A second, independent evaluator of glTF files with numpy: what the specification says, in the plainest way. No Draco,
+no sparse data."""
 import base64
 import json
 import pathlib
@@ -25,14 +26,17 @@ class File:
             if uri is None:
                 self.buffers.append(blob)
             else:
-                self.buffers.append(base64.b64decode(uri.split(",", 1)[1]) if uri.startswith("data:") else (path.parent / uri).read_bytes())
+                self.buffers.append(base64.b64decode(uri.split(",", 1)[1]) if uri.startswith("data:")
+                                    else (path.parent / uri).read_bytes())
 
     def numbers(self, index):
         accessor = self.json["accessors"][index]
-        view, dtype, width = self.json["bufferViews"][accessor["bufferView"]], DTYPES[accessor["componentType"]], WIDTHS[accessor["type"]]
+        view, dtype, width = (self.json["bufferViews"][accessor["bufferView"]], DTYPES[accessor["componentType"]],
+                              WIDTHS[accessor["type"]])
         start = view.get("byteOffset", 0) + accessor.get("byteOffset", 0)
         item = np.dtype(dtype).itemsize
-        rows = np.ndarray((accessor["count"], width), dtype, self.buffers[view["buffer"]], start, (view.get("byteStride", item * width), item))
+        rows = np.ndarray((accessor["count"], width), dtype, self.buffers[view["buffer"]], start,
+                          (view.get("byteStride", item * width), item))
         rows = rows.astype(np.float64)
         return rows / np.iinfo(dtype).max if accessor.get("normalized") else rows
 
@@ -80,7 +84,8 @@ def sample(times, values, interpolation, seconds, is_rotation):
 
 def local_matrices(file, animation, seconds):
     nodes = file.json["nodes"]
-    parts = [{"translation": np.array(n.get("translation", [0, 0, 0]), float), "rotation": np.array(n.get("rotation", [0, 0, 0, 1]), float),
+    parts = [{"translation": np.array(n.get("translation", [0, 0, 0]), float),
+              "rotation": np.array(n.get("rotation", [0, 0, 0, 1]), float),
               "scale": np.array(n.get("scale", [1, 1, 1]), float)} for n in nodes]
     weights = {}
     for channel in (animation or {}).get("channels", []):
@@ -136,14 +141,17 @@ def positions(file, animation=None, seconds=0.0, target=None):
             continue
         mesh = file.json["meshes"][node["mesh"]]
         for primitive in mesh["primitives"]:
-            names = mesh.get("extras", {}).get("targetNames", [f"target_{k + 1}" for k in range(len(primitive.get("targets", [])))])
-            at_rest = node.get("weights", mesh.get("weights", [0] * len(names))) if chosen else [float(name == target) for name in names]
+            names = mesh.get("extras", {}).get("targetNames",
+                                               [f"target_{k + 1}" for k in range(len(primitive.get("targets", [])))])
+            at_rest = (node.get("weights", mesh.get("weights", [0] * len(names))) if chosen
+                       else [float(name == target) for name in names])
             p = file.numbers(primitive["attributes"]["POSITION"])
             for w, t in zip(weights.get(i, at_rest), primitive.get("targets", [])):
                 p = p + w * file.numbers(t["POSITION"])
             p = np.c_[p, np.ones(len(p))]
             if "skin" in node:
-                joints, share = file.numbers(primitive["attributes"]["JOINTS_0"]).astype(int), file.numbers(primitive["attributes"]["WEIGHTS_0"])
+                joints, share = (file.numbers(primitive["attributes"]["JOINTS_0"]).astype(int),
+                                 file.numbers(primitive["attributes"]["WEIGHTS_0"]))
                 share = share / share.sum(1, keepdims=True)
                 matrices = np.einsum("vk,vkij->vij", share, skin_matrices(file, node["skin"], world)[joints])
                 p = np.einsum("vij,vj->vi", matrices, p)

@@ -1,5 +1,5 @@
-"""test_gltf_reading.py TOOL CHECKOUT: poses from glTF files, against an evaluator of our own (gltf_reference.py): files made here, and
-the real ones of PLIANT_DATA where they are. TOOL is read_poses_tool."""
+"""test_gltf_reading.py TOOL CHECKOUT: poses from glTF files, against an evaluator of our own (gltf_reference.py): files made
+here, and the real ones of PLIANT_DATA where they are. TOOL is read_poses_tool."""
 import math
 import os
 import pathlib
@@ -34,7 +34,8 @@ class Poses:
         self.lines = [line.rsplit(" ", 3) for line in result.stdout.splitlines()]
         self.names = [line[0][5:] for line in self.lines]
         self.positions = [np.fromfile(folder / f"{k}.positions").reshape(-1, 3) for k in range(len(self.lines))]
-        read = {name: np.fromfile(folder / name, dtype) for name, dtype in (("triangles", np.uint32), ("normals", np.float32))
+        read = {name: np.fromfile(folder / name, dtype)
+                for name, dtype in (("triangles", np.uint32), ("normals", np.float32))
                 if (folder / name).exists()}
         self.triangles, self.normals = read.get("triangles"), read.get("normals")
 
@@ -72,16 +73,20 @@ def interpolations(folder, scratch):
     """Every interpolation of every property, nodes in nodes, two instances of one mesh."""
     gltf = gltf_files.Gltf()
     vertices, faces = grid()
-    gltf.mesh(vertices, faces, [[(0, 0, x * y) for x, y, _ in vertices], [(y, 0, 0) for x, y, _ in vertices]], ["up", "side"])
+    gltf.mesh(vertices, faces, [[(0, 0, x * y) for x, y, _ in vertices], [(y, 0, 0) for x, y, _ in vertices]],
+              ["up", "side"])
     gltf.json["nodes"] = [{"children": [1, 2], "scale": [1, 2, 1]}, {"mesh": 0, "translation": [1, 0, 0]},
                           {"mesh": 0, "matrix": [0, 1, 0, 0, -1, 0, 0, 0, 0, 0, 1, 0, 5, 6, 7, 1]}]
     turn = [(0, 0, 0, 1), (0, math.sin(0.6), 0, math.cos(0.6)), (0, 0, -math.sin(1.0), -math.cos(1.0))]
     flat = [(0, 0, 0, 0), (0.1, 0, 0, 0), (0, 0.2, 0, 0)]
-    gltf.animation("linear", (1, "rotation", "LINEAR", [0.5, 1, 2], turn), (0, "translation", "LINEAR", [0, 2], [(0, 0, 0), (1, 2, 3)]),
+    gltf.animation("linear", (1, "rotation", "LINEAR", [0.5, 1, 2], turn),
+                   (0, "translation", "LINEAR", [0, 2], [(0, 0, 0), (1, 2, 3)]),
                    (1, "weights", "LINEAR", [0, 2], [0, 1, 1, 0]), (1, "scale", "LINEAR", [0, 1], [(1, 1, 1), (2, 1, 3)]))
     gltf.animation("step", (1, "rotation", "STEP", [0.5, 1, 2], turn), (2, "weights", "STEP", [0, 1], [0, 1, 0.5, 0.25]))
-    gltf.animation("cubic", (1, "rotation", "CUBICSPLINE", [0.5, 1, 2], [row for q, t in zip(turn, flat) for row in (t, q, t)]),
-                   (0, "translation", "CUBICSPLINE", [0, 2], [(0, 0, 0), (0, 0, 0), (1, 0, 0), (0, 3, 0), (1, 2, 3), (0, 0, 0)]),
+    gltf.animation("cubic",
+                   (1, "rotation", "CUBICSPLINE", [0.5, 1, 2], [row for q, t in zip(turn, flat) for row in (t, q, t)]),
+                   (0, "translation", "CUBICSPLINE", [0, 2],
+                    [(0, 0, 0), (0, 0, 0), (1, 0, 0), (0, 3, 0), (1, 2, 3), (0, 0, 0)]),
                    (2, "weights", "CUBICSPLINE", [0, 2], [0, 0, 0, 0.5, 1, 0, 0, 2, 1, 0, 0, 0]))
     path = folder / "interpolations.glb"
     path.write_bytes(gltf.glb())
@@ -108,7 +113,8 @@ def encodings(folder, scratch):
     def same(name, gltf, order=None):
         (folder / name).write_bytes(gltf.glb())
         got = Poses(scratch, folder / name, folder / name)
-        alike = got.code == 0 and got.positions[0].shape == wanted.positions[0].shape and np.array_equal(got.positions[0], wanted.positions[0])
+        alike = (got.code == 0 and got.positions[0].shape == wanted.positions[0].shape
+                 and np.array_equal(got.positions[0], wanted.positions[0]))
         check(alike and (order is None or got.triangles.reshape(-1, 3).tolist() == order), f"{name} {got.errors[:200]}")
 
     sparse = gltf_files.Gltf()
@@ -128,19 +134,23 @@ def encodings(folder, scratch):
 
     quantised = gltf_files.Gltf()
     primitive = quantised.mesh(vertices, faces)
-    primitive["attributes"]["POSITION"] = quantised.accessor([(int(255 * x), int(255 * y), 0, 0) for x, y, _ in vertices], 5121, normalized=True)
+    primitive["attributes"]["POSITION"] = quantised.accessor([(int(255 * x), int(255 * y), 0, 0) for x, y, _ in vertices],
+                                                             5121, normalized=True)
     quantised.json["accessors"][-1]["type"] = "VEC3"
     quantised.json["bufferViews"][-1]["byteStride"] = 4
     quantised.json["extensionsRequired"] = ["KHR_mesh_quantization"]
     (folder / "quantised.glb").write_bytes(quantised.glb())
     got = Poses(scratch, folder / "quantised.glb", folder / "quantised.glb")
-    check(got.code == 0 and np.abs(got.positions[0] - wanted.positions[0]).max() < 1 / 255, f"quantised positions {got.errors[:200]}")
+    check(got.code == 0 and np.abs(got.positions[0] - wanted.positions[0]).max() < 1 / 255,
+          f"quantised positions {got.errors[:200]}")
 
     corners = gltf_files.Gltf()
-    corners.json["meshes"] = [{"primitives": [{"attributes": {"POSITION": corners.accessor([vertices[i] for f in faces for i in f])}}]}]
+    positions = corners.accessor([vertices[i] for f in faces for i in f])
+    corners.json["meshes"] = [{"primitives": [{"attributes": {"POSITION": positions}}]}]
     (folder / "corners.glb").write_bytes(corners.glb())
     got = Poses(scratch, folder / "corners.glb", folder / "corners.glb")
-    check(got.code == 0 and got.triangles.tolist() == list(range(3 * len(faces))), "without indices corners are vertices 0, 1, 2, ...")
+    check(got.code == 0 and got.triangles.tolist() == list(range(3 * len(faces))),
+          "without indices corners are vertices 0, 1, 2, ...")
 
     for mode, order in ((5, [[0, 1, 2], [1, 3, 2], [2, 3, 4]]), (6, [[1, 2, 0], [2, 3, 0], [3, 4, 0]])):
         other = gltf_files.Gltf()
@@ -164,20 +174,25 @@ COUNTS = { # vertices, triangles, parts; poses without a choice (SOURCE.txt besi
     "gltf_morph/ict_face_14targets.glb": (14062, 28068, 1, 15), "gltf_skin/CesiumMan.glb": (3273, 4672, 1, 1),
     "gltf_skin/CesiumMan/CesiumMan.gltf": (3273, 4672, 1, 1), "gltf_skin/Fox.glb": (1728, 576, 1, 1),
     "gltf_skin/Trex.glb": (3496, 1820, 5, 1), "gltf_skin/Wolf.glb": (3994, 1962, 4, 1),
-    "gltf_draco/AnimatedMorphSphere_draco.glb": (1876, 960, 1, 3), "gltf_draco/MorphStressTest_draco.glb": (1528, 2412, 2, 9),
+    "gltf_draco/AnimatedMorphSphere_draco.glb": (1876, 960, 1, 3),
+    "gltf_draco/MorphStressTest_draco.glb": (1528, 2412, 2, 9),
     "gltf_draco/ict_face_14targets_draco.glb": (14062, 28068, 1, 15), "gltf_draco/CesiumMan_draco.glb": (3572, 4672, 1, 1),
-    "gltf_draco/Enemy_Small-transformed.glb": (1436, 1856, 1, 1), "gltf_draco/Mech_FinnTheFrog-transformed.glb": (6269, 5846, 1, 1)}
+    "gltf_draco/Enemy_Small-transformed.glb": (1436, 1856, 1, 1),
+    "gltf_draco/Mech_FinnTheFrog-transformed.glb": (6269, 5846, 1, 1)}
 
 
 def real_files(scratch):
     for name, (vertices, triangles, parts, pose_count) in COUNTS.items():
         poses = Poses(scratch, DATA / name, DATA / name)
-        check(poses.counts() == [(vertices, triangles, parts)] * (2 * pose_count), f"{name}: {poses.counts()[:1]} {poses.errors[:200]}")
+        check(poses.counts() == [(vertices, triangles, parts)] * (2 * pose_count),
+              f"{name}: {poses.counts()[:1]} {poses.errors[:200]}")
     skins, morphs = DATA / "gltf_skin", DATA / "gltf_morph"
     compare(scratch, skins / "Fox.glb", "Run", [0, 0.3, 0.6])
-    compare(scratch, skins / "Wolf.glb", gltf_reference.File(skins / "Wolf.glb").json["animations"][3]["name"], [0, 0.4, 1.1])
+    compare(scratch, skins / "Wolf.glb", gltf_reference.File(skins / "Wolf.glb").json["animations"][3]["name"],
+            [0, 0.4, 1.1])
     compare(scratch, morphs / "RobotExpressive.glb", "Walking", [0.1, 0.5])
-    compare(scratch, morphs / "AnimatedMorphCube.glb", gltf_reference.File(morphs / "AnimatedMorphCube.glb").json["animations"][0]["name"], [0, 1.5])
+    compare(scratch, morphs / "AnimatedMorphCube.glb",
+            gltf_reference.File(morphs / "AnimatedMorphCube.glb").json["animations"][0]["name"], [0, 1.5])
     poses = Poses(scratch, skins / "CesiumMan.glb", skins / "CesiumMan.glb")
     check("P2323" in poses.errors, "CesiumMan: weights that do not sum to 1 are told")
     # Draco keeps 14 bits of the positions, and the same shape up to the order of vertices.
@@ -187,7 +202,8 @@ def real_files(scratch):
         half = len(poses.positions) // 2
         for k in range(half):
             a, b = poses.positions[k], poses.positions[half + k]
-            off = max(np.abs(a.min(0) - b.min(0)).max(), np.abs(a.max(0) - b.max(0)).max()) / np.linalg.norm(np.ptp(a, axis=0))
+            off = max(np.abs(a.min(0) - b.min(0)).max(),
+                      np.abs(a.max(0) - b.max(0)).max()) / np.linalg.norm(np.ptp(a, axis=0))
             check(off < 2e-4, f"{packed} pose {k}: bounds {off:.1e} off")
 
 

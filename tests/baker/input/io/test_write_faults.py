@@ -1,6 +1,6 @@
 """test_write_faults.py TOOL: the writer when the world is against it. TOOL is load_poses_tool, which writes pose 0.
-A full disk, a limit on the size of files, kill -9 at any moment, two writers at once: the old file or the new one is there, whole,
-and nothing else."""
+A full disk, a limit on the size of files, kill -9 at any moment, two writers at once: the old file or the new one is there,
+whole, and nothing else."""
 import math
 import os
 import pathlib
@@ -41,7 +41,8 @@ def command(output, *poses, repeat=1):
 
 
 def run(output, *poses, **keywords):
-    return subprocess.run(command(output, *poses), stdin=subprocess.DEVNULL, capture_output=True, text=True, timeout=120, **keywords)
+    return subprocess.run(command(output, *poses), stdin=subprocess.DEVNULL, capture_output=True, text=True, timeout=120,
+                          **keywords)
 
 
 def limit_file_size():

@@ -90,7 +90,8 @@ def node_modules(folder):
         if not stamp.exists() or stamp.read_text() != wanted:
             for name in ("package.json", "package-lock.json"):
                 shutil.copy(HERE / name, folder / name)
-            command = ["npm", "ci", "--no-audit", "--no-fund", "--ignore-scripts", "--fetch-retries=0", "--fetch-timeout=30000"]
+            command = ["npm", "ci", "--no-audit", "--no-fund", "--ignore-scripts", "--fetch-retries=0",
+                       "--fetch-timeout=30000"]
             try:
                 result = subprocess.run(command, cwd=folder, capture_output=True, text=True, timeout=200)
             except subprocess.TimeoutExpired:
@@ -105,7 +106,8 @@ def run_node(folder, script, *arguments, timeout=100):
     """Runs a script of this folder with the packages of node_modules(folder), which `import` finds next to it."""
     modules = node_modules(folder)
     shutil.copy(HERE / script, modules / script)
-    result = subprocess.run(["node", modules / script, *map(str, arguments)], capture_output=True, text=True, timeout=timeout)
+    result = subprocess.run(["node", modules / script, *map(str, arguments)], capture_output=True, text=True,
+                            timeout=timeout)
     if result.returncode == SKIPPED:
         skip(result.stdout.strip())
     check(result.returncode == 0, f"{script}: exit code {result.returncode}\n{result.stdout}{result.stderr}")

@@ -1,5 +1,5 @@
-"""test_blender.py TOOL ASSET: Debian's Blender imports the GLB of `pliant export`: counts, names, animation, and with all weights at one
-half the very shape."""
+"""test_blender.py TOOL ASSET: Debian's Blender imports the GLB of `pliant export`: counts, names, animation, and with all
+weights at one half the very shape."""
 import json
 import pathlib
 import sys

@@ -1,5 +1,5 @@
-"""test_godot.py TOOL ASSET: Godot 3's headless server imports the GLB of `pliant export` and has all vertices, targets and the
-animation."""
+"""test_godot.py TOOL ASSET: Godot 3's headless server imports the GLB of `pliant export` and has all vertices, targets and
+the animation."""
 import json
 import pathlib
 import shutil
@@ -13,8 +13,9 @@ PROJECT = 'config_version=4\n\n[application]\n\nconfig/name="pliant"\n'
 
 
 def import_files(program, project):
-    """Runs the editor until it has imported, and then ends it. Its --quit ends it after the first frame, whether the thread that
-    scans the project has found the file by then or not (godotengine/godot#77508). The .md5 file is the last that an import writes.
+    """Runs the editor until it has imported, and then ends it. Its --quit ends it after the first frame, whether the thread
+    that scans the project has found the file by then or not (godotengine/godot#77508). The .md5 file is the last that an
+    import writes.
     """
     with open(project / "editor.log", "w") as log:
         editor = subprocess.Popen([program, "--path", project, "--editor"], stdout=log, stderr=log, stdin=subprocess.DEVNULL)

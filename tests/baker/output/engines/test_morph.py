@@ -1,6 +1,6 @@
-"""test_morph.py TOOL SHAPES ASSET...: the GLB of `pliant export` says the same as the C runtime: base + sum w_j target_j, with the w of
-pliant_morph_weights, is what pliant_reconstruct makes; the weights are in [0,1]; the fitted normals have the errors that the tool
-states; the animation goes through the poses. No engine is needed: the GLB is read with numpy alone."""
+"""test_morph.py TOOL SHAPES ASSET...: the GLB of `pliant export` says the same as the C runtime: base + sum w_j target_j,
+with the w of pliant_morph_weights, is what pliant_reconstruct makes; the weights are in [0,1]; the fitted normals have the
+errors that the tool states; the animation goes through the poses. No engine is needed: the GLB is read with numpy alone."""
 import json
 import pathlib
 import re
@@ -40,8 +40,10 @@ def check_shapes(name, glb, morph, shapes, stated):
     check(worst < 1e-5 * diagonal, f"{name}: positions differ by {worst / diagonal:.1e} of the diagonal")
     check(abs(np.linalg.norm(normals, axis=1) - 1).max() < 1e-4, f"{name}: base normals are not of unit length")
     # Other weights than those that the tool judged at, so about the same, not the same.
-    check(np.mean(angles) < 2 * stated["mean"] + 0.05, f"{name}: normals are {np.mean(angles):.3f} degrees off, {stated} stated")
-    check(np.max(angles) < 3 * stated["worst"] + 0.5, f"{name}: normals are {np.max(angles):.2f} degrees off, {stated} stated")
+    check(np.mean(angles) < 2 * stated["mean"] + 0.05,
+          f"{name}: normals are {np.mean(angles):.3f} degrees off, {stated} stated")
+    check(np.max(angles) < 3 * stated["worst"] + 0.5,
+          f"{name}: normals are {np.max(angles):.2f} degrees off, {stated} stated")
     box = glb.json["meshes"][0]["extras"]["pliant"]["bounds"]
     check((shapes.min(axis=(0, 1)) >= box["min"]).all() and (shapes.max(axis=(0, 1)) <= box["max"]).all(), f"{name}: bounds")
     return worst / diagonal, np.mean(angles), np.max(angles)
@@ -68,7 +70,8 @@ def check_asset(tool, program, path, folder):
     n, d, m = len(glb.attribute("POSITION")), len(extras["targetNames"]), len(extras["pliant"]["poses"])
     check(extras["targetNames"] == [f"q{j}" for j in range(d)], f"{name}: target names")
     code = subprocess.run([program, path, binary], timeout=60).returncode
-    check((code == 3) == bool(re.search("warning P5205", said.stderr)), f"{name}: exit code {code}, and the tool says {said.stderr}")
+    check((code == 3) == bool(re.search("warning P5205", said.stderr)),
+          f"{name}: exit code {code}, and the tool says {said.stderr}")
     if code == 3:
         return f"{name}: no ranges in the asset"
     check(code == 0, f"{name}: {program} exits with {code}")

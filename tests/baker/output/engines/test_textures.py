@@ -1,6 +1,7 @@
-"""test_textures.py TOOL BUILD: what a glTF source is painted with comes through bake and export. A generated tube (textured.py)
-keeps parts, texture coordinates, colours, materials and image in every kind of export; the Khronos validator finds nothing; and three.js
-draws them as it draws the source, in both poses. Blender, if there is one, finds materials and image."""
+"""test_textures.py TOOL BUILD: what a glTF source is painted with comes through bake and export. A generated tube
+(textured.py) keeps parts, texture coordinates, colours, materials and image in every kind of export; the Khronos validator
+finds nothing; and three.js draws them as it draws the source, in both poses. Blender, if there is one, finds materials and
+image."""
 import json
 import pathlib
 import shutil
@@ -31,12 +32,15 @@ def check_painting(kind, glb, source):
         names = {name for name in one["attributes"] if name.startswith(("TEXCOORD", "COLOR"))}
         check(names == {name for name in other["attributes"] if name != "POSITION"}, f"{kind}: part {i} has {names}")
         for name in names:
-            check((glb.accessor(one["attributes"][name]) == source.accessor(other["attributes"][name])).all(), f"{kind}: {name} of part {i}")
+            check((glb.accessor(one["attributes"][name]) == source.accessor(other["attributes"][name])).all(),
+                  f"{kind}: {name} of part {i}")
         if "--draco" not in KINDS[kind]:
-            check((glb.accessor(one["indices"]) == source.accessor(other["indices"]).reshape(-1, 1)).all(), f"{kind}: faces of part {i}")
+            check((glb.accessor(one["indices"]) == source.accessor(other["indices"]).reshape(-1, 1)).all(),
+                  f"{kind}: faces of part {i}")
         count = source.json["accessors"][other["attributes"]["POSITION"]]["count"]
         check(one["extras"]["pliant"]["first_vertex"] == first, f"{kind}: first vertex of part {i}")
-        check({glb.json["accessors"][a]["count"] for a in one["attributes"].values()} == {count}, f"{kind}: vertices of part {i}")
+        check({glb.json["accessors"][a]["count"] for a in one["attributes"].values()} == {count},
+              f"{kind}: vertices of part {i}")
         first += count
     for key in ("materials", "textures", "samplers"):
         check(glb.json[key] == source.json[key], f"{kind}: {key} are {glb.json[key]}")
@@ -50,7 +54,8 @@ def check_painting(kind, glb, source):
 def check_seam(glb):
     """The texture's seam does not show in the light: its two vertices have one normal."""
     normals = glb.attribute("NORMAL").reshape(textured.ALONG + 1, textured.ROUND + 1, 3)
-    check(abs(normals[:, 0] - normals[:, -1]).max() < 1e-5, f"normals at the seam differ by {abs(normals[:, 0] - normals[:, -1]).max()}")
+    check(abs(normals[:, 0] - normals[:, -1]).max() < 1e-5,
+          f"normals at the seam differ by {abs(normals[:, 0] - normals[:, -1]).max()}")
 
 
 def check_other_vertices(tool, asset, folder):
@@ -68,7 +73,8 @@ def check_other_vertices(tool, asset, folder):
 def check_pictures(report, kinds, need):
     check("failed" not in report and not report["said"], f"three.js says {report}")
     for shown in report["shown"]:
-        check(shown["covered"] > 0.1 and len(shown["colours"]) >= need, f"{kinds[shown['file'] - 1]}: next to nothing: {shown}")
+        check(shown["covered"] > 0.1 and len(shown["colours"]) >= need,
+              f"{kinds[shown['file'] - 1]}: next to nothing: {shown}")
         check(shown["far"] < 0.02, f"{kinds[shown['file'] - 1]}, pose {shown['pose']}: drawn otherwise: {shown}")
 
 
@@ -107,11 +113,12 @@ def main():
         check(found["warnings"] == 0 and not messages, f"{path}: {found}")
     if blender():
         report = blender_report(blender(), files["morph"].resolve())
-        check(report["materials"] == ["stripes", "lid", None] and ["stripes", 32, 8] in report["images"] and report["places"] == 1,
-              f"Blender: {report}")
+        check(report["materials"] == ["stripes", "lid", None] and ["stripes", 32, 8] in report["images"]
+              and report["places"] == 1, f"Blender: {report}")
     report = draw(build, folder, source, files.values())
     check_pictures(report, list(files), 4)
-    print(json.dumps({"files": len(files), "far": max(shown["far"] for shown in report["shown"]), "pictures": len(report["shown"])}))
+    print(json.dumps({"files": len(files), "far": max(shown["far"] for shown in report["shown"]),
+                      "pictures": len(report["shown"])}))
     return 0
 
 

@@ -1,5 +1,6 @@
-"""test_three.py TOOL BUILD SHAPES ASSET: three.js in headless Chromium draws the GLB of `pliant export` as it draws the positions that the
-C runtime makes: positions to 1e-5 of the diagonal, pictures nearly the same (normals are fitted in one, recomputed in the other)."""
+"""test_three.py TOOL BUILD SHAPES ASSET: three.js in headless Chromium draws the GLB of `pliant export` as it draws the
+positions that the C runtime makes: positions to 1e-5 of the diagonal, pictures nearly the same (normals are fitted in one,
+recomputed in the other)."""
 import json
 import pathlib
 import shutil

@@ -1,4 +1,5 @@
-"""test_validator.py TOOL BUILD ASSET...: the Khronos validator finds no error and no warning in what `pliant export` writes."""
+"""test_validator.py TOOL BUILD ASSET...: the Khronos validator finds no error and no warning in what `pliant export`
+writes."""
 import json
 import pathlib
 import sys
@@ -21,7 +22,8 @@ def check_skin(glb):
     check(abs(weights.sum(axis=1) - 1).max() < 1e-5 and weights.min() >= 0, "weights of the skin")
     places = []
     for joint in range(4):
-        channels = {c["target"]["path"]: c for c in glb.json["animations"][0]["channels"] if c["target"]["node"] == skin["joints"][joint]}
+        channels = {c["target"]["path"]: c for c in glb.json["animations"][0]["channels"]
+                    if c["target"]["node"] == skin["joints"][joint]}
         outputs = {path: glb.accessor(glb.json["animations"][0]["samplers"][c["sampler"]]["output"])[0].astype(float)
                    for path, c in channels.items()}
         x, y, z, w = outputs["rotation"]
@@ -32,7 +34,8 @@ def check_skin(glb):
         places.append((glb.attribute("POSITION") @ bind[:3, :3].T + bind[:3, 3]) @ turn.T + outputs["translation"])
     found = sum(weights[:, i, None] * np.array(places)[joints[:, i], np.arange(len(weights))] for i in range(4))
     size = np.ptp(glb.attribute("POSITION"), axis=0).max()
-    check(abs(found - glb.attribute("POSITION")).max() < 0.05 * size, f"frame 0 moves {abs(found - glb.attribute('POSITION')).max()}")
+    check(abs(found - glb.attribute("POSITION")).max() < 0.05 * size,
+          f"frame 0 moves {abs(found - glb.attribute('POSITION')).max()}")
 
 
 def check_embedded(path, asset):
@@ -49,7 +52,8 @@ def main():
     folder.mkdir(exist_ok=True)
     files = {}
     for path in assets:
-        for options in ([], ["--embed"], ["--embed", "--morph"], ["--skin", "4"], ["--draco"], ["--draco", "--skin", "2", "--embed"]):
+        for options in ([], ["--embed"], ["--embed", "--morph"], ["--skin", "4"], ["--draco"],
+                        ["--draco", "--skin", "2", "--embed"]):
             output = folder / (pathlib.Path(path).stem + "".join(options).replace(" ", "") + ".glb")
             export(tool, path, output, *options)
             files[str(output.resolve())] = options

@@ -46,7 +46,8 @@ def primitive(builder, points, faces, **attributes):
     kinds = {2: "VEC2", 4: "VEC4"}
     others = {name: builder.accessor(values, kinds[values.shape[1]]) for name, values in attributes.items()}
     return {"attributes": {"POSITION": places(points), **others},
-            "targets": [{"POSITION": places(bent(points).astype("<f4") - points.astype("<f4"))}], "indices": builder.indices(faces)}
+            "targets": [{"POSITION": places(bent(points).astype("<f4") - points.astype("<f4"))}],
+            "indices": builder.indices(faces)}
 
 
 def write(path):

@@ -1,5 +1,5 @@
-"""Headless Chromium by its debugging pipe: opens a page, says what it asked the network for and what it complained of, measures, takes
-pictures. Needs no driver and no package. Skips (exit code 77) where there is no Chromium."""
+"""Headless Chromium by its debugging pipe: opens a page, says what it asked the network for and what it complained of,
+measures, takes pictures. Needs no driver and no package. Skips (exit code 77) where there is no Chromium."""
 import base64
 import json
 import os
@@ -98,7 +98,8 @@ class Browser:
         while not any(event.get("method") == "Page.loadEventFired" for event in self.events):
             self.events.append(self._read(deadline))
         self.evaluate("document.fonts.ready.then(() => 1)")
-        asked = [event["params"]["request"]["url"] for event in self.events if event.get("method") == "Network.requestWillBeSent"]
+        asked = [event["params"]["request"]["url"] for event in self.events
+                 if event.get("method") == "Network.requestWillBeSent"]
         asked = [url for url in asked if url != address and not url.startswith("data:")]
         said = [json.dumps(event["params"])[:500] for event in self.events
                 if event.get("method") in ("Log.entryAdded", "Runtime.consoleAPICalled", "Runtime.exceptionThrown")]

@@ -1,4 +1,5 @@
-"""What the tests of `pliant report` share: running the tool, reports of bakes by hand, an asset with the pose names of a stranger."""
+"""What the tests of `pliant report` share: running the tool, reports of bakes by hand,
+an asset with the pose names of a stranger."""
 import json
 import struct
 import subprocess
@@ -19,12 +20,13 @@ def run(tool, *arguments, code=0):
 
 
 def information(tool, asset):
-    return json.loads(subprocess.run([tool, "info", "--json", str(asset)], capture_output=True, check=True, timeout=60).stdout)
+    return json.loads(subprocess.run([tool, "info", "--json", str(asset)], capture_output=True, check=True,
+                                     timeout=60).stdout)
 
 
 def rename_poses(source, target, names):
-    """The asset with other names of poses, which together need as many bytes as the old ones have. Its checksums are then wrong, which
-    opening does not look at."""
+    """The asset with other names of poses, which together need as many bytes as the old ones have. Its checksums are then
+    wrong, which opening does not look at."""
     blob = bytearray(source.read_bytes())
     start = blob.find(b"pose 0\0")
     size = len(b"".join(b"pose %d\0" % k for k in range(len(names))))
@@ -48,8 +50,8 @@ def write_report(tool, source, path, /, **changes):
     """What `pliant bake --report` would have said of the asset."""
     report = information(tool, source)["certificate"]
     report.update(seconds={"load": 0.25, "subspace": 12.5}, asset=source.name, cubature_residual=1e-3,
-                  warnings=[dict(number=2204, where="rest.obj:7", what="faces 0 and 1 run along their edge", hint="turn <one>",
-                                 vertices=[], faces=[0, 1])])
+                  warnings=[dict(number=2204, where="rest.obj:7", what="faces 0 and 1 run along their edge",
+                                 hint="turn <one>", vertices=[], faces=[0, 1])])
     report.update(changes)
     path.write_text(json.dumps({key: value for key, value in report.items() if value is not None}))
 
@@ -94,8 +96,8 @@ def bake_shapes(tool, folder, name, shapes, dimension):
         poses.append(folder / f"{name}_{k}.off")
         poses[-1].write_text(shape)
     (folder / "out").mkdir(exist_ok=True)
-    run(tool, "bake", *poses, "-o", folder / "out" / f"{name}.pliant", "--report", folder / f"{name}.json", "--dim", dimension,
-        "--elements", 2 * dimension + 4, "-q")
+    run(tool, "bake", *poses, "-o", folder / "out" / f"{name}.pliant", "--report", folder / f"{name}.json", "--dim",
+        dimension, "--elements", 2 * dimension + 4, "-q")
     return folder / f"{name}.json"
 
 

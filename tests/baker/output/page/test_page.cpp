@@ -239,17 +239,19 @@ TEST_CASE("a report that is none is refused by number: P5301 to P5304")
     CHECK(number_of(R"({"seconds":{}})") == 5303);
     CHECK(number_of(R"({"asset":"a","seconds":{}})") == 0);
     CHECK(number_of(R"({"asset":"a","seconds":{},"warnings":[]})") == 0);
-    for (
-        const char* wrong :
-        { R"({"asset":7,"seconds":{}})", R"({"asset":"","seconds":{}})", R"({"asset":"a\u0000b","seconds":{}})",
-          R"({"asset":"a"})", R"({"asset":"a","seconds":[1]})", R"({"asset":"a","seconds":{"x":"1"}})",
-          R"({"asset":"a","seconds":{"x":-1}})", R"({"asset":"a","seconds":{"x":null}})",
-          R"({"asset":"a","seconds":{},"warnings":{}})", R"({"asset":"a","seconds":{},"warnings":[1]})",
-          R"({"asset":"a","seconds":{},"warnings":[{}]})",
-          R"({"asset":"a","seconds":{},"warnings":[{"number":99999,"where":"","what":"","hint":"","vertices":[],"faces":[]}]})",
-          R"({"asset":"a","seconds":{},"warnings":[{"number":1,"where":"","what":1,"hint":"","vertices":[],"faces":[]}]})",
-          R"({"asset":"a","seconds":{},"warnings":[{"number":1,"where":"","what":"","hint":"","vertices":[-1],"faces":[]}]})",
-          R"({"asset":"a","seconds":{},"warnings":[{"number":1,"where":"","what":"","hint":"","vertices":[],"faces":[4294967296]}]})" }) {
+    for (const char* wrong :
+         { R"({"asset":7,"seconds":{}})", R"({"asset":"","seconds":{}})", R"({"asset":"a\u0000b","seconds":{}})",
+           R"({"asset":"a"})", R"({"asset":"a","seconds":[1]})", R"({"asset":"a","seconds":{"x":"1"}})",
+           R"({"asset":"a","seconds":{"x":-1}})", R"({"asset":"a","seconds":{"x":null}})",
+           R"({"asset":"a","seconds":{},"warnings":{}})", R"({"asset":"a","seconds":{},"warnings":[1]})",
+           R"({"asset":"a","seconds":{},"warnings":[{}]})",
+           R"({"asset":"a","seconds":{},"warnings":[{"number":99999,"where":"","what":"","hint":"",)"
+           R"("vertices":[],"faces":[]}]})",
+           R"({"asset":"a","seconds":{},"warnings":[{"number":1,"where":"","what":1,"hint":"","vertices":[],"faces":[]}]})",
+           R"({"asset":"a","seconds":{},"warnings":[{"number":1,"where":"","what":"","hint":"",)"
+           R"("vertices":[-1],"faces":[]}]})",
+           R"({"asset":"a","seconds":{},"warnings":[{"number":1,"where":"","what":"","hint":"",)"
+           R"("vertices":[],"faces":[4294967296]}]})" }) {
         CAPTURE(wrong);
         CHECK(number_of(wrong) == 5302);
     }

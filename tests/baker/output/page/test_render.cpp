@@ -35,7 +35,7 @@ struct Scene {
             colours.push_back(colour);
         }
     }
-    RenderMesh mesh() const { return { positions, normals, triangles.data(), triangles.size() / 3, &colours }; }
+    PictureMesh mesh() const { return { positions, normals, triangles.data(), triangles.size() / 3, &colours }; }
 };
 
 constexpr Colour red { 0.8f, 0, 0 }, blue { 0, 0, 0.8f };
@@ -148,7 +148,7 @@ TEST_CASE("a marked triangle shows in the signal colour")
     scene.add({ { { 0, 0, 0 }, { 10, 0, 0 }, { 0, 10, 0 } } }, { 0.5f, 0.5f, 0.5f });
     scene.add({ { { 10, 10, 0 }, { 20, 10, 0 }, { 10, 20, 0 } } }, { 0.5f, 0.5f, 0.5f });
     const std::vector<bool> is_marked { false, true };
-    RenderMesh mesh = scene.mesh();
+    PictureMesh mesh = scene.mesh();
     mesh.is_marked = &is_marked;
     const Image image = render(mesh, flat_camera(20, 20));
     CHECK(image.at(2, 2)[0] == image.at(2, 2)[2]);

@@ -1,6 +1,6 @@
-"""test_report_browser.py TOOL ASSETS...: pages of `pliant report` in headless Chromium, on a wide screen and a telephone, light and dark:
-nothing is asked of the network, nothing is complained of, nothing is wider than the screen, every picture is there, it prints.
-Screenshots stay in the folder report_pages. Skips without Chromium."""
+"""test_report_browser.py TOOL ASSETS...: pages of `pliant report` in headless Chromium, on a wide screen and a telephone,
+light and dark: nothing is asked of the network, nothing is complained of, nothing is wider than the screen, every picture is
+there, it prints. Screenshots stay in the folder report_pages. Skips without Chromium."""
 import pathlib
 import sys
 
@@ -8,7 +8,8 @@ from browser import Browser
 from support import bake_shapes, check, hostile_names, information, rename_poses, run, tube
 
 # Widths of what stands out on the right, of pictures that were not decoded, and the colour of the page.
-MEASURE = """({ width: document.documentElement.scrollWidth, broken: [...document.images].filter(i => !i.naturalWidth).length,
+MEASURE = """({ width: document.documentElement.scrollWidth,
+  broken: [...document.images].filter(i => !i.naturalWidth).length,
   pictures: document.images.length, paper: getComputedStyle(document.body).backgroundColor,
   wide: [...document.querySelectorAll('main *')].filter(e => e.getBoundingClientRect().right > innerWidth + 1)
     .slice(0, 5).map(e => e.outerHTML.slice(0, 80)) })"""
@@ -23,7 +24,8 @@ def check_page(browser, page, folder):
         check(not said, f"{where}: the console says {said}")
         found = browser.evaluate(MEASURE)
         check(found["width"] <= width and not found["wide"], f"{where}: {found['width']} wide, because of {found['wide']}")
-        check(found["pictures"] > 0 and not found["broken"], f"{where}: {found['broken']} of {found['pictures']} pictures are broken")
+        check(found["pictures"] > 0 and not found["broken"],
+              f"{where}: {found['broken']} of {found['pictures']} pictures are broken")
         papers.add(found["paper"])
         browser.screenshot(folder / f"{page.stem}_{width}_{scheme}.png")
     check(len(papers) == 2, f"{page.name}: dark looks as light does")

@@ -1,5 +1,5 @@
-"""test_report_verb.py TOOL ASSETS...: `pliant report` on small assets of 2 to 12 poses, surfaces and solids; on the report of a real
-bake; on names and reports of strangers."""
+"""test_report_verb.py TOOL ASSETS...: `pliant report` on small assets of 2 to 12 poses, surfaces and solids; on the report
+of a real bake; on names and reports of strangers."""
 import base64
 import html
 import json
@@ -12,7 +12,8 @@ from support import bake_shapes, book, check, hostile_names, information, png_si
 
 PICTURES = re.compile(r'<img src="data:image/png;base64,([A-Za-z0-9+/=]+)" width="(\d+)" height="(\d+)"')
 # What a page may name: itself (#...) and pictures inside it.
-REFERENCES = re.compile(r'(?:src|href|action|data|srcset|poster)\s*=\s*["\']?([^"\'\s>]*)|url\(|@import|<(?:script|link|iframe|object|embed|base)\b')
+REFERENCES = re.compile(r'(?:src|href|action|data|srcset|poster)\s*=\s*["\']?([^"\'\s>]*)'
+                        r'|url\(|@import|<(?:script|link|iframe|object|embed|base)\b')
 
 
 def check_page(path, poses, size_limit=2 << 20):
@@ -25,7 +26,8 @@ def check_page(path, poses, size_limit=2 << 20):
     check(len(pictures) >= poses + 3 + 2 * edges, f"{path}: {len(pictures)} pictures of {poses} poses")
     for data, width, height in pictures:
         png = base64.b64decode(data, validate=True)
-        check(png.startswith(b"\x89PNG") and png_size(png) == (int(width), int(height)), f"{path}: a picture is no PNG of its size")
+        check(png.startswith(b"\x89PNG") and png_size(png) == (int(width), int(height)),
+              f"{path}: a picture is no PNG of its size")
     return text
 
 
@@ -39,7 +41,8 @@ def check_assets(tool, assets, folder):
         run(tool, "report", asset, "-o", page, "-q")
         check(page.read_bytes() == first, f"{asset}: two pages of one asset differ")
         for chunk in info["chunks"]:
-            check(f'>{chunk["tag"]}</span>' in text and f'{chunk["size"]:,}' in text, f'{asset}: {chunk["tag"]} is not on the page')
+            check(f'>{chunk["tag"]}</span>' in text and f'{chunk["size"]:,}' in text,
+                  f'{asset}: {chunk["tag"]} is not on the page')
         check(all(html.escape(name) in text for name in info["poses"]), f"{asset}: a pose is not named")
 
 
@@ -73,8 +76,8 @@ def check_reports(tool, asset, folder):
     for part in ("12.5 s", "subspace", "98.0 %", "P2204", "turn &lt;one&gt;", "<circle class=\"", ">face 0</title>"):
         check(part in text, f"{part} is not on the page")
     page.unlink()
-    for number, changes in ((5302, dict(asset=7)), (5302, dict(seconds={"x": "y"})), (5302, dict(warnings={})), (5303, dict(asset=None)),
-                            (5304, dict(writer="another")), (2001, dict(asset="absent.pliant"))):
+    for number, changes in ((5302, dict(asset=7)), (5302, dict(seconds={"x": "y"})), (5302, dict(warnings={})),
+                            (5303, dict(asset=None)), (5304, dict(writer="another")), (2001, dict(asset="absent.pliant"))):
         write_report(tool, copy, report, **changes)
         said = run(tool, "report", report, "-o", page, code=3)
         check(f"error P{number}: " in said and "hint: " in said, f"{changes}: {said}")
@@ -99,7 +102,8 @@ def check_bake(tool, folder):
     run(tool, "report", folder / "tube.json", "-o", folder / "tube.html")
     text = check_page(folder / "tube.html", 2)
     check(all(f">{stage}</span>" in text for stage in report["seconds"]), "a stage is not on the page")
-    check("P2204" in text and 'class="curve"' in text and "Tolerance" in text, "warning, curve or verdict is not on the page")
+    check("P2204" in text and 'class="curve"' in text and "Tolerance" in text,
+          "warning, curve or verdict is not on the page")
     # What was found while baking has its place in the picture, too.
     page = folder / "book.html"
     source = bake_shapes(tool, folder, "book", [book(0.0), book(2.6)], 2)
