@@ -157,7 +157,7 @@ void start_what_fits(std::vector<BatchJob>& jobs, const BatchOptions& options, S
     for (std::ptrdiff_t id; (id = schedule.next(children.running_count())) >= 0;) {
         const BatchJob& job = jobs[std::size_t(id)];
         if (!options.is_quiet)
-            tell(fmt::format("{}: started, {} and {:.0f} s expected", job.name, size_text(job.estimated_memory),
+            tell(fmt::format("{}: started; estimate: {} of memory, {:.0f} s", job.name, size_text(job.estimated_memory),
                              job.estimated_seconds));
         children.start(std::size_t(id), arguments_of(job, "", options.is_quiet));
     }

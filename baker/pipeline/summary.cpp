@@ -116,8 +116,8 @@ std::string plan_table(const std::vector<BatchJob>& jobs)
         ++count;
     }
     return text
-        + fmt::format("{} of {} to be baked, roughly {:.0f} s of work, the largest {}\n", count, jobs.size(), seconds,
-                      size_text(memory));
+        + fmt::format("{} of {} to be baked; estimate: {:.0f} s of work, at most {} of memory per bake\n", count,
+                      jobs.size(), seconds, size_text(memory));
 }
 
 std::string summary_table(const std::vector<BatchJob>& jobs)

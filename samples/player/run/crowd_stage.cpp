@@ -60,7 +60,7 @@ bool CrowdStage::rebuild_on_gpu(bool on)
         if (on_gpu_ != on) times_ = {}; // medians must not mix the two
         on_gpu_ = on;
     } catch (const Error& error) {
-        std::fprintf(stderr, "pliant-player: warning P%d: %s; the processor does it\n", static_cast<int>(error.number),
+        std::fprintf(stderr, "pliant-player: warning P%d: %s; the CPU is used instead\n", static_cast<int>(error.number),
                      error.what());
     }
     return on_gpu_ == on;
