@@ -11,7 +11,9 @@
      the `pliant` tool does.
 
    @par Terms
-     - q: the reduced coordinates of a shape (d floats); positions are linear in q. z: the same whitened, q = mean + S z.
+     - q: the reduced coordinates of a shape (d floats); positions are linear in q.
+     - z: the solver's own coordinates; q = mean + S z, with the asset's mean and whitening matrix S.
+     - Unreduced average: the exact blend on the full mesh, as the baker computes it.
      - Surrogate energy: what the solver minimises instead of the full elastic energy: a few elements, or one quartic.
      - Predictor: a function of the weights (radial basis functions) that estimates the minimiser; the solver starts there.
      - Dead load: a force that depends on the weights only; it moves the surrogate's minimisers to the unreduced averages.
@@ -30,7 +32,7 @@
      A pliant_asset is read-only after opening and may be shared by threads. A pliant_solver belongs to one thread at a
      time. Calls on different solvers never touch the same memory.
    @par Determinism
-     The same asset, weights and call history give the same bits, whatever the compiler, the optimisation level and the
+     The same asset, weights and call history give the same bits, with gcc and clang, at any optimisation level and any
      vector width of the processor. The library must be compiled without floating-point contraction and fast-math, as
      the CMake project does.
    @par Platforms

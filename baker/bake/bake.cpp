@@ -17,7 +17,7 @@ namespace pliant {
 
 namespace {
 
-// Vertices of the edges of damped hinges, the first of them, by the numbers of the files.
+// At most Diagnostic::element_limit vertices on damped hinges, as numbered in the files.
 std::vector<std::uint32_t> foldover_vertices(const DiscreteShells& shells, const PoseSet& poses)
 {
     std::vector<std::uint32_t> out;
@@ -50,8 +50,8 @@ InputReport describe(const PoseSet& poses, const NormalizedPoses& set, const Ene
     return report;
 }
 
-// By the numbers of the files.
-std::vector<Branch> branches_of(const AverageFamily& family, const CheckedAsset& checked, const PoseSet& poses)
+// All branches, with vertices as numbered in the files.
+std::vector<Branch> all_branches(const AverageFamily& family, const CheckedAsset& checked, const PoseSet& poses)
 {
     std::vector<Branch> branches = family.branches();
     branches.insert(branches.end(), checked.branches.begin(), checked.branches.end());
@@ -59,13 +59,14 @@ std::vector<Branch> branches_of(const AverageFamily& family, const CheckedAsset&
     return branches;
 }
 
-// The bytes with their certificate, opened once more.
-std::vector<std::uint8_t> finish(const CheckedAsset& checked, const std::string& certificate)
+// The bytes with their certificate. Throws Failure if the runtime does not open them.
+std::vector<std::uint8_t> encode_certified(const CheckedAsset& checked, const std::string& certificate)
 {
     AssetRecord record = checked.record;
     record.certificate = certificate;
     std::vector<std::uint8_t> bytes = encode_asset(checked.asset, record);
-    RuntimeBlender(bytes, "the asset just baked", true);
+    constexpr bool verify_checksums = true;
+    const RuntimeBlender opened(bytes, "the asset just baked", verify_checksums);
     return bytes;
 }
 
@@ -85,10 +86,11 @@ BakedAsset bake(const PoseSet& poses, const BakeOptions& given, Progress& progre
     watch.end_stage("poses");
 
     AverageFamily family(pool, average_options(options, set), &progress);
+    family.mean(); // by continuation from every pose
     report.start_pose = family.start_pose();
     watch.end_stage("mean");
 
-    const AdaptiveSubspace found = find_subspace(family, pool, options, progress);
+    const FoundSubspace found = find_subspace(family, pool, options, progress);
     report.snapshot_count = found.averages.size();
     report.unconverged_snapshot_count = found.unconverged_count;
     watch.end_stage("subspace");
@@ -100,12 +102,12 @@ BakedAsset bake(const PoseSet& poses, const BakeOptions& given, Progress& progre
 
     const CheckedAsset checked = self_check({ poses, problem, fitted, pool }, options, progress);
     report.check = checked.report;
-    report.branches = branches_of(family, checked, poses);
+    report.branches = all_branches(family, checked, poses);
     report.factorization_count = pool.factorization_count();
     if (report.check.ties) use_file_numbers(poses.source_vertices, *report.check.ties);
     warn_of_blends(report, poses, options.energy, progress);
     report.certificate = write_certificate(report, options, poses.names);
-    std::vector<std::uint8_t> bytes = finish(checked, report.certificate);
+    std::vector<std::uint8_t> bytes = encode_certified(checked, report.certificate);
     watch.end_stage("check");
     report.stages = watch.stages();
     return { std::move(bytes), std::move(report) };

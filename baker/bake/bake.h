@@ -1,5 +1,4 @@
-// The baker's pipeline: poses in, asset out. Each stage takes values and returns its result and its part of the report by
-// value.
+// The baker's pipeline: poses in, asset out. Each stage returns its result by value, with its part of the report.
 #pragma once
 
 #include "bake/options.h"
@@ -15,8 +14,9 @@ struct BakedAsset {
     BakeReport report;
 };
 
-// Bakes. Throws Failure, or Interrupted through progress. Cost for some 15,000 vertices and 5 poses: minutes with the
-// adaptive subspace (4 to 8 measured, tests/bench/README.md), about one with krylov.
+// Bakes. Throws Failure, or Interrupted through progress. Cost for some 15,000 vertices and 5 poses: 5 to 15 minutes
+// with the adaptive subspace (tests/bench/README.md), about one with krylov. Whether a missed tolerance is a failure is
+// decided by the caller (find_miss in warnings.h).
 BakedAsset bake(const PoseSet& poses, const BakeOptions& options, Progress& progress);
 
 } // namespace pliant

@@ -4,6 +4,7 @@
 #include "base/weights/sampling.h"
 #include "elastic/average/rigid_modes.h"
 #include "elastic/average/sweep.h"
+#include "pliant_format.h"
 #include "reduced/subspace/barbic.h"
 #include "reduced/subspace/krylov.h"
 
@@ -14,11 +15,9 @@ namespace pliant {
 
 namespace {
 
-// The runtime holds at most this many dimensions (formats/SPEC.md); an adaptive basis stops at a quarter of it, where frames
-// stay cheap.
-constexpr Eigen::Index format_dimension_limit = 256;
+constexpr Eigen::Index dimension_limit = PLIANT_FORMAT_MAX_DIMENSION;
 
-constexpr double default_tolerance = 1e-3;
+const double default_tolerance = BakeOptions().tolerance;
 
 // Averages are wanted to this part of the tolerance.
 constexpr double average_share = 0.05;
@@ -48,21 +47,19 @@ namespace {
 Subspace build_fixed_subspace(SolverPool& pool, const BakeOptions& options, Progress& progress)
 {
     if (options.subspace == SubspaceKind::krylov)
-        return build_krylov_subspace(pool.at(0), { options.ritz_count, options.dimension, format_dimension_limit },
-                                     &progress);
-    return build_barbic_subspace(pool.at(0), { BarbicOptions().mode_count, options.dimension, format_dimension_limit },
-                                 &progress);
+        return build_krylov_subspace(pool.at(0), { options.ritz_count, options.dimension, dimension_limit }, &progress);
+    return build_barbic_subspace(pool.at(0), { BarbicOptions().mode_count, options.dimension, dimension_limit }, &progress);
 }
 
 } // namespace
 
-AdaptiveSubspace find_subspace(AverageFamily& family, SolverPool& pool, const BakeOptions& options, Progress& progress)
+FoundSubspace find_subspace(AverageFamily& family, SolverPool& pool, const BakeOptions& options, Progress& progress)
 {
     const std::size_t m = pool.set().pose_count();
     const std::vector<Weights> check_weights = draw_weights(options.seed + check_seed, m, options.check_count);
     const KnownAverage mean { equal_weights(m), family.mean().y };
     if (options.subspace != SubspaceKind::adaptive) {
-        AdaptiveSubspace out;
+        FoundSubspace out;
         out.subspace = build_fixed_subspace(pool, options, progress);
         out.checks = sweep(family, { mean }, check_weights, &progress);
         return out;

@@ -20,8 +20,8 @@ namespace {
 // many times as much: the table grows with the fourth power of the dimension.
 constexpr Eigen::Index quartic_dimension_wanted = 32;
 
-// Being off by the tolerance may cost this part of the energy of the mean; what would cost less follows the true average,
-// what would cost more the energy (training_of). With a much larger part training shapes get creased.
+// Share of the mean's energy that an error of one tolerance may cost. Soft directions then follow the unreduced average,
+// stiff ones the energy (training_of). With a much larger share training shapes get creased.
 constexpr double nearness_share = 0.003;
 
 double nearness_wanted(const NormalizedPoses& set, double mean_energy, double tolerance)
@@ -31,7 +31,7 @@ double nearness_wanted(const NormalizedPoses& set, double mean_energy, double to
 }
 
 // Fewer dimensions than it takes to hold the checks themselves to the tolerance need not be tried.
-Eigen::Index least_dimension(const NormalizedPoses& set, const AdaptiveSubspace& found, double tolerance)
+Eigen::Index least_dimension(const NormalizedPoses& set, const FoundSubspace& found, double tolerance)
 {
     const Eigen::Index most = found.subspace.dimension();
     Eigen::VectorXd mean = Eigen::VectorXd::Zero(most + 1); // distance of the averages from the first d dimensions

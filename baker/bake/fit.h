@@ -10,15 +10,15 @@
 
 namespace pliant {
 
-// What a fit works on. Borrowed: all must outlive it, and what comes of it.
+// What a fit works on. All four must outlive the problem and the FittedModel.
 struct FitProblem {
     const NormalizedPoses& set;
     const Energy& energy;
     AverageFamily& family;
-    const AdaptiveSubspace& found;
+    const FoundSubspace& found;
 };
 
-// The runtime's problem with what it lives on. Borrows the averages of `found` and the energy.
+// What the runtime will solve, with the data that it was fitted to. Refers to the averages of `found` and to the energy.
 struct FittedModel {
     Subspace subspace; // the leading dimensions of the one found
     TrainingSet training;

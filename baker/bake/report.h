@@ -49,8 +49,8 @@ struct FitReport {
 struct BlendCheck {
     Weights weights;
     ShapeError error;
-    // Smallest area of a triangle over the smallest it has in any pose; of a solid the smallest J = volume of a tetrahedron
-    // over the largest it has in any pose.
+    // The smallest ratio of a triangle's area to its smallest area in any pose; of a solid the smallest J: the ratio of a
+    // tetrahedron's volume to its largest volume in any pose.
     double cell_ratio = 1;
     bool is_fresh = false;     // nothing was chosen by it
     bool has_converged = true; // the unreduced average

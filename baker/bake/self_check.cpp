@@ -98,7 +98,7 @@ double smallest_cell_ratio(const NormalizedPoses& set, const Shape& blend)
     return cell_sizes(set, blend).cwiseQuotient(unit).minCoeff();
 }
 
-// Unreduced averages at fresh weights, looked for from the blends there.
+// Unreduced averages at fresh weights, reached from the mean, and whether another one is next to the blend.
 std::vector<CheckPoint> fresh_averages(OpenedAsset& opened, const AverageFamily& family, const BakeOptions& options,
                                        Progress& progress)
 {
@@ -153,7 +153,7 @@ CheckReport compare_with_averages(OpenedAsset& opened, const SolverPool& pool, c
     return report;
 }
 
-std::vector<Branch> branches_of(const std::vector<CheckPoint>& points)
+std::vector<Branch> found_branches(const std::vector<CheckPoint>& points)
 {
     std::vector<Branch> branches;
     for (const CheckPoint& point : points) branches.insert(branches.end(), point.branches.begin(), point.branches.end());
@@ -203,14 +203,14 @@ CheckedAsset self_check(const CheckProblem& p, const BakeOptions& options, Progr
     std::vector<CheckPoint> points = p.fit.found.checks;
     points.insert(points.end(), fresh.begin(), fresh.end());
     CheckReport report = compare_with_averages(opened, p.pool, points, fresh.size(), options);
-    const auto finish = [&](OpenedAsset& last, AssetModel asset) -> CheckedAsset {
+    const auto complete = [&](OpenedAsset& last, AssetModel asset) -> CheckedAsset {
         report.basis = check_basis(last.blender(), asset, reachable);
         AssetRecord record = make_record(last, training);
         report.runtime_error = std::max(report.runtime_error, compare_with_model(last, asset, record.answers));
-        return { std::move(asset), std::move(record), std::move(report), branches_of(points) };
+        return { std::move(asset), std::move(record), std::move(report), found_branches(points) };
     };
     const std::shared_ptr<const RenderMesh> drawn = render_mesh_of(p.poses, options);
-    if (!drawn) return finish(opened, simulated);
+    if (!drawn) return complete(opened, simulated);
     report.runtime_error = compare_with_model(opened, simulated, collect_answers(opened, training));
     // Its coordinates may be others: what single precision does as well stays in it.
     const AssetModel rendered = assemble_with(stored_render_mesh(*drawn, p.poses, options));
@@ -218,7 +218,7 @@ CheckedAsset self_check(const CheckProblem& p, const BakeOptions& options, Progr
     // Welded vertices are rows of the simulation mesh, so what was found at these holds there, too.
     if (options.render_mesh)
         report.render_mesh = check_render_mesh(opened_rendered.blender(), set, *options.render_mesh, points);
-    return finish(opened_rendered, rendered);
+    return complete(opened_rendered, rendered);
 }
 
 } // namespace pliant

@@ -1,4 +1,4 @@
-// How what was computed stands to what was asked for: the same warnings on the command line and in the Python package.
+// Compares a bake with its options: warnings and verdict, the same for the command line and the Python package.
 #pragma once
 
 #include "bake/report.h"

@@ -22,21 +22,21 @@ struct Branch {
     std::size_t vertex; // that moves most between them
 };
 
-// A shape that is an average for certain weights, in the gauge of pose 0.
+// A shape that is an average for certain weights, aligned to pose 0.
 struct KnownAverage {
     Weights weights;
     Shape shape;
 };
 
 struct FamilyPoint {
-    NewtonResult average; // in the gauge of pose 0
+    NewtonResult average; // aligned to pose 0
     std::vector<Branch> jumps;
 };
 
 // A blend that was compared with the reference average.
 struct CheckPoint {
     Weights weights;
-    Shape reference;          // in the gauge of pose 0
+    Shape reference;          // aligned to pose 0
     double error = 0;         // of the blend, relative L2
     double nearest_error = 0; // its distance from the average next to it: smaller, where that is another one
     bool has_converged = false;

@@ -103,7 +103,8 @@ void DiscreteShells::evaluate(std::size_t element, const double* weights, const 
         evaluate_face(element - hinges_.size(), weights, x, order, kind, result);
 }
 
-// sum_k w_k beta_k (t - s_k)^2, t the angle relative to the centre.
+// sum_k w_k beta_k (t - s_k)^2: t the dihedral angle, s_k that of pose k, both relative to the centre of their range;
+// beta_k = 3 thickness^2 l_k^2 / A_k with edge length l_k and area A_k of the two faces (measure_hinges).
 void DiscreteShells::evaluate_hinge(std::size_t hinge, const double* weights, const double* x, Order order, HessianKind kind,
                                     ElementResult& result) const
 {

@@ -37,7 +37,7 @@ struct RuntimeElement {
     Eigen::MatrixXd pose_numbers; // m x K
 };
 
-// The baker's only virtual interface. Immutable after construction: may be shared by threads.
+// The only virtual interface of the mathematics. Immutable after construction: may be shared by threads.
 class Energy {
 public:
     virtual ~Energy() = default;

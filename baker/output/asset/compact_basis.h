@@ -1,4 +1,4 @@
-// The basis of an asset in few bits: chunk BASC of formats/SPEC.md.
+// The basis of an asset quantised to few bits: chunk BASC of formats/SPEC.md.
 #pragma once
 
 #include <Eigen/Core>

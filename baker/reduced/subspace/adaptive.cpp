@@ -13,7 +13,7 @@ namespace {
 // More snapshots for a dimension that was asked for come in groups of this.
 constexpr std::size_t batch_size = 8;
 
-void add(AdaptiveSubspace& out, std::vector<CheckPoint> points)
+void add(FoundSubspace& out, std::vector<CheckPoint> points)
 {
     for (CheckPoint& point : points) {
         out.unconverged_count += !point.has_converged;
@@ -23,12 +23,12 @@ void add(AdaptiveSubspace& out, std::vector<CheckPoint> points)
 
 } // namespace
 
-AdaptiveSubspace build_adaptive_subspace(const AverageFamily& family, const KnownAverage& mean,
-                                         const std::vector<Weights>& training, const std::vector<Weights>& check_weights,
-                                         const AdaptiveOptions& options, Progress* progress)
+FoundSubspace build_adaptive_subspace(const AverageFamily& family, const KnownAverage& mean,
+                                      const std::vector<Weights>& training, const std::vector<Weights>& check_weights,
+                                      const AdaptiveOptions& options, Progress* progress)
 {
     const NormalizedPoses& set = family.pool().set();
-    AdaptiveSubspace out;
+    FoundSubspace out;
     out.averages.push_back(mean);
     add(out, sweep(family, out.averages, { training.begin() + 1, training.end() }, progress));
     Random random(options.seed);

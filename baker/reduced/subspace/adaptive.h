@@ -15,7 +15,7 @@ struct AdaptiveOptions {
     std::uint64_t seed = 1;
 };
 
-struct AdaptiveSubspace {
+struct FoundSubspace {
     Subspace subspace;                  // leading directions first: fewer columns are the best smaller space
     std::vector<KnownAverage> averages; // full ones: the mean, those at the training weights, more for a dimension asked for
     std::vector<CheckPoint> checks;     // at `check_weights`; their errors are not set
@@ -26,8 +26,8 @@ struct AdaptiveSubspace {
 // Algorithm 1 stalls (reduced/THEORY.md, section 1). Averages at the training weights (the equal ones first, where `mean`
 // is) are followed from each other; differences of the poses are kept exactly, and of the averages the leading directions.
 // No snapshot is taken at the checks.
-AdaptiveSubspace build_adaptive_subspace(const AverageFamily& family, const KnownAverage& mean,
-                                         const std::vector<Weights>& training, const std::vector<Weights>& check_weights,
-                                         const AdaptiveOptions& options, Progress* progress);
+FoundSubspace build_adaptive_subspace(const AverageFamily& family, const KnownAverage& mean,
+                                      const std::vector<Weights>& training, const std::vector<Weights>& check_weights,
+                                      const AdaptiveOptions& options, Progress* progress);
 
 } // namespace pliant

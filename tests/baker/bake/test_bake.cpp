@@ -127,8 +127,7 @@ TEST_CASE("the adaptive subspace converges in d, far below Algorithm 1, and fill
     for (std::size_t i = 0; i < 9; ++i) weights.push_back(mixed_weights(random, 3, i));
     const KnownAverage mean { equal_weights(3), family.mean().y };
     AdaptiveOptions options;
-    const AdaptiveSubspace found
-        = build_adaptive_subspace(family, mean, training_weights(3, 24, 1), weights, options, nullptr);
+    const FoundSubspace found = build_adaptive_subspace(family, mean, training_weights(3, 24, 1), weights, options, nullptr);
     CHECK(found.unconverged_count == 0);
     CHECK(found.checks.size() == weights.size());
     CHECK(found.averages.size() >= 24);
@@ -143,8 +142,7 @@ TEST_CASE("the adaptive subspace converges in d, far below Algorithm 1, and fill
     CHECK(10 * few.mean < error_of(build_krylov_subspace(pool.at(0), { 2, 9, 256 }, nullptr)).mean);
 
     options.dimension = 18;
-    const AdaptiveSubspace filled
-        = build_adaptive_subspace(family, mean, training_weights(3, 4, 1), weights, options, nullptr);
+    const FoundSubspace filled = build_adaptive_subspace(family, mean, training_weights(3, 4, 1), weights, options, nullptr);
     CHECK(filled.subspace.dimension() == 18);
 }
 
