@@ -3,6 +3,7 @@
 
 #include "bake/options.h"
 #include "bake/report.h"
+#include "base/common/diagnostics.h"
 
 #include <optional>
 

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "bake/report.h"
+#include "base/common/diagnostics.h"
 #include "base/common/progress.h"
 #include "elastic/average/family.h"
 

@@ -92,7 +92,8 @@ def circles(graph):
         for target, place in sorted(graph.get(unit, {}).items()):
             if state.get(target) == "open":
                 circle = way[way.index(target):] + [target]
-                faults.append(f"{place}: circle of units: {' -> '.join(circle)}")
+                places = [graph[one][next_one] for one, next_one in zip(circle, circle[1:])]
+                faults.append(f"{place}: circle of units: {' -> '.join(circle)} ({', '.join(places)})")
             elif target not in state:
                 visit(target, way + [target])
         state[unit] = "done"

@@ -1,6 +1,7 @@
 #include "output/asset/check_render_mesh.h"
 
 #include "elastic/average/shape_error.h"
+#include "output/asset/runtime_blender.h"
 
 #include <algorithm>
 

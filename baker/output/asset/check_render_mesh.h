@@ -4,9 +4,10 @@
 
 #include "base/mesh/render_mesh.h"
 #include "elastic/average/family.h"
-#include "output/asset/runtime_blender.h"
 
 namespace pliant {
+
+class RuntimeBlender;
 
 // At the vertices of the surface, weighted by its area; as ShapeError.
 struct RenderMeshErrors {

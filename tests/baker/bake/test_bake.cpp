@@ -12,6 +12,7 @@
 #include "elastic/average/sweep.h"
 #include "input/io/write_file.h"
 #include "output/asset/runtime_blender.h"
+#include "reduced/subspace/adaptive.h"
 #include "reduced/subspace/krylov.h"
 
 #include <doctest/doctest.h>

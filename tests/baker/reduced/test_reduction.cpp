@@ -5,6 +5,7 @@
 #include "bake/bake.h"
 #include "bake/make_energy.h"
 #include "base/weights/radial_function.h"
+#include "base/weights/sampling.h"
 #include "elastic/average/rigid_modes.h"
 #include "reduced/subspace/krylov.h"
 #include "reduced/surrogate/ghost.h"
@@ -298,11 +299,11 @@ TEST_CASE("a predictor interpolates its data and reproduces linear functions")
 {
     Random random(3);
     std::vector<Weights> centres;
-    for (int i = 0; i < 30; ++i) centres.push_back(random.weights(4, i % 2 == 0));
+    for (int i = 0; i < 30; ++i) centres.push_back(random_weights(random, 4, i % 2 == 0));
     Eigen::MatrixXd slope(5, 4), values(5, 30);
     for (Eigen::Index i = 0; i < slope.size(); ++i) slope.data()[i] = random.normal();
     for (Eigen::Index i = 0; i < 30; ++i) values.col(i) = slope * centres[std::size_t(i)];
-    const Weights w = random.weights(4, false);
+    const Weights w = random_weights(random, 4, false);
     CHECK((fit_radial_function(centres, values)(w) - slope * w).norm() < 1e-10);
     for (Eigen::Index i = 0; i < values.size(); ++i) values.data()[i] = random.normal();
     const RadialFunction predictor = fit_radial_function(centres, values);

@@ -1,7 +1,7 @@
 /* shapes ASSET.pliant OUT.bin: what the C runtime makes of 40 random weights, for test_morph.py to compare with a GLB: for
    each the weights, q, the morph weights and the boundary's positions, as floats. Exit code 3: the asset has no morph
    ranges. */
-#include "../runtime/support.h"
+#include "../../../runtime/support.h"
 
 int main(int argc, char** argv)
 {
