@@ -9,6 +9,7 @@
 #include "base/mesh/weld.h"
 #include "input/io/encode_ply.h"
 #include "input/poses/load_poses.h"
+#include "output/asset/asset_facts.h"
 #include "output/asset/runtime_blender.h"
 
 #include <algorithm>
