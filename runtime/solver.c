@@ -128,7 +128,7 @@ void pliant_solver_reset(pliant_solver* solver)
 
 /* ------------------------------------------------------------------------------------------------------ weights ---- */
 
-static pliant_result judge_weights(const float* weights, uint32_t count)
+static pliant_result check_weights(const float* weights, uint32_t count)
 {
     float largest = 0.0f;
     for (uint32_t k = 0; k < count; ++k)
@@ -345,7 +345,7 @@ pliant_result pliant_solve(pliant_solver* solver, const float* weights, float* q
 {
     if (!solver || solver->magic != SOLVER_MAGIC || !weights || !q) return PLIANT_ERROR_ARGUMENT;
     const uint32_t m = solver->asset.pose_count;
-    const pliant_result result = judge_weights(weights, m);
+    const pliant_result result = check_weights(weights, m);
     if (result != PLIANT_OK) return result;
 
     normalise_weights(weights, m, solver->weights);

@@ -126,9 +126,9 @@ void warn_of_blends(const BakeReport& report, const PoseSet& poses, const Energy
     if (report.check.ties) warn_about_ties(*report.check.ties, drift_limit, progress);
 }
 
-void add_warnings(const std::vector<Diagnostic>& told, const BakeReport& report, std::vector<Diagnostic>& warnings)
+void add_warnings(const std::vector<Diagnostic>& warned, const BakeReport& report, std::vector<Diagnostic>& warnings)
 {
-    for (Diagnostic warning : told) {
+    for (Diagnostic warning : warned) {
         if (warning.number == 4403) warning = about_vertices(std::move(warning), report.input.foldover_vertices);
         if (report.check.ties && warning.number == 4409)
             warning = about_vertices(std::move(warning), loose_parts(*report.check.ties));

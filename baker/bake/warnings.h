@@ -45,6 +45,6 @@ void warn_of_foldover(const InputReport& input, const EnergyOptions& energy, Pro
 void warn_of_blends(const BakeReport& report, const PoseSet& poses, const EnergyOptions& energy, Progress& progress);
 
 // Adds to `warnings` what was warned of while baking, with the vertices that it is about.
-void add_warnings(const std::vector<Diagnostic>& told, const BakeReport& report, std::vector<Diagnostic>& warnings);
+void add_warnings(const std::vector<Diagnostic>& warned, const BakeReport& report, std::vector<Diagnostic>& warnings);
 
 } // namespace pliant

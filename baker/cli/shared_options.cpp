@@ -153,7 +153,7 @@ void add_json(CLI::App& verb, bool& is_json)
 
 namespace {
 
-void tell(const std::string& verb, const std::vector<Diagnostic>& warnings, std::vector<Diagnostic>* kept)
+void report_warnings(const std::string& verb, const std::vector<Diagnostic>& warnings, std::vector<Diagnostic>* kept)
 {
     for (const Diagnostic& warning : warnings) print_finding(verb, warning);
     if (kept) kept->insert(kept->end(), warnings.begin(), warnings.end());
@@ -171,7 +171,7 @@ PoseSet load_with_warnings(const std::string& verb, const std::vector<std::strin
     load.weld_tolerance = options.weld_tolerance;
     std::vector<Diagnostic> warnings;
     PoseSet poses = load_poses(paths, load, &warnings);
-    tell(verb, warnings, kept);
+    report_warnings(verb, warnings, kept);
     return poses;
 }
 
@@ -180,7 +180,7 @@ RenderMesh load_surface_with_warnings(const std::string& verb, const std::string
 {
     std::vector<Diagnostic> warnings;
     RenderMesh surface = load_render_mesh(path, poses, &warnings);
-    tell(verb, warnings, kept);
+    report_warnings(verb, warnings, kept);
     return surface;
 }
 

@@ -47,7 +47,7 @@ void print_summary(const BakeRequest& a, const BakedAsset& baked)
 }
 
 // A tolerance that was asked for and is missed: nothing is written, unless it is to be all the same.
-ExitCode judge_tolerance(const BakeRequest& a, const BakedAsset& baked, Progress& progress)
+ExitCode check_tolerance(const BakeRequest& a, const BakedAsset& baked, Progress& progress)
 {
     const std::optional<ToleranceMiss> miss = find_miss(baked.report, a.bake, a.has_tolerance);
     if (!miss) return ExitCode::done;
@@ -128,16 +128,16 @@ ExitCode run(BakeRequest& a, CLI::App& verb)
         return ExitCode::done;
     }
     const BakedAsset baked = bake(poses, a.bake, progress);
-    const ExitCode verdict = judge_tolerance(a, baked, progress);
+    const ExitCode outcome = check_tolerance(a, baked, progress);
     add_warnings(progress.warnings(), baked.report, warnings);
     StampContent stamp;
     if (!a.stamp.empty()) stamp.options = stamped_options(config, a.output);
-    stamp.exit_code = int(verdict);
+    stamp.exit_code = int(outcome);
     stamp.seconds = seconds_of(baked.report);
     write_outputs(a, baked, warnings, log.files(), std::move(stamp));
     progress.clear_line();
     if (!a.is_quiet) print_summary(a, baked);
-    return verdict;
+    return outcome;
 }
 
 } // namespace

@@ -46,7 +46,7 @@ std::vector<std::vector<float>> path_of(const Arguments& a, std::size_t pose_cou
     return path;
 }
 
-void tell(const Arguments& a, const ExportedFile& file)
+void print_summary(const Arguments& a, const ExportedFile& file)
 {
     const ExportReport& report = file.report;
     fmt::print("{}: {} vertices, {} triangles, {:.2f} MiB\n", a.output, report.vertex_count, report.triangle_count,
@@ -100,7 +100,7 @@ ExitCode run(const Arguments& a)
     for (const Diagnostic& warning : warnings_about(file.report)) print_finding("export", warning);
     write_output(a.output, file.bytes);
     progress.clear_line();
-    if (!a.is_quiet) tell(a, file);
+    if (!a.is_quiet) print_summary(a, file);
     return ExitCode::done;
 }
 

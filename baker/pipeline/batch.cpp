@@ -12,14 +12,14 @@
 namespace pliant {
 namespace {
 
-void tell(const std::string& text) { fmt::print(stderr, "pliant bake-all: {}\n", text); }
+void print_line(const std::string& text) { fmt::print(stderr, "pliant bake-all: {}\n", text); }
 
 // A line of a child under the name of its bake.
 ChildGroup::LineSink line_printer(const std::vector<BatchJob>& jobs)
 {
     return [&jobs](std::size_t id, const std::string& line) {
         const std::string prefix = "pliant bake: ";
-        tell(jobs[id].name + ": " + (line.rfind(prefix, 0) == 0 ? line.substr(prefix.size()) : line));
+        print_line(jobs[id].name + ": " + (line.rfind(prefix, 0) == 0 ? line.substr(prefix.size()) : line));
     };
 }
 
@@ -31,9 +31,9 @@ std::string missing_extra(const BatchJob& job)
     return {};
 }
 
-void judge(BatchJob& job, bool is_forced)
+void check_job(BatchJob& job, bool is_forced)
 {
-    const StampVerdict verdict = judge_stamp(job.options, job.output);
+    const StampVerdict verdict = check_stamp(job.options, job.output);
     job.reason = !verdict.reason.empty() ? verdict.reason : missing_extra(job);
     if (job.reason.empty() && is_forced) job.reason = "forced";
     if (!job.reason.empty()) return;
@@ -56,23 +56,23 @@ void take_estimate(BatchJob& job, const ChildEnd& end, double memory)
     job.estimated_memory = estimate.value("memory", 0.0);
     if (job.estimated_memory <= memory) return;
     job.outcome = Outcome::too_large;
-    tell(to_text(
+    print_line(to_text(
         error_at(4603, job.name,
                  fmt::format("needs {}, all bakes together may use {}", size_text(job.estimated_memory), size_text(memory)),
                  "raise --memory, lower --threads, or bake a coarser mesh")));
 }
 
 // How a child ended, unless it was well.
-void judge_end(BatchJob& job, const ChildEnd& end)
+void record_end(BatchJob& job, const ChildEnd& end)
 {
     job.exit_code = end.exit_code;
     job.signal = end.signal;
     if (end.signal != 0) {
         job.outcome = Outcome::crashed;
-        tell(to_text(error_at(4602, job.name, fmt::format("the bake was killed by signal {}", end.signal),
-                              end.signal == 9
-                                  ? "the system kills processes that use too much memory: lower --jobs or --memory"
-                                  : "please report this with its poses")));
+        print_line(to_text(error_at(4602, job.name, fmt::format("the bake was killed by signal {}", end.signal),
+                                    end.signal == 9
+                                        ? "the system kills processes that use too much memory: lower --jobs or --memory"
+                                        : "please report this with its poses")));
     } else if (end.exit_code == int(ExitCode::misses_tolerance)) {
         job.outcome = Outcome::misses_tolerance;
     } else if (end.exit_code == int(ExitCode::interrupted)) {
@@ -157,8 +157,8 @@ void start_what_fits(std::vector<BatchJob>& jobs, const BatchOptions& options, S
     for (std::ptrdiff_t id; (id = schedule.next(children.running_count())) >= 0;) {
         const BatchJob& job = jobs[std::size_t(id)];
         if (!options.is_quiet)
-            tell(fmt::format("{}: started; estimate: {} of memory, {:.0f} s", job.name, size_text(job.estimated_memory),
-                             job.estimated_seconds));
+            print_line(fmt::format("{}: started; estimate: {} of memory, {:.0f} s", job.name,
+                                   size_text(job.estimated_memory), job.estimated_seconds));
         children.start(std::size_t(id), arguments_of(job, "", options.is_quiet));
     }
 }
@@ -167,11 +167,11 @@ void take_end(BatchJob& job, const ChildEnd& end, const Schedule& schedule, bool
 {
     job.seconds = end.seconds;
     job.peak_memory = end.peak_memory;
-    judge_end(job, end);
+    record_end(job, end);
     if (job.outcome == Outcome::pending) job.outcome = Outcome::baked;
     if (!is_quiet)
-        tell(fmt::format("[{}/{}] {}: {} in {:.1f} s", schedule.done(), schedule.total(), job.name, name_of(job.outcome),
-                         job.seconds));
+        print_line(fmt::format("[{}/{}] {}: {} in {:.1f} s", schedule.done(), schedule.total(), job.name,
+                               name_of(job.outcome), job.seconds));
 }
 
 } // namespace
@@ -179,7 +179,7 @@ void take_end(BatchJob& job, const ChildEnd& end, const Schedule& schedule, bool
 bool plan_batch(std::vector<BatchJob>& jobs, const BatchOptions& options)
 {
     ChildGroup children(options.wake, line_printer(jobs));
-    for (BatchJob& job : jobs) judge(job, options.is_forced);
+    for (BatchJob& job : jobs) check_job(job, options.is_forced);
     std::size_t next = 0;
     for (;;) {
         for (; next < jobs.size() && children.running_count() < options.job_count; ++next)
@@ -192,7 +192,7 @@ bool plan_batch(std::vector<BatchJob>& jobs, const BatchOptions& options)
             return false;
         }
         for (const ChildEnd& end : ended) {
-            judge_end(jobs[end.id], end);
+            record_end(jobs[end.id], end);
             if (jobs[end.id].outcome == Outcome::pending) take_estimate(jobs[end.id], end, options.memory);
         }
     }

@@ -99,7 +99,7 @@ std::string write_stamp(const StampContent& content)
     return json_text(stamp) + "\n";
 }
 
-StampVerdict judge_stamp(const Json& options, const std::string& output)
+StampVerdict check_stamp(const Json& options, const std::string& output)
 {
     std::error_code error;
     if (!fs::exists(output, error)) return { "no asset yet" };

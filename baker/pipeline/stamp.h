@@ -35,6 +35,6 @@ struct StampVerdict {
     std::string reason;
     int exit_code = 0; // of the bake that the stamp tells of, if it is up to date
 };
-StampVerdict judge_stamp(const Json& options, const std::string& output);
+StampVerdict check_stamp(const Json& options, const std::string& output);
 
 } // namespace pliant

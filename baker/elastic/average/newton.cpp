@@ -133,11 +133,11 @@ NewtonResult NewtonSolver::minimize(const Weights& w, const Shape& start, const 
     result.y = start;
     result.energy = energy_value(energy_, w, start);
     int failures = 0, exact_pause = 0; // of the exact Hessian
-    const auto tell = [&] {
+    const auto report_progress = [&] {
         if (progress) progress->update("average", double(result.iterations) / options.max_iterations);
     };
     for (; result.iterations < options.max_iterations; ++result.iterations) {
-        tell();
+        report_progress();
         Shape gradient = Shape::Zero(start.size());
         double force_scale = 0;
         result.energy = add_gradient(energy_, w, result.y, gradient, &force_scale);
@@ -146,7 +146,7 @@ NewtonResult NewtonSolver::minimize(const Weights& w, const Shape& start, const 
         // Forces below the rounding of a unit-area surface with unit moduli are no forces: at a pose all of them vanish.
         result.residual = gradient.norm() / std::max(force_scale, 1e-12);
         const bool is_exact = factorize_model(w, result.y, exact_pause <= 0);
-        tell(); // the longest that an interrupt has to wait for is over
+        report_progress(); // the longest that an interrupt has to wait for is over
         if (is_exact)
             failures = 0;
         else if (exact_pause <= 0)

@@ -33,7 +33,7 @@ private:
     void leave_out_repeated();
     void leave_out_flat();
     void leave_out_duplicates();
-    bool judge_flat(const MeshFile& pose, const std::vector<FlatTriangle>& flat);
+    bool check_flat(const MeshFile& pose, const std::vector<FlatTriangle>& flat);
     Triangle welded(Index triangle) const;
     // One line for all: `what` says it of the first, `faces` are all.
     void warn(int number, const MeshFile& mesh, std::string what, std::vector<Index> faces);
@@ -124,7 +124,7 @@ void Builder::leave_out_flat()
         flat.erase(
             std::remove_if(flat.begin(), flat.end(), [&](const FlatTriangle& f) { return is_no_triangle[f.triangle]; }),
             flat.end());
-        const bool is_few = judge_flat(*mesh, flat);
+        const bool is_few = check_flat(*mesh, flat);
         std::vector<Index> faces;
         std::string what;
         for (const FlatTriangle& f : flat) {
@@ -142,7 +142,7 @@ void Builder::leave_out_flat()
 }
 
 // What is flat in one pose may be a large part of the body in another. False, and said, if it is too large.
-bool Builder::judge_flat(const MeshFile& pose, const std::vector<FlatTriangle>& flat)
+bool Builder::check_flat(const MeshFile& pose, const std::vector<FlatTriangle>& flat)
 {
     double worst = 0;
     const MeshFile* where = &first_;

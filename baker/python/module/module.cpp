@@ -46,7 +46,7 @@ void translate(const std::exception_ptr& exception, void*)
 }
 
 // Python hears of warnings by number, text and hint; where they are in a file stands in front of the text.
-void tell(const std::vector<Diagnostic>& warnings, Progress& progress)
+void report_warnings(const std::vector<Diagnostic>& warnings, Progress& progress)
 {
     for (const Diagnostic& w : warnings) progress.warn(w.number, w.where.empty() ? w.what : w.where + ": " + w.what, w.hint);
 }
@@ -58,7 +58,7 @@ SourcePoses load_sources(const std::vector<std::string>& paths, const Listener& 
         DiagnosticList diagnostics;
         out.meshes = read_pose_sources(paths, pose_count_limit, diagnostics).meshes;
         if (diagnostics.has_errors()) throw Failure(ExitCode::bad_input, diagnostics.diagnostics());
-        tell(diagnostics.diagnostics(), progress);
+        report_warnings(diagnostics.diagnostics(), progress);
     });
     return out;
 }
@@ -89,7 +89,7 @@ private:
 PoseSet check(const SourcePoses& poses, const EnergyOptions& options, std::vector<Diagnostic>& warnings, Progress& progress)
 {
     PoseSet out = check_poses(poses.meshes, load_options(options), &warnings);
-    tell(warnings, progress);
+    report_warnings(warnings, progress);
     return out;
 }
 
@@ -111,7 +111,7 @@ nb::object bake_poses(const SourcePoses& poses, const nb::dict& given, const Sou
                 = std::make_shared<const RenderMesh>(embed_render_mesh(surface->meshes.at(0), set, &of_surface));
         else if (!surface_path.empty())
             options.render_mesh = std::make_shared<const RenderMesh>(load_render_mesh(surface_path, set, &of_surface));
-        tell(of_surface, progress);
+        report_warnings(of_surface, progress);
         warnings.insert(warnings.end(), of_surface.begin(), of_surface.end());
         KeepingProgress keeping(progress);
         baked = bake(set, options, keeping);

@@ -28,7 +28,7 @@ constexpr Eigen::Index hessian_probe_columns = 6;
 
 // An element that has less than this share of the most that one has of the training data hardly deforms: less than a
 // thousandth as far, as forces times their slopes go with the square. In single precision, whose noise in angles and strains
-// is about 1e-6, it would tell little else, and a weight can make anything large: hinges of rigid limbs fold by rounding
+// is about 1e-6, it would report little else, and a weight can make anything large: hinges of rigid limbs fold by rounding
 // only, and weights made up for it.
 constexpr float negligible_share = 1e-6f;
 
@@ -301,12 +301,13 @@ void CubatureFit::drop_negligible(Eigen::Index before)
 SurrogateEnergy CubatureFit::fit(std::size_t element_count)
 {
     const std::size_t wanted = std::min(element_count, candidates_.size());
-    const auto tell = [&](std::size_t found) {
+    const auto report = [&](std::size_t found) {
         if (progress_)
             progress_->update("cubature", 0.7 + 0.3 * double(found) / double(wanted),
                               fmt::format("{} of {} elements", found, wanted));
     };
-    found_ = (solver_ == CubatureSolver::nn_htp ? nn_htp : greedy_nnls)(columns_, target_, wanted, std::move(found_), tell);
+    found_
+        = (solver_ == CubatureSolver::nn_htp ? nn_htp : greedy_nnls)(columns_, target_, wanted, std::move(found_), report);
     std::vector<std::pair<std::size_t, double>> chosen;
     for (std::size_t i = 0; i < found_.columns.size(); ++i)
         chosen.push_back({ candidates_[found_.columns[i]], found_.weights[Eigen::Index(i)] });

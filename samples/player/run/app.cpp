@@ -32,7 +32,7 @@ private:
     void read_scene_mouse();
     void draw_frame(int width, int height);
     void open_dropped_file();
-    void say(const std::string& text, bool is_error, double seconds);
+    void set_message(const std::string& text, bool is_error, double seconds);
 
     Options options_;
     WindowContext context_;
@@ -73,7 +73,7 @@ App::App(const Options& options, AssetFile file)
     });
 }
 
-void App::say(const std::string& text, bool is_error, double seconds)
+void App::set_message(const std::string& text, bool is_error, double seconds)
 {
     notice_ = { text, is_error };
     notice_ends_ = glfwGetTime() + seconds;
@@ -92,10 +92,10 @@ void App::open_dropped_file()
     try {
         session_ = open_session(options, AssetFile(options.asset), quality_, context_);
         glfwSetWindowTitle(context_.window(), (session_->title() + " · Pliant").c_str());
-        say("opened " + options.asset, false, notice_seconds);
+        set_message("opened " + options.asset, false, notice_seconds);
     } catch (const Error& error) {
-        say("P" + std::to_string(static_cast<int>(error.number)) + ": " + error.what() + "\n" + error.hint, true,
-            2.0 * notice_seconds);
+        set_message("P" + std::to_string(static_cast<int>(error.number)) + ": " + error.what() + "\n" + error.hint, true,
+                    2.0 * notice_seconds);
     }
 }
 
