@@ -175,7 +175,8 @@ def main():
     parser.add_argument("--out", type=Path, default=ROOT / "samples/pictures")
     options = parser.parse_args()
     pillow, tools, work = load_pillow(), find_tools(options.build.resolve()), ROOT / "build/demo"
-    work.mkdir(parents=True, exist_ok=True)
+    for folder in (work, options.out):
+        folder.mkdir(parents=True, exist_ok=True)
     pictures = [
         (bake_bar, eased_path([(1, 0), (0, 1)], 46), "420x460", "30,16"),
         (bake_creature, eased_path([(0, 1, 0, 0, 0), (0, 0, 1, 0, 0), (0, 0, 0, 0, 1)], 59), "440x290", "30,12"),
