@@ -52,7 +52,7 @@ StoredMesh simulation_mesh(const PoseSet& poses, const NormalizedPoses& set, con
         mesh.source_vertices = poses.source_vertices;
         mesh.boundary_vertex_count = poses.boundary_vertex_count;
     }
-    mesh.scene = scene_of(poses, mesh.vertex_count, options);
+    if (!render_mesh_of(poses, options)) mesh.scene = scene_of(poses, mesh.vertex_count, options);
     return mesh;
 }
 

@@ -1,4 +1,4 @@
-// The stage that makes the parts of an asset: the mesh that it draws, and the basis in few bits.
+// Makes an asset from a fitted model: the mesh that it draws, and the basis in few bits. Called by the self-check.
 #pragma once
 
 #include "bake/fit.h"
@@ -13,7 +13,7 @@ Eigen::MatrixXd reachable_coordinates(const FittedModel& fitted);
 StoredMesh simulation_mesh(const PoseSet& poses, const NormalizedPoses& set, const BakeOptions& options);
 
 // The mesh that the asset draws where that is another one: a surface of its own (options.render_mesh), or the files'
-// vertices and faces. None: it draws the simulation mesh.
+// vertices and faces. Null: it draws the simulation mesh.
 std::shared_ptr<const RenderMesh> render_mesh_of(const PoseSet& poses, const BakeOptions& options);
 StoredMesh stored_render_mesh(const RenderMesh& drawn, const PoseSet& poses, const BakeOptions& options);
 

@@ -48,7 +48,7 @@ struct BakeOptions {
     int fresh_count = 4;          // weights that nothing was chosen by
     double position_error = 1e-5; // of a vertex by storing the basis in few bits, over the diagonal; 0: single precision
     bool keep_scene = true;       // of poses from glTF: store materials, texture coordinates and images
-    // Of a solid: what the asset draws in the place of its boundary; none: that
+    // Of a solid: the surface that the asset draws instead of the solid's boundary. Null: the boundary.
     std::shared_ptr<const RenderMesh> render_mesh;
 };
 

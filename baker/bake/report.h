@@ -1,7 +1,7 @@
-// What a bake tells of itself, each part made by one stage: the certificate, the report file, the command line and the
-// warnings read it.
+// What a bake reports. The certificate, the report file, the command line and the warnings read it.
 #pragma once
 
+#include "bake/options.h"
 #include "base/mesh/pose_set.h"
 #include "elastic/average/family.h"
 #include "elastic/average/shape_error.h"
@@ -9,8 +9,6 @@
 #include "output/asset/check_render_mesh.h"
 #include "reduced/surrogate/choose_surrogate.h"
 #include "reduced/surrogate/reduced_solver.h"
-
-#include "bake/options.h"
 
 #include <optional>
 #include <string>

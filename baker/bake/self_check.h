@@ -1,4 +1,4 @@
-// The stage that judges what was made: the encoded asset, opened by the C runtime, against what it was made from.
+// The stage that assembles the asset and checks it: encoded, opened by the C runtime, compared with unreduced averages.
 #pragma once
 
 #include "bake/assemble.h"
@@ -6,7 +6,7 @@
 
 namespace pliant {
 
-// What a check works on. Borrowed.
+// What a check works on. `fit`, `fitted` and their parts must outlive the CheckedAsset.
 struct CheckProblem {
     const PoseSet& poses;
     const FitProblem& fit;

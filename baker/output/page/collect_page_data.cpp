@@ -42,13 +42,9 @@ Coordinates linear_blend(const std::vector<Coordinates>& poses, const std::vecto
 
 Blends solve_blends(RuntimeBlender& blender, const CertificateFacts& facts)
 {
-    const pliant_asset& asset = blender.asset();
-    const std::size_t m = asset.pose_count;
+    const std::size_t m = blender.asset().pose_count;
     Blends out;
-    for (std::uint32_t k = 0; k < m; ++k) {
-        const float* q = pliant_asset_pose_coordinates(&asset, k);
-        out.poses.emplace_back(q, q + asset.dimension);
-    }
+    for (std::uint32_t k = 0; k < m; ++k) out.poses.push_back(blender.pose_coordinates(k));
     const std::vector<float> equal(m, 1 / float(m));
     out.centre_linear = linear_blend(out.poses, equal);
     out.centre_elastic = blender.solve(equal, false);
