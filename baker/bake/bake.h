@@ -14,7 +14,7 @@ struct BakedAsset {
     BakeReport report;
 };
 
-// Bakes. Throws Failure, or Interrupted through progress. Cost for some 15,000 vertices and 5 poses: 5 to 15 minutes
+// Bakes. Throws Failure, or Interrupted through progress. Cost for some 15,000 vertices and 5 poses: 3 to 15 minutes
 // with the adaptive subspace (tests/bench/README.md), about one with krylov. Whether a missed tolerance is a failure is
 // decided by the caller (find_miss in warnings.h).
 BakedAsset bake(const PoseSet& poses, const BakeOptions& options, Progress& progress);
