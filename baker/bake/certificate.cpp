@@ -99,6 +99,7 @@ Json measured_of(const BakeReport& report)
         json[cell] = check.cell_ratio;
         json["fresh"] = check.is_fresh;
         json["converged"] = check.has_converged;
+        json["near_jump"] = check.is_near_jump;
         json["weights"] = json_of(check.weights);
         unconverged += !check.has_converged;
         checks.push_back(json);

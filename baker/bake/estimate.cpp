@@ -1,6 +1,7 @@
 #include "bake/estimate.h"
 
 #include "base/common/parallel.h"
+#include "elastic/average/family.h"
 
 #include <algorithm>
 #include <cmath>
@@ -12,6 +13,12 @@ std::size_t training_count(std::size_t pose_count)
 {
     const std::size_t counts[] = { 33, 80, 128, 160, 192 };
     return pose_count < 7 ? counts[std::max<std::size_t>(pose_count, 2) - 2] : 256;
+}
+
+int factorization_limit(std::size_t pose_count, const BakeOptions& options)
+{
+    const int averages = int(pose_count + training_count(pose_count)) + options.check_count + 2 * options.fresh_count;
+    return averages * path_limit;
 }
 
 BakeEstimate estimate_bake(std::size_t vertex_count, std::size_t pose_count, const BakeOptions& options)

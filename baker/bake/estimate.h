@@ -8,6 +8,10 @@ namespace pliant {
 // How many averages a bake of so many poses is trained with.
 std::size_t training_count(std::size_t pose_count);
 
+// Factorisations that a bake of surfaces with the adaptive subspace never exceeds: one way to every average, and back from
+// its blend; ten times what is usual.
+int factorization_limit(std::size_t pose_count, const BakeOptions& options);
+
 // Dimension, seconds on one core, bytes of working memory, bytes of the asset: orders of magnitude.
 struct BakeEstimate {
     Eigen::Index dimension;

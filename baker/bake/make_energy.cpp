@@ -10,9 +10,25 @@
 
 namespace pliant {
 
+namespace {
+
+Material surface_material(const EnergyOptions& options)
+{
+    const bool wants_shells = options.has_shell_options || options.continuity == Continuity::off;
+    return wants_shells ? Material::discrete_shells : Material::arap;
+}
+
+std::unique_ptr<Energy> make_surface_energy(const NormalizedPoses& set, Material material, const ShellOptions& shell)
+{
+    if (material == Material::arap) return std::make_unique<Arap>(set);
+    return std::make_unique<DiscreteShells>(set, shell);
+}
+
+} // namespace
+
 Material material_for(const EnergyOptions& options, bool is_solid)
 {
-    const Material material = options.material.value_or(is_solid ? Material::stvk : Material::discrete_shells);
+    const Material material = options.material.value_or(is_solid ? Material::stvk : surface_material(options));
     const bool is_of_solids = material == Material::stvk || material == Material::mooney_rivlin;
     if (is_of_solids != is_solid)
         throw Failure(ExitCode::usage,
@@ -25,14 +41,11 @@ Material material_for(const EnergyOptions& options, bool is_solid)
 
 std::unique_ptr<Energy> make_energy(const NormalizedPoses& set, const EnergyOptions& options, Progress* progress)
 {
-    switch (material_for(options, set.is_solid())) {
-    case Material::arap: return std::make_unique<Arap>(set);
-    case Material::stvk: return std::make_unique<Solid>(set, SolidOptions { SolidLaw::stvk, options.poisson });
-    case Material::mooney_rivlin:
+    const Material material = material_for(options, set.is_solid());
+    if (material == Material::stvk) return std::make_unique<Solid>(set, SolidOptions { SolidLaw::stvk, options.poisson });
+    if (material == Material::mooney_rivlin)
         return std::make_unique<Solid>(set, SolidOptions { SolidLaw::mooney_rivlin, options.poisson });
-    default: break;
-    }
-    std::unique_ptr<Energy> energy = tie_parts(std::make_unique<DiscreteShells>(set, options.shell), find_ties(set));
+    std::unique_ptr<Energy> energy = tie_parts(make_surface_energy(set, material, options.shell), find_ties(set));
     if (auto* tied = dynamic_cast<TiedEnergy*>(energy.get())) calibrate_ties(*tied, set, options.solver, progress);
     return energy;
 }

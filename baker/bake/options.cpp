@@ -12,6 +12,8 @@ const char* name_of(Material material)
     }
 }
 
+const char* name_of(Continuity continuity) { return continuity == Continuity::off ? "off" : "auto"; }
+
 const char* name_of(Membrane membrane)
 {
     switch (membrane) {

@@ -16,13 +16,18 @@
 namespace pliant {
 
 enum class Material { discrete_shells, arap, stvk, mooney_rivlin };
+enum class Continuity { automatic, off };
 enum class SubspaceKind { adaptive, krylov, barbic };
 enum class SurrogateKind { automatic, quartic, cubature, ghost };
 
 // What an elastic energy is made of: shared by all verbs that need one.
 struct EnergyOptions {
-    std::optional<Material> material; // none: discrete shells for surfaces, stvk for solids
+    std::optional<Material> material; // none: stvk for solids, for surfaces as `continuity` says
+    // automatic: arap, whose averages are continuous in the weights on every set of poses in tests/baker/bake/continuity.md.
+    // off: discrete shells. A material that is given, and options of shells, take precedence.
+    Continuity continuity = Continuity::automatic;
     ShellOptions shell;
+    bool has_shell_options = false; // some were given, so discrete shells are meant
     double poisson = -1;                       // of solids; negative: 0.4 for stvk, 0.45 for mooney-rivlin
     bool keep_placement = false;               // do not align the poses
     std::string fixed_path;                    // a file of vertices that stay where they are; empty: none
@@ -45,7 +50,7 @@ struct BakeOptions {
     std::size_t ghost_vertex_count = 800;
     std::uint64_t seed = 1;
     int check_count = 24;         // weights at which d, the elements and the dead load are judged
-    int fresh_count = 4;          // weights that nothing was chosen by
+    int fresh_count = 16;         // weights that nothing was chosen by
     double position_error = 1e-5; // of a vertex by storing the basis in few bits, over the diagonal; 0: single precision
     bool keep_scene = true;       // of poses from glTF: store materials, texture coordinates and images
     // Of a solid: the surface that the asset draws instead of the solid's boundary. Null: the boundary.
@@ -54,6 +59,7 @@ struct BakeOptions {
 
 // Names used on the command line and in JSON.
 const char* name_of(Material material);
+const char* name_of(Continuity continuity);
 const char* name_of(Membrane membrane);
 const char* name_of(SubspaceKind kind);
 const char* name_of(SurrogateKind kind);

@@ -52,6 +52,7 @@ struct BlendCheck {
     double cell_ratio = 1;
     bool is_fresh = false;     // nothing was chosen by it
     bool has_converged = true; // the unreduced average
+    bool is_near_jump = false; // a jump lies on the way to these weights, or another average
 };
 
 // How the basis was stored.
@@ -70,7 +71,7 @@ struct CheckReport {
     double largest_distance = 0;              // of a vertex, over the diagonal
     double cell_ratio = 1;                    // the smallest
     Weights worst_weights;
-    bool meets_tolerance = false;
+    bool meets_tolerance = false; // the mean, the largest if bounded, and every blend next to a jump
     BasisReport basis;
     std::optional<TieReport> ties;               // of a character in several parts, or with cracks
     std::optional<RenderMeshErrors> render_mesh; // at the same weights, of a solid that draws a surface of its own

@@ -128,7 +128,10 @@ CheckReport summarize(std::vector<BlendCheck> blends, const BakeOptions& options
         report.worst_weights = check.weights;
     }
     report.meets_tolerance = !report.blends.empty() && report.mean_error <= options.tolerance
-        && (options.tolerance_max == 0 || report.largest_error <= options.tolerance_max);
+        && (options.tolerance_max == 0 || report.largest_error <= options.tolerance_max)
+        && std::none_of(report.blends.begin(), report.blends.end(), [&](const BlendCheck& check) {
+               return check.is_near_jump && check.error.relative_l2 > options.tolerance;
+           });
     return report;
 }
 
@@ -145,7 +148,8 @@ CheckReport compare_with_averages(OpenedAsset& opened, const SolverPool& pool, c
         const CheckPoint& point = points[i];
         const Shape blend = opened.blend(point.weights);
         blends.push_back({ point.weights, shape_error(pool.energy(), set, point.weights, blend, point.reference),
-                           smallest_cell_ratio(set, blend), i + fresh_count >= points.size(), point.has_converged });
+                           smallest_cell_ratio(set, blend), i + fresh_count >= points.size(), point.has_converged,
+                           !point.branches.empty() });
         if (ties) add_check(*ties, set, point.weights, point.reference, blend, *tie_report);
     }
     CheckReport report = summarize(std::move(blends), options);

@@ -15,9 +15,10 @@ bool is_shell(const EnergyOptions& energy, bool is_solid)
 // Where to turn when the tolerance is missed: what makes averages jump, else the part that misses it.
 std::string remedy(const BakeReport& r, const BakeOptions& options)
 {
-    if (!r.branches.empty() && is_shell(options.energy, r.input.tet_count > 0))
-        return "averages jump (P4406): for one connected surface try --material arap; otherwise leave a pose out, or raise "
-               "--tolerance";
+    if (!r.branches.empty())
+        return is_shell(options.energy, r.input.tet_count > 0)
+            ? "averages jump (P4406): use --continuity auto (without --material and options of shells)"
+            : "averages jump (P4406): add a pose in between, leave a pose out, or raise --tolerance";
     if (r.fit.subspace_error.mean > 0.7 * options.tolerance)
         return r.fit.dimension >= 60
             ? "add a pose between those of the worst weights, leave a pose out, or raise --tolerance"
@@ -67,7 +68,7 @@ void require_convergence(const NewtonResult& result, const NewtonOptions& option
 const char* hint_for_jumps(const EnergyOptions& energy, bool is_solid)
 {
     return is_shell(energy, is_solid)
-        ? "add a pose in between; for one connected surface, try --material arap, which has fewer ways to bend"
+        ? "use --continuity auto (without --material and options of shells), or add a pose in between"
         : "add a pose in between, so that there is only one way to bend";
 }
 

@@ -20,11 +20,12 @@ namespace {
 
 // An option that takes one of the names of an enumeration, shown in --help with its default.
 template <class Enum>
-void add_choice(CLI::App& verb, const std::string& option, Enum& value, std::vector<Enum> values, const std::string& help)
+CLI::Option* add_choice(CLI::App& verb, const std::string& option, Enum& value, std::vector<Enum> values, const std::string& help)
 {
     std::vector<std::string> names;
     for (Enum v : values) names.push_back(name_of(v));
-    verb.add_option_function<std::string>(
+    return verb
+        .add_option_function<std::string>(
             option,
             [&value, values](const std::string& name) {
                 for (Enum v : values)
@@ -49,9 +50,8 @@ void add_material(CLI::App& verb, EnergyOptions& options)
                 for (Material v : values)
                     if (name == name_of(v)) options.material = v;
             },
-            "Elastic energy. For surfaces: discrete-shells (thin shell; the default, best for characters) or arap (as "
-            "rigid as possible; needs one connected surface; for low-polygon characters, whose shells may snap between "
-            "folds). For solids: stvk (St. Venant-Kirchhoff; the default) or mooney-rivlin (preserves volume better, "
+            "Elastic energy. For surfaces: arap (as rigid as possible; the default, whose averages do not jump) or "
+            "discrete-shells (thin shell, as in the paper). For solids: stvk (St. Venant-Kirchhoff; the default) or mooney-rivlin (preserves volume better, "
             "never inverts tetrahedra)")
         ->check(CLI::IsMember(names))
         ->type_name("NAME");
@@ -60,6 +60,27 @@ void add_material(CLI::App& verb, EnergyOptions& options)
             "Poisson's ratio of a solid (default: 0.4 for stvk, 0.45 for mooney-rivlin; above 0.45 tetrahedra lock). "
             "The materials of a .veg file take precedence")
         ->check(CLI::Range(0.0, 0.499));
+}
+
+// Each of them means discrete shells.
+void add_shell_options(CLI::App& verb, EnergyOptions& options)
+{
+    const auto means_shells = [&options](const std::string&) { options.has_shell_options = true; };
+    add_choice(verb, "--membrane", options.shell.membrane, { Membrane::neo_hookean, Membrane::stvk, Membrane::edge },
+               "Thin shells (implies --material discrete-shells): how they resist stretching; neo-hookean cannot collapse a "
+               "triangle")
+        ->each(means_shells);
+    verb.add_option("--thickness", options.shell.thickness,
+                    "Thin shells: thickness relative to the square root of the surface area; a thicker shell bends less "
+                    "sharply")
+        ->each(means_shells)
+        ->capture_default_str()
+        ->check(CLI::Range(1e-6, 1.0));
+    verb.add_option("--foldover-damping", options.shell.foldover_damping,
+                    "Thin shells: factor on the bending energy of hinges that are folded over in some pose; 1 = off")
+        ->each(means_shells)
+        ->capture_default_str()
+        ->check(CLI::Range(0.0, 1.0));
 }
 
 // The files that a glTF file refers to are inputs, too. One that cannot be read is reported where it is loaded.
@@ -93,16 +114,10 @@ CLI::Option* add_pose_arguments(CLI::App& verb, std::vector<std::string>& poses)
 void add_energy_options(CLI::App& verb, EnergyOptions& options)
 {
     add_material(verb, options);
-    add_choice(verb, "--membrane", options.shell.membrane, { Membrane::neo_hookean, Membrane::stvk, Membrane::edge },
-               "Membrane energy of shells: how they resist stretching; neo-hookean cannot collapse a triangle");
-    verb.add_option("--thickness", options.shell.thickness,
-                    "Shell thickness relative to the square root of the surface area; a thicker shell bends less sharply")
-        ->capture_default_str()
-        ->check(CLI::Range(1e-6, 1.0));
-    verb.add_option("--foldover-damping", options.shell.foldover_damping,
-                    "Factor on the bending energy of hinges that are folded over in some pose; 1 = off")
-        ->capture_default_str()
-        ->check(CLI::Range(0.0, 1.0));
+    add_choice(verb, "--continuity", options.continuity, { Continuity::automatic, Continuity::off },
+               "Surfaces: auto takes the energy whose averages follow the weights without jumps (arap); off takes thin "
+               "shells, whose averages may snap between folds");
+    add_shell_options(verb, options);
     std::vector<SolverKind> solvers = { SolverKind::eigen };
     if (has_cholmod()) solvers.insert(solvers.begin(), SolverKind::cholmod);
     add_choice(verb, "--solver", options.solver, solvers,

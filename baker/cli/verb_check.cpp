@@ -69,8 +69,10 @@ ExitCode run(const Arguments& a)
         fmt::print("  {} of {} hinges are folded over or fold strongly between poses: their bending energy will be damped\n",
                    hinges.foldover_count, hinges.count);
     const BakeEstimate e = estimate_bake(poses.vertex_count(), poses.pose_count(), a.bake);
-    fmt::print("estimate of a bake: d = {}, {:.0f} s, {:.1f} GiB of memory, an asset of {:.1f} MiB\n", e.dimension,
-               e.seconds, e.memory / 1073741824.0, e.asset_size / 1048576.0);
+    fmt::print("estimate of a bake ({}): d = {}, {:.0f} s, {:.1f} GiB of memory, an asset of {:.1f} MiB\n",
+               name_of(material), e.dimension, e.seconds, e.memory / 1073741824.0, e.asset_size / 1048576.0);
+    if (!poses.is_solid())
+        fmt::print("  at most {} factorisations\n", factorization_limit(poses.pose_count(), a.bake));
     return ExitCode::done;
 }
 

@@ -7,7 +7,6 @@
 #include <algorithm>
 #include <cmath>
 #include <fmt/core.h>
-#include <map>
 #include <tuple>
 
 namespace pliant {
@@ -67,9 +66,8 @@ void sort_around(const std::vector<Triangle>& triangles, const Shape& rest, Side
     for (std::size_t i = 0; i < angles.size(); ++i) begin[i] = angles[i].second;
 }
 
-} // namespace
-
-std::vector<Hinge> find_hinges(const std::vector<Triangle>& triangles, const Shape& rest)
+// Hinges at the edges of at least so many faces.
+std::vector<Hinge> pair_faces(const std::vector<Triangle>& triangles, const Shape& rest, std::ptrdiff_t least_face_count)
 {
     const std::vector<Side> sides = sorted_sides(triangles);
     std::vector<std::pair<Side, Side>> pairs;
@@ -77,8 +75,8 @@ std::vector<Hinge> find_hinges(const std::vector<Triangle>& triangles, const Sha
         pairs.push_back(a.face < b.face ? std::make_pair(a, b) : std::make_pair(b, a));
     };
     for_each_edge(sides, [&](const Side* begin, const Side* end) {
-        if (end - begin == 2) pair_up(begin[0], begin[1]);
-        if (end - begin < 3) return;
+        if (end - begin < least_face_count) return;
+        if (end - begin == 2) return pair_up(begin[0], begin[1]);
         std::vector<Side> around(begin, end);
         sort_around(triangles, rest, around.data(), around.data() + around.size());
         for (std::size_t i = 0; i < around.size(); ++i) pair_up(around[i], around[(i + 1) % around.size()]);
@@ -96,6 +94,18 @@ std::vector<Hinge> find_hinges(const std::vector<Triangle>& triangles, const Sha
                            { one.face, two.face } });
     }
     return hinges;
+}
+
+} // namespace
+
+std::vector<Hinge> find_hinges(const std::vector<Triangle>& triangles, const Shape& rest)
+{
+    return pair_faces(triangles, rest, 2);
+}
+
+std::vector<Hinge> find_crowded_hinges(const std::vector<Triangle>& triangles, const Shape& rest)
+{
+    return pair_faces(triangles, rest, 3);
 }
 
 void require_manifold(const std::vector<Triangle>& triangles, std::size_t vertex_count,
@@ -124,41 +134,6 @@ void require_manifold(const std::vector<Triangle>& triangles, std::size_t vertex
     if (!defect.empty())
         throw Failure(ExitCode::bad_input,
                       error_at(2222, "", fmt::format("{} needs one oriented manifold surface: {}", what, defect), remedy));
-}
-
-std::vector<Fan> find_fans(const std::vector<Triangle>& triangles, std::size_t vertex_count)
-{
-    // next[v] maps a neighbour of v to the one that follows it counter-clockwise.
-    std::vector<std::map<std::uint32_t, std::uint32_t>> next(vertex_count);
-    std::vector<std::map<std::uint32_t, std::uint32_t>> previous(vertex_count);
-    for (const Triangle& t : triangles)
-        for (int c = 0; c < 3; ++c) {
-            next[t[c]][t[(c + 1) % 3]] = t[(c + 2) % 3];
-            previous[t[c]][t[(c + 2) % 3]] = t[(c + 1) % 3];
-        }
-
-    std::vector<Fan> fans(vertex_count);
-    for (std::size_t v = 0; v < vertex_count; ++v) {
-        if (next[v].empty()) continue;
-        Fan& fan = fans[v];
-        std::uint32_t start = next[v].begin()->first;
-        fan.is_closed = true;
-        for (const auto& [neighbour, follower] : next[v])
-            if (!previous[v].count(neighbour)) {
-                start = neighbour;
-                fan.is_closed = false;
-            }
-        fan.ring.push_back(start);
-        for (auto it = next[v].find(start); it != next[v].end() && it->second != start; it = next[v].find(it->second))
-            fan.ring.push_back(it->second);
-        const std::size_t faces_in_fan = fan.is_closed ? fan.ring.size() : fan.ring.size() - 1;
-        if (faces_in_fan != next[v].size())
-            throw Failure(ExitCode::bad_input,
-                          error_at(4502, "",
-                                   fmt::format("the faces at vertex {} form more than one fan (a bow-tie vertex)", v),
-                                   "split the vertex in the modelling program, or use --material discrete-shells"));
-    }
-    return fans;
 }
 
 Eigen::Vector3d double_area_vector(const Shape& shape, const Triangle& triangle)

@@ -19,26 +19,17 @@ struct Hinge {
 };
 
 // One hinge for every edge of two faces, and at an edge of three or more one for each pair that follow each other around it
-// in
-// `rest` (as many as faces). Ordered by the first face and the corner in it. No two triangles may have the same vertices.
+// in `rest` (as many as faces). Ordered by the first face and the corner in it. No two triangles may have the same vertices.
 std::vector<Hinge> find_hinges(const std::vector<Triangle>& triangles, const Shape& rest);
+
+// Those of them at edges of three or more faces.
+std::vector<Hinge> find_crowded_hinges(const std::vector<Triangle>& triangles, const Shape& rest);
 
 // Throws Failure (bad_input, P2222) naming `what` needs it if the triangles are no connected oriented manifold that uses
 // every vertex.
 // `sources`: per vertex its number for the message; empty: the same.
 void require_manifold(const std::vector<Triangle>& triangles, std::size_t vertex_count,
                       const std::vector<std::uint32_t>& sources, const std::string& what, const std::string& remedy);
-
-// Neighbours of a vertex in fan order: faces are (vertex, ring[i], ring[i + 1]); a closed ring also has (vertex, last,
-// first).
-struct Fan {
-    std::vector<std::uint32_t> ring;
-    bool is_closed = false;
-};
-
-// One fan per vertex. Throws Failure (P4502) at a vertex whose faces form more than one fan (a bow-tie), since a cell needs
-// one.
-std::vector<Fan> find_fans(const std::vector<Triangle>& triangles, std::size_t vertex_count);
 
 // Twice the area vector (face normal times twice the area) of a triangle.
 Eigen::Vector3d double_area_vector(const Shape& shape, const Triangle& triangle);

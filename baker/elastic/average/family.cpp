@@ -98,8 +98,13 @@ void AverageFamily::follow(Path& path, const Weights& to, bool is_rough) const
     rough.residual = std::max(options_.residual, 0.1);
     rough.max_iterations = std::min(options_.max_iterations, 12); // more: the step is too long
     int iterations = 0;
+    const int first_count = path.solver.factorization_count();
     double length = is_rough ? rough_step : first_step;
     for (double left = (to - path.w).lpNorm<1>(); left > 1e-12; left = (to - path.w).lpNorm<1>()) {
+        if (path.solver.factorization_count() - first_count > path_limit) {
+            path.point.has_converged = false;
+            break;
+        }
         const double share = 1 / std::max(1.0, std::ceil(left / length - 1e-9));
         const Weights next = share == 1 ? to : Weights(path.w + share * (to - path.w));
         const double step = share * left;

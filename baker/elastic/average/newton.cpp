@@ -99,9 +99,10 @@ Shape NewtonSolver::newton_step(const Shape& y, const Shape& gradient) const
     return step;
 }
 
-// Whether no cell shrinks below a fifth of its size or flips.
+// Whether no cell shrinks below a fifth of its size or flips, if that matters to the energy.
 bool NewtonSolver::is_sound(const Shape& y, const Shape& moved) const
 {
+    if (energy_.allows_collapse()) return true;
     if (set_.is_solid())
         return std::all_of(set_.tets.begin(), set_.tets.end(), [&](const Tetrahedron& t) {
             const double before = tet_edges(y, t).determinant(), after = tet_edges(moved, t).determinant();

@@ -1,5 +1,8 @@
+// Notation of THEORY.md, section 2, for one cell and pose k: e an edge of y, r the same edge of the pose, c its cotangent, R
+// the rotation; q_v = sum of +-c r over the edges at vertex v; M = sum c e r^T = sum_v y_v q_v^T; B = R^T M.
 #include "elastic/energy/arap.h"
 
+#include "elastic/energy/best_rotation.h"
 #include "pliant_format.h"
 
 #include <Eigen/Dense>
@@ -8,7 +11,9 @@ namespace pliant {
 
 namespace {
 
+using Eigen::Index;
 using Eigen::Matrix3d;
+using Eigen::Matrix3Xd;
 using Eigen::Vector3d;
 
 // Half the cotangent of the angle at i.
@@ -25,62 +30,74 @@ Matrix3d cross_matrix(const Vector3d& v)
     return m;
 }
 
-// The rotation R that maximises tr(R^T M), and that maximum.
-struct BestRotation {
-    Matrix3d rotation;
-    double trace;
-};
+// Rigid motions cost nothing, so a Hessian is at best semidefinite: rounding must not look like a negative eigenvalue.
+constexpr double rounding = 1e-10;
 
-BestRotation best_rotation(const Matrix3d& m)
+// Rotations are free where a cell is collapsed to a line; relative to the inertia at rest.
+constexpr double least_inertia = 1e-12;
+
+bool is_positive(const Eigen::MatrixXd& hessian)
 {
-    const Eigen::JacobiSVD<Matrix3d> svd(m, Eigen::ComputeFullU | Eigen::ComputeFullV);
-    const Matrix3d u = svd.matrixU(), v = svd.matrixV();
-    const double sign = (u * v.transpose()).determinant() < 0 ? -1 : 1;
-    const Vector3d signs(1, 1, sign);
-    return { u * signs.asDiagonal() * v.transpose(), svd.singularValues().dot(signs) };
+    Eigen::MatrixXd shifted = hessian;
+    shifted.diagonal().array() += rounding * hessian.trace();
+    return Eigen::LLT<Eigen::MatrixXd>(shifted).info() == Eigen::Success;
 }
 
 } // namespace
 
-Arap::Arap(const NormalizedPoses& set)
-    : pose_count_(Eigen::Index(set.pose_count()))
-    , dof_count_(set.dof_count())
-    , cells_(std::size_t(set.dof_count() / 3))
+Arap::Edge Arap::Cell::edge(Index number) const
 {
-    require_manifold(set.triangles, cells_.size(), set.source_vertices, "--material arap",
-                     "repair it the same way in all poses, or use --material discrete-shells, which does not need one");
-    const std::vector<Fan> fans = find_fans(set.triangles, cells_.size());
+    const Index spokes = spoke_count();
+    if (number < spokes) return { 0, 1 + number };
+    return { 1 + number - spokes, 1 + (number - spokes + 1) % spokes };
+}
 
-    for (std::size_t i = 0; i < cells_.size(); ++i) {
-        Cell& cell = cells_[i];
-        const Fan& fan = fans[i];
-        const int valence = int(fan.ring.size());
-        cell.is_closed = fan.is_closed;
-        cell.vertices.push_back(std::uint32_t(i));
-        cell.vertices.insert(cell.vertices.end(), fan.ring.begin(), fan.ring.end());
-        for (int j = 0; j < valence; ++j) cell.edges.push_back({ 0, 1 + j });
-        for (int j = 0; j + 1 < valence; ++j) cell.edges.push_back({ 1 + j, 2 + j });
-        if (fan.is_closed) cell.edges.push_back({ valence, 1 });
-        cell.cotangents.setZero(pose_count_, Eigen::Index(cell.edges.size()));
-        cell.rest_edges.resize(3 * pose_count_, Eigen::Index(cell.edges.size()));
-        for (Eigen::Index k = 0; k < pose_count_; ++k) {
-            const Shape& shape = set.shapes[std::size_t(k)];
-            for (std::size_t e = 0; e < cell.edges.size(); ++e) {
-                const std::uint32_t a = cell.vertices[std::size_t(cell.edges[e][0])];
-                const std::uint32_t b = cell.vertices[std::size_t(cell.edges[e][1])];
-                cell.rest_edges.block<3, 1>(3 * k, Eigen::Index(e)) = point(shape, b) - point(shape, a);
-            }
-            // Triangle by triangle: the cell is a sum of Dirichlet energies of y - R x_k, none of which is negative, however
-            // obtuse the triangles are. A rim's angle outside of the cell would make it indefinite.
-            for (int j = 0; j < (fan.is_closed ? valence : valence - 1); ++j) {
-                const int next = (j + 1) % valence;
-                const std::uint32_t centre = std::uint32_t(i), a = fan.ring[std::size_t(j)], b = fan.ring[std::size_t(next)];
-                cell.cotangents(k, j) += half_cotangent(shape, b, centre, a);
-                cell.cotangents(k, next) += half_cotangent(shape, a, b, centre);
-                cell.cotangents(k, valence + j) = half_cotangent(shape, centre, a, b);
-            }
+Vector3d Arap::Cell::rest_edge(Index pose, const Edge& edge) const
+{
+    const auto rest_of = [&](Index v) -> Vector3d { return rest.col(pose * spoke_count() + v - 1); };
+    return edge.tail == 0 ? rest_of(edge.head) : Vector3d(rest_of(edge.head) - rest_of(edge.tail));
+}
+
+Arap::Arap(const NormalizedPoses& set)
+    : pose_count_(Index(set.pose_count()))
+    , dof_count_(set.dof_count())
+{
+    for (const Fan& fan : find_fans(set.triangles, set.shapes[0])) cells_.push_back(make_cell(fan, set));
+}
+
+// Triangle by triangle: the cell is a sum of Dirichlet energies of y - R x_k, none of which is negative, however obtuse the
+// triangles are. A rim's angle outside of the cell would make it indefinite.
+Arap::Cell Arap::make_cell(const Fan& fan, const NormalizedPoses& set) const
+{
+    const Index spokes = Index(fan.ring.size()), faces = Index(fan.face_count());
+    Cell cell;
+    cell.is_closed = fan.is_closed;
+    cell.vertices.push_back(fan.centre);
+    cell.vertices.insert(cell.vertices.end(), fan.ring.begin(), fan.ring.end());
+    cell.cotangents.setZero(spokes + faces, pose_count_);
+    cell.rest.resize(3, pose_count_ * spokes);
+    cell.moments.setZero(3, pose_count_ * (spokes + 1));
+    cell.rest_inertia.setZero(pose_count_);
+    for (Index k = 0; k < pose_count_; ++k) {
+        const Shape& shape = set.shapes[std::size_t(k)];
+        for (Index j = 0; j < spokes; ++j)
+            cell.rest.col(k * spokes + j) = point(shape, fan.ring[std::size_t(j)]) - point(shape, fan.centre);
+        for (Index j = 0; j < faces; ++j) {
+            const Index next = (j + 1) % spokes;
+            const std::uint32_t a = fan.ring[std::size_t(j)], b = fan.ring[std::size_t(next)];
+            cell.cotangents(j, k) += half_cotangent(shape, b, fan.centre, a);
+            cell.cotangents(next, k) += half_cotangent(shape, a, b, fan.centre);
+            cell.cotangents(spokes + j, k) = half_cotangent(shape, fan.centre, a, b);
+        }
+        for (Index i = 0; i < cell.edge_count(); ++i) {
+            const Edge edge = cell.edge(i);
+            cell.rest_inertia[k] += 2 * cell.cotangents(i, k) * cell.rest_edge(k, edge).squaredNorm();
+            const Vector3d moment = cell.cotangents(i, k) * cell.rest_edge(k, edge);
+            cell.moments.col(k * (spokes + 1) + edge.head) += moment;
+            cell.moments.col(k * (spokes + 1) + edge.tail) -= moment;
         }
     }
+    return cell;
 }
 
 const std::uint32_t* Arap::element_vertices(std::size_t element, std::size_t& count) const
@@ -89,82 +106,114 @@ const std::uint32_t* Arap::element_vertices(std::size_t element, std::size_t& co
     return cells_[element].vertices.data();
 }
 
-// Gradient per edge 2 c (e - R ebar). Hessian: 2 sum c |de|^2 - 2 s^T (tr(B) I - B)^-1 s with B = R^T M and
-// s = sum c ebar x (R^T de): the rotation follows the edges (M = sum c e ebar^T).
+// One pose of a cell, rotated to where it is nearest to y.
+struct Arap::Rotated {
+    Matrix3d rotation; // R
+    Matrix3d inertia;  // tr(B) I - B: the derivative of the torque R^T y x q by the rotation; positive semidefinite
+    double trace;      // of B
+
+    Rotated(const Cell& cell, Index pose, const PointMap& y)
+    {
+        Matrix3d m = Matrix3d::Zero();
+        for (Index v = 1; v < y.cols(); ++v) m += (y.col(v) - y.col(0)) * cell.moment(pose, v).transpose();
+        rotation = best_rotation(m);
+        const Matrix3d b = rotation.transpose() * m;
+        trace = b.trace();
+        inertia = trace * Matrix3d::Identity() - 0.5 * (b + b.transpose());
+    }
+
+    double value(const Cell& cell, Index pose, const PointMap& y) const
+    {
+        double sum = 0;
+        for (Index i = 0; i < cell.edge_count(); ++i) {
+            const Edge edge = cell.edge(i);
+            const Vector3d off = y.col(edge.head) - y.col(edge.tail) - rotation * cell.rest_edge(pose, edge);
+            sum += cell.cotangents(i, pose) * off.squaredNorm();
+        }
+        return sum;
+    }
+
+    // Three rows that, squared, are the part of the rotation in the Hessian: sqrt(K^-1) [q]x R^T for every vertex.
+    template <class Rows> void turn(const Cell& cell, Index pose, double factor, Rows rows) const
+    {
+        const double least = least_inertia * cell.rest_inertia[pose];
+        const Matrix3d k = inertia + least * Matrix3d::Identity();
+        const Matrix3d root = factor * Matrix3d(Matrix3d(k.inverse()).llt().matrixU());
+        for (Index v = 0; v <= cell.spoke_count(); ++v)
+            rows.template middleCols<3>(3 * v).noalias()
+                = root * (cross_matrix(cell.moment(pose, v)) * rotation.transpose());
+    }
+};
+
+// Gradient at a vertex: 2 sum_k w_k (sum of +-c e - R q). Hessian: 2 sum_k w_k (sum c |de|^2 - s^T (tr(B) I - B)^-1 s),
+// s = sum_v q_v x R^T dy_v: the rotation follows the edges.
 void Arap::evaluate(std::size_t element, const double* weights, const double* x, Order order, HessianKind kind,
                     ElementResult& result) const
 {
     const Cell& cell = cells_[element];
-    const Eigen::Index edge_count = Eigen::Index(cell.edges.size()), local = 3 * Eigen::Index(cell.vertices.size());
-    Eigen::Matrix3Xd edges(3, edge_count);
-    for (Eigen::Index e = 0; e < edge_count; ++e)
-        for (int c = 0; c < 3; ++c)
-            edges(c, e) = x[3 * cell.edges[std::size_t(e)][1] + c] - x[3 * cell.edges[std::size_t(e)][0] + c];
-
+    const Index count = cell.spoke_count() + 1;
+    const PointMap y(x, 3, count);
     result.value = 0;
-    if (order >= Order::gradient) result.gradient.setZero(local);
-    if (order == Order::hessian) result.hessian.setZero(local, local);
-    for (Eigen::Index k = 0; k < pose_count_; ++k) {
+    if (order >= Order::gradient) result.gradient.setZero(3 * count);
+    Eigen::MatrixXd turns;
+    if (order == Order::hessian) turns.setZero(3 * pose_count_, 3 * count);
+    for (Index k = 0; k < pose_count_; ++k) {
         if (weights[k] == 0) continue;
-        const auto rest = cell.rest_edges.middleRows<3>(3 * k);
-        const Eigen::RowVectorXd c = cell.cotangents.row(k);
-        const Matrix3d m = edges * c.asDiagonal() * rest.transpose();
-        const Matrix3d rotation = best_rotation(m).rotation;
-        const Eigen::Matrix3Xd off = edges - rotation * rest;
-        result.value += weights[k] * off.colwise().squaredNorm().dot(c);
+        const Rotated pose(cell, k, y);
+        result.value += weights[k] * pose.value(cell, k, y);
         if (order < Order::gradient) continue;
-        Eigen::MatrixXd turn(3, local); // s as a linear map of the local coordinates
-        turn.setZero();
-        for (Eigen::Index e = 0; e < edge_count; ++e) {
-            const Eigen::Index a = 3 * cell.edges[std::size_t(e)][0], b = 3 * cell.edges[std::size_t(e)][1];
-            const Vector3d force = 2 * weights[k] * c[e] * off.col(e);
-            result.gradient.segment<3>(b) += force;
-            result.gradient.segment<3>(a) -= force;
-            if (order < Order::hessian) continue;
-            const Matrix3d j = c[e] * cross_matrix(rest.col(e)) * rotation.transpose();
-            turn.middleCols<3>(b) += j;
-            turn.middleCols<3>(a) -= j;
-            for (int i = 0; i < 3; ++i) {
-                const double stiffness = 2 * weights[k] * c[e];
-                result.hessian(a + i, a + i) += stiffness;
-                result.hessian(b + i, b + i) += stiffness;
-                result.hessian(a + i, b + i) -= stiffness;
-                result.hessian(b + i, a + i) -= stiffness;
-            }
-        }
+        for (Index v = 0; v < count; ++v)
+            result.gradient.segment<3>(3 * v) -= 2 * weights[k] * (pose.rotation * cell.moment(k, v));
         if (order < Order::hessian) continue;
-        const Matrix3d b = rotation.transpose() * m;
-        const Matrix3d k_matrix = b.trace() * Matrix3d::Identity() - b;
-        result.hessian -= 2 * weights[k] * turn.transpose() * k_matrix.inverse() * turn;
+        pose.turn(cell, k, std::sqrt(2 * weights[k]), turns.middleRows<3>(3 * k));
     }
-    if (order == Order::hessian && kind == HessianKind::projected) {
-        result.hessian = (0.5 * (result.hessian + result.hessian.transpose())).eval();
+    if (order == Order::hessian) result.hessian.noalias() = -(turns.transpose() * turns);
+    if (order >= Order::gradient) add_edges(cell, weights, y, order, result);
+    if (order == Order::hessian && kind == HessianKind::projected && !is_positive(result.hessian))
         project_positive(result.hessian);
+}
+
+// The part without rotations: springs of no length.
+void Arap::add_edges(const Cell& cell, const double* weights, const PointMap& y, Order order, ElementResult& result)
+{
+    for (Index i = 0; i < cell.edge_count(); ++i) {
+        double stiffness = 0;
+        for (Index k = 0; k < cell.cotangents.cols(); ++k) stiffness += 2 * weights[k] * cell.cotangents(i, k);
+        const Edge edge = cell.edge(i);
+        const Vector3d force = stiffness * (y.col(edge.head) - y.col(edge.tail));
+        result.gradient.segment<3>(3 * edge.head) += force;
+        result.gradient.segment<3>(3 * edge.tail) -= force;
+        if (order < Order::hessian) continue;
+        for (int c = 0; c < 3; ++c) {
+            const Index a = 3 * edge.tail + c, b = 3 * edge.head + c;
+            result.hessian(a, a) += stiffness;
+            result.hessian(b, b) += stiffness;
+            result.hessian(a, b) -= stiffness;
+            result.hessian(b, a) -= stiffness;
+        }
     }
 }
 
 RuntimeElement Arap::runtime_element(std::size_t element, const Shape& reference) const
 {
     const Cell& cell = cells_[element];
-    const Eigen::Index edge_count = Eigen::Index(cell.edges.size());
     RuntimeElement out;
     out.kind = PLIANT_ELEMENT_ARAP_CELL;
-    out.valence = std::uint32_t(cell.vertices.size() - 1);
+    out.valence = std::uint32_t(cell.spoke_count());
     out.is_closed = cell.is_closed;
-    for (std::size_t i = 1; i < cell.vertices.size(); ++i) out.differences.push_back({ cell.vertices[0], cell.vertices[i] });
-    out.pose_numbers.resize(pose_count_, 4 * edge_count + 1);
-    Eigen::Matrix3Xd edges(3, edge_count);
-    for (Eigen::Index e = 0; e < edge_count; ++e)
-        edges.col(e) = point(reference, cell.vertices[std::size_t(cell.edges[std::size_t(e)][1])])
-            - point(reference, cell.vertices[std::size_t(cell.edges[std::size_t(e)][0])]);
-    for (Eigen::Index k = 0; k < pose_count_; ++k) {
-        const auto rest = cell.rest_edges.middleRows<3>(3 * k);
-        for (Eigen::Index e = 0; e < edge_count; ++e) {
-            out.pose_numbers(k, 4 * e) = cell.cotangents(k, e);
-            out.pose_numbers.block<1, 3>(k, 4 * e + 1) = cell.cotangents(k, e) * rest.col(e).transpose();
+    Matrix3Xd y(3, Index(cell.vertices.size()));
+    for (std::size_t i = 0; i < cell.vertices.size(); ++i) {
+        if (i > 0) out.differences.push_back({ cell.vertices[0], cell.vertices[i] });
+        y.col(Index(i)) = point(reference, cell.vertices[i]);
+    }
+    out.pose_numbers.resize(pose_count_, 4 * cell.edge_count() + 1);
+    for (Index k = 0; k < pose_count_; ++k) {
+        for (Index i = 0; i < cell.edge_count(); ++i) {
+            out.pose_numbers(k, 4 * i) = cell.cotangents(i, k);
+            out.pose_numbers.block<1, 3>(k, 4 * i + 1)
+                = cell.cotangents(i, k) * cell.rest_edge(k, cell.edge(i)).transpose();
         }
-        out.pose_numbers(k, 4 * edge_count)
-            = best_rotation(edges * cell.cotangents.row(k).asDiagonal() * rest.transpose()).trace;
+        out.pose_numbers(k, 4 * cell.edge_count()) = Rotated(cell, k, PointMap(y.data(), 3, y.cols())).trace;
     }
     return out;
 }

@@ -6,11 +6,12 @@
 #pragma once
 
 #include "base/mesh/align.h"
+#include "base/mesh/fans.h"
 #include "elastic/energy/energy.h"
 
 namespace pliant {
 
-// Element i is the cell of vertex i.
+// Element i is the cell of fan i (base/mesh/fans.h): one for each vertex of a manifold.
 class Arap final : public Energy {
 public:
     explicit Arap(const NormalizedPoses& set);
@@ -21,17 +22,33 @@ public:
     const std::uint32_t* element_vertices(std::size_t element, std::size_t& count) const override;
     void evaluate(std::size_t element, const double* weights, const double* x, Order order, HessianKind kind,
                   ElementResult& result) const override;
+    bool allows_collapse() const override { return true; }
     RuntimeElement runtime_element(std::size_t element, const Shape& reference) const override;
 
 private:
-    // Edges are pairs of local vertices: 0 is the centre, 1 + i neighbour i of the fan.
+    struct Edge {
+        Eigen::Index tail, head; // local vertices: 0 is the centre, 1 + i neighbour i of the fan
+    };
     struct Cell {
         std::vector<std::uint32_t> vertices;
-        std::vector<std::array<int, 2>> edges; // spokes, then rims
-        Eigen::MatrixXd cotangents;            // m x edges
-        Eigen::MatrixXd rest_edges;            // 3m x edges
         bool is_closed = false;
+        Eigen::MatrixXd cotangents; // edges x m
+        Eigen::Matrix3Xd rest;      // the neighbours relative to the centre, pose after pose
+        Eigen::VectorXd rest_inertia; // per pose: trace of the inertia of R at rest
+        Eigen::Matrix3Xd moments;   // of the vertices, pose after pose: sum of +-c e(x_k) over the edges there
+
+        Eigen::Index spoke_count() const { return Eigen::Index(vertices.size()) - 1; }
+        Eigen::Index edge_count() const { return cotangents.rows(); }
+        Edge edge(Eigen::Index number) const; // spokes, then rims
+        Eigen::Vector3d rest_edge(Eigen::Index pose, const Edge& edge) const;
+        auto moment(Eigen::Index pose, Eigen::Index v) const { return moments.col(pose * (spoke_count() + 1) + v); }
     };
+    using PointMap = Eigen::Map<const Eigen::Matrix3Xd>;
+    struct Rotated;
+
+    Cell make_cell(const Fan& fan, const NormalizedPoses& set) const;
+    static void add_edges(const Cell& cell, const double* weights, const PointMap& y, Order order, ElementResult& result);
+
     Eigen::Index pose_count_, dof_count_;
     std::vector<Cell> cells_;
 };

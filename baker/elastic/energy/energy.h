@@ -54,6 +54,10 @@ public:
     virtual void evaluate(std::size_t element, const double* weights, const double* x, Order order, HessianKind kind,
                           ElementResult& result) const = 0;
 
+    // Whether triangles and tetrahedra may collapse and flip on the way to a minimum: the energy is finite there, and its
+    // forces lead on.
+    virtual bool allows_collapse() const { return false; }
+
     // The element for the runtime; `reference` is the shape at z = 0, to which the runtime's energies are relative.
     virtual RuntimeElement runtime_element(std::size_t element, const Shape& reference) const = 0;
 };

@@ -23,6 +23,7 @@ public:
     const std::uint32_t* element_vertices(std::size_t element, std::size_t& count) const override;
     void evaluate(std::size_t element, const double* weights, const double* x, Order order, HessianKind kind,
                   ElementResult& result) const override;
+    bool allows_collapse() const override { return inner_->allows_collapse(); }
     RuntimeElement runtime_element(std::size_t element, const Shape& reference) const override;
 
     const Energy& inner() const { return *inner_; }

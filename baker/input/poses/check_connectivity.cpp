@@ -214,7 +214,7 @@ void Checker::find_bow_ties()
         diagnostics_.add(about_vertices(
             warning_at(2206, mesh_.path,
                        fmt::format("{} parts of the surface touch in vertex {} only", fan_counts[vertex], vertex),
-                       "discrete shells support this, ARAP does not: split the vertex the same way in all poses"),
+                       "the parts turn freely about it: if they should not, split the vertex the same way in all poses"),
             { vertex }));
     }
 }

@@ -3,6 +3,7 @@
 #include "base/common/diagnostics.h"
 #include "base/mesh/smoothing_groups.h"
 #include "output/asset/bytes.h"
+#include "output/asset/element_batches.h"
 #include "pliant_format.h"
 
 #include <algorithm>
@@ -48,55 +49,8 @@ Bytes encode_solver(const AssetModel& asset)
     return out;
 }
 
-// An element ready for the runtime: its numbers, and its difference rows at z = 0 (column 0) and along each z_j.
-struct BakedElement {
-    RuntimeElement element;
-    Eigen::MatrixXd rows; // R x (1 + d)
-    double weight;
-};
-
-// What the element looks at: the differences (three rows each), or combinations of them.
-Eigen::MatrixXd combine(const Eigen::MatrixXd& differences, const RuntimeElement& element)
-{
-    const Eigen::MatrixXd& c = element.combination;
-    if (c.size() == 0) return differences;
-    Eigen::MatrixXd out = Eigen::MatrixXd::Zero(3 * c.cols(), differences.cols());
-    for (Eigen::Index j = 0; j < c.cols(); ++j)
-        for (Eigen::Index i = 0; i < c.rows(); ++i) out.middleRows<3>(3 * j) += c(i, j) * differences.middleRows<3>(3 * i);
-    // The deformation gradient relative to z = 0 is the identity there; its rounding would be one of the format.
-    if (element.kind == PLIANT_ELEMENT_TET_STVK || element.kind == PLIANT_ELEMENT_TET_MOONEY_RIVLIN)
-        out.col(0) = Eigen::Map<const Eigen::VectorXd>(Eigen::Matrix3d::Identity().eval().data(), 9);
-    return out;
-}
-
-BakedElement bake_element(const AssetModel& asset, std::size_t i)
-{
-    const BlendModel& model = asset.model;
-    const SurrogateEnergy& surrogate = *model.surrogate;
-    const std::size_t id = surrogate.elements()[i];
-    BakedElement baked;
-    baked.element = surrogate.energy().runtime_element(id, asset.surrogate_reference);
-    baked.weight = surrogate.weights()[Eigen::Index(i)];
-    std::size_t count = 0;
-    const std::uint32_t* vertices = surrogate.energy().element_vertices(id, count);
-    Eigen::MatrixXd local(surrogate.rows(i).rows(), 1 + model.whitening.cols());
-    local.col(0) = surrogate.rest_rows(i) + surrogate.rows(i) * model.mean;
-    local.rightCols(model.whitening.cols()) = surrogate.rows(i) * model.whitening;
-    const auto place
-        = [&](std::uint32_t vertex) { return 3 * Eigen::Index(std::find(vertices, vertices + count, vertex) - vertices); };
-    const auto& differences = baked.element.differences;
-    Eigen::MatrixXd rows(3 * Eigen::Index(differences.size()), local.cols());
-    for (std::size_t r = 0; r < differences.size(); ++r)
-        rows.middleRows<3>(3 * Eigen::Index(r))
-            = local.middleRows<3>(place(differences[r][1])) - local.middleRows<3>(place(differences[r][0]));
-    baked.rows = combine(rows, baked.element);
-    return baked;
-}
-
-using Batch = std::vector<BakedElement>;
-
 // Arrays of one batch, lane by lane; lanes past the last element repeat it without stiffness.
-void put_batch(Bytes& out, pliant_format_batch& record, const Batch& batch)
+void put_batch(Bytes& out, pliant_format_batch& record, const ElementBatch& batch)
 {
     const std::size_t lanes = pad16(batch.size());
     const auto lane = [&](std::size_t i) -> const BakedElement& { return batch[std::min(i, batch.size() - 1)]; };
@@ -120,33 +74,22 @@ void put_batch(Bytes& out, pliant_format_batch& record, const Batch& batch)
 
 Bytes encode_elements(const AssetModel& asset)
 {
-    std::map<std::tuple<std::uint32_t, std::uint32_t, bool>, Batch> batches;
-    for (std::size_t i = 0; i < asset.model.surrogate->element_count(); ++i) {
-        BakedElement baked = bake_element(asset, i);
-        const auto key = std::make_tuple(baked.element.kind, baked.element.valence, baked.element.is_closed);
-        batches[key].push_back(std::move(baked));
-    }
-    for (const auto& [key, batch] : batches)
-        if (std::get<1>(key) > PLIANT_FORMAT_MAX_VALENCE)
-            throw Failure(ExitCode::bad_input,
-                          error_at(4501, "",
-                                   fmt::format("a vertex has {} neighbours, an ARAP cell can have {}", std::get<1>(key),
-                                               PLIANT_FORMAT_MAX_VALENCE),
-                                   "remesh around that vertex, or use --material discrete-shells"));
+    std::vector<BakedElement> elements;
+    for (std::size_t i = 0; i < asset.model.surrogate->element_count(); ++i) elements.push_back(bake_element(asset, i));
+    const std::vector<ElementBatch> batches = group_elements(std::move(elements));
     Bytes out;
     out.put(count_record(batches.size()));
     std::vector<pliant_format_batch> records;
-    for (const auto& [key, batch] : batches) {
+    for (const ElementBatch& batch : batches) {
         pliant_format_batch record {};
-        record.kind = std::get<0>(key);
-        record.valence = std::get<1>(key);
-        record.is_closed = std::get<2>(key);
+        record.kind = batch[0].element.kind;
+        record.valence = batch[0].element.valence;
+        record.is_closed = batch[0].element.is_closed;
         record.element_count = std::uint32_t(batch.size());
         records.push_back(record);
         out.put(record);
     }
-    std::size_t i = 0;
-    for (const auto& entry : batches) put_batch(out, records[i++], entry.second);
+    for (std::size_t i = 0; i < batches.size(); ++i) put_batch(out, records[i], batches[i]);
     std::memcpy(out.data.data() + sizeof(pliant_format_count), records.data(), records.size() * sizeof(records[0]));
     return out;
 }

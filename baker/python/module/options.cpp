@@ -47,6 +47,7 @@ EnergyOptions energy_options(const nb::dict& given)
     EnergyOptions options;
     take_choice(given, "material", options.material,
                 { Material::discrete_shells, Material::arap, Material::stvk, Material::mooney_rivlin });
+    take_choice(given, "continuity", options.continuity, { Continuity::automatic, Continuity::off });
     take_choice(given, "membrane", options.shell.membrane, { Membrane::neo_hookean, Membrane::stvk, Membrane::edge });
     if (has_cholmod())
         take_choice(given, "solver", options.solver, { SolverKind::cholmod, SolverKind::eigen });
@@ -55,6 +56,8 @@ EnergyOptions energy_options(const nb::dict& given)
     take(given, "poisson", options.poisson);
     take(given, "thickness", options.shell.thickness);
     take(given, "foldover_damping", options.shell.foldover_damping);
+    for (const char* option : { "membrane", "thickness", "foldover_damping" })
+        options.has_shell_options |= given.contains(option) && !given[option].is_none();
     take(given, "weld", options.weld_tolerance);
     take(given, "no_align", options.keep_placement);
     take(given, "fix", options.fixed_vertices);

@@ -15,6 +15,7 @@ from ._module import core
 
 Progress = Optional[Callable[[str, float, float], object]]
 Material = Literal["discrete-shells", "arap", "stvk", "mooney-rivlin"]
+Continuity = Literal["auto", "off"]
 Membrane = Literal["neo-hookean", "stvk", "edge"]
 Solver = Literal["cholmod", "eigen"]
 Surface = Union[str, "os.PathLike[str]", Tuple[npt.ArrayLike, npt.ArrayLike]]
@@ -57,6 +58,7 @@ def bake(
     check_samples: int | None = None,
     fresh_samples: int | None = None,
     position_error: float | None = None,
+    continuity: Continuity | None = None,
     membrane: Membrane | None = None,
     thickness: float | None = None,
     foldover_damping: float | None = None,
@@ -82,7 +84,7 @@ def bake(
 
     Options have the names of the command line with underscores; None selects the default.
     `pliant bake --help` explains them all.
-    material, membrane, thickness, foldover_damping, poisson, weld   the elastic energy
+    material, continuity, membrane, thickness, foldover_damping, poisson, weld   the elastic energy
     fix             (k,) indices of vertices to keep in place; implies no_align
     no_align        do not align the poses rigidly
     surface         render mesh that replaces the boundary of a solid: a file, or a pair of positions (s, 3) and faces (g, k)
@@ -113,7 +115,7 @@ def bake(
             "material": material, "tolerance": tolerance, "tolerance_max": tolerance_max, "best_effort": best_effort,
             "subspace": subspace, "dim": dim, "ritz": ritz, "energy": energy, "elements": elements, "cubature": cubature,
             "ghost_vertices": ghost_vertices, "check_samples": check_samples, "fresh_samples": fresh_samples,
-            "position_error": position_error, "membrane": membrane, "thickness": thickness,
+            "position_error": position_error, "continuity": continuity, "membrane": membrane, "thickness": thickness,
             "foldover_damping": foldover_damping, "poisson": poisson, "weld": weld, "fix": fix, "no_align": no_align,
             "no_scene": no_scene, "solver": solver, "seed": seed, "threads": threads,
         },
@@ -134,6 +136,7 @@ def average(
     *,
     tets: npt.ArrayLike | None = None,
     material: Material | None = None,
+    continuity: Continuity | None = None,
     membrane: Membrane | None = None,
     thickness: float | None = None,
     foldover_damping: float | None = None,
@@ -163,8 +166,8 @@ def average(
     rows, is_single = _arrays.rows("weights", weights, pose_count, "one per pose")
     options = _options.checked(
         {
-            "material": material, "membrane": membrane, "thickness": thickness, "foldover_damping": foldover_damping,
-            "poisson": poisson, "weld": weld, "fix": fix, "no_align": no_align, "solver": solver, "threads": threads,
+            "material": material, "continuity": continuity, "membrane": membrane, "thickness": thickness,
+            "foldover_damping": foldover_damping, "poisson": poisson, "weld": weld, "fix": fix, "no_align": no_align, "solver": solver, "threads": threads,
         },
         vertex_count,
     )  # fmt: skip

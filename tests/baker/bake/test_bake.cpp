@@ -47,6 +47,7 @@ struct TubeFamily {
 std::vector<Variant> variants()
 {
     BakeOptions shells;
+    shells.energy.material = Material::discrete_shells;
     shells.subspace = SubspaceKind::krylov;
     shells.ritz_count = 1;
     std::vector<Variant> out
@@ -288,26 +289,26 @@ TEST_CASE("a bake says what it measured, and the certificate holds it")
     CHECK_FALSE(bake(tube_poses(3), options, silent).report.check.meets_tolerance);
 }
 
-TEST_CASE("where averages of a shell jump, a miss points to ARAP")
+TEST_CASE("where averages of a shell jump, a miss points to the continuous energy")
 {
     BakeReport report;
     report.check.blends.resize(1);
     report.check.worst_weights = equal_weights(2);
     report.check.meets_tolerance = false;
     BakeOptions shells, arap;
-    arap.energy.material = Material::arap;
+    shells.energy.continuity = Continuity::off;
     const auto hint = [&](const BakeOptions& options) { return find_miss(report, options, true)->hint; };
-    CHECK(hint(shells).find("arap") == std::string::npos);
+    CHECK(hint(shells).find("--continuity auto") == std::string::npos);
     report.branches.resize(1);
-    CHECK(hint(shells).find("arap") != std::string::npos);
-    CHECK(hint(arap).find("arap") == std::string::npos);
+    CHECK(hint(shells).find("--continuity auto") != std::string::npos);
+    CHECK(hint(arap).find("--continuity auto") == std::string::npos);
     report.input.tet_count = 1;
-    CHECK(hint(shells).find("arap") == std::string::npos);
+    CHECK(hint(shells).find("--continuity auto") == std::string::npos);
     const auto hint_for
         = [](const BakeOptions& options, bool is_solid) { return std::string(hint_for_jumps(options.energy, is_solid)); };
-    CHECK(hint_for(shells, false).find("arap") != std::string::npos);
-    CHECK(hint_for(arap, false).find("arap") == std::string::npos);
-    CHECK(hint_for(shells, true).find("arap") == std::string::npos);
+    CHECK(hint_for(shells, false).find("--continuity auto") != std::string::npos);
+    CHECK(hint_for(arap, false).find("--continuity auto") == std::string::npos);
+    CHECK(hint_for(shells, true).find("--continuity auto") == std::string::npos);
 }
 
 TEST_CASE("the same bake gives the same bytes")

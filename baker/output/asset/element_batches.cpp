@@ -1,0 +1,105 @@
+#include "output/asset/element_batches.h"
+
+#include "pliant_format.h"
+
+#include <algorithm>
+#include <map>
+
+namespace pliant {
+
+namespace {
+
+constexpr std::size_t lane_count = 16;
+
+// What the element looks at: the differences (three rows each), or combinations of them.
+Eigen::MatrixXd combine(const Eigen::MatrixXd& differences, const RuntimeElement& element)
+{
+    const Eigen::MatrixXd& c = element.combination;
+    if (c.size() == 0) return differences;
+    Eigen::MatrixXd out = Eigen::MatrixXd::Zero(3 * c.cols(), differences.cols());
+    for (Eigen::Index j = 0; j < c.cols(); ++j)
+        for (Eigen::Index i = 0; i < c.rows(); ++i) out.middleRows<3>(3 * j) += c(i, j) * differences.middleRows<3>(3 * i);
+    // The deformation gradient relative to z = 0 is the identity there; its rounding would be one of the format.
+    if (element.kind == PLIANT_ELEMENT_TET_STVK || element.kind == PLIANT_ELEMENT_TET_MOONEY_RIVLIN)
+        out.col(0) = Eigen::Map<const Eigen::VectorXd>(Eigen::Matrix3d::Identity().eval().data(), 9);
+    return out;
+}
+
+// The same energy as an open cell of at least as many spokes. A closed ring needs its first spoke once more at the end; what
+// is added has no stiffness of its own.
+BakedElement open_cell(const BakedElement& cell, std::uint32_t valence)
+{
+    const RuntimeElement& old = cell.element;
+    const Eigen::Index spokes = old.valence, wanted = valence, rims = old.is_closed ? spokes : spokes - 1;
+    BakedElement out = cell;
+    out.element.valence = valence;
+    out.element.is_closed = false;
+    out.rows.resize(3 * wanted, cell.rows.cols());
+    for (Eigen::Index i = 0; i < wanted; ++i)
+        out.rows.middleRows<3>(3 * i) = cell.rows.middleRows<3>(3 * (i < spokes ? i : 0));
+    const Eigen::MatrixXd& from = old.pose_numbers; // four numbers for every spoke, then for every rim; one number more
+    Eigen::MatrixXd& to = out.element.pose_numbers;
+    to.setZero(from.rows(), 4 * (2 * wanted - 1) + 1);
+    to.leftCols(4 * spokes) = from.leftCols(4 * spokes);
+    to.middleCols(4 * wanted, 4 * rims) = from.middleCols(4 * spokes, 4 * rims);
+    to.rightCols(1) = from.rightCols(1);
+    return out;
+}
+
+std::uint32_t open_valence(const BakedElement& cell) { return cell.element.valence + (cell.element.is_closed ? 1 : 0); }
+
+// Sorted by valence, each block of lanes as wide as its largest cell.
+void widen_cells(ElementBatch& cells)
+{
+    std::stable_sort(cells.begin(), cells.end(),
+                     [](const BakedElement& a, const BakedElement& b) { return open_valence(a) < open_valence(b); });
+    for (std::size_t end = cells.size(); end > 0;) {
+        const std::size_t begin = (end - 1) / lane_count * lane_count;
+        const std::uint32_t valence = open_valence(cells[end - 1]);
+        for (; end > begin; --end) cells[end - 1] = open_cell(cells[end - 1], valence);
+    }
+}
+
+} // namespace
+
+BakedElement bake_element(const AssetModel& asset, std::size_t i)
+{
+    const BlendModel& model = asset.model;
+    const SurrogateEnergy& surrogate = *model.surrogate;
+    const std::size_t id = surrogate.elements()[i];
+    BakedElement baked;
+    baked.element = surrogate.energy().runtime_element(id, asset.surrogate_reference);
+    baked.weight = surrogate.weights()[Eigen::Index(i)];
+    std::size_t count = 0;
+    const std::uint32_t* vertices = surrogate.energy().element_vertices(id, count);
+    Eigen::MatrixXd local(surrogate.rows(i).rows(), 1 + model.whitening.cols());
+    local.col(0) = surrogate.rest_rows(i) + surrogate.rows(i) * model.mean;
+    local.rightCols(model.whitening.cols()) = surrogate.rows(i) * model.whitening;
+    const auto place
+        = [&](std::uint32_t vertex) { return 3 * Eigen::Index(std::find(vertices, vertices + count, vertex) - vertices); };
+    const auto& differences = baked.element.differences;
+    Eigen::MatrixXd rows(3 * Eigen::Index(differences.size()), local.cols());
+    for (std::size_t r = 0; r < differences.size(); ++r)
+        rows.middleRows<3>(3 * Eigen::Index(r))
+            = local.middleRows<3>(place(differences[r][1])) - local.middleRows<3>(place(differences[r][0]));
+    baked.rows = combine(rows, baked.element);
+    return baked;
+}
+
+std::vector<ElementBatch> group_elements(std::vector<BakedElement> elements)
+{
+    std::map<std::uint32_t, ElementBatch> kinds;
+    for (BakedElement& element : elements) kinds[element.element.kind].push_back(std::move(element));
+    if (kinds.count(PLIANT_ELEMENT_ARAP_CELL)) widen_cells(kinds[PLIANT_ELEMENT_ARAP_CELL]);
+    std::vector<ElementBatch> batches;
+    for (auto& [kind, batch] : kinds)
+        for (BakedElement& element : batch) {
+            if (batches.empty() || batches.back()[0].element.kind != kind
+                || batches.back()[0].element.valence != element.element.valence)
+                batches.emplace_back();
+            batches.back().push_back(std::move(element));
+        }
+    return batches;
+}
+
+} // namespace pliant

@@ -1,0 +1,28 @@
+// Elements of a surrogate energy as the chunk ELEM stores them.
+#pragma once
+
+#include "elastic/energy/energy.h"
+#include "output/asset/asset_writer.h"
+
+#include <vector>
+
+namespace pliant {
+
+// An element ready for the runtime: its numbers, and its difference rows at z = 0 (column 0) and along each z_j.
+struct BakedElement {
+    RuntimeElement element;
+    Eigen::MatrixXd rows; // R x (1 + d)
+    double weight;
+};
+
+// Element i of the asset's surrogate energy.
+BakedElement bake_element(const AssetModel& asset, std::size_t i);
+
+// Elements of one kind and layout.
+using ElementBatch = std::vector<BakedElement>;
+
+// As few batches and unused lanes as there can be: ARAP cells become open ones, sorted by their valence, and every sixteen
+// take that of the largest among them, with spokes that have no stiffness.
+std::vector<ElementBatch> group_elements(std::vector<BakedElement> elements);
+
+} // namespace pliant
