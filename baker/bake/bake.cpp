@@ -1,6 +1,7 @@
 #include "bake/bake.h"
 
 #include "bake/certificate.h"
+#include "bake/choose_material.h"
 #include "bake/find_subspace.h"
 #include "bake/fit.h"
 #include "bake/make_energy.h"
@@ -74,13 +75,18 @@ std::vector<std::uint8_t> encode_certified(const CheckedAsset& checked, const st
 
 BakedAsset bake(const PoseSet& poses, const BakeOptions& given, Progress& progress)
 {
-    const BakeOptions options = resolve_options(given, poses);
+    BakeOptions options = resolve_options(given, poses);
     BakeReport report;
     Stopwatch watch;
     progress.update("poses", 0);
     const NormalizedPoses set = normalize(poses, options.energy.keep_placement);
+    const MaterialChoice choice = choose_material(set, options.energy, &progress);
+    options.energy.material = choice.material;
+    watch.end_stage("material");
     const std::unique_ptr<Energy> energy = make_energy(set, options.energy, &progress);
     report.input = describe(poses, set, *energy);
+    report.input.material = choice.material;
+    report.input.material_reason = choice.reason;
     warn_of_foldover(report.input, options.energy, progress);
     SolverPool pool(*energy, set, options.energy.solver);
     watch.end_stage("poses");
@@ -105,7 +111,7 @@ BakedAsset bake(const PoseSet& poses, const BakeOptions& given, Progress& progre
     report.branches = all_branches(family, checked, poses);
     report.factorization_count = pool.factorization_count();
     if (report.check.ties) use_file_numbers(poses.source_vertices, *report.check.ties);
-    warn_of_blends(report, poses, options.energy, progress);
+    warn_of_blends(report, poses, progress);
     report.certificate = write_certificate(report, options, poses.names);
     std::vector<std::uint8_t> bytes = encode_certified(checked, report.certificate);
     watch.end_stage("check");

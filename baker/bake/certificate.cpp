@@ -177,8 +177,9 @@ std::string write_certificate(const BakeReport& report, const BakeOptions& optio
                               const std::vector<std::string>& pose_names)
 {
     const ShellOptions& shell = options.energy.shell;
-    const Material material = options.energy.material.value_or(Material::discrete_shells);
+    const Material material = report.input.material;
     Json energy = { { "material", name_of(material) } };
+    if (!report.input.material_reason.empty()) energy["reason"] = report.input.material_reason;
     if (report.input.tet_count && options.energy.poisson >= 0) energy["poisson"] = options.energy.poisson;
     if (material == Material::discrete_shells) {
         energy["membrane"] = name_of(shell.membrane);

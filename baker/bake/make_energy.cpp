@@ -1,5 +1,6 @@
 #include "bake/make_energy.h"
 
+#include "bake/choose_material.h"
 #include "base/common/diagnostics.h"
 #include "elastic/energy/arap.h"
 #include "elastic/energy/solid.h"
@@ -12,12 +13,6 @@ namespace pliant {
 
 namespace {
 
-Material surface_material(const EnergyOptions& options)
-{
-    const bool wants_shells = options.has_shell_options || options.continuity == Continuity::off;
-    return wants_shells ? Material::discrete_shells : Material::arap;
-}
-
 std::unique_ptr<Energy> make_surface_energy(const NormalizedPoses& set, Material material, const ShellOptions& shell)
 {
     if (material == Material::arap) return std::make_unique<Arap>(set);
@@ -26,22 +21,9 @@ std::unique_ptr<Energy> make_surface_energy(const NormalizedPoses& set, Material
 
 } // namespace
 
-Material material_for(const EnergyOptions& options, bool is_solid)
-{
-    const Material material = options.material.value_or(is_solid ? Material::stvk : surface_material(options));
-    const bool is_of_solids = material == Material::stvk || material == Material::mooney_rivlin;
-    if (is_of_solids != is_solid)
-        throw Failure(ExitCode::usage,
-                      error_at(1206, "",
-                               fmt::format("--material {} is for {}, the poses are {}", name_of(material),
-                                           is_of_solids ? "solids" : "surfaces", is_solid ? "solids" : "surfaces"),
-                               is_solid ? "use stvk or mooney-rivlin" : "use discrete-shells or arap"));
-    return material;
-}
-
 std::unique_ptr<Energy> make_energy(const NormalizedPoses& set, const EnergyOptions& options, Progress* progress)
 {
-    const Material material = material_for(options, set.is_solid());
+    const Material material = choose_material(set, options, progress).material;
     if (material == Material::stvk) return std::make_unique<Solid>(set, SolidOptions { SolidLaw::stvk, options.poisson });
     if (material == Material::mooney_rivlin)
         return std::make_unique<Solid>(set, SolidOptions { SolidLaw::mooney_rivlin, options.poisson });
@@ -55,13 +37,14 @@ namespace {
 // A surrogate energy that the material does not have is a wrong command line.
 void check_surrogate(const BakeOptions& options, const PoseSet& poses)
 {
-    const Material material = *options.energy.material;
-    const bool is_solid = material == Material::stvk || material == Material::mooney_rivlin;
+    const std::optional<Material> material = options.energy.material;
     if (options.surrogate == SurrogateKind::quartic && material != Material::stvk)
         throw Failure(ExitCode::usage,
-                      error_at(1207, "", fmt::format("--energy quartic needs --material stvk, not {}", name_of(material)),
+                      error_at(1207, "",
+                               fmt::format("--energy quartic needs --material stvk, not {}",
+                                           material ? name_of(*material) : "one of surfaces"),
                                "leave it out, or use --energy cubature"));
-    if (options.surrogate == SurrogateKind::ghost && is_solid)
+    if (options.surrogate == SurrogateKind::ghost && poses.is_solid())
         throw Failure(ExitCode::usage,
                       error_at(1208, "", "--energy ghost is for surfaces, the poses are solids",
                                "leave it out, or use --energy cubature"));
@@ -75,7 +58,7 @@ void check_surrogate(const BakeOptions& options, const PoseSet& poses)
 BakeOptions resolve_options(const BakeOptions& given, const PoseSet& poses)
 {
     BakeOptions options = given;
-    options.energy.material = material_for(given.energy, poses.is_solid());
+    options.energy.material = stated_material(given.energy, poses.is_solid());
     check_surrogate(options, poses);
     return options;
 }

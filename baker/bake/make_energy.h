@@ -10,11 +10,11 @@ namespace pliant {
 // The material that the options mean for surfaces or solids. Throws Failure (usage, P1206) for one of the other sort.
 Material material_for(const EnergyOptions& options, bool is_solid);
 
-// The energy of a shape set. The set must outlive it. Of a character in several parts it costs some averages
-// (elastic/parts/calibrate_ties.h).
+// The energy of a shape set, of the material that choose_material finds. The set must outlive it. Of a character in several
+// parts it costs some averages (elastic/parts/calibrate_ties.h).
 std::unique_ptr<Energy> make_energy(const NormalizedPoses& set, const EnergyOptions& options, Progress* progress = nullptr);
 
-// The options of a bake with the material that they mean. Throws Failure (usage, P1206 to P1208) for a surrogate energy that
+// The options of a bake with the material that they state. Throws Failure (usage, P1206 to P1208) for a surrogate energy that
 // the material does not have, and (bad_input, P2222) for a ghost of a surface that is no manifold.
 BakeOptions resolve_options(const BakeOptions& given, const PoseSet& poses);
 

@@ -1,23 +1,16 @@
 #include "bake/warnings.h"
 
-#include "bake/make_energy.h"
-
 #include <fmt/core.h>
 
 namespace pliant {
 namespace {
 
-bool is_shell(const EnergyOptions& energy, bool is_solid)
-{
-    return material_for(energy, is_solid) == Material::discrete_shells;
-}
-
 // Where to turn when the tolerance is missed: what makes averages jump, else the part that misses it.
 std::string remedy(const BakeReport& r, const BakeOptions& options)
 {
     if (!r.branches.empty())
-        return is_shell(options.energy, r.input.tet_count > 0)
-            ? "averages jump (P4406): use --continuity auto (without --material and options of shells)"
+        return r.input.material == Material::discrete_shells
+            ? "averages jump (P4406): use --material arap"
             : "averages jump (P4406): add a pose in between, leave a pose out, or raise --tolerance";
     if (r.fit.subspace_error.mean > 0.7 * options.tolerance)
         return r.fit.dimension >= 60
@@ -65,14 +58,14 @@ void require_convergence(const NewtonResult& result, const NewtonOptions& option
                            "add an in-between pose, or try another --thickness or a smaller --foldover-damping"));
 }
 
-const char* hint_for_jumps(const EnergyOptions& energy, bool is_solid)
+const char* hint_for_jumps(Material material)
 {
-    return is_shell(energy, is_solid)
-        ? "use --continuity auto (without --material and options of shells), or add a pose in between"
+    return material == Material::discrete_shells
+        ? "use --material arap, or add a pose in between"
         : "add a pose in between, so that there is only one way to bend";
 }
 
-void warn_of_jumps(const FamilyPoint& point, const PoseSet& poses, const EnergyOptions& energy, const std::string& frame,
+void warn_of_jumps(const FamilyPoint& point, const PoseSet& poses, Material material, const std::string& frame,
                    Progress& progress)
 {
     for (const Branch& jump : point.jumps)
@@ -82,7 +75,7 @@ void warn_of_jumps(const FamilyPoint& point, const PoseSet& poses, const EnergyO
                 "{}the average jumps on the path towards pose {}: distance {:.1f} %, largest at vertex {}, weights {}",
                 frame, poses.names[jump.pose], 100 * jump.distance, poses.file_number(jump.vertex),
                 weights_text(jump.weights)),
-            hint_for_jumps(energy, poses.is_solid()));
+            hint_for_jumps(material));
 }
 
 namespace {
@@ -115,14 +108,14 @@ void warn_of_foldover(const InputReport& input, const EnergyOptions& energy, Pro
                   "smooth the creases there, or set --foldover-damping (1 = off)");
 }
 
-void warn_of_blends(const BakeReport& report, const PoseSet& poses, const EnergyOptions& energy, Progress& progress)
+void warn_of_blends(const BakeReport& report, const PoseSet& poses, Progress& progress)
 {
     for (const Branch& branch : report.branches)
         progress.warn(4406,
                       fmt::format("{}: distance {:.1f} %, largest at vertex {}, weights {}",
                                   describe(branch, poses.names[branch.pose]), 100 * branch.distance, branch.vertex,
                                   weights_text(branch.weights)),
-                      hint_for_jumps(energy, poses.is_solid()));
+                      hint_for_jumps(report.input.material));
     warn_of_inversion(report, progress);
     if (report.check.ties) warn_about_ties(*report.check.ties, drift_limit, progress);
 }

@@ -31,10 +31,10 @@ Failure to_failure(const ToleranceMiss& miss);
 void require_convergence(const NewtonResult& result, const NewtonOptions& options, const std::string& frame);
 
 // What helps where there is more than one way to bend: the hint of P4406.
-const char* hint_for_jumps(const EnergyOptions& energy, bool is_solid);
+const char* hint_for_jumps(Material material);
 
 // P4406 for every jump on the way to an average.
-void warn_of_jumps(const FamilyPoint& point, const PoseSet& poses, const EnergyOptions& energy, const std::string& frame,
+void warn_of_jumps(const FamilyPoint& point, const PoseSet& poses, Material material, const std::string& frame,
                    Progress& progress);
 
 // P4403: hinges whose bending is damped.
@@ -42,7 +42,7 @@ void warn_of_foldover(const InputReport& input, const EnergyOptions& energy, Pro
 
 // P4406 for every place where averages jump, P4407 for tetrahedra inside out, and what parts of a character have (P4408 to
 // P4410).
-void warn_of_blends(const BakeReport& report, const PoseSet& poses, const EnergyOptions& energy, Progress& progress);
+void warn_of_blends(const BakeReport& report, const PoseSet& poses, Progress& progress);
 
 // Adds to `warnings` what was warned of while baking, with the vertices that it is about.
 void add_warnings(const std::vector<Diagnostic>& warned, const BakeReport& report, std::vector<Diagnostic>& warnings);

@@ -1,5 +1,6 @@
 #include "cli/verbs.h"
 
+#include "bake/choose_material.h"
 #include "bake/make_energy.h"
 
 #include "bake/warnings.h"
@@ -172,7 +173,10 @@ ExitCode run(const Arguments& a)
     const std::vector<std::string> inputs = all_inputs(a);
     for (const Wanted& one : wanted) probe_output(one.output, inputs);
     const NormalizedPoses set = normalize(poses, a.energy.keep_placement);
-    const std::unique_ptr<Energy> energy = make_energy(set, a.energy, &progress);
+    EnergyOptions options = a.energy;
+    const MaterialChoice choice = choose_material(set, options, &progress);
+    options.material = choice.material;
+    const std::unique_ptr<Energy> energy = make_energy(set, options, &progress);
     SolverPool pool(*energy, set, a.energy.solver);
     AverageFamily family(pool, a.newton, &progress);
     family.mean();
@@ -187,7 +191,7 @@ ExitCode run(const Arguments& a)
             require_convergence(result, a.newton, one.frame);
             write_output(one.output, encode_ply(to_input_units(set, result.y), poses, a.all_vertices));
             progress.clear_line();
-            warn_of_jumps(points[i], poses, a.energy, one.frame, progress);
+            warn_of_jumps(points[i], poses, choice.material, one.frame, progress);
             averages.push_back(to_json(one, points[i]));
         }
     }

@@ -2,7 +2,6 @@
 
 #include "bake/bake.h"
 #include "bake/certificate.h"
-#include "bake/make_energy.h"
 #include "bake/warnings.h"
 #include "base/common/sha256.h"
 #include "cli/bake_request.h"
@@ -25,9 +24,10 @@ void print_summary(const BakeRequest& a, const BakedAsset& baked)
     const std::string energy = r.fit.kind == SurrogateKind::quartic
         ? "exact quartic"
         : fmt::format("{} elements{}", r.fit.element_count, r.fit.surrogate.has_load ? " and a dead load" : "");
-    fmt::print("{}: {} poses, {} vertices, {}, d = {}, {}, {:.1f} MiB\n", a.output, r.input.pose_count,
-               r.input.vertex_count, name_of(material_for(a.bake.energy, r.input.tet_count > 0)), r.fit.dimension, energy,
-               double(baked.bytes.size()) / 1048576.0);
+    fmt::print("{}: {} poses, {} vertices, d = {}, {}, {:.1f} MiB\n", a.output, r.input.pose_count, r.input.vertex_count,
+               r.fit.dimension, energy, double(baked.bytes.size()) / 1048576.0);
+    fmt::print("elastic energy: {}{}\n", name_of(r.input.material),
+               r.input.material_reason.empty() ? "" : fmt::format(" ({})", r.input.material_reason));
     fmt::print("basis: {:.2f} bytes per number, largest error {:.1e} of the diagonal\n", r.check.basis.bytes_per_number,
                r.check.basis.largest_difference);
     if (!r.fit.reason.empty()) fmt::print("cubature instead of the quartic: {}\n", r.fit.reason);

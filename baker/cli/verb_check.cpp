@@ -1,7 +1,7 @@
 #include "cli/verbs.h"
 
 #include "bake/estimate.h"
-#include "bake/make_energy.h"
+#include "bake/choose_material.h"
 
 #include "bake/certificate.h"
 #include "elastic/energy/discrete_shells.h"
@@ -24,7 +24,7 @@ struct Hinges {
     std::size_t count = 0, foldover_count = 0;
 };
 
-Hinges hinges_of(const NormalizedPoses& set, Material material, const ShellOptions& options)
+Hinges hinges_of(const NormalizedPoses& set, std::optional<Material> material, const ShellOptions& options)
 {
     if (material != Material::discrete_shells) return {};
     const DiscreteShells shells(set, options);
@@ -55,7 +55,7 @@ ExitCode run(const Arguments& a)
         return ExitCode::done;
     }
     const NormalizedPoses set = normalize(poses, a.bake.energy.keep_placement);
-    const Material material = material_for(a.bake.energy, poses.is_solid());
+    const std::optional<Material> material = stated_material(a.bake.energy, poses.is_solid());
     if (poses.is_solid())
         fmt::print("{} poses of {} vertices, {} tetrahedra, {} of the vertices on the boundary: ready to bake\n",
                    poses.pose_count(), poses.vertex_count(), poses.tets.size(), poses.boundary_vertex_count);
@@ -69,8 +69,8 @@ ExitCode run(const Arguments& a)
         fmt::print("  {} of {} hinges are folded over or fold strongly between poses: their bending energy will be damped\n",
                    hinges.foldover_count, hinges.count);
     const BakeEstimate e = estimate_bake(poses.vertex_count(), poses.pose_count(), a.bake);
-    fmt::print("estimate of a bake ({}): d = {}, {:.0f} s, {:.1f} GiB of memory, an asset of {:.1f} MiB\n",
-               name_of(material), e.dimension, e.seconds, e.memory / 1073741824.0, e.asset_size / 1048576.0);
+    fmt::print("estimate of a bake: d = {}, {:.0f} s, {:.1f} GiB of memory, an asset of {:.1f} MiB\n", e.dimension,
+               e.seconds, e.memory / 1073741824.0, e.asset_size / 1048576.0);
     if (!poses.is_solid())
         fmt::print("  at most {} factorisations\n", factorization_limit(poses.pose_count(), a.bake));
     return ExitCode::done;
@@ -81,7 +81,7 @@ ExitCode run(const Arguments& a)
 nlohmann::ordered_json describe_poses(const PoseSet& poses, const BakeOptions& options)
 {
     const NormalizedPoses set = normalize(poses, options.energy.keep_placement);
-    const Material material = material_for(options.energy, poses.is_solid());
+    const std::optional<Material> material = stated_material(options.energy, poses.is_solid());
     const BakeEstimate e = estimate_bake(poses.vertex_count(), poses.pose_count(), options);
     nlohmann::ordered_json list = nlohmann::ordered_json::array();
     for (std::size_t k = 0; k < poses.pose_count(); ++k)
@@ -89,7 +89,7 @@ nlohmann::ordered_json describe_poses(const PoseSet& poses, const BakeOptions& o
     const RenderMesh* const drawn = poses.render_mesh.get();
     nlohmann::ordered_json json = { { "poses", list },
                                     { "kind", poses.is_solid() ? "solid" : "surface" },
-                                    { "material", name_of(material) },
+                                    { "material", material ? name_of(*material) : "auto" },
                                     { "vertices", drawn ? drawn->embedding.count() : poses.vertex_count() },
                                     { "triangles", drawn ? drawn->triangles.size() : poses.triangles.size() },
                                     { "tetrahedra", poses.tets.size() },

@@ -84,6 +84,7 @@ asset_of() {
     shift
     [[ $asset -nt $tool ]] && return
     "$tool" bake "${poses[@]}" -o "$asset" --position-error 0 --check-samples 0 --fresh-samples 0 --best-effort --quiet \
+        --continuity off \
         --report "${asset%.pliant}.json" "${threads[@]}" "$@" 2>> "$out/bakes.log" || code=$?
     ((code == 0 || code == 4)) || { say "baking $asset failed, exit code $code: $out/bakes.log"; return 1; }
     say "baked ${asset##*/} in $((SECONDS - start)) s"

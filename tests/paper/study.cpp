@@ -111,12 +111,20 @@ std::vector<Named> split_names(const std::vector<std::string>& pairs)
     return out;
 }
 
+// Thin shells.
+EnergyOptions energy_of_paper()
+{
+    EnergyOptions options;
+    options.continuity = Continuity::off;
+    return options;
+}
+
 class Study {
 public:
     Study(const Options& options, const PoseSet& poses)
         : options_(options)
         , set_(normalize(poses))
-        , energy_(make_energy(set_, EnergyOptions()))
+        , energy_(make_energy(set_, energy_of_paper()))
         , solver_(*energy_, set_, default_solver())
     {
         SolverPool pool(*energy_, set_, default_solver());

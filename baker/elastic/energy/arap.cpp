@@ -36,6 +36,10 @@ constexpr double rounding = 1e-10;
 // Rotations are free where a cell is collapsed to a line; relative to the inertia at rest.
 constexpr double least_inertia = 1e-12;
 
+// Forces of a cell at rest are differences of large numbers. Below this strain they are rounding, which would look like an
+// equilibrium of forces that is not there.
+constexpr double no_strain = 1e-14;
+
 bool is_positive(const Eigen::MatrixXd& hessian)
 {
     Eigen::MatrixXd shifted = hessian;
@@ -155,10 +159,12 @@ void Arap::evaluate(std::size_t element, const double* weights, const double* x,
     const PointMap y(x, 3, count);
     result.value = 0;
     if (order >= Order::gradient) result.gradient.setZero(3 * count);
+    double inertia = 0;
     Eigen::MatrixXd turns;
     if (order == Order::hessian) turns.setZero(3 * pose_count_, 3 * count);
     for (Index k = 0; k < pose_count_; ++k) {
         if (weights[k] == 0) continue;
+        inertia += weights[k] * cell.rest_inertia[k];
         const Rotated pose(cell, k, y);
         result.value += weights[k] * pose.value(cell, k, y);
         if (order < Order::gradient) continue;
@@ -169,6 +175,7 @@ void Arap::evaluate(std::size_t element, const double* weights, const double* x,
     }
     if (order == Order::hessian) result.hessian.noalias() = -(turns.transpose() * turns);
     if (order >= Order::gradient) add_edges(cell, weights, y, order, result);
+    if (order >= Order::gradient && result.value <= no_strain * no_strain * inertia) result.gradient.setZero();
     if (order == Order::hessian && kind == HessianKind::projected && !is_positive(result.hessian))
         project_positive(result.hessian);
 }

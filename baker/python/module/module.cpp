@@ -7,6 +7,7 @@
 
 #include "bake/bake.h"
 #include "bake/certificate.h"
+#include "bake/choose_material.h"
 #include "bake/make_energy.h"
 #include "bake/warnings.h"
 #include "base/common/parallel.h"
@@ -138,10 +139,11 @@ Positions in_input_order(const PoseSet& poses, const Positions& positions)
 }
 
 // As many averages as rows of weights, each from the mean: none depends on the others.
-std::vector<double> averages(const PoseSet& poses, const std::vector<Weights>& wanted, const EnergyOptions& options,
+std::vector<double> averages(const PoseSet& poses, const std::vector<Weights>& wanted, EnergyOptions options,
                              Progress& progress)
 {
     const NormalizedPoses set = normalize(poses, options.keep_placement);
+    options.material = choose_material(set, options, &progress).material;
     const std::unique_ptr<Energy> energy = make_energy(set, options);
     SolverPool pool(*energy, set, options.solver);
     const NewtonOptions newton;
@@ -160,7 +162,7 @@ std::vector<double> averages(const PoseSet& poses, const std::vector<Weights>& w
     for (std::size_t i = 0; i < points.size(); ++i) {
         const std::string row = wanted.size() > 1 ? "row " + std::to_string(i) + ": " : "";
         require_convergence(points[i].average, newton, row);
-        warn_of_jumps(points[i], poses, options, row, progress);
+        warn_of_jumps(points[i], poses, *options.material, row, progress);
         const Positions shape = in_input_order(poses, to_input_units(set, points[i].average.y));
         out.insert(out.end(), shape.data(), shape.data() + shape.size());
     }

@@ -289,26 +289,21 @@ TEST_CASE("a bake says what it measured, and the certificate holds it")
     CHECK_FALSE(bake(tube_poses(3), options, silent).report.check.meets_tolerance);
 }
 
-TEST_CASE("where averages of a shell jump, a miss points to the continuous energy")
+TEST_CASE("where averages of a shell jump, a miss points to ARAP")
 {
     BakeReport report;
     report.check.blends.resize(1);
     report.check.worst_weights = equal_weights(2);
     report.check.meets_tolerance = false;
-    BakeOptions shells, arap;
-    shells.energy.continuity = Continuity::off;
-    const auto hint = [&](const BakeOptions& options) { return find_miss(report, options, true)->hint; };
-    CHECK(hint(shells).find("--continuity auto") == std::string::npos);
+    const auto points_to_arap = [&] { return find_miss(report, {}, true)->hint.find("--material arap") != std::string::npos; };
+    CHECK_FALSE(points_to_arap());
     report.branches.resize(1);
-    CHECK(hint(shells).find("--continuity auto") != std::string::npos);
-    CHECK(hint(arap).find("--continuity auto") == std::string::npos);
-    report.input.tet_count = 1;
-    CHECK(hint(shells).find("--continuity auto") == std::string::npos);
-    const auto hint_for
-        = [](const BakeOptions& options, bool is_solid) { return std::string(hint_for_jumps(options.energy, is_solid)); };
-    CHECK(hint_for(shells, false).find("--continuity auto") != std::string::npos);
-    CHECK(hint_for(arap, false).find("--continuity auto") == std::string::npos);
-    CHECK(hint_for(shells, true).find("--continuity auto") == std::string::npos);
+    CHECK(points_to_arap());
+    report.input.material = Material::arap;
+    CHECK_FALSE(points_to_arap());
+    CHECK(std::string(hint_for_jumps(Material::discrete_shells)).find("arap") != std::string::npos);
+    CHECK(std::string(hint_for_jumps(Material::arap)).find("arap") == std::string::npos);
+    CHECK(std::string(hint_for_jumps(Material::stvk)).find("arap") == std::string::npos);
 }
 
 TEST_CASE("the same bake gives the same bytes")

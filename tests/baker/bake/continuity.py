@@ -1,0 +1,159 @@
+"""continuity.py TOOL [--only TEXT] [--samples N] [--limit S]: what the continuous energy does to averages and bakes. For every
+set of poses below one row with `--continuity off` (thin shells) and one with the default, as a Markdown table on standard
+output; continuity.md has it. Columns:
+
+jumps         other averages that the bake found (`branches` of the certificate)
+certificate   mean and largest relative L2 error of the certificate
+fresh         the same from `pliant measure --samples N` (default 50): weights that the bake did not see
+elsewhere     how many of these have a second average, or a jump on the way
+length, girth of the unreduced average of all poses: mean over the edges of |l / sum w_k l_k - 1|, and the volume over the mean
+              volume of the poses (closed surfaces), per cent
+seconds       wall time of the bake on this machine
+
+Data: PLIANT_DATA; sets that are not there are left out. --limit S ends a bake after S seconds of processor time, and says
+so."""
+import argparse
+import json
+import os
+import pathlib
+import resource
+import subprocess
+import sys
+import tempfile
+import time
+
+import numpy as np
+
+HERE = pathlib.Path(__file__).parent
+DATA = pathlib.Path(os.environ.get("PLIANT_DATA", "") or HERE.parents[3] / "shared" / "data")
+HEAD = ["set", "energy", "d", "elements", "jumps", "factorisations", "certificate mean / largest", "fresh mean / largest",
+        "elsewhere", "length, %", "volume, %", "seconds"]
+ENERGIES = {"shells": ["--continuity", "off"], "default": []}
+
+
+def body(folder, *names):
+    return [f"{folder}/{name}.ply" for name in names]
+
+
+# Name, poses relative to the data folder, options of the bake.
+COARSE = ["--tolerance", "2e-3"]
+SETS = [
+    ("Fox", ["gltf_skin/Fox.glb#animation=2@0,0.2,0.4"], []),
+    ("CesiumMan", ["gltf_skin/CesiumMan.glb#animation=0@0,0.5,1"], []),
+    ("Wolf", ["gltf_skin/Wolf.glb#animation=0@0,0.3,0.6"], []),
+    ("Trex", ["gltf_skin/Trex.glb#animation=0@0,0.3,0.6"], []),
+    ("RobotExpressive, running", ["gltf_morph/RobotExpressive.glb#animation=Running@0,0.2,0.4"], []),
+    ("goast plate", sorted(f"goast_small/plate/{p.name}" for p in (DATA / "goast_small" / "plate").glob("*.ply")), []),
+    ("goast saddle", sorted(f"goast_small/saddle/{p.name}" for p in (DATA / "goast_small" / "saddle").glob("*.ply")), []),
+    ("goast sphere", sorted(f"goast_small/sphere/{p.name}" for p in (DATA / "goast_small" / "sphere").glob("*.ply")), []),
+    ("human_pair", body("human_pair", "man", "woman"), []),
+    ("ict_face, 7 poses", body("ict_face", "neutral", "jaw_open", "smile", "pucker", "cheek_puff", "sneer_frown",
+                               "blink_brow_down"), []),
+    ("makehuman, 4 poses", body("makehuman_body", "tpose", "dance1_f00", "walk1_f03", "zombieWalk1_f20"), COARSE),
+    ("mhr, 5 poses", body("mhr_body", "rest", "pose0", "pose1", "pose2", "pose3"), COARSE),
+    ("makehuman, 8 poses", body("makehuman_body", "rest", "benchmark", "dance1_f00", "tpose", "walk1_f03", "walk1_f10",
+                                "zombieWalk1_f00", "zombieWalk1_f20"), COARSE),
+    ("cloth_ball", body("cloth_ball", "cloth_ball92", "cloth_ball93"), []),
+    # Sets that nothing was tuned on.
+    ("untuned: ict_face, 3 poses", body("ict_face", "pucker", "blink_brow_down", "jaw_open"), []),
+    ("untuned: mhr, 3 poses", body("mhr_body", "pose3", "pose0", "pose2"), COARSE),
+    ("untuned: Wolf, 4 poses", ["gltf_skin/Wolf.glb#animation=1@0,0.2,0.5,0.8"], []),
+    ("untuned: Fox, 2 poses", ["gltf_skin/Fox.glb#animation=1@0,0.35"], []),
+    ("untuned: Trex, 4 poses", ["gltf_skin/Trex.glb#animation=1@0,0.2,0.5,0.9"], []),
+]
+
+
+def run(tool, *arguments, limit=0):
+    set_limit = (lambda: resource.setrlimit(resource.RLIMIT_CPU, (limit, limit))) if limit else None
+    return subprocess.run([tool, *map(str, arguments)], stdin=subprocess.DEVNULL, capture_output=True, text=True,
+                          preexec_fn=set_limit)
+
+
+def read_ply(path):
+    """Positions and triangles of a file as the tool writes it: binary, single precision, faces of any size."""
+    data = path.read_bytes()
+    end = data.index(b"end_header\n") + len(b"end_header\n")
+    header = data[:end].decode("ascii")
+    vertex_count, face_count = (int(header.split(f"element {name} ")[1].split()[0]) for name in ("vertex", "face"))
+    points = np.frombuffer(data, "<f4", 3 * vertex_count, end).reshape(-1, 3).astype(float)
+    triangles, place = [], end + 12 * vertex_count
+    for _ in range(face_count):
+        size = data[place]
+        face = np.frombuffer(data, "<i4", size, place + 1)
+        triangles += [(face[0], face[i], face[i + 1]) for i in range(1, size - 1)]
+        place += 1 + 4 * size
+    return points, np.array(triangles)
+
+
+def strain(tool, poses, options, pose_count, folder):
+    """Mean change of edge lengths and of the volume in the average of all poses, per cent."""
+    rows = [",".join("1" if i == k else "0" for i in range(pose_count)) for k in range(pose_count)]
+    rows.append(",".join(["1"] * pose_count))
+    path = folder / "path.csv"
+    path.write_text("\n".join(rows) + "\n", encoding="utf-8")
+    result = run(tool, "average", *poses, *options, "--path", path, "-o", folder / "a_%d.ply")
+    if result.returncode != 0:
+        return "-", "-"
+    shapes = [read_ply(folder / f"a_{k}.ply") for k in range(pose_count + 1)]
+    triangles = shapes[0][1]
+    edges = np.unique(np.sort(np.concatenate([triangles[:, [0, 1]], triangles[:, [1, 2]], triangles[:, [2, 0]]]), axis=1),
+                      axis=0)
+    lengths = [np.linalg.norm(points[edges[:, 0]] - points[edges[:, 1]], axis=1) for points, _ in shapes]
+    wanted = np.mean(lengths[:-1], axis=0)
+    change = np.abs(lengths[-1] - wanted)[wanted > 0] / wanted[wanted > 0]
+    volumes = []
+    for points, _ in shapes:
+        a, b, c = (points[triangles[:, i]] - points.mean(axis=0) for i in range(3))
+        volumes.append(np.einsum("ij,ij->i", a, np.cross(b, c)).sum() / 6)
+    return f"{100 * change.mean():.2f}", f"{100 * (volumes[-1] / np.mean(volumes[:-1]) - 1):+.2f}"
+
+
+def row(arguments, name, poses, options, energy):
+    with tempfile.TemporaryDirectory(prefix="pliant-continuity-") as text:
+        folder = pathlib.Path(text)
+        asset = folder / "a.pliant"
+        start = time.monotonic()
+        result = run(arguments.tool, "bake", *poses, "-o", asset, *options, *ENERGIES[energy], "--best-effort",
+                     limit=arguments.limit)
+        seconds = time.monotonic() - start
+        if not asset.exists():
+            outcome = "out of time" if result.returncode < 0 else f"exit code {result.returncode}"
+            return [name, energy, outcome, *["-"] * (len(HEAD) - 4), f"{seconds:.0f}"]
+        certificate = json.loads(run(arguments.tool, "info", asset, "--json").stdout)["certificate"]
+        measured = certificate["measured"]
+        fresh = json.loads(run(arguments.tool, "measure", asset, *poses, "--samples", arguments.samples, "--json").stdout)
+        errors = [sample["relative_l2"] for sample in fresh["samples"]]
+        elsewhere = sum(sample["branches"] > 0 for sample in fresh["samples"])
+        length, volume = strain(arguments.tool, poses, ENERGIES[energy], len(certificate["poses"]), folder)
+        return [
+            name, energy, str(certificate["subspace"]["dimension"]), str(certificate["stand_in"]["elements"]),
+            str(len(certificate["branches"])), str(certificate["factorizations"]),
+            f"{measured['mean_error']:.1e} / {measured['largest_error']:.1e}",
+            f"{np.mean(errors):.1e} / {np.max(errors):.1e}", str(elsewhere), length, volume, f"{seconds:.0f}"
+        ]
+
+
+def line(cells):
+    return "| " + " | ".join(cells) + " |"
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("tool")
+    parser.add_argument("--only", default="")
+    parser.add_argument("--energy", choices=list(ENERGIES))
+    parser.add_argument("--samples", type=int, default=50)
+    parser.add_argument("--limit", type=int, default=0)
+    arguments = parser.parse_args()
+    print(line(HEAD), line(["---"] * len(HEAD)), sep="\n")
+    for name, patterns, options in SETS:
+        poses = [str(DATA / pattern) for pattern in patterns]
+        if arguments.only not in name or not poses or not all(os.path.exists(pose.split("#")[0]) for pose in poses):
+            continue
+        for energy in [arguments.energy] if arguments.energy else ENERGIES:
+            print(line(row(arguments, name, poses, options, energy)), flush=True)
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
