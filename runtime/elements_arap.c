@@ -65,8 +65,7 @@ static PLIANT_INLINE void find_eigenvalue(wide_t m[9], wide_t x)
         const double ba = c * h - b * i, bb = a * i - c * g, bc = b * g - a * h;
         const double ca = b * f - c * e, cb = c * d - a * f, cc = a * e - b * d;
         const double n = a * a + b * b + c * c + d * d + e * e + f * f + g * g + h * h + i * i;
-        const double cofactors
-            = aa * aa + ab * ab + ac * ac + ba * ba + bb * bb + bc * bc + ca * ca + cb * cb + cc * cc;
+        const double cofactors = aa * aa + ab * ab + ac * ac + ba * ba + bb * bb + bc * bc + ca * ca + cb * cb + cc * cc;
         norm[l] = n;
         linear[l] = 8.0 * (a * aa + b * ab + c * ac);
         constant[l] = n * n - 4.0 * cofactors;
@@ -207,6 +206,8 @@ static PLIANT_INLINE void find_rotation(wide_t moments[9], wide_t rotation[9])
 #define VECTOR_SIZE (3 * PLIANT_LANES)
 typedef float vectors[VECTOR_SIZE];
 
+typedef double wide_vectors[VECTOR_SIZE];
+
 /* Of the spokes of a cell. */
 typedef vectors spoke_vectors[PLIANT_FORMAT_MAX_VALENCE];
 
@@ -288,28 +289,32 @@ static PLIANT_INLINE void add_lengths(const pliant_element_group* group, const p
 /* q of every spoke: the sum of the p of its edges, those counted negative that leave it. Then M = sum of spoke q^T, and the
    force on the spoke is -2 w R q. */
 static PLIANT_INLINE void sum_targets(const pliant_element_group* group, const pliant_arap_poses* poses,
-                                      const float* numbers, spoke_vectors targets)
+                                      const float* numbers, wide_vectors* targets)
 {
-    memset(targets, 0, poses->valence * sizeof(vectors));
+    memset(targets, 0, poses->valence * sizeof(wide_vectors));
     for (uint32_t i = 0; i < poses->edge_count; ++i) {
+        const cell_edge ends = locate_edge(i, poses->valence);
         vectors p;
         for (size_t c = 0; c < 3; ++c)
             memcpy(p + c * PLIANT_LANES, numbers + (4u * (size_t)i + 1 + c) * group->stride, sizeof(pliant_lanes));
-        add_to_ends(p, locate_edge(i, poses->valence), targets);
+        for (size_t j = 0; j < VECTOR_SIZE; ++j) targets[ends.head][j] += (double)p[j];
+        if (ends.is_rim)
+            for (size_t j = 0; j < VECTOR_SIZE; ++j) targets[ends.tail][j] -= (double)p[j];
     }
 }
 
 /* moments = sum over spokes of spoke q^T, row-major. */
 static PLIANT_INLINE void sum_moments(uint32_t valence, const spoke_vectors start, const spoke_vectors grown,
-                                      const spoke_vectors targets, wide_t moments[9])
+                                      const wide_vectors* targets, wide_t moments[9])
 {
     memset(moments, 0, 9 * sizeof(wide_t));
     for (uint32_t i = 0; i < valence; ++i) {
-        const float *s = start[i], *g = grown[i], *q = targets[i];
+        const float *s = start[i], *g = grown[i];
+        const double* q = targets[i];
         for (size_t l = 0; l < PLIANT_LANES; ++l) {
             const size_t m = l + PLIANT_LANES, n = l + 2 * PLIANT_LANES;
             const double x = (double)s[l] + (double)g[l], y = (double)s[m] + (double)g[m], z = (double)s[n] + (double)g[n];
-            const double u = (double)q[l], v = (double)q[m], w = (double)q[n];
+            const double u = q[l], v = q[m], w = q[n];
             moments[0][l] += x * u;
             moments[1][l] += x * v;
             moments[2][l] += x * w;
@@ -324,17 +329,17 @@ static PLIANT_INLINE void sum_moments(uint32_t valence, const spoke_vectors star
 }
 
 /* force += factor R q for every spoke. */
-static PLIANT_INLINE void add_rotated(uint32_t valence, float factor, wide_t rotation[9], const spoke_vectors targets,
+static PLIANT_INLINE void add_rotated(uint32_t valence, float factor, wide_t rotation[9], const wide_vectors* targets,
                                       spoke_vectors force)
 {
     pliant_lanes turn[9];
     for (int i = 0; i < 9; ++i)
         for (size_t l = 0; l < PLIANT_LANES; ++l) turn[i][l] = factor * (float)rotation[i][l];
     for (uint32_t i = 0; i < valence; ++i) {
-        const float* q = targets[i];
+        const double* q = targets[i];
         vectors turned;
         for (size_t l = 0; l < PLIANT_LANES; ++l) {
-            const float x = q[l], y = q[l + PLIANT_LANES], z = q[l + 2 * PLIANT_LANES];
+            const float x = (float)q[l], y = (float)q[l + PLIANT_LANES], z = (float)q[l + 2 * PLIANT_LANES];
             turned[l] = turn[0][l] * x + turn[1][l] * y + turn[2][l] * z;
             turned[l + PLIANT_LANES] = turn[3][l] * x + turn[4][l] * y + turn[5][l] * z;
             turned[l + 2 * PLIANT_LANES] = turn[6][l] * x + turn[7][l] * y + turn[8][l] * z;
@@ -351,7 +356,7 @@ static PLIANT_INLINE void add_rotated_pose(const pliant_element_group* group, co
     const float* numbers = group->numbers + pose * poses->pose_stride;
     const float* sigma0 = numbers + 4u * (size_t)poses->edge_count * group->stride;
     const float factor = -2.0f * poses->weights[pose];
-    spoke_vectors targets;
+    wide_vectors targets[PLIANT_FORMAT_MAX_VALENCE];
     wide_t moments[9], rotation[9], sigma = { 0 };
     sum_targets(group, poses, numbers, targets);
     sum_moments(poses->valence, start, grown, targets, moments);

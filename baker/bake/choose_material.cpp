@@ -23,16 +23,22 @@ constexpr std::size_t few_vertices = 4000;
 // Wrinkles that snap are there on a mesh of this size if they are there on the fine one, at a twentieth of its cost.
 constexpr std::size_t coarse_vertex_count = 2000;
 
-constexpr int probe_count = 8;
+constexpr int probe_count = 12;
 constexpr std::uint64_t probe_seed = 16;
 
 // Averages from two sides differ by rounding of Newton's method, below 2e-4 relative L2, or by the width of a wrinkle.
 constexpr double distinct = 2e-3;
 
+bool is_default(const ShellOptions& shell)
+{
+    const ShellOptions standard;
+    return shell.membrane == standard.membrane && shell.thickness == standard.thickness
+        && shell.foldover_damping == standard.foldover_damping;
+}
+
 bool is_of_solids(Material material) { return material == Material::stvk || material == Material::mooney_rivlin; }
 
-// How far apart the averages of a shell are that are found from the mean, from the pose that weighs most and from the linear
-// blend.
+// How far apart the averages of a shell are that are found from the mean and from the linear blend.
 struct Probe {
     Weights weights;
     double distance = 0;
@@ -50,16 +56,11 @@ struct Probe {
 Probe probe_at(const AverageFamily& family, const Weights& w, std::size_t worker, Progress* progress)
 {
     const NormalizedPoses& set = family.pool().set();
-    const std::size_t m = set.pose_count();
     Probe probe { w };
     const Shape average = family.at(w, worker, progress).average.y;
     Shape blend = Shape::Zero(set.dof_count());
-    for (std::size_t k = 0; k < m; ++k) blend += w[Eigen::Index(k)] * set.shapes[k];
+    for (std::size_t k = 0; k < set.pose_count(); ++k) blend += w[Eigen::Index(k)] * set.shapes[k];
     probe.compare(set, average, family.near(blend, w, worker, progress).y);
-    Eigen::Index heaviest = 0;
-    w.maxCoeff(&heaviest);
-    const KnownAverage pose { corner_weights(m, std::size_t(heaviest)), set.shapes[std::size_t(heaviest)] };
-    probe.compare(set, average, family.from(pose, w, worker, progress).average.y);
     return probe;
 }
 
@@ -79,7 +80,7 @@ Probe probe_shell(const NormalizedPoses& set, const EnergyOptions& options, Prog
     const std::vector<Weights> weights = draw_weights(probe_seed, set.pose_count(), probe_count);
     std::vector<Probe> probes(weights.size());
     SharedProgress shared(progress);
-    shared.describe("material", 0, "averages of a shell from several sides");
+    shared.describe("material", 0, "averages of a shell from two sides");
     for_each_task(weights.size(),
                   [&](std::size_t i, std::size_t worker) { probes[i] = probe_at(family, weights[i], worker, &shared); });
     for (const Probe& probe : probes)
@@ -92,7 +93,7 @@ MaterialChoice measure_surface(const NormalizedPoses& set, const EnergyOptions& 
     const CoarsePoses coarse = decimate(set, coarse_vertex_count);
     const Probe widest = probe_shell(coarse.set, options, progress);
     if (widest.distance <= distinct)
-        return { Material::discrete_shells, "a shell of these poses has one average, whichever side it is reached from" };
+        return { Material::discrete_shells, "shells have the same averages from the mean and from the linear blend" };
     const std::uint32_t vertex = coarse.vertices[widest.vertex];
     return { Material::arap,
              fmt::format("a shell of these poses has several averages, {:.1f} % apart, most at vertex {}, weights {}",
@@ -106,7 +107,7 @@ std::optional<Material> stated_material(const EnergyOptions& options, bool is_so
 {
     std::optional<Material> material = options.material;
     if (!material && is_solid) material = Material::stvk;
-    if (!material && (options.has_shell_options || options.continuity == Continuity::off))
+    if (!material && (options.continuity == Continuity::off || !is_default(options.shell)))
         material = Material::discrete_shells;
     if (material && is_of_solids(*material) != is_solid)
         throw Failure(ExitCode::usage,
@@ -123,7 +124,8 @@ MaterialChoice choose_material(const NormalizedPoses& set, const EnergyOptions& 
     const std::size_t vertex_count = std::size_t(set.dof_count() / 3);
     if (vertex_count <= few_vertices) return { Material::arap, fmt::format("a mesh of {} vertices", vertex_count) };
     const std::string defect = manifold_defect(set.triangles, vertex_count, set.source_vertices);
-    if (!defect.empty()) return { Material::arap, "not measured, for the surface is no single manifold: " + defect };
+    if (!defect.empty())
+        return { Material::discrete_shells, "not measured, since a coarse mesh needs a manifold: " + defect };
     return measure_surface(set, options, progress);
 }
 

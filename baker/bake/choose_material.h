@@ -19,9 +19,9 @@ struct MaterialChoice {
 };
 
 // Of surfaces without a stated material the one whose averages are continuous (elastic/THEORY.md, section 10): discrete
-// shells if, on a coarse mesh, every average that is tried is found from three sides, else ARAP; ARAP also for meshes too
-// coarse for wrinkles, and for those that cannot be made coarser. Depends on the poses only, so all who mean these poses
-// mean the same energy. Cost: some hundred factorisations of a mesh of 2,000 vertices.
+// shells if, on a coarse mesh, every average that is tried is found from two sides, else ARAP; ARAP also for meshes too
+// coarse for wrinkles; shells for larger ones that cannot be made coarser. Depends on the poses only, so all who mean these
+// poses mean the same energy. Cost: some hundred factorisations of a mesh of 2,000 vertices.
 MaterialChoice choose_material(const NormalizedPoses& set, const EnergyOptions& options, Progress* progress);
 
 } // namespace pliant

@@ -19,6 +19,18 @@ std::unique_ptr<Energy> make_surface_energy(const NormalizedPoses& set, Material
     return std::make_unique<DiscreteShells>(set, shell);
 }
 
+// In units of the stiffness with which the material holds a vertex: a triangle counts in the ARAP cells of its three corners.
+TieSet ties_for(const NormalizedPoses& set, Material material)
+{
+    constexpr double cells_per_triangle = 3;
+    TieSet ties = find_ties(set);
+    if (material != Material::arap) return ties;
+    for (Tie& tie : ties.ties) tie.stiffness *= cells_per_triangle;
+    for (Joint& joint : ties.joints)
+        for (PenaltyTerm& term : joint.terms) term.stiffness *= cells_per_triangle;
+    return ties;
+}
+
 } // namespace
 
 std::unique_ptr<Energy> make_energy(const NormalizedPoses& set, const EnergyOptions& options, Progress* progress)
@@ -27,7 +39,7 @@ std::unique_ptr<Energy> make_energy(const NormalizedPoses& set, const EnergyOpti
     if (material == Material::stvk) return std::make_unique<Solid>(set, SolidOptions { SolidLaw::stvk, options.poisson });
     if (material == Material::mooney_rivlin)
         return std::make_unique<Solid>(set, SolidOptions { SolidLaw::mooney_rivlin, options.poisson });
-    std::unique_ptr<Energy> energy = tie_parts(make_surface_energy(set, material, options.shell), find_ties(set));
+    std::unique_ptr<Energy> energy = tie_parts(make_surface_energy(set, material, options.shell), ties_for(set, material));
     if (auto* tied = dynamic_cast<TiedEnergy*>(energy.get())) calibrate_ties(*tied, set, options.solver, progress);
     return energy;
 }

@@ -7,9 +7,6 @@
 
 namespace pliant {
 
-// The material that the options mean for surfaces or solids. Throws Failure (usage, P1206) for one of the other sort.
-Material material_for(const EnergyOptions& options, bool is_solid);
-
 // The energy of a shape set, of the material that choose_material finds. The set must outlive it. Of a character in several
 // parts it costs some averages (elastic/parts/calibrate_ties.h).
 std::unique_ptr<Energy> make_energy(const NormalizedPoses& set, const EnergyOptions& options, Progress* progress = nullptr);

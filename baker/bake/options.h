@@ -23,11 +23,9 @@ enum class SurrogateKind { automatic, quartic, cubature, ghost };
 // What an elastic energy is made of: shared by all verbs that need one.
 struct EnergyOptions {
     std::optional<Material> material; // none: stvk for solids, for surfaces as `continuity` says
-    // automatic: arap, whose averages are continuous in the weights on every set of poses in tests/baker/bake/continuity.md.
-    // off: discrete shells. A material that is given, and options of shells, take precedence.
+    // automatic: what choose_material measures. off: discrete shells, as do options of shells other than the default.
     Continuity continuity = Continuity::automatic;
     ShellOptions shell;
-    bool has_shell_options = false; // some were given, so discrete shells are meant
     double poisson = -1;                       // of solids; negative: 0.4 for stvk, 0.45 for mooney-rivlin
     bool keep_placement = false;               // do not align the poses
     std::string fixed_path;                    // a file of vertices that stay where they are; empty: none

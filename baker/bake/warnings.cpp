@@ -60,9 +60,8 @@ void require_convergence(const NewtonResult& result, const NewtonOptions& option
 
 const char* hint_for_jumps(Material material)
 {
-    return material == Material::discrete_shells
-        ? "use --material arap, or add a pose in between"
-        : "add a pose in between, so that there is only one way to bend";
+    return material == Material::discrete_shells ? "use --material arap, or add a pose in between"
+                                                 : "add a pose in between, so that there is only one way to bend";
 }
 
 void warn_of_jumps(const FamilyPoint& point, const PoseSet& poses, Material material, const std::string& frame,

@@ -20,12 +20,11 @@ namespace {
 
 // An option that takes one of the names of an enumeration, shown in --help with its default.
 template <class Enum>
-CLI::Option* add_choice(CLI::App& verb, const std::string& option, Enum& value, std::vector<Enum> values, const std::string& help)
+void add_choice(CLI::App& verb, const std::string& option, Enum& value, std::vector<Enum> values, const std::string& help)
 {
     std::vector<std::string> names;
     for (Enum v : values) names.push_back(name_of(v));
-    return verb
-        .add_option_function<std::string>(
+    verb.add_option_function<std::string>(
             option,
             [&value, values](const std::string& name) {
                 for (Enum v : values)
@@ -50,9 +49,10 @@ void add_material(CLI::App& verb, EnergyOptions& options)
                 for (Material v : values)
                     if (name == name_of(v)) options.material = v;
             },
-            "Elastic energy. For surfaces: arap (as rigid as possible; the default, whose averages do not jump) or "
-            "discrete-shells (thin shell, as in the paper). For solids: stvk (St. Venant-Kirchhoff; the default) or mooney-rivlin (preserves volume better, "
-            "never inverts tetrahedra)")
+            "Elastic energy. For surfaces: discrete-shells (thin shell) or arap (as rigid as possible; for few polygons, "
+            "and "
+            "where averages of shells jump); the default is what --continuity chooses. For solids: stvk (St. "
+            "Venant-Kirchhoff; the default) or mooney-rivlin (preserves volume better, never inverts tetrahedra)")
         ->check(CLI::IsMember(names))
         ->type_name("NAME");
     verb.add_option(
@@ -62,23 +62,21 @@ void add_material(CLI::App& verb, EnergyOptions& options)
         ->check(CLI::Range(0.0, 0.499));
 }
 
-// Each of them means discrete shells.
+// Each of them, if not the default, means discrete shells.
 void add_shell_options(CLI::App& verb, EnergyOptions& options)
 {
-    const auto means_shells = [&options](const std::string&) { options.has_shell_options = true; };
     add_choice(verb, "--membrane", options.shell.membrane, { Membrane::neo_hookean, Membrane::stvk, Membrane::edge },
-               "Thin shells (implies --material discrete-shells): how they resist stretching; neo-hookean cannot collapse a "
-               "triangle")
-        ->each(means_shells);
-    verb.add_option("--thickness", options.shell.thickness,
-                    "Thin shells: thickness relative to the square root of the surface area; a thicker shell bends less "
-                    "sharply")
-        ->each(means_shells)
+               "Thin shells, which another value than the default implies: how they resist stretching; neo-hookean cannot "
+               "collapse a triangle");
+    verb.add_option(
+            "--thickness", options.shell.thickness,
+            "Thin shells, as above: thickness relative to the square root of the surface area; a thicker shell bends less "
+            "sharply")
         ->capture_default_str()
         ->check(CLI::Range(1e-6, 1.0));
-    verb.add_option("--foldover-damping", options.shell.foldover_damping,
-                    "Thin shells: factor on the bending energy of hinges that are folded over in some pose; 1 = off")
-        ->each(means_shells)
+    verb.add_option(
+            "--foldover-damping", options.shell.foldover_damping,
+            "Thin shells, as above: factor on the bending energy of hinges that are folded over in some pose; 1 = off")
         ->capture_default_str()
         ->check(CLI::Range(0.0, 1.0));
 }
@@ -114,9 +112,10 @@ CLI::Option* add_pose_arguments(CLI::App& verb, std::vector<std::string>& poses)
 void add_energy_options(CLI::App& verb, EnergyOptions& options)
 {
     add_material(verb, options);
-    add_choice(verb, "--continuity", options.continuity, { Continuity::automatic, Continuity::off },
-               "Surfaces: auto takes the energy whose averages follow the weights without jumps (arap); off takes thin "
-               "shells, whose averages may snap between folds");
+    add_choice(
+        verb, "--continuity", options.continuity, { Continuity::automatic, Continuity::off },
+        "Surfaces without --material: auto measures whether averages of thin shells jump, and takes arap if they do or "
+        "polygons are few; off takes thin shells");
     add_shell_options(verb, options);
     std::vector<SolverKind> solvers = { SolverKind::eigen };
     if (has_cholmod()) solvers.insert(solvers.begin(), SolverKind::cholmod);

@@ -1,7 +1,7 @@
 #include "cli/verbs.h"
 
-#include "bake/estimate.h"
 #include "bake/choose_material.h"
+#include "bake/estimate.h"
 
 #include "bake/certificate.h"
 #include "elastic/energy/discrete_shells.h"
@@ -71,8 +71,7 @@ ExitCode run(const Arguments& a)
     const BakeEstimate e = estimate_bake(poses.vertex_count(), poses.pose_count(), a.bake);
     fmt::print("estimate of a bake: d = {}, {:.0f} s, {:.1f} GiB of memory, an asset of {:.1f} MiB\n", e.dimension,
                e.seconds, e.memory / 1073741824.0, e.asset_size / 1048576.0);
-    if (!poses.is_solid())
-        fmt::print("  at most {} factorisations\n", factorization_limit(poses.pose_count(), a.bake));
+    if (!poses.is_solid()) fmt::print("  at most {} factorisations\n", factorization_limit(poses.pose_count(), a.bake));
     return ExitCode::done;
 }
 

@@ -49,9 +49,8 @@ private:
     // The face on the other side of an edge of exactly two faces; null at any other edge.
     const Side* crossed(const Side& side) const
     {
-        const auto [first, last]
-            = std::equal_range(sides_.begin(), sides_.end(), side,
-                               [](const Side& a, const Side& b) { return a.neighbour < b.neighbour; });
+        const auto [first, last] = std::equal_range(sides_.begin(), sides_.end(), side,
+                                                    [](const Side& a, const Side& b) { return a.neighbour < b.neighbour; });
         if (last - first != 2) return nullptr;
         return first->wedge == side.wedge ? &*(first + 1) : &*first;
     }

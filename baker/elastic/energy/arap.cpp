@@ -217,8 +217,7 @@ RuntimeElement Arap::runtime_element(std::size_t element, const Shape& reference
     for (Index k = 0; k < pose_count_; ++k) {
         for (Index i = 0; i < cell.edge_count(); ++i) {
             out.pose_numbers(k, 4 * i) = cell.cotangents(i, k);
-            out.pose_numbers.block<1, 3>(k, 4 * i + 1)
-                = cell.cotangents(i, k) * cell.rest_edge(k, cell.edge(i)).transpose();
+            out.pose_numbers.block<1, 3>(k, 4 * i + 1) = cell.cotangents(i, k) * cell.rest_edge(k, cell.edge(i)).transpose();
         }
         out.pose_numbers(k, 4 * cell.edge_count()) = Rotated(cell, k, PointMap(y.data(), 3, y.cols())).trace;
     }

@@ -32,10 +32,10 @@ private:
     struct Cell {
         std::vector<std::uint32_t> vertices;
         bool is_closed = false;
-        Eigen::MatrixXd cotangents; // edges x m
-        Eigen::Matrix3Xd rest;      // the neighbours relative to the centre, pose after pose
+        Eigen::MatrixXd cotangents;   // edges x m
+        Eigen::Matrix3Xd rest;        // the neighbours relative to the centre, pose after pose
         Eigen::VectorXd rest_inertia; // per pose: trace of the inertia of R at rest
-        Eigen::Matrix3Xd moments;   // of the vertices, pose after pose: sum of +-c e(x_k) over the edges there
+        Eigen::Matrix3Xd moments;     // of the vertices, pose after pose: sum of +-c e(x_k) over the edges there
 
         Eigen::Index spoke_count() const { return Eigen::Index(vertices.size()) - 1; }
         Eigen::Index edge_count() const { return cotangents.rows(); }

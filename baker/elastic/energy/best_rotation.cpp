@@ -47,9 +47,9 @@ double largest_eigenvalue(double det, double p)
 std::optional<Matrix3d> rough_rotation(const Matrix3d& m)
 {
     Eigen::Matrix4d k;
-    k << m.trace(), m(2, 1) - m(1, 2), m(0, 2) - m(2, 0), m(1, 0) - m(0, 1), //
+    k << m.trace(), m(2, 1) - m(1, 2), m(0, 2) - m(2, 0), m(1, 0) - m(0, 1),  //
         0, m(0, 0) - m(1, 1) - m(2, 2), m(0, 1) + m(1, 0), m(0, 2) + m(2, 0), //
-        0, 0, m(1, 1) - m(0, 0) - m(2, 2), m(1, 2) + m(2, 1), //
+        0, 0, m(1, 1) - m(0, 0) - m(2, 2), m(1, 2) + m(2, 1),                 //
         0, 0, 0, m(2, 2) - m(0, 0) - m(1, 1);
     k.triangularView<Eigen::StrictlyLower>() = k.transpose();
     const double x = largest_eigenvalue(m.determinant(), k.determinant());

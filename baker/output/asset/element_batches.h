@@ -2,7 +2,7 @@
 #pragma once
 
 #include "elastic/energy/energy.h"
-#include "output/asset/asset_writer.h"
+#include "output/asset/asset_model.h"
 
 #include <vector>
 

@@ -56,8 +56,6 @@ EnergyOptions energy_options(const nb::dict& given)
     take(given, "poisson", options.poisson);
     take(given, "thickness", options.shell.thickness);
     take(given, "foldover_damping", options.shell.foldover_damping);
-    for (const char* option : { "membrane", "thickness", "foldover_damping" })
-        options.has_shell_options |= given.contains(option) && !given[option].is_none();
     take(given, "weld", options.weld_tolerance);
     take(given, "no_align", options.keep_placement);
     take(given, "fix", options.fixed_vertices);

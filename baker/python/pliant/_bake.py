@@ -167,7 +167,8 @@ def average(
     options = _options.checked(
         {
             "material": material, "continuity": continuity, "membrane": membrane, "thickness": thickness,
-            "foldover_damping": foldover_damping, "poisson": poisson, "weld": weld, "fix": fix, "no_align": no_align, "solver": solver, "threads": threads,
+            "foldover_damping": foldover_damping, "poisson": poisson, "weld": weld, "fix": fix, "no_align": no_align,
+            "solver": solver, "threads": threads,
         },
         vertex_count,
     )  # fmt: skip

@@ -1,17 +1,7 @@
-"""continuity.py TOOL [--only TEXT] [--samples N] [--limit S]: what the continuous energy does to averages and bakes. For every
-set of poses below one row with `--continuity off` (thin shells) and one with the default, as a Markdown table on standard
-output; continuity.md has it. Columns:
-
-jumps         other averages that the bake found (`branches` of the certificate)
-certificate   mean and largest relative L2 error of the certificate
-fresh         the same from `pliant measure --samples N` (default 50): weights that the bake did not see
-elsewhere     how many of these have a second average, or a jump on the way
-length, girth of the unreduced average of all poses: mean over the edges of |l / sum w_k l_k - 1|, and the volume over the mean
-              volume of the poses (closed surfaces), per cent
-seconds       wall time of the bake on this machine
-
-Data: PLIANT_DATA; sets that are not there are left out. --limit S ends a bake after S seconds of processor time, and says
-so."""
+"""continuity.py TOOL [--only TEXT] [--samples N] [--limit S]: what the choice of the energy does to averages and bakes. For
+every set of poses below one row with `--continuity off` (thin shells) and one with the default, as a Markdown table on
+standard output; continuity.md has it and explains the columns. --samples: fresh weights (default 50). --limit S ends a bake
+after S seconds of processor time, and says so. Data: PLIANT_DATA; sets that are not there are left out."""
 import argparse
 import json
 import os

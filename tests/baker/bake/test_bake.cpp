@@ -4,6 +4,7 @@
 
 #include "bake/bake.h"
 #include "bake/certificate.h"
+#include "bake/choose_material.h"
 #include "bake/make_energy.h"
 #include "bake/warnings.h"
 #include "base/weights/sampling.h"
@@ -100,7 +101,7 @@ TEST_CASE("every material bakes to an asset whose blends are near the unreduced 
             CHECK(relative(blender.positions(blender.solve(w, false)), to_input_units(set, set.shapes[k])) < 2e-5);
         }
         const EnergyOptions read = read_energy_options(blender.certificate(), variant.name);
-        CHECK(read.material == material_for(variant.options.energy, false));
+        CHECK(read.material == choose_material(normalize(poses), variant.options.energy, nullptr).material);
         CHECK(read.shell.membrane == variant.options.energy.shell.membrane);
     }
 }
@@ -289,13 +290,38 @@ TEST_CASE("a bake says what it measured, and the certificate holds it")
     CHECK_FALSE(bake(tube_poses(3), options, silent).report.check.meets_tolerance);
 }
 
+TEST_CASE("the material of a surface: what is stated, ARAP for few polygons, else what is measured")
+{
+    const auto choice
+        = [](const NormalizedPoses& set, const EnergyOptions& options) { return choose_material(set, options, nullptr); };
+    const NormalizedPoses coarse = normalize(tube_poses(2));
+    EnergyOptions options;
+    CHECK(choice(coarse, options).material == Material::arap);
+    CHECK(choice(coarse, options).reason.find("vertices") != std::string::npos);
+    options.continuity = Continuity::off;
+    CHECK(choice(coarse, options).material == Material::discrete_shells);
+    CHECK(choice(coarse, options).reason.empty());
+    options = {};
+    options.shell.thickness = 0.01;
+    CHECK(choice(coarse, options).material == Material::discrete_shells);
+    options.material = Material::arap;
+    CHECK(choice(coarse, options).material == Material::arap);
+
+    const NormalizedPoses fine = normalize(tube_poses(2, Tube { 90, 48 }));
+    REQUIRE(fine.dof_count() / 3 > 4000);
+    const MaterialChoice measured = choice(fine, {});
+    CHECK(measured.material == Material::discrete_shells);
+    CHECK(measured.reason.find("same averages") != std::string::npos);
+}
+
 TEST_CASE("where averages of a shell jump, a miss points to ARAP")
 {
     BakeReport report;
     report.check.blends.resize(1);
     report.check.worst_weights = equal_weights(2);
     report.check.meets_tolerance = false;
-    const auto points_to_arap = [&] { return find_miss(report, {}, true)->hint.find("--material arap") != std::string::npos; };
+    const auto points_to_arap
+        = [&] { return find_miss(report, {}, true)->hint.find("--material arap") != std::string::npos; };
     CHECK_FALSE(points_to_arap());
     report.branches.resize(1);
     CHECK(points_to_arap());

@@ -89,7 +89,7 @@ def book(angle, rows=4):
                      + [f"3 {a} {b} {c}" for a, b, c in faces]) + "\n"
 
 
-def bake_shapes(tool, folder, name, shapes, dimension):
+def bake_shapes(tool, folder, name, shapes, dimension, *options):
     """Bakes OFF files of these texts. Returns the report, which stands beside the folder of its asset, out/."""
     poses = []
     for k, shape in enumerate(shapes):
@@ -97,7 +97,7 @@ def bake_shapes(tool, folder, name, shapes, dimension):
         poses[-1].write_text(shape)
     (folder / "out").mkdir(exist_ok=True)
     run(tool, "bake", *poses, "-o", folder / "out" / f"{name}.pliant", "--report", folder / f"{name}.json", "--dim",
-        dimension, "--elements", 2 * dimension + 4, "-q")
+        dimension, "--elements", 2 * dimension + 4, "-q", *options)
     return folder / f"{name}.json"
 
 
