@@ -19,7 +19,7 @@ std::unique_ptr<Energy> make_surface_energy(const NormalizedPoses& set, Material
     return std::make_unique<DiscreteShells>(set, shell);
 }
 
-// In units of the stiffness with which the material holds a vertex: a triangle counts in the ARAP cells of its three corners.
+// In units of the stiffness with which it holds a vertex. A triangle counts in the ARAP cells of its three corners.
 TieSet ties_for(const NormalizedPoses& set, Material material)
 {
     constexpr double cells_per_triangle = 3;

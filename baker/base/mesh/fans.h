@@ -14,8 +14,8 @@ struct Fan {
     std::size_t face_count() const { return ring.size() - (is_closed ? 0 : 1); }
 };
 
-// Larger fans come in pieces. One less than the format can have: an asset stores closed rings as open ones, which names their
-// first vertex twice.
+// Larger fans come in pieces. One less than the format can have: an asset stores closed rings as open ones, which name
+// their first vertex twice.
 constexpr std::size_t ring_limit = 31;
 
 // Fans that cover the faces around every vertex, ordered by their centres:

@@ -232,17 +232,25 @@ TEST_CASE("a joint turns a rigid part in step, and is rest at the poses")
 
 TEST_CASE("a part that turns far gets a joint or ties, whatever keeps its place")
 {
-    for (const bool is_closed : { false, true }) {
-        CAPTURE(is_closed);
+    struct Case {
+        bool is_closed;
+        Material material;
+        std::size_t joint_count; // a joint dents the open tube of a thin shell
+    };
+    for (const Case& c : { Case { false, Material::discrete_shells, 0 }, Case { true, Material::discrete_shells, 1 },
+                           Case { false, Material::arap, 1 }, Case { true, Material::arap, 1 } }) {
+        CAPTURE(c.is_closed);
         BakeOptions options;
+        options.energy.material = c.material;
         options.tolerance = 3e-3;
         options.check_count = 8;
+        options.fresh_count = 4;
         Progress silent;
-        const PoseSet poses = hinged_tubes({ 0, 0.8, 2 }, is_closed);
+        const PoseSet poses = hinged_tubes({ 0, 0.8, 2 }, c.is_closed);
         const BakedAsset baked = bake(poses, options, silent);
         CHECK(baked.report.check.mean_error < 3e-3);
         REQUIRE(baked.report.check.ties.has_value());
-        CHECK(baked.report.check.ties->joint_count == (is_closed ? 1 : 0));
+        CHECK(baked.report.check.ties->joint_count == c.joint_count);
         CHECK(baked.report.check.ties->blends.drift.largest < drift_limit);
     }
 }
