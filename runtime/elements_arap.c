@@ -238,7 +238,7 @@ static PLIANT_INLINE void subtract_vectors(vectors to, const vectors from)
     for (size_t i = 0; i < VECTOR_SIZE; ++i) to[i] -= from[i];
 }
 
-static PLIANT_INLINE void copy_edge(const spoke_vectors spokes, cell_edge ends, vectors edge)
+static PLIANT_INLINE void copy_edge(spoke_vectors spokes, cell_edge ends, vectors edge)
 {
     memcpy(edge, spokes[ends.head], sizeof(vectors));
     if (ends.is_rim) subtract_vectors(edge, spokes[ends.tail]);
@@ -266,9 +266,8 @@ static PLIANT_INLINE void combine_stiffness(const pliant_element_group* group, c
 
 /* sum over edges of c (|edge|^2 - |edge0|^2), and its force: the part without a rotation, which does combine over poses.
    `start` and `grown`: the spokes at z = 0, and their change since. */
-static PLIANT_INLINE void add_lengths(const pliant_element_group* group, const pliant_arap_poses* poses,
-                                      const spoke_vectors start, const spoke_vectors grown, spoke_vectors force,
-                                      wide_t energy)
+static PLIANT_INLINE void add_lengths(const pliant_element_group* group, const pliant_arap_poses* poses, spoke_vectors start,
+                                      spoke_vectors grown, spoke_vectors force, wide_t energy)
 {
     for (uint32_t i = 0; i < poses->edge_count; ++i) {
         const cell_edge ends = locate_edge(i, poses->valence);
@@ -304,8 +303,8 @@ static PLIANT_INLINE void sum_targets(const pliant_element_group* group, const p
 }
 
 /* moments = sum over spokes of spoke q^T, row-major. */
-static PLIANT_INLINE void sum_moments(uint32_t valence, const spoke_vectors start, const spoke_vectors grown,
-                                      const wide_vectors* targets, wide_t moments[9])
+static PLIANT_INLINE void sum_moments(uint32_t valence, spoke_vectors start, spoke_vectors grown, wide_vectors* targets,
+                                      wide_t moments[9])
 {
     memset(moments, 0, 9 * sizeof(wide_t));
     for (uint32_t i = 0; i < valence; ++i) {
@@ -329,7 +328,7 @@ static PLIANT_INLINE void sum_moments(uint32_t valence, const spoke_vectors star
 }
 
 /* force += factor R q for every spoke. */
-static PLIANT_INLINE void add_rotated(uint32_t valence, float factor, wide_t rotation[9], const wide_vectors* targets,
+static PLIANT_INLINE void add_rotated(uint32_t valence, float factor, wide_t rotation[9], wide_vectors* targets,
                                       spoke_vectors force)
 {
     pliant_lanes turn[9];
@@ -350,8 +349,7 @@ static PLIANT_INLINE void add_rotated(uint32_t valence, float factor, wide_t rot
 
 /* Adds -2 w (sigma(M) - sigma0) and its force for one pose. */
 static PLIANT_INLINE void add_rotated_pose(const pliant_element_group* group, const pliant_arap_poses* poses, uint32_t pose,
-                                           const spoke_vectors start, const spoke_vectors grown, spoke_vectors force,
-                                           wide_t energy)
+                                           spoke_vectors start, spoke_vectors grown, spoke_vectors force, wide_t energy)
 {
     const float* numbers = group->numbers + pose * poses->pose_stride;
     const float* sigma0 = numbers + 4u * (size_t)poses->edge_count * group->stride;

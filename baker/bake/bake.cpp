@@ -75,18 +75,15 @@ std::vector<std::uint8_t> encode_certified(const CheckedAsset& checked, const st
 
 BakedAsset bake(const PoseSet& poses, const BakeOptions& given, Progress& progress)
 {
-    BakeOptions options = resolve_options(given, poses);
+    const BakeOptions options = resolve_options(given, poses);
     BakeReport report;
     Stopwatch watch;
     progress.update("poses", 0);
     const NormalizedPoses set = normalize(poses, options.energy.keep_placement);
-    const MaterialChoice choice = choose_material(set, options.energy, &progress);
-    options.energy.material = choice.material;
-    watch.end_stage("material");
     const std::unique_ptr<Energy> energy = make_energy(set, options.energy, &progress);
     report.input = describe(poses, set, *energy);
-    report.input.material = choice.material;
-    report.input.material_reason = choice.reason;
+    report.input.material = *options.energy.material;
+    report.input.material_reason = choose_material(given.energy, poses.is_solid(), poses.vertex_count()).reason;
     warn_of_foldover(report.input, options.energy, progress);
     SolverPool pool(*energy, set, options.energy.solver);
     watch.end_stage("poses");

@@ -2,26 +2,19 @@
 #pragma once
 
 #include "bake/options.h"
-#include "base/common/progress.h"
-#include "base/mesh/normalized_poses.h"
 
 #include <string>
 
 namespace pliant {
 
-// The material that options mean without a look at the poses; none: choose_material measures. Throws Failure (usage, P1206)
-// for one of the other sort.
-std::optional<Material> stated_material(const EnergyOptions& options, bool is_solid);
-
 struct MaterialChoice {
     Material material;
-    std::string reason; // where there was a choice: what was seen, for people
+    std::string reason; // for people; empty: the options state it
 };
 
-// Of surfaces without a stated material the one whose averages are continuous (elastic/THEORY.md, section 10): discrete
-// shells if, on a coarse mesh, every average that is tried is found from two sides, else ARAP; ARAP also for meshes too
-// coarse for wrinkles; shells for larger ones that cannot be made coarser. Depends on the poses only, so all who mean these
-// poses mean the same energy. Cost: some hundred factorisations of a mesh of 2,000 vertices.
-MaterialChoice choose_material(const NormalizedPoses& set, const EnergyOptions& options, Progress* progress);
+// What the options state, else stvk for solids, ARAP for surfaces of few vertices and discrete shells for others
+// (elastic/THEORY.md, section 10). `vertex_count` of the simulation mesh. Throws Failure (usage, P1206) for a material of the
+// other sort.
+MaterialChoice choose_material(const EnergyOptions& options, bool is_solid, std::size_t vertex_count);
 
 } // namespace pliant

@@ -35,7 +35,7 @@ TieSet ties_for(const NormalizedPoses& set, Material material)
 
 std::unique_ptr<Energy> make_energy(const NormalizedPoses& set, const EnergyOptions& options, Progress* progress)
 {
-    const Material material = choose_material(set, options, progress).material;
+    const Material material = choose_material(options, set.is_solid(), std::size_t(set.dof_count() / 3)).material;
     if (material == Material::stvk) return std::make_unique<Solid>(set, SolidOptions { SolidLaw::stvk, options.poisson });
     if (material == Material::mooney_rivlin)
         return std::make_unique<Solid>(set, SolidOptions { SolidLaw::mooney_rivlin, options.poisson });
@@ -49,12 +49,10 @@ namespace {
 // A surrogate energy that the material does not have is a wrong command line.
 void check_surrogate(const BakeOptions& options, const PoseSet& poses)
 {
-    const std::optional<Material> material = options.energy.material;
+    const Material material = *options.energy.material;
     if (options.surrogate == SurrogateKind::quartic && material != Material::stvk)
         throw Failure(ExitCode::usage,
-                      error_at(1207, "",
-                               fmt::format("--energy quartic needs --material stvk, not {}",
-                                           material ? name_of(*material) : "one of surfaces"),
+                      error_at(1207, "", fmt::format("--energy quartic needs --material stvk, not {}", name_of(material)),
                                "leave it out, or use --energy cubature"));
     if (options.surrogate == SurrogateKind::ghost && poses.is_solid())
         throw Failure(ExitCode::usage,
@@ -70,7 +68,7 @@ void check_surrogate(const BakeOptions& options, const PoseSet& poses)
 BakeOptions resolve_options(const BakeOptions& given, const PoseSet& poses)
 {
     BakeOptions options = given;
-    options.energy.material = stated_material(given.energy, poses.is_solid());
+    options.energy.material = choose_material(given.energy, poses.is_solid(), poses.vertex_count()).material;
     check_surrogate(options, poses);
     return options;
 }

@@ -11,7 +11,7 @@ namespace pliant {
 // parts it costs some averages (elastic/parts/calibrate_ties.h).
 std::unique_ptr<Energy> make_energy(const NormalizedPoses& set, const EnergyOptions& options, Progress* progress = nullptr);
 
-// The options of a bake with the material that they state. Throws Failure (usage, P1206 to P1208) for a surrogate energy
+// The options of a bake with their material. Throws Failure (usage, P1206 to P1208) for a surrogate energy
 // that the material does not have, and (bad_input, P2222) for a ghost of a surface that is no manifold.
 BakeOptions resolve_options(const BakeOptions& given, const PoseSet& poses);
 

@@ -174,8 +174,7 @@ ExitCode run(const Arguments& a)
     for (const Wanted& one : wanted) probe_output(one.output, inputs);
     const NormalizedPoses set = normalize(poses, a.energy.keep_placement);
     EnergyOptions options = a.energy;
-    const MaterialChoice choice = choose_material(set, options, &progress);
-    options.material = choice.material;
+    options.material = choose_material(options, poses.is_solid(), poses.vertex_count()).material;
     const std::unique_ptr<Energy> energy = make_energy(set, options, &progress);
     SolverPool pool(*energy, set, a.energy.solver);
     AverageFamily family(pool, a.newton, &progress);
@@ -191,7 +190,7 @@ ExitCode run(const Arguments& a)
             require_convergence(result, a.newton, one.frame);
             write_output(one.output, encode_ply(to_input_units(set, result.y), poses, a.all_vertices));
             progress.clear_line();
-            warn_of_jumps(points[i], poses, choice.material, one.frame, progress);
+            warn_of_jumps(points[i], poses, *options.material, one.frame, progress);
             averages.push_back(to_json(one, points[i]));
         }
     }

@@ -24,7 +24,7 @@ struct Hinges {
     std::size_t count = 0, foldover_count = 0;
 };
 
-Hinges hinges_of(const NormalizedPoses& set, std::optional<Material> material, const ShellOptions& options)
+Hinges hinges_of(const NormalizedPoses& set, Material material, const ShellOptions& options)
 {
     if (material != Material::discrete_shells) return {};
     const DiscreteShells shells(set, options);
@@ -55,7 +55,7 @@ ExitCode run(const Arguments& a)
         return ExitCode::done;
     }
     const NormalizedPoses set = normalize(poses, a.bake.energy.keep_placement);
-    const std::optional<Material> material = stated_material(a.bake.energy, poses.is_solid());
+    const Material material = choose_material(a.bake.energy, poses.is_solid(), poses.vertex_count()).material;
     if (poses.is_solid())
         fmt::print("{} poses of {} vertices, {} tetrahedra, {} of the vertices on the boundary: ready to bake\n",
                    poses.pose_count(), poses.vertex_count(), poses.tets.size(), poses.boundary_vertex_count);
@@ -69,8 +69,8 @@ ExitCode run(const Arguments& a)
         fmt::print("  {} of {} hinges are folded over or fold strongly between poses: their bending energy will be damped\n",
                    hinges.foldover_count, hinges.count);
     const BakeEstimate e = estimate_bake(poses.vertex_count(), poses.pose_count(), a.bake);
-    fmt::print("estimate of a bake: d = {}, {:.0f} s, {:.1f} GiB of memory, an asset of {:.1f} MiB\n", e.dimension,
-               e.seconds, e.memory / 1073741824.0, e.asset_size / 1048576.0);
+    fmt::print("estimate of a bake ({}): d = {}, {:.0f} s, {:.1f} GiB of memory, an asset of {:.1f} MiB\n",
+               name_of(material), e.dimension, e.seconds, e.memory / 1073741824.0, e.asset_size / 1048576.0);
     if (!poses.is_solid()) fmt::print("  at most {} factorisations\n", factorization_limit(poses.pose_count(), a.bake));
     return ExitCode::done;
 }
@@ -80,7 +80,7 @@ ExitCode run(const Arguments& a)
 nlohmann::ordered_json describe_poses(const PoseSet& poses, const BakeOptions& options)
 {
     const NormalizedPoses set = normalize(poses, options.energy.keep_placement);
-    const std::optional<Material> material = stated_material(options.energy, poses.is_solid());
+    const Material material = choose_material(options.energy, poses.is_solid(), poses.vertex_count()).material;
     const BakeEstimate e = estimate_bake(poses.vertex_count(), poses.pose_count(), options);
     nlohmann::ordered_json list = nlohmann::ordered_json::array();
     for (std::size_t k = 0; k < poses.pose_count(); ++k)
@@ -88,7 +88,7 @@ nlohmann::ordered_json describe_poses(const PoseSet& poses, const BakeOptions& o
     const RenderMesh* const drawn = poses.render_mesh.get();
     nlohmann::ordered_json json = { { "poses", list },
                                     { "kind", poses.is_solid() ? "solid" : "surface" },
-                                    { "material", material ? name_of(*material) : "auto" },
+                                    { "material", name_of(material) },
                                     { "vertices", drawn ? drawn->embedding.count() : poses.vertex_count() },
                                     { "triangles", drawn ? drawn->triangles.size() : poses.triangles.size() },
                                     { "tetrahedra", poses.tets.size() },

@@ -108,8 +108,8 @@ std::vector<Hinge> find_crowded_hinges(const std::vector<Triangle>& triangles, c
     return pair_faces(triangles, rest, 3);
 }
 
-std::string manifold_defect(const std::vector<Triangle>& triangles, std::size_t vertex_count,
-                            const std::vector<std::uint32_t>& sources)
+void require_manifold(const std::vector<Triangle>& triangles, std::size_t vertex_count,
+                      const std::vector<std::uint32_t>& sources, const std::string& what, const std::string& remedy)
 {
     const auto number = [&](std::size_t v) { return sources.empty() ? v : std::size_t(sources[v]); };
     std::string defect;
@@ -131,13 +131,6 @@ std::string manifold_defect(const std::vector<Triangle>& triangles, std::size_t 
     const auto unused = std::find(is_used.begin(), is_used.end(), false);
     if (defect.empty() && unused != is_used.end())
         defect = fmt::format("vertex {} belongs to no face", number(std::size_t(unused - is_used.begin())));
-    return defect;
-}
-
-void require_manifold(const std::vector<Triangle>& triangles, std::size_t vertex_count,
-                      const std::vector<std::uint32_t>& sources, const std::string& what, const std::string& remedy)
-{
-    const std::string defect = manifold_defect(triangles, vertex_count, sources);
     if (!defect.empty())
         throw Failure(ExitCode::bad_input,
                       error_at(2222, "", fmt::format("{} needs one oriented manifold surface: {}", what, defect), remedy));

@@ -25,12 +25,9 @@ std::vector<Hinge> find_hinges(const std::vector<Triangle>& triangles, const Sha
 // Those of them at edges of three or more faces.
 std::vector<Hinge> find_crowded_hinges(const std::vector<Triangle>& triangles, const Shape& rest);
 
-// What keeps the triangles from being one connected oriented manifold that uses every vertex; empty: nothing does.
+// Throws Failure (bad_input, P2222) naming `what` needs it if the triangles are no connected oriented manifold that uses
+// every vertex.
 // `sources`: per vertex its number for the message; empty: the same.
-std::string manifold_defect(const std::vector<Triangle>& triangles, std::size_t vertex_count,
-                            const std::vector<std::uint32_t>& sources);
-
-// Throws Failure (bad_input, P2222) that `what` needs such a surface, if there is a defect.
 void require_manifold(const std::vector<Triangle>& triangles, std::size_t vertex_count,
                       const std::vector<std::uint32_t>& sources, const std::string& what, const std::string& remedy);
 

@@ -143,7 +143,7 @@ std::vector<double> averages(const PoseSet& poses, const std::vector<Weights>& w
                              Progress& progress)
 {
     const NormalizedPoses set = normalize(poses, options.keep_placement);
-    options.material = choose_material(set, options, &progress).material;
+    options.material = choose_material(options, poses.is_solid(), poses.vertex_count()).material;
     const std::unique_ptr<Energy> energy = make_energy(set, options);
     SolverPool pool(*energy, set, options.solver);
     const NewtonOptions newton;

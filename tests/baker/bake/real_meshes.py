@@ -101,7 +101,7 @@ def baked(arguments, poses, options):
     """The cells of the second table, from options on. The time is that of all threads."""
     with tempfile.TemporaryDirectory(prefix="pliant-real-") as folder:
         asset, report = str(pathlib.Path(folder) / "a.pliant"), pathlib.Path(folder) / "r.json"
-        command = [arguments.tool, "bake", *poses, "-o", asset, "--report", str(report), *options]
+        command = [arguments.tool, "bake", *poses, "-o", asset, "--report", str(report), "--continuity", "off", *options]
         before = resource.getrusage(resource.RUSAGE_CHILDREN)
         limit = ((lambda: resource.setrlimit(resource.RLIMIT_CPU, (arguments.limit, arguments.limit))) if arguments.limit
                  else None)

@@ -101,7 +101,7 @@ TEST_CASE("every material bakes to an asset whose blends are near the unreduced 
             CHECK(relative(blender.positions(blender.solve(w, false)), to_input_units(set, set.shapes[k])) < 2e-5);
         }
         const EnergyOptions read = read_energy_options(blender.certificate(), variant.name);
-        CHECK(read.material == choose_material(normalize(poses), variant.options.energy, nullptr).material);
+        CHECK(read.material == choose_material(variant.options.energy, false, poses.vertex_count()).material);
         CHECK(read.shell.membrane == variant.options.energy.shell.membrane);
     }
 }
@@ -290,28 +290,22 @@ TEST_CASE("a bake says what it measured, and the certificate holds it")
     CHECK_FALSE(bake(tube_poses(3), options, silent).report.check.meets_tolerance);
 }
 
-TEST_CASE("the material of a surface: what is stated, ARAP for few polygons, else what is measured")
+TEST_CASE("the material of a surface: what is stated, else ARAP for few vertices and shells for more")
 {
-    const auto choice
-        = [](const NormalizedPoses& set, const EnergyOptions& options) { return choose_material(set, options, nullptr); };
-    const NormalizedPoses coarse = normalize(tube_poses(2));
     EnergyOptions options;
-    CHECK(choice(coarse, options).material == Material::arap);
-    CHECK(choice(coarse, options).reason.find("vertices") != std::string::npos);
+    const auto material = [&](std::size_t vertex_count) { return choose_material(options, false, vertex_count).material; };
+    CHECK(material(4000) == Material::arap);
+    CHECK(material(4001) == Material::discrete_shells);
+    CHECK(choose_material(options, false, 300).reason == "a surface of 300 vertices");
     options.continuity = Continuity::off;
-    CHECK(choice(coarse, options).material == Material::discrete_shells);
-    CHECK(choice(coarse, options).reason.empty());
+    CHECK(material(300) == Material::discrete_shells);
+    CHECK(choose_material(options, false, 300).reason.empty());
     options = {};
     options.shell.thickness = 0.01;
-    CHECK(choice(coarse, options).material == Material::discrete_shells);
+    CHECK(material(300) == Material::discrete_shells);
     options.material = Material::arap;
-    CHECK(choice(coarse, options).material == Material::arap);
-
-    const NormalizedPoses fine = normalize(tube_poses(2, Tube { 90, 48 }));
-    REQUIRE(fine.dof_count() / 3 > 4000);
-    const MaterialChoice measured = choice(fine, {});
-    CHECK(measured.material == Material::discrete_shells);
-    CHECK(measured.reason.find("same averages") != std::string::npos);
+    CHECK(material(5000) == Material::arap);
+    CHECK(choose_material({}, true, 300).material == Material::stvk);
 }
 
 TEST_CASE("where averages of a shell jump, a miss points to ARAP")
