@@ -46,7 +46,7 @@ static int measure(const char* path, int jumps, float tolerance)
     if (tolerance > 0) desc.tolerance = tolerance;
     pliant_asset cold_asset = asset;
     /* A predictor of zeros: a jump then starts at z = 0, with the dead load, which lives on the same centres. */
-    float* zeros = calloc(((size_t)asset.predictor_count + asset.pose_count) * asset.dimension, sizeof *zeros);
+    float* zeros = calloc(((size_t)asset.predictor_count + asset.pose_count) * asset.padded_dimension, sizeof *zeros);
     if (!zeros) exit(2);
     cold_asset.predictor_coefficients = zeros;
     made_solver warm = make_solver(&asset, &desc), cold = make_solver(&cold_asset, &desc);
