@@ -2,6 +2,7 @@
 Dask at all. PLIANT_TOOL names the tool. Skips where Dask could not be installed."""
 import importlib.util
 import json
+import logging
 import os
 import signal
 import subprocess
@@ -9,6 +10,7 @@ import sys
 import tempfile
 import threading
 import time
+import types
 import unittest
 from pathlib import Path
 
@@ -362,6 +364,26 @@ class WithoutDask(Folder):
             _farm._result_of(future, TimeoutError)
         self.assertEqual((future.calls, future.ended), (2, 1))
         self.assertIs(signal.getsignal(signal.SIGINT), signal.default_int_handler)
+
+    def test_a_closing_worker_logs_no_closed_connection(self):
+        """Its heartbeat may find the connection closed; Dask would log a traceback."""
+        worker = types.SimpleNamespace(status=types.SimpleNamespace(name="running"))
+        previous = signal.getsignal(signal.SIGINT)
+        self.addCleanup(signal.signal, signal.SIGINT, previous)
+        log = logging.getLogger("distributed.worker")
+        self.addCleanup(setattr, log, "filters", list(log.filters))
+        _worker.dask_setup(worker)
+        seen = []
+        for status, error in [("running", OSError("gone")), ("closing", OSError("gone")), ("closing", ValueError("wrong"))]:
+            worker.status.name = status
+            with self.assertLogs(log, "ERROR") as heard:
+                try:
+                    raise error
+                except Exception:
+                    log.exception(f"{status}: {error}")
+                log.error("end")
+            seen.append([record.getMessage() for record in heard.records][:-1])
+        self.assertEqual(seen, [["running: gone"], [], ["closing: wrong"]])
 
     def test_messages_by_name(self):
         lines = ("pliant bake-all: a: error P2105: x\npliant bake-all: a:   hint: y\n"

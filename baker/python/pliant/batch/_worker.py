@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import ctypes
 import hashlib
+import logging
 import os
 import shutil
 import signal
@@ -110,6 +111,14 @@ def dask_setup(worker: Any) -> None:
     """Dask calls this in workers that preload the module, as those on this machine do. Ctrl-C at a terminal reaches all
     processes, but must end the caller only, which then ends the bakes and the workers."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)
+    logging.getLogger("distributed.worker").addFilter(lambda record: not _is_of_a_closing_connection(worker, record))
+
+
+def _is_of_a_closing_connection(worker: Any, record: logging.LogRecord) -> bool:
+    """Whether a worker that is being closed reports a connection that closed with it. Dask logs such a heartbeat as an error
+    with a traceback (dask/distributed, Worker.heartbeat), although nothing is wrong."""
+    is_closing = worker.status.name in ("closing", "closing_gracefully", "closed")
+    return is_closing and record.exc_info is not None and isinstance(record.exc_info[1], OSError)
 
 
 def digest_of(path: str) -> str:
