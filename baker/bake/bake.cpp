@@ -1,7 +1,6 @@
 #include "bake/bake.h"
 
 #include "bake/certificate.h"
-#include "bake/choose_material.h"
 #include "bake/find_subspace.h"
 #include "bake/fit.h"
 #include "bake/make_energy.h"
@@ -9,6 +8,7 @@
 #include "bake/stopwatch.h"
 #include "bake/warnings.h"
 #include "base/mesh/align.h"
+#include "elastic/energy/reinforced_shells.h"
 #include "elastic/parts/tied_energy.h"
 #include "output/asset/runtime_blender.h"
 
@@ -48,6 +48,10 @@ InputReport describe(const PoseSet& poses, const NormalizedPoses& set, const Ene
         report.foldover_count = shells->foldover_hinges().size();
         report.foldover_vertices = foldover_vertices(*shells, poses);
     }
+    if (const auto* shells = dynamic_cast<const ReinforcedShells*>(&without_ties(energy))) {
+        report.rough_count = shells->rough_count();
+        report.roughest_vertex = poses.file_number(shells->roughest_vertex());
+    }
     return report;
 }
 
@@ -83,7 +87,6 @@ BakedAsset bake(const PoseSet& poses, const BakeOptions& given, Progress& progre
     const std::unique_ptr<Energy> energy = make_energy(set, options.energy, &progress);
     report.input = describe(poses, set, *energy);
     report.input.material = *options.energy.material;
-    report.input.material_reason = choose_material(given.energy, poses.is_solid(), poses.vertex_count()).reason;
     warn_of_foldover(report.input, options.energy, progress);
     SolverPool pool(*energy, set, options.energy.solver);
     watch.end_stage("poses");

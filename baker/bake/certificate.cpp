@@ -179,12 +179,13 @@ std::string write_certificate(const BakeReport& report, const BakeOptions& optio
     const ShellOptions& shell = options.energy.shell;
     const Material material = report.input.material;
     Json energy = { { "material", name_of(material) } };
-    if (!report.input.material_reason.empty()) energy["reason"] = report.input.material_reason;
     if (report.input.tet_count && options.energy.poisson >= 0) energy["poisson"] = options.energy.poisson;
     if (material == Material::discrete_shells) {
         energy["membrane"] = name_of(shell.membrane);
         energy["thickness"] = shell.thickness;
         energy["foldover_damping"] = shell.foldover_damping;
+        energy["continuity"] = name_of(options.energy.continuity);
+        if (options.energy.continuity == Continuity::automatic) energy["rough_vertices"] = report.input.rough_count;
     }
     energy["aligned"] = !options.energy.keep_placement;
     energy["solver"] = name_of(options.energy.solver);
@@ -234,6 +235,8 @@ EnergyOptions read_energy_options(const std::string& certificate, const std::str
                                                 { Membrane::neo_hookean, Membrane::stvk, Membrane::edge });
             options.shell.thickness = energy.at("thickness").get<double>();
             options.shell.foldover_damping = energy.at("foldover_damping").get<double>();
+            options.continuity
+                = parse_name(energy.value("continuity", "off"), { Continuity::automatic, Continuity::off }); // 1.0: none
         }
     } catch (const std::exception&) {
         throw Failure(

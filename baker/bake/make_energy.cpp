@@ -1,8 +1,7 @@
 #include "bake/make_energy.h"
 
-#include "bake/choose_material.h"
 #include "base/common/diagnostics.h"
-#include "elastic/energy/arap.h"
+#include "elastic/energy/reinforced_shells.h"
 #include "elastic/energy/solid.h"
 #include "elastic/parts/calibrate_ties.h"
 #include "elastic/parts/find_ties.h"
@@ -13,10 +12,13 @@ namespace pliant {
 
 namespace {
 
-std::unique_ptr<Energy> make_surface_energy(const NormalizedPoses& set, Material material, const ShellOptions& shell)
+bool is_of_solids(Material material) { return material == Material::stvk || material == Material::mooney_rivlin; }
+
+std::unique_ptr<Energy> make_surface_energy(const NormalizedPoses& set, Material material, const EnergyOptions& options)
 {
     if (material == Material::arap) return std::make_unique<Arap>(set);
-    return std::make_unique<DiscreteShells>(set, shell);
+    if (options.continuity == Continuity::off) return std::make_unique<DiscreteShells>(set, options.shell);
+    return std::make_unique<ReinforcedShells>(set, options.shell);
 }
 
 // In units of the stiffness with which it holds a vertex. A triangle counts in the ARAP cells of its three corners.
@@ -33,13 +35,24 @@ TieSet ties_for(const NormalizedPoses& set, Material material)
 
 } // namespace
 
+Material material_of(const EnergyOptions& options, bool is_solid)
+{
+    if (!options.material) return is_solid ? Material::stvk : Material::discrete_shells;
+    if (is_of_solids(*options.material) == is_solid) return *options.material;
+    throw Failure(ExitCode::usage,
+                  error_at(1206, "",
+                           fmt::format("--material {} is for {}, the poses are {}", name_of(*options.material),
+                                       is_solid ? "surfaces" : "solids", is_solid ? "solids" : "surfaces"),
+                           is_solid ? "use stvk or mooney-rivlin" : "use discrete-shells or arap"));
+}
+
 std::unique_ptr<Energy> make_energy(const NormalizedPoses& set, const EnergyOptions& options, Progress* progress)
 {
-    const Material material = choose_material(options, set.is_solid(), std::size_t(set.dof_count() / 3)).material;
+    const Material material = material_of(options, set.is_solid());
     if (material == Material::stvk) return std::make_unique<Solid>(set, SolidOptions { SolidLaw::stvk, options.poisson });
     if (material == Material::mooney_rivlin)
         return std::make_unique<Solid>(set, SolidOptions { SolidLaw::mooney_rivlin, options.poisson });
-    std::unique_ptr<Energy> energy = tie_parts(make_surface_energy(set, material, options.shell), ties_for(set, material));
+    std::unique_ptr<Energy> energy = tie_parts(make_surface_energy(set, material, options), ties_for(set, material));
     if (auto* tied = dynamic_cast<TiedEnergy*>(energy.get())) calibrate_ties(*tied, set, options.solver, progress);
     return energy;
 }
@@ -68,7 +81,7 @@ void check_surrogate(const BakeOptions& options, const PoseSet& poses)
 BakeOptions resolve_options(const BakeOptions& given, const PoseSet& poses)
 {
     BakeOptions options = given;
-    options.energy.material = choose_material(given.energy, poses.is_solid(), poses.vertex_count()).material;
+    options.energy.material = material_of(given.energy, poses.is_solid());
     check_surrogate(options, poses);
     return options;
 }

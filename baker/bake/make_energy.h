@@ -7,8 +7,12 @@
 
 namespace pliant {
 
-// The energy of a shape set, of the material that choose_material finds. The set must outlive it. Of a character in several
-// parts it costs some averages (elastic/parts/calibrate_ties.h).
+// What the options state, else stvk for solids and discrete shells for surfaces. Throws Failure (usage, P1206) for a
+// material of the other sort.
+Material material_of(const EnergyOptions& options, bool is_solid);
+
+// The energy of a shape set. The set must outlive it. Throws as material_of. Of a character in several parts it costs some
+// averages (elastic/parts/calibrate_ties.h).
 std::unique_ptr<Energy> make_energy(const NormalizedPoses& set, const EnergyOptions& options, Progress* progress = nullptr);
 
 // The options of a bake with their material. Throws Failure (usage, P1206 to P1208) for a surrogate energy

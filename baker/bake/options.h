@@ -22,9 +22,8 @@ enum class SurrogateKind { automatic, quartic, cubature, ghost };
 
 // What an elastic energy is made of: shared by all verbs that need one.
 struct EnergyOptions {
-    std::optional<Material> material; // none: stvk for solids, for surfaces as `continuity` says
-    // automatic: ARAP for few vertices, else discrete shells. off: discrete shells, also where an option of shells is not
-    // the default.
+    std::optional<Material> material; // none: stvk for solids, discrete shells for surfaces
+    // Of discrete shells. automatic: with ARAP cells at rough vertices; off: as in the literature.
     Continuity continuity = Continuity::automatic;
     ShellOptions shell;
     double poisson = -1;                       // of solids; negative: 0.4 for stvk, 0.45 for mooney-rivlin

@@ -25,9 +25,10 @@ struct StageTime {
 struct InputReport {
     std::size_t vertex_count = 0, tet_count = 0, pose_count = 0;
     Material material = Material::discrete_shells;
-    std::string material_reason;                                  // where there was a choice
     std::size_t drawn_vertex_count = 0, drawn_triangle_count = 0; // of a render mesh that repairs made; else 0
     SurfaceRepairs repairs;
+    std::size_t rough_count = 0;                  // vertices with an ARAP cell, of reinforced shells
+    std::uint32_t roughest_vertex = 0;            // of them
     std::size_t foldover_count = 0;               // hinges whose bending is damped
     std::vector<std::uint32_t> foldover_vertices; // of the edges of such hinges, the first of them
     std::vector<std::uint32_t> fixed_vertices;    // ascending

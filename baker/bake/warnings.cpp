@@ -55,7 +55,7 @@ void require_convergence(const NewtonResult& result, const NewtonOptions& option
                                        "unbalanced force {:.1e} (wanted {:.1e}) after {} iterations",
                                        frame, result.decrement, options.decrement, result.residual, options.residual,
                                        result.iterations),
-                           "add an in-between pose, or try another --thickness or a smaller --foldover-damping"));
+                           "add an in-between pose, or try another --thickness"));
 }
 
 const char* hint_for_jumps(Material material)

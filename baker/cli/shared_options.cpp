@@ -49,10 +49,9 @@ void add_material(CLI::App& verb, EnergyOptions& options)
                 for (Material v : values)
                     if (name == name_of(v)) options.material = v;
             },
-            "Elastic energy. For surfaces: discrete-shells (thin shell) or arap (as rigid as possible: for few polygons, "
-            "and "
-            "where averages of shells jump); the default is as --continuity says. For solids: stvk (St. Venant-Kirchhoff; "
-            "the default) or mooney-rivlin (preserves volume better, never inverts tetrahedra)")
+            "Elastic energy. For surfaces: discrete-shells (thin shell; the default) or arap (as rigid as possible). For "
+            "solids: stvk (St. Venant-Kirchhoff; the default) or mooney-rivlin (preserves volume better, never inverts "
+            "tetrahedra)")
         ->check(CLI::IsMember(names))
         ->type_name("NAME");
     verb.add_option(
@@ -62,19 +61,18 @@ void add_material(CLI::App& verb, EnergyOptions& options)
         ->check(CLI::Range(0.0, 0.499));
 }
 
-// A value other than the default means discrete shells.
 void add_shell_options(CLI::App& verb, EnergyOptions& options)
 {
     add_choice(verb, "--membrane", options.shell.membrane, { Membrane::neo_hookean, Membrane::stvk, Membrane::edge },
-               "How thin shells resist stretching; neo-hookean cannot collapse a triangle. Another value than the default "
-               "implies --material discrete-shells, also for --thickness and --foldover-damping");
+               "How thin shells resist stretching; neo-hookean cannot collapse a triangle");
     verb.add_option("--thickness", options.shell.thickness,
                     "Thickness of thin shells relative to the square root of the surface area; a thicker shell bends less "
                     "sharply")
         ->capture_default_str()
         ->check(CLI::Range(1e-6, 1.0));
     verb.add_option("--foldover-damping", options.shell.foldover_damping,
-                    "Factor on the bending energy of hinges of thin shells that are folded over in some pose; 1 = off")
+                    "Factor on the bending energy of hinges that are folded over in some pose; 1 = off. Applies with "
+                    "--continuity off")
         ->capture_default_str()
         ->check(CLI::Range(0.0, 1.0));
 }
@@ -112,8 +110,8 @@ void add_energy_options(CLI::App& verb, EnergyOptions& options)
     add_material(verb, options);
     add_choice(
         verb, "--continuity", options.continuity, { Continuity::automatic, Continuity::off },
-        "Energy of surfaces without --material. auto: arap up to 4,000 vertices, where averages of thin shells jump from "
-        "fold to fold, and thin shells for finer meshes; off: thin shells");
+        "How thin shells bend where the mesh is rough: at folds, and at creases coarser than the shape. auto: as rigid as "
+        "possible, so that blends do not jump from fold to fold; off: as discrete shells everywhere");
     add_shell_options(verb, options);
     std::vector<SolverKind> solvers = { SolverKind::eigen };
     if (has_cholmod()) solvers.insert(solvers.begin(), SolverKind::cholmod);

@@ -1,6 +1,5 @@
 #include "cli/verbs.h"
 
-#include "bake/choose_material.h"
 #include "bake/make_energy.h"
 
 #include "bake/warnings.h"
@@ -174,7 +173,7 @@ ExitCode run(const Arguments& a)
     for (const Wanted& one : wanted) probe_output(one.output, inputs);
     const NormalizedPoses set = normalize(poses, a.energy.keep_placement);
     EnergyOptions options = a.energy;
-    options.material = choose_material(options, poses.is_solid(), poses.vertex_count()).material;
+    options.material = material_of(options, poses.is_solid());
     const std::unique_ptr<Energy> energy = make_energy(set, options, &progress);
     SolverPool pool(*energy, set, a.energy.solver);
     AverageFamily family(pool, a.newton, &progress);

@@ -27,7 +27,9 @@ void print_summary(const BakeRequest& a, const BakedAsset& baked)
     fmt::print("{}: {} poses, {} vertices, d = {}, {}, {:.1f} MiB\n", a.output, r.input.pose_count, r.input.vertex_count,
                r.fit.dimension, energy, double(baked.bytes.size()) / 1048576.0);
     fmt::print("elastic energy: {}{}\n", name_of(r.input.material),
-               r.input.material_reason.empty() ? "" : fmt::format(" ({})", r.input.material_reason));
+               r.input.rough_count == 0 ? ""
+                                        : fmt::format(", ARAP cells at {} rough vertices, the roughest of them {}",
+                                                      r.input.rough_count, r.input.roughest_vertex));
     fmt::print("basis: {:.2f} bytes per number, largest error {:.1e} of the diagonal\n", r.check.basis.bytes_per_number,
                r.check.basis.largest_difference);
     if (!r.fit.reason.empty()) fmt::print("cubature instead of the quartic: {}\n", r.fit.reason);

@@ -1,10 +1,10 @@
 #include "cli/verbs.h"
 
-#include "bake/choose_material.h"
 #include "bake/estimate.h"
 
 #include "bake/certificate.h"
-#include "elastic/energy/discrete_shells.h"
+#include "bake/make_energy.h"
+#include "elastic/energy/reinforced_shells.h"
 #include "pipeline/json_file.h"
 
 #include <fmt/core.h>
@@ -20,15 +20,27 @@ struct Arguments {
     bool is_json = false;
 };
 
-struct Hinges {
-    std::size_t count = 0, foldover_count = 0;
+// Where a shell bends sharply.
+struct Folds {
+    std::size_t hinge_count = 0, foldover_count = 0; // with --continuity off
+    std::size_t rough_count = 0;                     // vertices, else
 };
 
-Hinges hinges_of(const NormalizedPoses& set, Material material, const ShellOptions& options)
+Folds folds_of(const NormalizedPoses& set, const EnergyOptions& options)
 {
-    if (material != Material::discrete_shells) return {};
-    const DiscreteShells shells(set, options);
-    return { shells.hinge_count(), shells.foldover_hinges().size() };
+    if (material_of(options, set.is_solid()) != Material::discrete_shells) return {};
+    if (options.continuity == Continuity::automatic) return { 0, 0, ReinforcedShells(set, options.shell).rough_count() };
+    const DiscreteShells shells(set, options.shell);
+    return { shells.hinge_count(), shells.foldover_hinges().size(), 0 };
+}
+
+void print_folds(const Folds& folds, std::size_t vertex_count)
+{
+    if (folds.foldover_count > 0)
+        fmt::print("  {} of {} hinges are folded over or fold strongly between poses: their bending energy will be damped\n",
+                   folds.foldover_count, folds.hinge_count);
+    if (folds.rough_count > 0)
+        fmt::print("  {} of {} vertices are rough: they will have ARAP cells\n", folds.rough_count, vertex_count);
 }
 
 double turned_degrees(const NormalizedPoses& set, std::size_t pose)
@@ -55,7 +67,7 @@ ExitCode run(const Arguments& a)
         return ExitCode::done;
     }
     const NormalizedPoses set = normalize(poses, a.bake.energy.keep_placement);
-    const Material material = choose_material(a.bake.energy, poses.is_solid(), poses.vertex_count()).material;
+    const Material material = material_of(a.bake.energy, poses.is_solid());
     if (poses.is_solid())
         fmt::print("{} poses of {} vertices, {} tetrahedra, {} of the vertices on the boundary: ready to bake\n",
                    poses.pose_count(), poses.vertex_count(), poses.tets.size(), poses.boundary_vertex_count);
@@ -64,10 +76,7 @@ ExitCode run(const Arguments& a)
     for (std::size_t k = 1; k < poses.pose_count(); ++k)
         fmt::print("  {}: rotated by {:.1f} degrees to align it with {}\n", poses.names[k], turned_degrees(set, k),
                    poses.names[0]);
-    const Hinges hinges = hinges_of(set, material, a.bake.energy.shell);
-    if (hinges.foldover_count > 0)
-        fmt::print("  {} of {} hinges are folded over or fold strongly between poses: their bending energy will be damped\n",
-                   hinges.foldover_count, hinges.count);
+    print_folds(folds_of(set, a.bake.energy), poses.vertex_count());
     const BakeEstimate e = estimate_bake(poses.vertex_count(), poses.pose_count(), a.bake);
     fmt::print("estimate of a bake ({}): d = {}, {:.0f} s, {:.1f} GiB of memory, an asset of {:.1f} MiB\n",
                name_of(material), e.dimension, e.seconds, e.memory / 1073741824.0, e.asset_size / 1048576.0);
@@ -80,7 +89,8 @@ ExitCode run(const Arguments& a)
 nlohmann::ordered_json describe_poses(const PoseSet& poses, const BakeOptions& options)
 {
     const NormalizedPoses set = normalize(poses, options.energy.keep_placement);
-    const Material material = choose_material(options.energy, poses.is_solid(), poses.vertex_count()).material;
+    const Material material = material_of(options.energy, poses.is_solid());
+    const Folds folds = folds_of(set, options.energy);
     const BakeEstimate e = estimate_bake(poses.vertex_count(), poses.pose_count(), options);
     nlohmann::ordered_json list = nlohmann::ordered_json::array();
     for (std::size_t k = 0; k < poses.pose_count(); ++k)
@@ -93,7 +103,8 @@ nlohmann::ordered_json describe_poses(const PoseSet& poses, const BakeOptions& o
                                     { "triangles", drawn ? drawn->triangles.size() : poses.triangles.size() },
                                     { "tetrahedra", poses.tets.size() },
                                     { "elastic_vertices", poses.vertex_count() },
-                                    { "foldover_hinges", hinges_of(set, material, options.energy.shell).foldover_count } };
+                                    { "foldover_hinges", folds.foldover_count },
+                                    { "rough_vertices", folds.rough_count } };
     json["estimate"]
         = { { "dimension", e.dimension }, { "seconds", e.seconds }, { "memory", e.memory }, { "asset_size", e.asset_size } };
     return json;

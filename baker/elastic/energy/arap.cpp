@@ -63,10 +63,16 @@ Vector3d Arap::Cell::rest_edge(Index pose, const Edge& edge) const
 }
 
 Arap::Arap(const NormalizedPoses& set)
+    : Arap(set, std::vector<bool>(std::size_t(set.dof_count() / 3), true))
+{
+}
+
+Arap::Arap(const NormalizedPoses& set, const std::vector<bool>& is_centre)
     : pose_count_(Index(set.pose_count()))
     , dof_count_(set.dof_count())
 {
-    for (const Fan& fan : find_fans(set.triangles, set.shapes[0])) cells_.push_back(make_cell(fan, set));
+    for (const Fan& fan : find_fans(set.triangles, set.shapes[0]))
+        if (is_centre[fan.centre]) cells_.push_back(make_cell(fan, set));
 }
 
 // Triangle by triangle: the cell is a sum of Dirichlet energies of y - R x_k, none of which is negative, however obtuse the

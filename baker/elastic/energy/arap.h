@@ -11,10 +11,11 @@
 
 namespace pliant {
 
-// Element i is the cell of fan i (base/mesh/fans.h): one for each vertex of a manifold.
+// An element is the cell of a fan (base/mesh/fans.h): one for each vertex of a manifold.
 class Arap final : public Energy {
 public:
     explicit Arap(const NormalizedPoses& set);
+    Arap(const NormalizedPoses& set, const std::vector<bool>& is_centre); // cells of these vertices only
 
     std::size_t pose_count() const override { return std::size_t(pose_count_); }
     Eigen::Index dof_count() const override { return dof_count_; }

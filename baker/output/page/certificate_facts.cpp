@@ -158,6 +158,7 @@ Rows material_rows(const Json& c)
     add_number(rows, "Poisson’s ratio", c, "energy/poisson");
     add_number(rows, "Bending factor of folded hinges", c, "energy/foldover_damping");
     add_count(rows, "Hinges folded over in some pose", c, "foldover_hinges");
+    add_count(rows, "Rough vertices, with ARAP cells", c, "energy/rough_vertices");
     add_flag(rows, "Poses aligned", c, "energy/aligned");
     add_count(rows, "Vertices of the simulation mesh", c, "vertices");
     add_count(rows, "Tetrahedra", c, "tetrahedra");

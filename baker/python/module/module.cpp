@@ -7,7 +7,6 @@
 
 #include "bake/bake.h"
 #include "bake/certificate.h"
-#include "bake/choose_material.h"
 #include "bake/make_energy.h"
 #include "bake/warnings.h"
 #include "base/common/parallel.h"
@@ -143,7 +142,7 @@ std::vector<double> averages(const PoseSet& poses, const std::vector<Weights>& w
                              Progress& progress)
 {
     const NormalizedPoses set = normalize(poses, options.keep_placement);
-    options.material = choose_material(options, poses.is_solid(), poses.vertex_count()).material;
+    options.material = material_of(options, poses.is_solid());
     const std::unique_ptr<Energy> energy = make_energy(set, options);
     SolverPool pool(*energy, set, options.solver);
     const NewtonOptions newton;

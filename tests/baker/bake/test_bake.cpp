@@ -4,13 +4,13 @@
 
 #include "bake/bake.h"
 #include "bake/certificate.h"
-#include "bake/choose_material.h"
 #include "bake/make_energy.h"
 #include "bake/warnings.h"
 #include "base/weights/sampling.h"
 #include "elastic/average/family.h"
 #include "elastic/average/shape_error.h"
 #include "elastic/average/sweep.h"
+#include "elastic/energy/reinforced_shells.h"
 #include "input/io/write_file.h"
 #include "output/asset/runtime_blender.h"
 #include "reduced/subspace/adaptive.h"
@@ -101,8 +101,9 @@ TEST_CASE("every material bakes to an asset whose blends are near the unreduced 
             CHECK(relative(blender.positions(blender.solve(w, false)), to_input_units(set, set.shapes[k])) < 2e-5);
         }
         const EnergyOptions read = read_energy_options(blender.certificate(), variant.name);
-        CHECK(read.material == choose_material(variant.options.energy, false, poses.vertex_count()).material);
+        CHECK(read.material == material_of(variant.options.energy, false));
         CHECK(read.shell.membrane == variant.options.energy.shell.membrane);
+        if (read.material == Material::discrete_shells) CHECK(read.continuity == variant.options.energy.continuity);
     }
 }
 
@@ -290,22 +291,17 @@ TEST_CASE("a bake says what it measured, and the certificate holds it")
     CHECK_FALSE(bake(tube_poses(3), options, silent).report.check.meets_tolerance);
 }
 
-TEST_CASE("the material of a surface: what is stated, else ARAP for few vertices and shells for more")
+TEST_CASE("the energy of a surface is shells, reinforced where it is rough, unless options state another")
 {
     EnergyOptions options;
-    const auto material = [&](std::size_t vertex_count) { return choose_material(options, false, vertex_count).material; };
-    CHECK(material(4000) == Material::arap);
-    CHECK(material(4001) == Material::discrete_shells);
-    CHECK(choose_material(options, false, 300).reason == "a surface of 300 vertices");
+    CHECK(material_of(options, false) == Material::discrete_shells);
+    CHECK(material_of(options, true) == Material::stvk);
+    const NormalizedPoses set = normalize(tube_poses(3));
+    CHECK(dynamic_cast<const ReinforcedShells*>(make_energy(set, options).get()));
     options.continuity = Continuity::off;
-    CHECK(material(300) == Material::discrete_shells);
-    CHECK(choose_material(options, false, 300).reason.empty());
-    options = {};
-    options.shell.thickness = 0.01;
-    CHECK(material(300) == Material::discrete_shells);
+    CHECK(dynamic_cast<const DiscreteShells*>(make_energy(set, options).get()));
     options.material = Material::arap;
-    CHECK(material(5000) == Material::arap);
-    CHECK(choose_material({}, true, 300).material == Material::stvk);
+    CHECK(dynamic_cast<const Arap*>(make_energy(set, options).get()));
 }
 
 TEST_CASE("where averages of a shell jump, a miss points to ARAP")

@@ -3,7 +3,6 @@
 #include "../twisted_bar.h"
 
 #include "bake/certificate.h"
-#include "bake/choose_material.h"
 #include "bake/make_energy.h"
 #include "base/common/diagnostics.h"
 #include "base/mesh/tets.h"
@@ -72,7 +71,7 @@ TEST_CASE("solids bake to assets whose blends are near the unreduced average")
             CHECK(relative(blender.positions(blender.solve(w, false)), to_input_units(set, set.shapes[k])) < 2e-5);
         }
         const EnergyOptions read = read_energy_options(blender.certificate(), variant.name);
-        CHECK(read.material == choose_material(variant.options.energy, true, 0).material);
+        CHECK(read.material == material_of(variant.options.energy, true));
         CHECK(read.fixed_vertices == poses.fixed_vertices);
     }
 }
