@@ -8,8 +8,8 @@ namespace pliant {
 // How many averages a bake of so many poses is trained with.
 std::size_t training_count(std::size_t pose_count);
 
-// Factorisations that a bake of surfaces with the adaptive subspace never exceeds: one way to every average, and back from
-// its blend; ten times what is usual.
+// Factorisations that a bake of a surface with the adaptive subspace never exceeds, besides the calibration of ties: some
+// ten times their usual number.
 int factorization_limit(std::size_t pose_count, const BakeOptions& options);
 
 // Dimension, seconds on one core, bytes of working memory, bytes of the asset: orders of magnitude.

@@ -6,6 +6,7 @@
 #include "elastic/parts/calibrate_ties.h"
 #include "elastic/parts/find_ties.h"
 
+#include <algorithm>
 #include <fmt/core.h>
 
 namespace pliant {
@@ -21,15 +22,26 @@ std::unique_ptr<Energy> make_surface_energy(const NormalizedPoses& set, Material
     return std::make_unique<ReinforcedShells>(set, options.shell);
 }
 
-// In units of the stiffness with which it holds a vertex. A triangle counts in the ARAP cells of its three corners.
-TieSet ties_for(const NormalizedPoses& set, Material material)
+// Which vertices have an ARAP cell.
+std::vector<bool> centres_of_cells(const Energy& energy)
+{
+    const std::size_t count = std::size_t(energy.dof_count() / 3);
+    if (const auto* shells = dynamic_cast<const ReinforcedShells*>(&energy)) return shells->is_rough();
+    return std::vector<bool>(count, dynamic_cast<const Arap*>(&energy) != nullptr);
+}
+
+// The unit of a tie's stiffness is that with which triangles hold a vertex. In cells, each counts in those of its three
+// corners.
+TieSet ties_for(const NormalizedPoses& set, const std::vector<bool>& has_cell)
 {
     constexpr double cells_per_triangle = 3;
+    const auto stiffness_of = [&](const auto& v) {
+        return std::any_of(v.begin(), v.end(), [&](auto i) { return has_cell[i]; }) ? cells_per_triangle : 1;
+    };
     TieSet ties = find_ties(set);
-    if (material != Material::arap) return ties;
-    for (Tie& tie : ties.ties) tie.stiffness *= cells_per_triangle;
+    for (Tie& tie : ties.ties) tie.stiffness *= stiffness_of(tie.vertices);
     for (Joint& joint : ties.joints)
-        for (PenaltyTerm& term : joint.terms) term.stiffness *= cells_per_triangle;
+        for (PenaltyTerm& term : joint.terms) term.stiffness *= stiffness_of(term.vertices);
     return ties;
 }
 
@@ -52,7 +64,9 @@ std::unique_ptr<Energy> make_energy(const NormalizedPoses& set, const EnergyOpti
     if (material == Material::stvk) return std::make_unique<Solid>(set, SolidOptions { SolidLaw::stvk, options.poisson });
     if (material == Material::mooney_rivlin)
         return std::make_unique<Solid>(set, SolidOptions { SolidLaw::mooney_rivlin, options.poisson });
-    std::unique_ptr<Energy> energy = tie_parts(make_surface_energy(set, material, options), ties_for(set, material));
+    std::unique_ptr<Energy> surface = make_surface_energy(set, material, options);
+    TieSet ties = ties_for(set, centres_of_cells(*surface));
+    std::unique_ptr<Energy> energy = tie_parts(std::move(surface), std::move(ties));
     if (auto* tied = dynamic_cast<TiedEnergy*>(energy.get())) calibrate_ties(*tied, set, options.solver, progress);
     return energy;
 }

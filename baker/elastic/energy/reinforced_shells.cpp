@@ -26,45 +26,49 @@ Eigen::VectorXd roughness(const NormalizedPoses& set, const DiscreteShells& shel
     return sum.cwiseQuotient(count.cwiseMax(1));
 }
 
+std::vector<bool> rough_vertices(const Eigen::VectorXd& angles, const DiscreteShells& shells)
+{
+    std::vector<bool> is_rough(std::size_t(angles.size()));
+    for (Eigen::Index v = 0; v < angles.size(); ++v) is_rough[std::size_t(v)] = angles[v] > rough_angle;
+    for (const std::size_t hinge : shells.foldover_hinges()) {
+        std::size_t count = 0;
+        const std::uint32_t* v = shells.element_vertices(hinge, count);
+        is_rough[v[0]] = is_rough[v[1]] = true;
+    }
+    return is_rough;
+}
+
 } // namespace
 
 ReinforcedShells::ReinforcedShells(const NormalizedPoses& set, const ShellOptions& options)
     : shells_(set, options)
-    , cells_(set, find_rough_vertices(set))
+    , angles_(roughness(set, shells_))
+    , is_rough_(rough_vertices(angles_, shells_))
+    , cells_(set, is_rough_)
 {
-    std::vector<bool> is_rough(std::size_t(set.dof_count() / 3));
-    for (std::size_t cell = 0; cell < cells_.element_count(); ++cell) {
-        std::size_t count = 0;
-        is_rough[cells_.element_vertices(cell, count)[0]] = true;
-    }
     for (std::size_t i = 0; i < shells_.element_count(); ++i)
-        if (const double share = smooth_share(i, is_rough); share > 0) elements_.push_back({ false, i, share });
+        if (const double share = smooth_share(i); share > 0) elements_.push_back({ false, i, share });
     for (std::size_t i = 0; i < cells_.element_count(); ++i) elements_.push_back({ true, i, 1 });
 }
 
-std::vector<bool> ReinforcedShells::find_rough_vertices(const NormalizedPoses& set)
+std::size_t ReinforcedShells::rough_count() const
 {
-    const Eigen::VectorXd angles = roughness(set, shells_);
-    Eigen::Index roughest = 0;
-    angles.maxCoeff(&roughest);
-    roughest_vertex_ = std::uint32_t(roughest);
-    std::vector<bool> is_rough(std::size_t(angles.size()));
-    for (Eigen::Index v = 0; v < angles.size(); ++v) is_rough[std::size_t(v)] = angles[v] > rough_angle;
-    for (const std::size_t hinge : shells_.foldover_hinges()) {
-        std::size_t count = 0;
-        const std::uint32_t* v = shells_.element_vertices(hinge, count);
-        is_rough[v[0]] = is_rough[v[1]] = true;
-    }
-    rough_count_ = std::size_t(std::count(is_rough.begin(), is_rough.end(), true));
-    return is_rough;
+    return std::size_t(std::count(is_rough_.begin(), is_rough_.end(), true));
 }
 
-double ReinforcedShells::smooth_share(std::size_t shell_element, const std::vector<bool>& is_rough) const
+std::uint32_t ReinforcedShells::roughest_vertex() const
+{
+    Eigen::Index vertex = 0;
+    angles_.maxCoeff(&vertex);
+    return std::uint32_t(vertex);
+}
+
+double ReinforcedShells::smooth_share(std::size_t shell_element) const
 {
     std::size_t count = 0;
     const std::uint32_t* v = shells_.element_vertices(shell_element, count);
     if (shell_element < shells_.hinge_count()) count = 2; // the ends of its edge come first
-    return double(std::count_if(v, v + count, [&](std::uint32_t vertex) { return !is_rough[vertex]; })) / double(count);
+    return double(std::count_if(v, v + count, [&](std::uint32_t vertex) { return !is_rough_[vertex]; })) / double(count);
 }
 
 const Energy& ReinforcedShells::energy_of(const Element& element) const

@@ -25,8 +25,9 @@ public:
                   ElementResult& result) const override;
     RuntimeElement runtime_element(std::size_t element, const Shape& reference) const override;
 
-    std::size_t rough_count() const { return rough_count_; }
-    std::uint32_t roughest_vertex() const { return roughest_vertex_; }
+    const std::vector<bool>& is_rough() const { return is_rough_; } // per vertex
+    std::size_t rough_count() const;
+    std::uint32_t roughest_vertex() const;
 
 private:
     struct Element {
@@ -34,13 +35,12 @@ private:
         std::size_t number; // in cells_ or shells_
         double share;
     };
-    std::vector<bool> find_rough_vertices(const NormalizedPoses& set);
-    double smooth_share(std::size_t shell_element, const std::vector<bool>& is_rough) const;
+    double smooth_share(std::size_t shell_element) const;
     const Energy& energy_of(const Element& element) const;
 
     DiscreteShells shells_;
-    std::size_t rough_count_ = 0;
-    std::uint32_t roughest_vertex_ = 0;
+    Eigen::VectorXd angles_; // roughness per vertex
+    std::vector<bool> is_rough_;
     Arap cells_;
     std::vector<Element> elements_;
 };

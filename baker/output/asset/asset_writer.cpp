@@ -1,18 +1,13 @@
 #include "output/asset/asset_writer.h"
 
-#include "base/common/diagnostics.h"
 #include "base/mesh/smoothing_groups.h"
 #include "output/asset/bytes.h"
 #include "output/asset/element_batches.h"
 #include "pliant_format.h"
 
 #include <algorithm>
-#include <cmath>
 #include <cstring>
-#include <fmt/core.h>
-#include <map>
 #include <stdexcept>
-#include <tuple>
 #include <zlib.h>
 
 namespace pliant {
