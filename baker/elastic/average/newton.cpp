@@ -15,6 +15,9 @@ namespace {
 // The normalized surface has area 1 and moduli of 1, so rounding alone makes energies of this size: smaller ones are zero.
 constexpr double energy_floor = 1e-13;
 
+// Of a surface of unit area and unit moduli with strains of 1e-10: the shape is a pose.
+constexpr double no_energy = 1e-20;
+
 // Comparing energies is pointless when the predicted decrease drowns in their rounding.
 constexpr double energy_noise = 1e-11;
 
@@ -142,6 +145,11 @@ NewtonResult NewtonSolver::minimize(const Weights& w, const Shape& start, const 
         Shape gradient = Shape::Zero(start.size());
         double force_scale = 0;
         result.energy = add_gradient(energy_, w, result.y, gradient, &force_scale);
+        if (result.energy < no_energy) { // of forces that are rounding no step follows
+            result.decrement = result.residual = 0;
+            result.has_converged = true;
+            return result;
+        }
         for (std::uint32_t v : set_.fixed_vertices)
             gradient.segment<3>(3 * Eigen::Index(v)).setZero(); // held, whatever pulls there
         // Forces below the rounding of a unit-area surface with unit moduli are no forces: at a pose all of them vanish.

@@ -291,6 +291,18 @@ TEST_CASE("a bake says what it measured, and the certificate holds it")
     CHECK_FALSE(bake(tube_poses(3), options, silent).report.check.meets_tolerance);
 }
 
+TEST_CASE("the average at a pose's own weights is the pose: forces there are rounding")
+{
+    TubeFamily tube(3);
+    tube.family.mean();
+    for (std::size_t k = 0; k < 3; ++k) {
+        const NewtonResult average = tube.family.at(corner_weights(3, k), 0, nullptr).average;
+        CHECK(average.has_converged);
+        CHECK(average.energy < 1e-20);
+        CHECK(relative_distance(tube.set, average.y, tube.set.shapes[k]) < 1e-8);
+    }
+}
+
 TEST_CASE("the energy of a surface is shells, reinforced where it is rough, unless options state another")
 {
     EnergyOptions options;
