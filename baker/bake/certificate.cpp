@@ -235,8 +235,8 @@ EnergyOptions read_energy_options(const std::string& certificate, const std::str
                                                 { Membrane::neo_hookean, Membrane::stvk, Membrane::edge });
             options.shell.thickness = energy.at("thickness").get<double>();
             options.shell.foldover_damping = energy.at("foldover_damping").get<double>();
-            options.continuity
-                = parse_name(energy.value("continuity", "off"), { Continuity::automatic, Continuity::off }); // 1.0: none
+            options.continuity = parse_name(energy.value("continuity", "off"),
+                                            { Continuity::automatic, Continuity::off }); // older certificates do not say
         }
     } catch (const std::exception&) {
         throw Failure(
