@@ -183,9 +183,11 @@ std::string write_certificate(const BakeReport& report, const BakeOptions& optio
     if (material == Material::discrete_shells) {
         energy["membrane"] = name_of(shell.membrane);
         energy["thickness"] = shell.thickness;
-        energy["foldover_damping"] = shell.foldover_damping;
         energy["continuity"] = name_of(options.energy.continuity);
-        if (options.energy.continuity == Continuity::automatic) energy["rough_vertices"] = report.input.rough_count;
+        if (options.energy.continuity == Continuity::off)
+            energy["foldover_damping"] = shell.foldover_damping;
+        else
+            energy["rough_vertices"] = report.input.rough_count;
     }
     energy["aligned"] = !options.energy.keep_placement;
     energy["solver"] = name_of(options.energy.solver);
@@ -234,7 +236,7 @@ EnergyOptions read_energy_options(const std::string& certificate, const std::str
             options.shell.membrane = parse_name(energy.at("membrane").get<std::string>(),
                                                 { Membrane::neo_hookean, Membrane::stvk, Membrane::edge });
             options.shell.thickness = energy.at("thickness").get<double>();
-            options.shell.foldover_damping = energy.at("foldover_damping").get<double>();
+            options.shell.foldover_damping = energy.value("foldover_damping", options.shell.foldover_damping);
             options.continuity = parse_name(energy.value("continuity", "off"),
                                             { Continuity::automatic, Continuity::off }); // older certificates do not say
         }

@@ -17,9 +17,9 @@ std::size_t training_count(std::size_t pose_count)
 
 int factorization_limit(std::size_t pose_count, const BakeOptions& options)
 {
-    // Newton's method from a guess: 15 iterations, in each the exact and the projected Hessian. A way ends with one such
-    // step and its tangent; once more it starts at a blend or at the neighbours.
-    constexpr int step_limit = 2 * 15 + 2;
+    // Newton's method from a guess: in each iteration the exact and the projected Hessian. A way ends with one such step and
+    // its tangent; once more it starts at a blend or at the neighbours.
+    constexpr int step_limit = 2 * iteration_limit + 2;
     const int training = std::max(int(training_count(pose_count)), int(options.dimension) + 8); // in groups of 8
     const int averages = int(pose_count) + training + options.check_count + options.fresh_count;
     return averages * (path_limit + 2 * step_limit);

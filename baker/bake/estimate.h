@@ -8,8 +8,11 @@ namespace pliant {
 // How many averages a bake of so many poses is trained with.
 std::size_t training_count(std::size_t pose_count);
 
-// Factorisations that a bake of a surface with the adaptive subspace never exceeds, besides the calibration of ties: some
-// ten times their usual number.
+// Newton's method of a bake stops after so many iterations.
+constexpr int iteration_limit = 15;
+
+// A bound of the factorisations in a bake of a surface with the adaptive subspace, some ten times their usual number. Not
+// counted: the calibration of ties, and repeated attempts at a nearly singular Hessian.
 int factorization_limit(std::size_t pose_count, const BakeOptions& options);
 
 // Dimension, seconds on one core, bytes of working memory, bytes of the asset: orders of magnitude.

@@ -38,7 +38,7 @@ NewtonOptions average_options(const BakeOptions& options, const NormalizedPoses&
     newton.residual = 3e-2;
     newton.step_ratio = 0.05;
     newton.step_floor = average_share * options.tolerance * mass_norm(set.shapes[0], set.masses); // shapes are centred
-    newton.max_iterations = 15;
+    newton.max_iterations = iteration_limit;
     return newton;
 }
 

@@ -1,6 +1,7 @@
 #include "bake/make_energy.h"
 
 #include "base/common/diagnostics.h"
+#include "elastic/energy/arap.h"
 #include "elastic/energy/reinforced_shells.h"
 #include "elastic/energy/solid.h"
 #include "elastic/parts/calibrate_ties.h"

@@ -108,10 +108,10 @@ CLI::Option* add_pose_arguments(CLI::App& verb, std::vector<std::string>& poses)
 void add_energy_options(CLI::App& verb, EnergyOptions& options)
 {
     add_material(verb, options);
-    add_choice(
-        verb, "--continuity", options.continuity, { Continuity::automatic, Continuity::off },
-        "How thin shells bend where the mesh is rough: at folds, and at creases coarser than the shape. auto: as rigid as "
-        "possible, so that blends do not jump from fold to fold; off: as discrete shells everywhere");
+    add_choice(verb, "--continuity", options.continuity, { Continuity::automatic, Continuity::off },
+               "Energy of thin shells at folds and sharp creases. auto: as-rigid-as-possible cells, whose averages seldom "
+               "jump from "
+               "fold to fold; off: hinges and membranes as elsewhere");
     add_shell_options(verb, options);
     std::vector<SolverKind> solvers = { SolverKind::eigen };
     if (has_cholmod()) solvers.insert(solvers.begin(), SolverKind::cholmod);

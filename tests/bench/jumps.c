@@ -75,7 +75,7 @@ static int measure(const char* path, int jumps, float tolerance)
     printf("%s: d %u, %d jumps: %d end higher than from the average, %d lower, %d unconverged; %.1f evaluations, %.1f us "
            "(p95 %.1f)\n",
            path, asset.dimension, jumps, higher, lower, unconverged, evaluations, 1e6 * seconds[jumps / 2],
-           1e6 * seconds[jumps / 20 * 19]);
+           1e6 * seconds[(size_t)jumps * 19 / 20]);
     free(seconds);
     free(zeros);
     free(warm.memory);

@@ -5,8 +5,8 @@
 
 namespace pliant {
 
-// The proper rotation R that maximises tr(R^T M). If the maximum is not unique, one of them. Cost: 0.3 microseconds; some
-// microseconds where the maximum is nearly not unique, by a singular value decomposition.
+// The proper rotation R that maximises tr(R^T M). If the maximum is not unique, one of them. Cost: a few hundred
+// operations; where the maximum is nearly not unique, a singular value decomposition.
 Eigen::Matrix3d best_rotation(const Eigen::Matrix3d& m);
 
 } // namespace pliant
