@@ -36,13 +36,13 @@ BakeEstimate estimate_bake(std::size_t vertex_count, std::size_t pose_count, con
         = is_adaptive ? std::min(64.0, 4 * m * (m - 1) / 2) : (m - 1) + m * (m - 1) * (1 + options.ritz_count);
     estimate.dimension = Eigen::Index(options.dimension ? double(options.dimension) : std::min(expected, 256.0));
     const double d = double(estimate.dimension);
-    // Orders of magnitude from the runs in tests/bench: seconds of a factorisation with its Hessian, and of a reduced
-    // gradient.
-    const double factorisation = 0.6 * std::pow(n / 1e4, 1.3), gradient = 1.5e-6 * n * (1 + d / 60);
+    // Orders of magnitude from the runs in tests/bench: seconds of a factorisation with its Hessian and the steps taken
+    // with it, and of a reduced gradient.
+    const double factorisation = 0.35 * std::pow(n / 1e4, 1.3), gradient = 1.5e-6 * n * (1 + d / 60);
     const double averages = double(training_count(pose_count)) + double(options.check_count);
-    const double factorisations = is_adaptive ? 25 * m + 8 * averages : m + 15 * double(options.check_count);
+    const double factorisations = is_adaptive ? 10 * m + 3 * averages : m + 8 * double(options.check_count);
     const double solves = double(options.check_count) + (is_adaptive ? 0 : double(training_count(pose_count)));
-    estimate.seconds = (factorisations + 20.0 * options.fresh_count) * factorisation + solves * 20 * gradient + d * d * 1e-2;
+    estimate.seconds = (factorisations + 8.0 * options.fresh_count) * factorisation + solves * 20 * gradient + d * d * 1e-2;
     // Factor and Hessian of every thread, all averages three times over while their directions are found, a few copies of
     // the basis.
     estimate.memory = 18e3 * n * double(worker_count()) + 24 * n * (5 * d + (is_adaptive ? 3 * averages : 0));

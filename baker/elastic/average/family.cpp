@@ -55,6 +55,7 @@ struct AverageFamily::Path {
     Weights w;
     NewtonResult point;
     std::vector<Branch> jumps;
+    bool has_factor = false;      // the solver's last factor is that of the point
     std::optional<Shape> tangent; // at the point, for the whole way that is left; until the next point
 };
 
@@ -67,17 +68,21 @@ AverageFamily::AverageFamily(SolverPool& pool, NewtonOptions options, Progress* 
 {
 }
 
-// Along the tangent, by the derivative of the minimizer, as far as it is sound. It has a lower energy all the way, but it
-// stretches limbs that turn, and what is stretched Newton may undo by folding creases; hence the limits.
+// Along the tangent, by the derivative of the minimizer, as far as it is sound: it has a lower energy all the way and
+// stretches little, for what is stretched Newton may undo by folding creases.
 Shape AverageFamily::start_of_step(Path& path, const Weights& to, double share) const
 {
     const Shape& here = path.point.y;
-    if (!path.tangent) path.tangent = path.solver.weight_derivative(path.w, here, to - path.w, HessianKind::projected);
+    if (!path.tangent) {
+        // At a point that is only roughly an average the exact Hessian may be indefinite.
+        if (!path.has_factor) path.solver.factorize_equilibrium(path.w, here, HessianKind::projected);
+        path.tangent = path.solver.weight_derivative(here, to - path.w);
+    }
     const Weights next = path.w + share * (to - path.w);
     const Eigen::VectorXd sizes = cell_sizes(pool_.set(), here);
     const double energy = energy_value(pool_.energy(), next, here);
     for (double length = 1; length > 0.2; length /= 2) {
-        Shape guess = here + length * share * *path.tangent;
+        Shape guess = path.solver.moved(here, length * share * *path.tangent);
         const Eigen::VectorXd ratios = cell_sizes(pool_.set(), guess).cwiseQuotient(sizes);
         if (ratios.minCoeff() > 1 / sound_stretch && ratios.maxCoeff() < sound_stretch
             && energy_value(pool_.energy(), next, guess) < energy)
@@ -134,6 +139,7 @@ void AverageFamily::follow(Path& path, const Weights& to, bool is_rough) const
         path.point = std::move(reached);
         path.w = next;
         path.tangent.reset();
+        path.has_factor = true;
     }
     path.point.iterations = iterations;
     fix_gauge(set, path.point.y);
@@ -142,7 +148,7 @@ void AverageFamily::follow(Path& path, const Weights& to, bool is_rough) const
 FamilyPoint AverageFamily::reach_mean(std::size_t pose, std::size_t worker, Progress* progress) const
 {
     const std::size_t m = pool_.set().pose_count();
-    Path path { pool_.at(worker), progress, corner_weights(m, pose), {}, {}, {} };
+    Path path { pool_.at(worker), progress, corner_weights(m, pose), {}, {}, false, {} };
     path.point.y = pool_.set().shapes[pose];
     path.point.has_converged = true;
     follow(path, equal_weights(m), true);
@@ -209,7 +215,7 @@ const SparseLower& AverageFamily::mean_hessian()
 
 FamilyPoint AverageFamily::from(const KnownAverage& known, const Weights& w, std::size_t worker, Progress* progress) const
 {
-    Path path { pool_.at(worker), progress, known.weights, {}, {}, {} };
+    Path path { pool_.at(worker), progress, known.weights, {}, {}, false, {} };
     path.point.y = known.shape;
     path.point.has_converged = true;
     path.point.energy = energy_value(pool_.energy(), w, known.shape);
@@ -227,7 +233,9 @@ FamilyPoint AverageFamily::at(const Weights& w, std::size_t worker, Progress* pr
 
 NewtonResult AverageFamily::near(const Shape& shape, const Weights& w, std::size_t worker, Progress* progress) const
 {
-    NewtonResult result = pool_.at(worker).minimize(w, shape, options_, progress);
+    NewtonOptions options = options_;
+    options.starts_exact = false;
+    NewtonResult result = pool_.at(worker).minimize(w, shape, options, progress);
     fix_gauge(pool_.set(), result.y);
     return result;
 }

@@ -2,6 +2,7 @@
 
 #include "base/common/diagnostics.h"
 #include "base/mesh/tets.h"
+#include "elastic/average/lbfgs.h"
 #include "elastic/average/rigid_modes.h"
 
 #include <algorithm>
@@ -25,6 +26,13 @@ constexpr double energy_noise = 1e-11;
 // failure twice as many steps are made without one, up to this.
 constexpr int longest_pause = 8;
 
+// Steps with the last factor cost a tenth of a Newton step. They go on while each makes the decrement smaller by this.
+constexpr double least_progress = 0.5;
+constexpr int reuse_limit = 12;
+
+// What is left after such a step follows from how fast the steps shrink; one step may look better than that by chance.
+constexpr double least_rate = 0.1, most_rate = 0.9;
+
 // Projected models are stiffer than the energy: their steps shrink slowly, and with a factor of 0.7 from one to the next
 // what is left is about three times the step.
 constexpr double projected_doubt = 3;
@@ -38,13 +46,15 @@ NewtonSolver::NewtonSolver(const Energy& energy, const NormalizedPoses& set, Sol
     , set_(set)
     , assembler_(energy)
     , cholesky_(kind)
+    , warp_(set, kind)
 {
 }
 
 void fix_gauge(const NormalizedPoses& set, Shape& y) { align_to(set, set.shapes[0], y); }
 
-void NewtonSolver::choose_pins(const Shape& y)
+void NewtonSolver::hold(const Shape& y)
 {
+    modes_ = set_.is_free() ? rigid_modes(y, set_.masses) : Eigen::MatrixXd(y.size(), 0);
     if (set_.is_free()) {
         pins_ = statically_determinate_pins(y);
         return;
@@ -52,11 +62,6 @@ void NewtonSolver::choose_pins(const Shape& y)
     pins_.clear();
     for (std::uint32_t v : set_.fixed_vertices)
         for (int c = 0; c < 3; ++c) pins_.push_back(3 * Eigen::Index(v) + c);
-}
-
-void NewtonSolver::remove_free_motion(Eigen::MatrixXd& displacements, const Eigen::MatrixXd& modes) const
-{
-    if (set_.is_free()) remove_rigid_motion(displacements, modes, set_.masses);
 }
 
 // Last resort: a mass-like shift of the diagonal, relative to its mean, raised until the factorisation succeeds. It starts
@@ -80,7 +85,7 @@ void NewtonSolver::factorize_shifted(const Weights& w, const Shape& y, HessianKi
 
 bool NewtonSolver::factorize_model(const Weights& w, const Shape& y, bool try_exact)
 {
-    choose_pins(y);
+    hold(y);
     if (try_exact) {
         assembler_.assemble(w, y, HessianKind::exact);
         pin(assembler_.matrix(), pins_);
@@ -90,16 +95,6 @@ bool NewtonSolver::factorize_model(const Weights& w, const Shape& y, bool try_ex
     pin(assembler_.matrix(), pins_);
     if (!cholesky_.factorize(assembler_.matrix())) factorize_shifted(w, y, HessianKind::projected);
     return false;
-}
-
-// Pinning chooses one of the equivalent steps; without its rigid part it is the one that moves the body least.
-Shape NewtonSolver::newton_step(const Shape& y, const Shape& gradient) const
-{
-    Eigen::MatrixXd right = -gradient;
-    for (Eigen::Index dof : pins_) right(dof, 0) = 0;
-    Eigen::MatrixXd step = cholesky_.solve(right);
-    if (set_.is_free()) remove_free_motion(step, rigid_modes(y, set_.masses));
-    return step;
 }
 
 // Whether no cell shrinks below a fifth of its size or flips, if that matters to the energy.
@@ -117,88 +112,175 @@ bool NewtonSolver::is_sound(const Shape& y, const Shape& moved) const
     });
 }
 
-// The largest of 1, 1/2, 1/4 ... that keeps the cells sound: beyond that the quadratic model says nothing, and energies that
-// are finite for collapsed cells would let them collapse.
-double NewtonSolver::largest_step(const Shape& y, const Shape& step) const
+// A shape with the energy and the forces there.
+struct NewtonSolver::Iterate {
+    Shape y, gradient;
+    double energy = 0;
+    double residual = 0; // NewtonResult::residual
+};
+
+NewtonSolver::Iterate NewtonSolver::evaluate(const Weights& w, Shape y) const
 {
-    for (double length = 1; length > 1e-6; length /= 2)
-        if (is_sound(y, y + length * step)) return length;
-    return 1e-6;
+    Iterate at;
+    at.gradient = Shape::Zero(y.size());
+    double force_scale = 0;
+    at.energy = add_gradient(energy_, w, y, at.gradient, &force_scale);
+    for (std::uint32_t v : set_.fixed_vertices)
+        at.gradient.segment<3>(3 * Eigen::Index(v)).setZero(); // held, whatever pulls there
+    // Forces below the rounding of a unit-area surface with unit moduli are no forces: at a pose all of them vanish.
+    at.residual = at.gradient.norm() / std::max(force_scale, 1e-12);
+    at.y = std::move(y);
+    return at;
 }
 
-bool NewtonSolver::is_small_step(double step, const Shape& way, const NewtonOptions& options) const
+// One call of minimize().
+class NewtonSolver::Descent {
+public:
+    Descent(NewtonSolver& solver, const Weights& w, const Shape& start, const NewtonOptions& options)
+        : solver_(solver)
+        , w_(w)
+        , start_(start)
+        , options_(options)
+        , at_(solver.evaluate(w, start))
+        , exact_pause_(options.starts_exact ? 0 : 1)
+    {
+    }
+
+    // Factors the Hessian, and goes on with the factor as long as that pays. True: converged, or no way on.
+    bool iterate(Progress* progress);
+
+    NewtonResult result;
+    const Iterate& at() const { return at_; }
+
+private:
+    void factorize(Progress* progress);
+    bool newton_step();
+    bool reuse_factor(const Iterate& before);
+    bool advance(const Shape& step, double slope, double length);
+    Shape direction() const { return -solver_.solve_equilibrium(at_.gradient); }
+    double doubt() const { return is_exact_ ? 1 : projected_doubt; }
+    double relative_decrement(double slope) const { return -slope / 2 / scale_of(at_.energy); }
+    bool is_small() const { return result.decrement <= options_.decrement && at_.residual <= options_.residual; }
+    bool is_noise(double slope) const { return -slope < energy_noise * scale_of(at_.energy); }
+    bool is_near(double left, const Shape& way) const;
+
+    NewtonSolver& solver_;
+    const Weights& w_;
+    const Shape& start_;
+    const NewtonOptions& options_;
+    Iterate at_;
+    bool tried_exact_ = false;       // the last iteration tried the exact Hessian
+    bool is_exact_ = false;          // the factor is that of the exact Hessian
+    int failures_ = 0, exact_pause_; // of the exact Hessian
+};
+
+// Whether the shape at the end of the way counts as the minimizer if it is `left` away from it.
+bool NewtonSolver::Descent::is_near(double left, const Shape& way) const
 {
-    return step <= std::max(options.step_floor, options.step_ratio * mass_norm(way, set_.masses));
+    return result.decrement <= options_.step_decrement
+        && left <= std::max(options_.step_floor, options_.step_ratio * mass_norm(way, solver_.set_.masses));
+}
+
+void NewtonSolver::Descent::factorize(Progress* progress)
+{
+    tried_exact_ = exact_pause_ <= 0;
+    is_exact_ = solver_.factorize_model(w_, at_.y, tried_exact_);
+    if (progress) progress->update("average", double(result.iterations) / options_.max_iterations);
+    if (is_exact_)
+        failures_ = 0;
+    else if (tried_exact_)
+        exact_pause_ = std::min(longest_pause, 1 << failures_++);
+    else
+        --exact_pause_;
+    result.projected_iterations += !is_exact_;
+}
+
+// Goes on by `length` of a step with the given slope, if that keeps the cells sound and decreases the energy. Beyond a
+// collapsed cell the quadratic model says nothing, and energies that are finite for collapsed cells would let them collapse.
+bool NewtonSolver::Descent::advance(const Shape& step, double slope, double length)
+{
+    Shape moved = solver_.warp_(at_.y, length * step);
+    if (length > 1e-6 && !solver_.is_sound(at_.y, moved)) return false;
+    Iterate next = solver_.evaluate(w_, std::move(moved));
+    if (!is_noise(slope) && !(next.energy <= at_.energy + 1e-4 * length * slope)) return false;
+    at_ = std::move(next);
+    return true;
+}
+
+bool NewtonSolver::Descent::newton_step()
+{
+    const Shape step = direction();
+    const double slope = at_.gradient.dot(step);
+    result.decrement = relative_decrement(slope);
+    if (is_small() || is_noise(slope)) exact_pause_ = 0; // time to know
+    const bool is_last
+        = (is_small() && is_exact_) || is_near(doubt() * mass_norm(step, solver_.set_.masses), at_.y + step - start_);
+    const bool is_last_digit = is_noise(slope) && tried_exact_ && at_.residual <= options_.residual;
+    const Iterate before = at_;
+    double length = 1;
+    while (length >= 1e-10 && !advance(step, slope, length)) length /= 2;
+    if (length < 1e-10) { // no decrease along a descent direction: rounding rules here
+        result.has_converged = result.decrement <= options_.decrement;
+        return true;
+    }
+    result.has_converged = is_last || is_last_digit;
+    return result.has_converged || reuse_factor(before);
+}
+
+// Limited-memory BFGS from the last Newton step on. True: converged.
+bool NewtonSolver::Descent::reuse_factor(const Iterate& before)
+{
+    const Eigen::VectorXd& masses = solver_.set_.masses;
+    LimitedMemoryBfgs memory;
+    memory.add(at_.y - before.y, at_.gradient - before.gradient);
+    double last_length = mass_norm(at_.y - before.y, masses);
+    for (int i = 0; i < reuse_limit && !result.has_converged; ++i) {
+        const Shape step
+            = memory.direction(at_.gradient, [&](const Shape& load) -> Shape { return solver_.solve_equilibrium(load); });
+        const double slope = at_.gradient.dot(step), last_decrement = result.decrement;
+        if (!(slope < 0) || relative_decrement(slope) > least_progress * last_decrement) return false;
+        result.decrement = relative_decrement(slope);
+        if (is_small() || is_noise(slope)) { // a Newton step squares what is left, and finds out whether this is a minimum
+            exact_pause_ = 0;
+            return false;
+        }
+        const double length = mass_norm(step, masses), rate = std::clamp(length / last_length, least_rate, most_rate);
+        const bool is_last = is_near(doubt() * length * rate / (1 - rate), at_.y + step - start_);
+        const Iterate last = at_;
+        if (!advance(step, slope, 1)) return false;
+        memory.add(at_.y - last.y, at_.gradient - last.gradient);
+        last_length = length;
+        result.has_converged = is_last;
+    }
+    return result.has_converged;
+}
+
+bool NewtonSolver::Descent::iterate(Progress* progress)
+{
+    if (at_.energy < no_energy) { // of forces that are rounding no step follows
+        result.decrement = at_.residual = 0;
+        return result.has_converged = true;
+    }
+    factorize(progress);
+    ++result.iterations;
+    return newton_step();
 }
 
 NewtonResult NewtonSolver::minimize(const Weights& w, const Shape& start, const NewtonOptions& options, Progress* progress)
 {
-    NewtonResult result;
-    result.y = start;
-    result.energy = energy_value(energy_, w, start);
-    int failures = 0, exact_pause = 0; // of the exact Hessian
-    const auto report_progress = [&] {
-        if (progress) progress->update("average", double(result.iterations) / options.max_iterations);
-    };
-    for (; result.iterations < options.max_iterations; ++result.iterations) {
-        report_progress();
-        Shape gradient = Shape::Zero(start.size());
-        double force_scale = 0;
-        result.energy = add_gradient(energy_, w, result.y, gradient, &force_scale);
-        if (result.energy < no_energy) { // of forces that are rounding no step follows
-            result.decrement = result.residual = 0;
-            result.has_converged = true;
-            return result;
-        }
-        for (std::uint32_t v : set_.fixed_vertices)
-            gradient.segment<3>(3 * Eigen::Index(v)).setZero(); // held, whatever pulls there
-        // Forces below the rounding of a unit-area surface with unit moduli are no forces: at a pose all of them vanish.
-        result.residual = gradient.norm() / std::max(force_scale, 1e-12);
-        const bool is_exact = factorize_model(w, result.y, exact_pause <= 0);
-        report_progress(); // the longest that an interrupt has to wait for is over
-        if (is_exact)
-            failures = 0;
-        else if (exact_pause <= 0)
-            exact_pause = std::min(longest_pause, 1 << failures++);
-        else
-            --exact_pause;
-        if (!is_exact) ++result.projected_iterations;
-        const Shape step = newton_step(result.y, gradient);
-        const double slope = gradient.dot(step);
-        result.decrement = -slope / 2 / scale_of(result.energy);
-        const bool is_small = result.decrement <= options.decrement && result.residual <= options.residual;
-        if (is_small) exact_pause = 0; // time to know
-        const bool is_last = (is_small && is_exact)
-            || (result.decrement <= options.step_decrement
-                && is_small_step((is_exact ? 1 : projected_doubt) * mass_norm(step, set_.masses), result.y + step - start,
-                                 options));
-
-        double length = largest_step(result.y, step);
-        const bool is_noise = -slope < energy_noise * scale_of(result.energy);
-        double energy = 0;
-        for (;; length /= 2) {
-            energy = energy_value(energy_, w, result.y + length * step);
-            if (is_noise || energy <= result.energy + 1e-4 * length * slope) break;
-            if (length < 1e-10) { // no decrease along a descent direction: rounding rules here
-                result.has_converged = result.decrement <= options.decrement;
-                return result;
-            }
-        }
-        result.y += length * step;
-        result.energy = energy;
-        if (is_last || (is_noise && result.residual <= options.residual)) {
-            ++result.iterations;
-            result.has_converged = true;
-            return result;
-        }
-    }
+    Descent descent(*this, w, start, options);
+    if (progress) progress->update("average", 0);
+    while (descent.result.iterations < options.max_iterations && !descent.iterate(progress)) {}
+    NewtonResult result = std::move(descent.result);
+    result.y = descent.at().y;
+    result.energy = descent.at().energy;
+    result.residual = descent.at().residual;
     return result;
 }
 
 void NewtonSolver::factorize_equilibrium(const Weights& w, const Shape& y, HessianKind kind)
 {
-    choose_pins(y);
-    modes_ = set_.is_free() ? rigid_modes(y, set_.masses) : Eigen::MatrixXd(y.size(), 0);
+    hold(y);
     assembler_.assemble(w, y, kind);
     pin(assembler_.matrix(), pins_);
     if (!cholesky_.factorize(assembler_.matrix())) factorize_shifted(w, y, HessianKind::projected);
@@ -210,15 +292,14 @@ Eigen::MatrixXd NewtonSolver::solve_equilibrium(const Eigen::MatrixXd& loads) co
     if (set_.is_free()) balance_load(right, modes_, set_.masses);
     for (Eigen::Index dof : pins_) right.row(dof).setZero();
     Eigen::MatrixXd x = cholesky_.solve(right);
-    remove_free_motion(x, modes_);
+    if (set_.is_free()) remove_rigid_motion(x, modes_, set_.masses);
     return x;
 }
 
-Shape NewtonSolver::weight_derivative(const Weights& w, const Shape& y, const Weights& direction, HessianKind kind)
+Shape NewtonSolver::weight_derivative(const Shape& y, const Weights& direction) const
 {
     Shape load = Shape::Zero(y.size());
     add_gradient(energy_, direction, y, load);
-    factorize_equilibrium(w, y, kind);
     return -solve_equilibrium(load);
 }
 

@@ -4,6 +4,7 @@
 #include "base/common/progress.h"
 #include "base/mesh/align.h"
 #include "elastic/average/sparse_cholesky.h"
+#include "elastic/average/warp.h"
 
 namespace pliant {
 
@@ -21,6 +22,9 @@ struct NewtonOptions {
     double step_ratio = 0;
     double step_decrement = 1e-5; // far from a minimum a stiff projected model makes small steps too
     int max_iterations = 80;
+    // Whether the first iteration tries the exact Hessian. Interpolated shapes are compressed a little, and there it is
+    // mostly indefinite.
+    bool starts_exact = true;
 };
 
 struct NewtonResult {
@@ -39,7 +43,7 @@ public:
     NewtonSolver(const Energy& energy, const NormalizedPoses& set, SolverKind kind);
 
     // Minimizes from `start`. The result keeps the centroid and orientation in which it was found. Calls progress->update
-    // (may be null) once an iteration.
+    // (may be null) once an iteration, which is a factorisation and the steps taken with it.
     // Fixed vertices stay where they are in `start`.
     NewtonResult minimize(const Weights& w, const Shape& start, const NewtonOptions& options, Progress* progress = nullptr);
 
@@ -51,34 +55,35 @@ public:
     // mass-orthogonal to them. Else x vanishes at fixed vertices.
     Eigen::MatrixXd solve_equilibrium(const Eigen::MatrixXd& loads) const;
 
-    // How the minimizer y moves when the weights move: -K(w)^-1 sum_k direction_k grad W_k(y). At a y that is only roughly a
-    // minimizer K may be indefinite: take the projected one there.
-    Shape weight_derivative(const Weights& w, const Shape& y, const Weights& direction,
-                            HessianKind kind = HessianKind::exact);
+    // How the minimizer y moves when the weights move: -K^-1 sum_k direction_k grad W_k(y). K is what was factored last: by
+    // factorize_equilibrium(), or by minimize() near the minimizer that it returned, which is good enough for a guess.
+    Shape weight_derivative(const Shape& y, const Weights& direction) const;
+
+    // y + step to first order, with turned limbs as long as before (Warp).
+    Shape moved(const Shape& y, const Shape& step) const { return warp_(y, step); }
 
     int factorization_count() const { return cholesky_.factorization_count(); }
     const Energy& energy() const { return energy_; }
     const NormalizedPoses& set() const { return set_; }
 
 private:
+    struct Iterate;
+    class Descent;
     // Factors a positive definite model of the energy at y, the exact Hessian if it is one. False: `projected` was needed.
     bool factorize_model(const Weights& w, const Shape& y, bool try_exact);
     void factorize_shifted(const Weights& w, const Shape& y, HessianKind kind);
-    Shape newton_step(const Shape& y, const Shape& gradient) const;
+    void hold(const Shape& y); // chooses pins_ and modes_
+    Iterate evaluate(const Weights& w, Shape y) const;
     bool is_sound(const Shape& y, const Shape& moved) const;
-    double largest_step(const Shape& y, const Shape& step) const;
-    bool is_small_step(double step, const Shape& way, const NewtonOptions& options) const;
 
     const Energy& energy_;
     const NormalizedPoses& set_;
     HessianAssembler assembler_;
     SparseCholesky cholesky_;
-    void choose_pins(const Shape& y);
-    void remove_free_motion(Eigen::MatrixXd& displacements, const Eigen::MatrixXd& modes) const;
-
+    Warp warp_;
     std::vector<Eigen::Index>
         pins_;              // degrees of freedom that are held: those of fixed vertices, or six against rigid motions
-    Eigen::MatrixXd modes_; // rigid modes at the factored equilibrium, none of a body with fixed vertices
+    Eigen::MatrixXd modes_; // rigid modes of the factored shape, none of a body with fixed vertices
 };
 
 // Moves a free shape rigidly onto pose 0, in place: the gauge of every average that leaves the baker.

@@ -23,8 +23,9 @@ double mass_norm(const Shape& a, const Eigen::VectorXd& masses) { return std::sq
 Eigen::MatrixXd rigid_modes(const Shape& y, const Eigen::VectorXd& masses)
 {
     const Eigen::Index n = masses.size();
+    const double total = masses.sum();
     Eigen::Vector3d centre = Eigen::Vector3d::Zero();
-    for (Eigen::Index v = 0; v < n; ++v) centre += masses[v] / masses.sum() * y.segment<3>(3 * v);
+    for (Eigen::Index v = 0; v < n; ++v) centre += masses[v] / total * y.segment<3>(3 * v);
     Eigen::MatrixXd modes = Eigen::MatrixXd::Zero(3 * n, 6);
     for (Eigen::Index v = 0; v < n; ++v) {
         const Eigen::Vector3d r = y.segment<3>(3 * v) - centre;

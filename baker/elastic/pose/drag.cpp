@@ -59,7 +59,8 @@ private:
     HessianAssembler tangent_; // at y_, handles not fixed: the forces of the handles on their neighbours
     Weights weights_;
     Shape y_;
-    std::size_t bad_tet_ = 0; // of the last rejected step
+    std::size_t bad_tet_ = 0;        // of the last rejected step
+    std::size_t compressed_tet_ = 0; // of the last step in which Newton's method did not converge
 };
 
 void Dragger::linearise()
@@ -105,7 +106,10 @@ bool Dragger::try_step(double time, DragStep& step)
     step.start_energy = energy_value(energy_, weights_, start);
     const NewtonResult result = solver_.minimize(weights_, start, newton_options(time >= 1));
     step.iterations += result.iterations;
-    if (!result.has_converged) return false;
+    if (!result.has_converged) {
+        compressed_tet_ = smallest_j(rest_, result.y).tet;
+        return false;
+    }
     y_ = result.y;
     step.time = time;
     step.energy = result.energy;
@@ -119,17 +123,18 @@ void Dragger::give_up(double time) const
     const std::string hint = std::string(energy_.law() == SolidLaw::stvk ? "try --material mooney-rivlin, or " : "")
         + "turn or move by less, make the regions smaller so that more of the body can give way, or add one that guides the "
           "body";
-    const std::string how_far = fmt::format("stuck at {:.1f} % of the motion", 100 * time);
-    if (bad_tet_ >= rest_.tets.size())
-        throw Failure(ExitCode::failed, error_at(4304, "", how_far + ": Newton's method finds no equilibrium", hint));
+    const bool is_inverted = bad_tet_ < rest_.tets.size();
+    const std::size_t tet = is_inverted ? bad_tet_ : compressed_tet_;
     Eigen::Vector3d centre = Eigen::Vector3d::Zero();
-    for (const std::uint32_t v : rest_.tets[bad_tet_]) centre += point(rest_.shapes[0], v) / 4;
+    for (const std::uint32_t v : rest_.tets[tet]) centre += point(rest_.shapes[0], v) / 4;
     centre = rest_.length * centre + rest_.centre;
-    throw Failure(ExitCode::failed,
-                  error_at(4304, "",
-                           fmt::format("{}: tetrahedron {} (at rest near {:.4g} {:.4g} {:.4g}) would be inverted", how_far,
-                                       bad_tet_, centre[0], centre[1], centre[2]),
-                           hint));
+    throw Failure(
+        ExitCode::failed,
+        error_at(4304, "",
+                 fmt::format("stuck at {:.1f} % of the motion: tetrahedron {} (at rest near {:.4g} {:.4g} {:.4g}) {}",
+                             100 * time, tet, centre[0], centre[1], centre[2],
+                             is_inverted ? "would be inverted" : "is compressed most, and there is no equilibrium"),
+                 hint));
 }
 
 // Conversion from solver units rounds, so the handles get their exact coordinates.

@@ -1,0 +1,118 @@
+// Newton's method: steps that turn without stretching, steps that reuse a factor, and how few factorisations that takes.
+#include "../tube.h"
+#include "../twisted_bar.h"
+#include "base/mesh/align.h"
+#include "elastic/average/lbfgs.h"
+#include "elastic/average/newton.h"
+#include "elastic/average/warp.h"
+#include "elastic/energy/reinforced_shells.h"
+#include "elastic/energy/solid.h"
+
+#include <Eigen/Dense>
+#include <doctest/doctest.h>
+
+using namespace pliant;
+
+namespace {
+
+// Straight, and bent by this angle.
+NormalizedPoses bent_tube(double bend)
+{
+    PoseSet poses = tube_poses(2);
+    poses.positions[1] = Tube().pose(bend, 0);
+    return normalize(poses);
+}
+
+// The displacement that turns the shape by an angle to first order, and the turned shape.
+struct Turn {
+    Shape step, shape;
+};
+Turn turn(const Shape& y, const Eigen::Vector3d& axis, double angle)
+{
+    Turn out { Shape(y.size()), Shape(y.size()) };
+    const Eigen::Matrix3d rotation = Eigen::AngleAxisd(angle, axis).toRotationMatrix();
+    for (Eigen::Index i = 0; i < y.size(); i += 3) {
+        out.step.segment<3>(i) = angle * axis.cross(Eigen::Vector3d(y.segment<3>(i)));
+        out.shape.segment<3>(i) = rotation * y.segment<3>(i);
+    }
+    return out;
+}
+
+// Relative to the step, after rigid alignment.
+double distance(const NormalizedPoses& set, const Shape& a, Shape b, const Shape& step)
+{
+    apply(best_rigid_motion(b, a, set.masses), b);
+    return (a - b).norm() / step.norm();
+}
+
+} // namespace
+
+TEST_CASE("a warped displacement turns what it would stretch")
+{
+    const Eigen::Vector3d axis = Eigen::Vector3d(1, 2, 3).normalized();
+    for (const NormalizedPoses& set : { bent_tube(1), normalize(twisted_bar(2, 6, 1)) }) {
+        CAPTURE(set.is_solid());
+        const Warp warp(set, default_solver());
+        const Shape& y = set.shapes[1];
+        const Turn turned = turn(y, axis, 1.2);
+        CHECK(distance(set, turned.shape, y + turned.step, turned.step) > 0.2);
+        CHECK(distance(set, turned.shape, warp(y, turned.step), turned.step) < 1e-4);
+    }
+}
+
+TEST_CASE("a warped displacement is the displacement to first order, and exactly that at fixed vertices")
+{
+    for (NormalizedPoses set : { bent_tube(1), normalize(twisted_bar(2, 6, 1)) }) {
+        CAPTURE(set.is_solid());
+        set.fixed_vertices = { 3, 7 };
+        const Warp warp(set, default_solver());
+        const Shape& y = set.shapes[0];
+        const Shape step = set.shapes[1] - y;
+        const auto off = [&](double share) { return (warp(y, share * step) - y - share * step).norm(); };
+        CHECK(off(0.01) < 0.3 * off(0.02)); // second order
+        CHECK(off(0.02) < 0.02 * step.norm());
+        const Shape moved = warp(y, step);
+        for (const std::uint32_t v : set.fixed_vertices)
+            CHECK((point(moved, v) - point(y, v) - point(step, v)).norm() < 1e-12);
+    }
+}
+
+TEST_CASE("steps of limited-memory BFGS end at the minimum of a quadratic function")
+{
+    const Eigen::Index n = 12;
+    Eigen::MatrixXd hessian = Eigen::MatrixXd::Zero(n, n);
+    for (Eigen::Index i = 0; i < n; ++i) hessian(i, i) = 1 + double(i % 4); // three values that the first one does not know
+    const Shape minimum = Shape::LinSpaced(n, -1, 2);
+    Shape y = Shape::Zero(n), gradient = hessian * (y - minimum);
+    LimitedMemoryBfgs memory;
+    for (int i = 0; i < 40; ++i) {
+        const Shape step = memory.direction(gradient, [](const Shape& load) -> Shape { return load; });
+        REQUIRE(gradient.dot(step) < 0);
+        const Shape change = hessian * step;
+        const Shape taken = step * (-gradient.dot(step) / step.dot(change));
+        y += taken;
+        const Shape next = hessian * (y - minimum);
+        memory.add(taken, next - gradient);
+        gradient = next;
+        if (gradient.norm() < 1e-9) break;
+    }
+    CHECK((y - minimum).norm() < 1e-8);
+    memory.add(Shape::Ones(n), -Shape::Ones(n)); // not convex there
+    CHECK(gradient.dot(memory.direction(gradient, [](const Shape& load) -> Shape { return load; })) <= 0);
+}
+
+TEST_CASE("an average of poses far apart takes few factorisations")
+{
+    const NormalizedPoses tube = bent_tube(2.5), bar = normalize(twisted_bar(3, 18, 2.5));
+    const ReinforcedShells shells(tube, ShellOptions());
+    const Solid solid(bar, SolidOptions());
+    const auto count = [](const Energy& energy, const NormalizedPoses& set) {
+        NewtonSolver solver(energy, set, default_solver());
+        const NewtonResult result = solver.minimize(equal_weights(2), set.shapes[0], NewtonOptions());
+        CHECK(result.has_converged);
+        CHECK(result.residual < 1e-4);
+        return solver.factorization_count();
+    };
+    CHECK(count(shells, tube) <= 5); // 7 without steps that reuse a factor
+    CHECK(count(solid, bar) <= 5);   // 6, and 8 without warped ones
+}
