@@ -50,7 +50,9 @@ Eigen::Matrix3d gradient_of(const Eigen::Matrix<double, 3, Edges>& edges, const 
     return gradient;
 }
 
-// exp(W) (1 + S) - (1 + W + S), W the skew and S the symmetric part of the gradient: of second order whatever the cell.
+// exp(W) (1 + S + S^2 / 2) - (1 + W + S), W the skew and S the symmetric part of the gradient: of second order whatever the
+// cell. The strain is exp(S) to second order; none of its eigenvalues is below a half, so that no displacement collapses a
+// cell.
 Eigen::Matrix3d beyond_first_order(const Eigen::Matrix3d& gradient)
 {
     const Eigen::Matrix3d skew = 0.5 * (gradient - gradient.transpose()), strain = gradient - skew;
@@ -58,7 +60,8 @@ Eigen::Matrix3d beyond_first_order(const Eigen::Matrix3d& gradient)
     const double angle = axis.norm();
     Eigen::Matrix3d rotation = Eigen::Matrix3d::Identity();
     if (angle > 0) rotation = Eigen::AngleAxisd(angle, axis / angle).toRotationMatrix();
-    return rotation * (Eigen::Matrix3d::Identity() + strain) - Eigen::Matrix3d::Identity() - gradient;
+    const Eigen::Matrix3d identity = Eigen::Matrix3d::Identity();
+    return rotation * (identity + strain + 0.5 * strain * strain) - identity - gradient;
 }
 
 // -size grad_i . grad_j for the pairs i < j of corners; of a triangle half the cotangents.
