@@ -51,8 +51,7 @@ Eigen::Matrix3d gradient_of(const Eigen::Matrix<double, 3, Edges>& edges, const 
 }
 
 // exp(W) (1 + S + S^2 / 2) - (1 + W + S), W the skew and S the symmetric part of the gradient: of second order whatever the
-// cell. The strain is exp(S) to second order; none of its eigenvalues is below a half, so that no displacement collapses a
-// cell.
+// cell. The strain is exp(S) to second order, and none of its eigenvalues is below a half: no cell is asked to collapse.
 Eigen::Matrix3d beyond_first_order(const Eigen::Matrix3d& gradient)
 {
     const Eigen::Matrix3d skew = 0.5 * (gradient - gradient.transpose()), strain = gradient - skew;
