@@ -74,6 +74,46 @@ double median_stretch(const std::vector<double>& ratios, double scale)
     return quantile(stretches, 0.5);
 }
 
+// The edge whose length changes by the largest factor, and that factor.
+struct ChangedEdge {
+    std::uint32_t from = 0, to = 0;
+    double factor = 1;
+};
+
+ChangedEdge most_changed_edge(const Shape& first, const Shape& other, const std::vector<Triangle>& triangles)
+{
+    ChangedEdge most;
+    for (const Triangle& t : triangles)
+        for (std::size_t i = 0; i < 3; ++i) {
+            const std::uint32_t from = t[i], to = t[(i + 1) % 3];
+            const double before = (point(first, to) - point(first, from)).norm(),
+                         after = (point(other, to) - point(other, from)).norm();
+            if (!(before > 0 && after > 0)) continue;
+            const double factor = after / before;
+            if (std::max(factor, 1 / factor) > std::max(most.factor, 1 / most.factor)) most = { from, to, factor };
+        }
+    return most;
+}
+
+// The vertex that goes farthest from one side of its surface to the other, as seen from the middle of the shape.
+std::uint32_t most_turned_vertex(const Shape& first, const Shape& other, const std::vector<Triangle>& triangles)
+{
+    const auto heights = [&](const Shape& shape) {
+        const Eigen::Map<const Positions> rows(shape.data(), shape.size() / 3, 3);
+        const Eigen::Vector3d middle = rows.colwise().mean().transpose();
+        Eigen::VectorXd volumes = Eigen::VectorXd::Zero(shape.size() / 3); // under the faces around each vertex
+        for (const Triangle& t : triangles) {
+            const double volume = double_area_vector(shape, t).dot(point(shape, t[0]) - middle) / 6;
+            for (const std::uint32_t v : t) volumes[v] += volume;
+        }
+        return volumes;
+    };
+    const double sign = heights(first).sum() < 0 ? -1 : 1;
+    Eigen::Index vertex = 0;
+    (sign * (heights(first) - heights(other))).maxCoeff(&vertex);
+    return std::uint32_t(vertex);
+}
+
 // What tells whether a surface was turned inside out: the volume under it as seen from its middle, in units of the volume
 // that a surface of this area can have at most (a sphere, 1), and how open it is: length of its border in units of the
 // border of a flat disc of this area.
@@ -147,10 +187,14 @@ void check_mirrored(const MeshFile& first, const MeshFile& other, const Shape& a
     if (is_enclosing && ea.volume * eb.volume < 0) {
         const double smaller = std::min(std::abs(ea.volume), std::abs(eb.volume));
         if (smaller < alike * std::max(std::abs(ea.volume), std::abs(eb.volume))) {
-            diagnostics.add(warning_at(3014, other.path,
-                                       fmt::format("a large part is inside out (signed volume {:.3g}, {} has {:.3g})",
-                                                   eb.volume, first.path, ea.volume),
-                                       "correct if it is meant to fold through itself; its blends may do so, too"));
+            const std::uint32_t vertex = most_turned_vertex(a, b, triangles);
+            diagnostics.add(about_vertices(
+                warning_at(3014, other.path,
+                           fmt::format("a large part is inside out (signed volume {:.3g}, {} has {:.3g}), most of all at "
+                                       "vertex {}",
+                                       eb.volume, first.path, ea.volume, vertex),
+                           "correct if it is meant to fold through itself; its blends may do so, too"),
+                { vertex }));
             return;
         }
         diagnostics.add(error_at(
@@ -192,11 +236,14 @@ void check_correspondence(const MeshFile& first, const MeshFile& other, const Tr
     const double stretch = std::min(median_stretch(ratios, size_ratio), median_stretch(ratios, 1));
     const double spread = quantile(ratios, 0.9) / quantile(ratios, 0.1);
     if (stretch > hopeless_stretch || (stretch > suspicious_stretch && spread > suspicious_spread)) {
-        diagnostics.add(
+        const ChangedEdge edge = most_changed_edge(a, b, triangulation.triangles);
+        diagnostics.add(about_vertices(
             error_at(3006, other.path,
-                     fmt::format("does not seem to correspond to {}: median edge stretch {:.3g}x, spread {:.3g}x",
-                                 first.path, stretch, spread),
-                     "vertices must come in the same order in all poses: export with 'keep vertex order'"));
+                     fmt::format("does not seem to correspond to {}: median edge stretch {:.3g}x, spread {:.3g}x; most "
+                                 "changed is edge {} {} ({:.3g}x)",
+                                 first.path, stretch, spread, edge.from, edge.to, edge.factor),
+                     "vertices must come in the same order in all poses: export with 'keep vertex order'"),
+            { edge.from, edge.to }));
         return; // the rest would be nonsense
     }
     // A mirrored solid has negative volumes, which is proof; a thin one fits its mirror image as well as a sheet does.
