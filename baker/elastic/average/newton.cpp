@@ -195,12 +195,16 @@ void NewtonSolver::Descent::factorize(Progress* progress)
     result.projected_iterations += !is_exact_;
 }
 
-// Goes on by `length` of a step with the given slope, if that keeps the cells sound and decreases the energy. Beyond a
-// collapsed cell the quadratic model says nothing, and energies that are finite for collapsed cells would let them collapse.
+// Goes on by `length` of a step with the given slope, curved or else straight, if that keeps the cells sound and decreases
+// the energy. Beyond a collapsed cell the quadratic model says nothing, and energies that are finite for collapsed cells
+// would let them collapse. Where a cell is nearly collapsed, its rotation is noise, and the straight step is the longer one.
 bool NewtonSolver::Descent::advance(const Shape& step, double slope, double length)
 {
     Shape moved = solver_.warp_(at_.y, length * step);
-    if (length > 1e-6 && !solver_.is_sound(at_.y, moved)) return false;
+    if (length > 1e-6 && !solver_.is_sound(at_.y, moved)) {
+        moved = at_.y + length * step;
+        if (!solver_.is_sound(at_.y, moved)) return false;
+    }
     Iterate next = solver_.evaluate(w_, std::move(moved));
     if (!is_noise(slope) && !(next.energy <= at_.energy + 1e-4 * length * slope)) return false;
     at_ = std::move(next);

@@ -2,6 +2,7 @@
 
 #include "base/mesh/tets.h"
 
+#include <Eigen/Eigenvalues>
 #include <Eigen/Geometry>
 #include <Eigen/LU>
 #include <algorithm>
@@ -50,8 +51,18 @@ Eigen::Matrix3d gradient_of(const Eigen::Matrix<double, 3, Edges>& edges, const 
     return gradient;
 }
 
-// exp(W) (1 + S + S^2 / 2) - (1 + W + S), W the skew and S the symmetric part of the gradient: of second order whatever the
-// cell. The strain is exp(S) to second order, and none of its eigenvalues is below a half: no cell is asked to collapse.
+// 1 + S where that stretches; exp(S) along the axes that shrink, so that no cell is asked to collapse.
+Eigen::Matrix3d stretch_of(const Eigen::Matrix3d& strain)
+{
+    Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> eigen;
+    eigen.computeDirect(strain);
+    const Eigen::Vector3d stretches
+        = eigen.eigenvalues().unaryExpr([](double value) { return value < 0 ? std::exp(value) : 1 + value; });
+    return eigen.eigenvectors() * stretches.asDiagonal() * eigen.eigenvectors().transpose();
+}
+
+// Rotation times stretch, less 1 + gradient: of second order whatever the cell. W: the skew part of the gradient, S: the
+// symmetric one; the rotation is exp(W).
 Eigen::Matrix3d beyond_first_order(const Eigen::Matrix3d& gradient)
 {
     const Eigen::Matrix3d skew = 0.5 * (gradient - gradient.transpose()), strain = gradient - skew;
@@ -59,8 +70,7 @@ Eigen::Matrix3d beyond_first_order(const Eigen::Matrix3d& gradient)
     const double angle = axis.norm();
     Eigen::Matrix3d rotation = Eigen::Matrix3d::Identity();
     if (angle > 0) rotation = Eigen::AngleAxisd(angle, axis / angle).toRotationMatrix();
-    const Eigen::Matrix3d identity = Eigen::Matrix3d::Identity();
-    return rotation * (identity + strain + 0.5 * strain * strain) - identity - gradient;
+    return rotation * stretch_of(strain) - Eigen::Matrix3d::Identity() - gradient;
 }
 
 // -size grad_i . grad_j for the pairs i < j of corners; of a triangle half the cotangents.
