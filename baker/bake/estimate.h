@@ -11,8 +11,8 @@ std::size_t training_count(std::size_t pose_count);
 // Newton's method of a bake stops after so many iterations.
 constexpr int iteration_limit = 15;
 
-// A bound of the factorisations in a bake of a surface with the adaptive subspace, some fifty times their usual number. Not
-// counted: the calibration of ties, and repeated attempts at a nearly singular Hessian.
+// A bound of the factorisations in a bake of a surface with the adaptive subspace, twenty to sixty times their usual
+// number. Not counted: the calibration of ties, and repeated attempts at a nearly singular Hessian.
 int factorization_limit(std::size_t pose_count, const BakeOptions& options);
 
 // Dimension, seconds on one core, bytes of working memory, bytes of the asset: orders of magnitude.

@@ -110,8 +110,7 @@ void add_energy_options(CLI::App& verb, EnergyOptions& options)
     add_material(verb, options);
     add_choice(verb, "--continuity", options.continuity, { Continuity::automatic, Continuity::off },
                "Energy of thin shells at folds and sharp creases. auto: as-rigid-as-possible cells, whose averages seldom "
-               "jump from "
-               "fold to fold; off: hinges and membranes as elsewhere");
+               "jump from fold to fold; off: hinges and membranes as elsewhere");
     add_shell_options(verb, options);
     std::vector<SolverKind> solvers = { SolverKind::eigen };
     if (has_cholmod()) solvers.insert(solvers.begin(), SolverKind::cholmod);

@@ -64,7 +64,7 @@ public:
 
     // The average for w (non-negative, sum 1). Steps are halved when Newton fails, corrects the tangent's guess by much, or
     // the shape jumps; the result may still not have converged: check it. Needs mean() before; then tasks may call it at the
-    // same time, each with its worker. Cost: 4 to 20 factorisations, at most some more than path_limit.
+    // same time, each with its worker. Cost: 4 to 30 factorisations, at most some more than path_limit.
     FamilyPoint at(const Weights& w, std::size_t worker, Progress* progress) const;
 
     // The same along the straight line from another average that is known, and the average next to a shape.
@@ -99,8 +99,8 @@ private:
 // guess, another one may have caught it.
 constexpr double correction_limit = 0.04;
 
-// On the way to one average no step begins after so many factorisations; the average counts as not converged. A tenth of
-// that is the rule.
+// On the way to one average no step begins after so many factorisations; the average counts as not converged. Most
+// ways take less than a quarter of that.
 constexpr int path_limit = 120;
 
 // Averages farther apart than this (relative L2) are different ones: ten times the default tolerance, of which reference

@@ -26,11 +26,12 @@ constexpr double energy_noise = 1e-11;
 // failure twice as many steps are made without one, up to this.
 constexpr int longest_pause = 8;
 
-// Steps with the last factor cost a tenth of a Newton step. They go on while each makes the decrement smaller by this.
+// Steps with the last factor need no Hessian. They continue while each makes the decrement smaller by this factor.
 constexpr double least_progress = 0.5;
 constexpr int reuse_limit = 12;
 
-// What is left after such a step follows from how fast the steps shrink; one step may look better than that by chance.
+// The distance left after such a step is estimated from the rate at which the steps shrink. Rates are clamped: a single one
+// may be small by chance.
 constexpr double least_rate = 0.1, most_rate = 0.9;
 
 // Projected models are stiffer than the energy: their steps shrink slowly, and with a factor of 0.7 from one to the next
@@ -146,7 +147,7 @@ public:
     {
     }
 
-    // Factors the Hessian, and goes on with the factor as long as that pays. True: converged, or no way on.
+    // A Newton step, and steps with its factor while they make progress. True: converged, or no step decreases the energy.
     bool iterate(Progress* progress);
 
     NewtonResult result;

@@ -12,7 +12,7 @@ namespace pliant {
 // known yet, the average is followed along the straight line from the nearest known one instead. On a family that is smooth
 // both give a(w), and the neighbours keep all of them on one branch of it where there are several. The result does not
 // depend on the number of threads. Errors of the check points are not set.
-// Cost: 1 to 6 factorisations each.
+// Cost: 1 to 10 factorisations each.
 std::vector<CheckPoint> sweep(const AverageFamily& family, const std::vector<KnownAverage>& known,
                               const std::vector<Weights>& weights, Progress* progress);
 

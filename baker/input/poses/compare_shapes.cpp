@@ -49,20 +49,31 @@ double quantile(std::vector<double>& numbers, double part)
     return *nth;
 }
 
-// Length of every edge in `other` over that in `first`. Interior edges come twice, which changes nothing.
-std::vector<double> edge_ratios(const Shape& first, const Shape& other, const std::vector<Triangle>& triangles)
-{
+// Lengths of the edges in `other` over those in `first`, and the edge where they differ most. Interior edges come twice,
+// which changes nothing.
+struct EdgeRatios {
     std::vector<double> ratios;
-    ratios.reserve(3 * triangles.size());
+    std::uint32_t from = 0, to = 0; // of the most changed edge
+    double most = 1;                // its ratio
+};
+
+EdgeRatios edge_ratios(const Shape& first, const Shape& other, const std::vector<Triangle>& triangles)
+{
+    EdgeRatios edges;
+    edges.ratios.reserve(3 * triangles.size());
     for (const Triangle& t : triangles) {
         for (std::size_t i = 0; i < 3; ++i) {
             const std::uint32_t from = t[i], to = t[(i + 1) % 3];
             const double before = (point(first, to) - point(first, from)).norm();
             const double after = (point(other, to) - point(other, from)).norm();
-            if (before > 0 && after > 0) ratios.push_back(after / before);
+            if (!(before > 0 && after > 0)) continue;
+            const double ratio = after / before;
+            edges.ratios.push_back(ratio);
+            if (std::abs(std::log(ratio)) <= std::abs(std::log(edges.most))) continue;
+            edges.from = from, edges.to = to, edges.most = ratio;
         }
     }
-    return ratios;
+    return edges;
 }
 
 // Median of the stretch of the edges, relative to `scale`; a shrunk edge counts like a stretched one.
@@ -74,31 +85,10 @@ double median_stretch(const std::vector<double>& ratios, double scale)
     return quantile(stretches, 0.5);
 }
 
-// The edge whose length changes by the largest factor, and that factor.
-struct ChangedEdge {
-    std::uint32_t from = 0, to = 0;
-    double factor = 1;
-};
-
-ChangedEdge most_changed_edge(const Shape& first, const Shape& other, const std::vector<Triangle>& triangles)
-{
-    ChangedEdge most;
-    for (const Triangle& t : triangles)
-        for (std::size_t i = 0; i < 3; ++i) {
-            const std::uint32_t from = t[i], to = t[(i + 1) % 3];
-            const double before = (point(first, to) - point(first, from)).norm(),
-                         after = (point(other, to) - point(other, from)).norm();
-            if (!(before > 0 && after > 0)) continue;
-            const double factor = after / before;
-            if (std::max(factor, 1 / factor) > std::max(most.factor, 1 / most.factor)) most = { from, to, factor };
-        }
-    return most;
-}
-
-// The vertex that goes farthest from one side of its surface to the other, as seen from the middle of the shape.
+// The vertex around which the signed volume under the surface, as seen from the middle, falls most.
 std::uint32_t most_turned_vertex(const Shape& first, const Shape& other, const std::vector<Triangle>& triangles)
 {
-    const auto heights = [&](const Shape& shape) {
+    const auto volumes_of = [&](const Shape& shape) {
         const Eigen::Map<const Positions> rows(shape.data(), shape.size() / 3, 3);
         const Eigen::Vector3d middle = rows.colwise().mean().transpose();
         Eigen::VectorXd volumes = Eigen::VectorXd::Zero(shape.size() / 3); // under the faces around each vertex
@@ -108,9 +98,10 @@ std::uint32_t most_turned_vertex(const Shape& first, const Shape& other, const s
         }
         return volumes;
     };
-    const double sign = heights(first).sum() < 0 ? -1 : 1;
+    const Eigen::VectorXd before = volumes_of(first);
+    const double sign = before.sum() < 0 ? -1 : 1;
     Eigen::Index vertex = 0;
-    (sign * (heights(first) - heights(other))).maxCoeff(&vertex);
+    (sign * (before - volumes_of(other))).maxCoeff(&vertex);
     return std::uint32_t(vertex);
 }
 
@@ -219,7 +210,8 @@ void check_correspondence(const MeshFile& first, const MeshFile& other, const Tr
     const double unit = box_size(first.positions);
     if (!(unit > 0) || !(box_size(other.positions) > 0)) return; // without areas: P2202
     const Shape a = to_shape(first.positions, unit), b = to_shape(other.positions, unit);
-    std::vector<double> ratios = edge_ratios(a, b, triangulation.triangles);
+    EdgeRatios edges = edge_ratios(a, b, triangulation.triangles);
+    std::vector<double>& ratios = edges.ratios;
     if (ratios.empty()) return;
 
     // Crumpling makes a shape smaller but not its edges, so a unit of length must show in both.
@@ -236,14 +228,13 @@ void check_correspondence(const MeshFile& first, const MeshFile& other, const Tr
     const double stretch = std::min(median_stretch(ratios, size_ratio), median_stretch(ratios, 1));
     const double spread = quantile(ratios, 0.9) / quantile(ratios, 0.1);
     if (stretch > hopeless_stretch || (stretch > suspicious_stretch && spread > suspicious_spread)) {
-        const ChangedEdge edge = most_changed_edge(a, b, triangulation.triangles);
         diagnostics.add(about_vertices(
             error_at(3006, other.path,
                      fmt::format("does not seem to correspond to {}: median edge stretch {:.3g}x, spread {:.3g}x; most "
                                  "changed is edge {} {} ({:.3g}x)",
-                                 first.path, stretch, spread, edge.from, edge.to, edge.factor),
+                                 first.path, stretch, spread, edges.from, edges.to, edges.most),
                      "vertices must come in the same order in all poses: export with 'keep vertex order'"),
-            { edge.from, edge.to }));
+            { edges.from, edges.to }));
         return; // the rest would be nonsense
     }
     // A mirrored solid has negative volumes, which is proof; a thin one fits its mirror image as well as a sheet does.

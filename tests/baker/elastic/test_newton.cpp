@@ -81,11 +81,11 @@ TEST_CASE("steps of limited-memory BFGS end at the minimum of a quadratic functi
 {
     const Eigen::Index n = 12;
     Eigen::MatrixXd hessian = Eigen::MatrixXd::Zero(n, n);
-    for (Eigen::Index i = 0; i < n; ++i) hessian(i, i) = 1 + double(i % 4); // three values that the first one does not know
+    for (Eigen::Index i = 0; i < n; ++i) hessian(i, i) = 1 + double(i % 4); // of four values
     const Shape minimum = Shape::LinSpaced(n, -1, 2);
     Shape y = Shape::Zero(n), gradient = hessian * (y - minimum);
     LimitedMemoryBfgs memory;
-    for (int i = 0; i < 40; ++i) {
+    for (int i = 0; i < 4; ++i) { // one for each value, with exact line searches
         const Shape step = memory.direction(gradient, [](const Shape& load) -> Shape { return load; });
         REQUIRE(gradient.dot(step) < 0);
         const Shape change = hessian * step;
@@ -94,11 +94,16 @@ TEST_CASE("steps of limited-memory BFGS end at the minimum of a quadratic functi
         const Shape next = hessian * (y - minimum);
         memory.add(taken, next - gradient);
         gradient = next;
-        if (gradient.norm() < 1e-9) break;
     }
     CHECK((y - minimum).norm() < 1e-8);
-    memory.add(Shape::Ones(n), -Shape::Ones(n)); // not convex there
-    CHECK(gradient.dot(memory.direction(gradient, [](const Shape& load) -> Shape { return load; })) <= 0);
+}
+
+TEST_CASE("limited-memory BFGS learns nothing where the function is not convex")
+{
+    const Shape ones = Shape::Ones(5);
+    LimitedMemoryBfgs memory;
+    memory.add(ones, -ones);
+    CHECK(memory.direction(ones, [](const Shape& load) -> Shape { return load; }) == -ones);
 }
 
 TEST_CASE("an average of poses far apart takes few factorisations")
