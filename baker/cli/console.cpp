@@ -94,10 +94,22 @@ void print_finding(const std::string& verb, const Diagnostic& diagnostic)
     fmt::print(stderr, "pliant {}: {}\n", verb, to_text(diagnostic));
 }
 
-void start_with_one_blas_thread(char** arguments)
+static bool has_avx2()
 {
-    if (std::getenv("OPENBLAS_NUM_THREADS")) return;
-    ::setenv("OPENBLAS_NUM_THREADS", "1", 1);
+#if defined(__x86_64__)
+    return __builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma");
+#else
+    return false;
+#endif
+}
+
+static bool set_if_unset(const char* name, const char* value) { return !std::getenv(name) && ::setenv(name, value, 1) == 0; }
+
+void start_with_fixed_blas(char** arguments)
+{
+    bool is_changed = set_if_unset("OPENBLAS_NUM_THREADS", "1");
+    if (has_avx2()) is_changed |= set_if_unset("OPENBLAS_CORETYPE", "Haswell");
+    if (!is_changed) return;
     ::execv("/proc/self/exe", arguments); // returns only if it failed: then all works but for signals during an analysis
 }
 

@@ -46,7 +46,7 @@ void keep_freed_memory()
 
 int main(int argc, char** argv)
 {
-    start_with_one_blas_thread(argv);
+    start_with_fixed_blas(argv);
     keep_freed_memory();
     install_signal_handlers();
     CLI::App app("Pliant: bakes poses of a character into an asset that games blend elastically.", "pliant");
