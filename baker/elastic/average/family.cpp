@@ -91,7 +91,7 @@ Shape AverageFamily::start_of_step(Path& path, const Weights& to, double share) 
     return here;
 }
 
-// RadialFunction-corrector. Points on the way need few digits.
+// Predictor-corrector. Points on the way need few digits.
 void AverageFamily::follow(Path& path, const Weights& to, bool is_rough) const
 {
     const NormalizedPoses& set = pool_.set();

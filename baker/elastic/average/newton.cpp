@@ -1,8 +1,8 @@
 #include "elastic/average/newton.h"
 
 #include "base/common/diagnostics.h"
-#include "base/mesh/tets.h"
 #include "elastic/average/lbfgs.h"
+#include "elastic/average/restraint.h"
 #include "elastic/average/rigid_modes.h"
 
 #include <algorithm>
@@ -26,9 +26,16 @@ constexpr double energy_noise = 1e-11;
 // failure twice as many steps are made without one, up to this.
 constexpr int longest_pause = 8;
 
-// Steps with the last factor need no Hessian. They continue while each makes the decrement smaller by this factor.
-constexpr double least_progress = 0.5;
+// Steps with the last factor need no Hessian. They continue while each makes the decrement smaller by this factor, or, where
+// the model is far stiffer than the energy, decreases the energy by this share of the decrease of the Newton step.
+constexpr double least_progress = 0.5, least_gain = 0.15;
 constexpr int reuse_limit = 12;
+
+// Cells that a step would collapse are made stiffer: by this share of the Hessian's diagonal, then by three times as much,
+// six times at most before the line search shortens the whole step. Stiffer ones do not open where they should: from shares
+// of 3 on, slivers creep.
+constexpr double first_stiffness = 0.1, stiffness_growth = 3;
+constexpr int restraint_limit = 6;
 
 // The distance left after such a step is estimated from the rate at which the steps shrink. Rates are clamped: a single one
 // may be small by chance.
@@ -98,19 +105,16 @@ bool NewtonSolver::factorize_model(const Weights& w, const Shape& y, bool try_ex
     return false;
 }
 
-// Whether no cell shrinks below a fifth of its size or flips, if that matters to the energy.
-bool NewtonSolver::is_sound(const Shape& y, const Shape& moved) const
+std::vector<std::uint32_t> NewtonSolver::move(const Shape& y, const Shape& step, Shape& moved) const
 {
-    if (energy_.allows_collapse()) return true;
-    if (set_.is_solid())
-        return std::all_of(set_.tets.begin(), set_.tets.end(), [&](const Tetrahedron& t) {
-            const double before = tet_edges(y, t).determinant(), after = tet_edges(moved, t).determinant();
-            return after >= 0.2 * before;
-        });
-    return std::all_of(set_.triangles.begin(), set_.triangles.end(), [&](const Triangle& t) {
-        const Eigen::Vector3d before = double_area_vector(y, t), after = double_area_vector(moved, t);
-        return after.squaredNorm() >= 0.04 * before.squaredNorm() && after.dot(before) > 0;
-    });
+    moved = warp_(y, step);
+    if (energy_.allows_collapse()) return {};
+    std::vector<std::uint32_t> cells = collapsing_cells(set_, y, moved);
+    if (cells.empty()) return cells;
+    std::vector<std::uint32_t> straight_cells = collapsing_cells(set_, y, y + step);
+    if (straight_cells.size() >= cells.size()) return cells;
+    moved = y + step;
+    return straight_cells;
 }
 
 // A shape with the energy and the forces there.
@@ -156,6 +160,7 @@ public:
 private:
     void factorize(Progress* progress);
     bool newton_step();
+    bool restrain(Shape& step);
     bool reuse_factor(const Iterate& before);
     bool advance(const Shape& step, double slope, double length);
     Shape direction() const { return -solver_.solve_equilibrium(at_.gradient); }
@@ -196,31 +201,43 @@ void NewtonSolver::Descent::factorize(Progress* progress)
     result.projected_iterations += !is_exact_;
 }
 
-// Goes on by `length` of a step with the given slope, curved or else straight, if that keeps the cells sound and decreases
-// the energy. Beyond a collapsed cell the quadratic model says nothing, and energies that are finite for collapsed cells
-// would let them collapse. Where a cell is nearly collapsed, its rotation is noise, and the straight step is the longer one.
+// Goes on by `length` of a step with the given slope if that collapses no cell and decreases the energy.
 bool NewtonSolver::Descent::advance(const Shape& step, double slope, double length)
 {
-    Shape moved = solver_.warp_(at_.y, length * step);
-    if (length > 1e-6 && !solver_.is_sound(at_.y, moved)) {
-        moved = at_.y + length * step;
-        if (!solver_.is_sound(at_.y, moved)) return false;
-    }
+    Shape moved;
+    if (!solver_.move(at_.y, length * step, moved).empty() && length > 1e-6) return false;
     Iterate next = solver_.evaluate(w_, std::move(moved));
     if (!is_noise(slope) && !(next.energy <= at_.energy + 1e-4 * length * slope)) return false;
     at_ = std::move(next);
     return true;
 }
 
+// Replaces a Newton step that collapses cells by one of a model that is stiffer there. True: replaced.
+bool NewtonSolver::Descent::restrain(Shape& step)
+{
+    Shape moved;
+    double share = first_stiffness;
+    for (int i = 0; i < restraint_limit; ++i, share *= stiffness_growth) {
+        const std::vector<std::uint32_t> cells = solver_.move(at_.y, step, moved);
+        if (cells.empty()) return i > 0;
+        step = solver_.restrained_step(at_.gradient, cells, share);
+    }
+    return true;
+}
+
 bool NewtonSolver::Descent::newton_step()
 {
-    const Shape step = direction();
-    const double slope = at_.gradient.dot(step);
+    Shape step = direction();
+    double slope = at_.gradient.dot(step);
     result.decrement = relative_decrement(slope);
     if (is_small() || is_noise(slope)) exact_pause_ = 0; // time to know
-    const bool is_last
+    bool is_last
         = (is_small() && is_exact_) || is_near(doubt() * mass_norm(step, solver_.set_.masses), at_.y + step - start_);
     const bool is_last_digit = is_noise(slope) && tried_exact_ && at_.residual <= options_.residual;
+    if (restrain(step)) {
+        slope = at_.gradient.dot(step);
+        is_last = false;
+    }
     const Iterate before = at_;
     double length = 1;
     while (length >= 1e-10 && !advance(step, slope, length)) length /= 2;
@@ -238,12 +255,14 @@ bool NewtonSolver::Descent::reuse_factor(const Iterate& before)
     const Eigen::VectorXd& masses = solver_.set_.masses;
     LimitedMemoryBfgs memory;
     memory.add(at_.y - before.y, at_.gradient - before.gradient);
-    double last_length = mass_norm(at_.y - before.y, masses);
+    const double enough = least_gain * (before.energy - at_.energy);
+    double last_length = mass_norm(at_.y - before.y, masses), gain = before.energy - at_.energy;
     for (int i = 0; i < reuse_limit && !result.has_converged; ++i) {
         const Shape step
             = memory.direction(at_.gradient, [&](const Shape& load) -> Shape { return solver_.solve_equilibrium(load); });
         const double slope = at_.gradient.dot(step), last_decrement = result.decrement;
-        if (!(slope < 0) || relative_decrement(slope) > least_progress * last_decrement) return false;
+        if (!(slope < 0)) return false;
+        if (relative_decrement(slope) > least_progress * last_decrement && !(gain > enough)) return false;
         result.decrement = relative_decrement(slope);
         if (is_small() || is_noise(slope)) { // a Newton step squares what is left, and finds out whether this is a minimum
             exact_pause_ = 0;
@@ -254,6 +273,7 @@ bool NewtonSolver::Descent::reuse_factor(const Iterate& before)
         const Iterate last = at_;
         if (!advance(step, slope, 1)) return false;
         memory.add(at_.y - last.y, at_.gradient - last.gradient);
+        gain = last.energy - at_.energy;
         last_length = length;
         result.has_converged = is_last;
     }
@@ -291,14 +311,29 @@ void NewtonSolver::factorize_equilibrium(const Weights& w, const Shape& y, Hessi
     if (!cholesky_.factorize(assembler_.matrix())) factorize_shifted(w, y, HessianKind::projected);
 }
 
-Eigen::MatrixXd NewtonSolver::solve_equilibrium(const Eigen::MatrixXd& loads) const
+Eigen::MatrixXd NewtonSolver::solve_free(const Eigen::MatrixXd& loads, const Solve& solve) const
 {
     Eigen::MatrixXd right = loads;
     if (set_.is_free()) balance_load(right, modes_, set_.masses);
     for (Eigen::Index dof : pins_) right.row(dof).setZero();
-    Eigen::MatrixXd x = cholesky_.solve(right);
+    Eigen::MatrixXd x = solve(right);
     if (set_.is_free()) remove_rigid_motion(x, modes_, set_.masses);
     return x;
+}
+
+Eigen::MatrixXd NewtonSolver::solve_equilibrium(const Eigen::MatrixXd& loads) const
+{
+    return solve_free(loads, [&](const Eigen::MatrixXd& right) { return cholesky_.solve(right); });
+}
+
+Shape NewtonSolver::restrained_step(const Shape& gradient, const std::vector<std::uint32_t>& cells, double share)
+{
+    SparseLower& matrix = assembler_.matrix();
+    stiffen(matrix, set_, cells, share);
+    pin(matrix, pins_);
+    return solve_free(-gradient, [&](const Eigen::MatrixXd& right) -> Eigen::MatrixXd {
+        return solve_stiffened(matrix, right, [&](const Shape& load) -> Shape { return cholesky_.solve(load); });
+    });
 }
 
 Shape NewtonSolver::weight_derivative(const Shape& y, const Weights& direction) const

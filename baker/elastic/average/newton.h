@@ -6,6 +6,8 @@
 #include "elastic/average/sparse_cholesky.h"
 #include "elastic/average/warp.h"
 
+#include <functional>
+
 namespace pliant {
 
 struct NewtonOptions {
@@ -74,7 +76,17 @@ private:
     void factorize_shifted(const Weights& w, const Shape& y, HessianKind kind);
     void hold(const Shape& y); // chooses pins_ and modes_
     Iterate evaluate(const Weights& w, Shape y) const;
-    bool is_sound(const Shape& y, const Shape& moved) const;
+
+    // Moves y by the step, curved or else straight where that collapses fewer cells (of a nearly collapsed cell the rotation
+    // is noise). The cells that collapse.
+    std::vector<std::uint32_t> move(const Shape& y, const Shape& step, Shape& moved) const;
+
+    // The Newton step of the last model, made stiffer in these cells by a share of its diagonal.
+    Shape restrained_step(const Shape& gradient, const std::vector<std::uint32_t>& cells, double share);
+
+    // `solve` for the matrix with its pins; loads and solutions as of solve_equilibrium().
+    using Solve = std::function<Eigen::MatrixXd(const Eigen::MatrixXd&)>;
+    Eigen::MatrixXd solve_free(const Eigen::MatrixXd& loads, const Solve& solve) const;
 
     const Energy& energy_;
     const NormalizedPoses& set_;

@@ -1,9 +1,11 @@
-// Newton's method: steps that turn without stretching, steps that reuse a factor, and how few factorisations that takes.
+// Newton's method: steps that turn without stretching, steps that reuse a factor, steps that slivers do not shorten, and
+// how few factorisations that takes.
 #include "../tube.h"
 #include "../twisted_bar.h"
 #include "base/mesh/align.h"
 #include "elastic/average/lbfgs.h"
 #include "elastic/average/newton.h"
+#include "elastic/average/restraint.h"
 #include "elastic/average/warp.h"
 #include "elastic/energy/reinforced_shells.h"
 #include "elastic/energy/solid.h"
@@ -20,6 +22,24 @@ NormalizedPoses bent_tube(double bend)
 {
     PoseSet poses = tube_poses(2);
     poses.positions[1] = Tube().pose(bend, 0);
+    return normalize(poses);
+}
+
+// Bent, and vertices here and there slide almost onto their neighbours to the one side or the other: triangles open and
+// close by a factor of fifty.
+NormalizedPoses tube_with_slivers()
+{
+    const Tube tube;
+    PoseSet poses = tube_poses(2);
+    const auto slide = [&](Positions& positions, std::uint32_t ring, std::uint32_t side, std::uint32_t towards) {
+        const std::uint32_t v = ring * tube.side_count + side, to = ring * tube.side_count + towards % tube.side_count;
+        positions.row(v) += 0.98 * (positions.row(to) - positions.row(v));
+    };
+    poses.positions[1] = tube.pose(1, 0);
+    for (std::uint32_t ring = 2; ring < 22; ring += 4) {
+        slide(poses.positions[0], ring, 5, 6);
+        slide(poses.positions[1], ring, 5, 4);
+    }
     return normalize(poses);
 }
 
@@ -120,4 +140,51 @@ TEST_CASE("an average of poses far apart takes few factorisations")
     };
     CHECK(count(shells, tube) <= 5); // 7 without steps that reuse a factor
     CHECK(count(solid, bar) <= 6);   // 8 without warped steps
+}
+
+TEST_CASE("slivers that open and close do not hold back the whole body")
+{
+    const NormalizedPoses set = tube_with_slivers();
+    const ReinforcedShells shells(set, ShellOptions());
+    NewtonSolver solver(shells, set, default_solver());
+    const NewtonResult result = solver.minimize(equal_weights(2), set.shapes[0], NewtonOptions());
+    CHECK(result.has_converged);
+    CHECK(result.residual < 1e-3);
+    CHECK(solver.factorization_count() <= 12); // 18 if the whole step is shortened
+}
+
+TEST_CASE("a stiffened cell keeps its size, and the step stays one of descent")
+{
+    const NormalizedPoses set = bent_tube(1);
+    const ReinforcedShells shells(set, ShellOptions());
+    const Shape& y = set.shapes[0];
+    HessianAssembler assembler(shells);
+    assembler.assemble(equal_weights(2), y, HessianKind::projected);
+    SparseLower hessian = assembler.matrix();
+    for (Eigen::Index i = 0; i < hessian.cols(); ++i) hessian.coeffRef(i, i) += 1; // definite
+    SparseCholesky cholesky(default_solver());
+    REQUIRE(cholesky.factorize(hessian));
+    const auto solve = [&](const Shape& load) -> Shape { return cholesky.solve(load); };
+
+    // A load that pulls one corner towards the other two, until the cell collapses.
+    const Triangle cell = set.triangles[40];
+    Shape load = Shape::Zero(y.size()), step = load;
+    load.segment<3>(3 * Eigen::Index(cell[0])) = (point(y, cell[1]) + point(y, cell[2])) / 2 - point(y, cell[0]);
+    std::vector<std::uint32_t> cells;
+    for (int i = 0; i < 20 && cells.empty(); ++i) {
+        load *= 2;
+        step = solve(load);
+        cells = collapsing_cells(set, y, y + step);
+    }
+    REQUIRE(!cells.empty());
+    Shape restrained = step;
+    for (double share = 0.1; share < 1000 && !cells.empty(); share *= 3) {
+        stiffen(hessian, set, cells, share);
+        restrained = solve_stiffened(hessian, load, solve);
+        cells = collapsing_cells(set, y, y + restrained);
+    }
+    CHECK(cells.empty());
+    CHECK(load.dot(restrained) > 0.01 * load.dot(step));
+    const Shape left = load - hessian.selfadjointView<Eigen::Lower>() * restrained;
+    CHECK(left.dot(solve(left)) < 0.01 * load.dot(step));
 }
