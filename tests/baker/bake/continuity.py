@@ -74,24 +74,33 @@ def read_ply(path):
     return points, np.array(triangles)
 
 
-def strain(tool, poses, options, pose_count, folder):
-    """Mean change of edge lengths and of the volume in the average of all poses, per cent."""
+def average_of_all(tool, poses, options, pose_count):
+    """The poses as the tool places them with the average of all of them last, and the triangles; or None."""
     rows = [",".join("1" if i == k else "0" for i in range(pose_count)) for k in range(pose_count)]
     rows.append(",".join(["1"] * pose_count))
-    path = folder / "path.csv"
-    path.write_text("\n".join(rows) + "\n", encoding="utf-8")
-    result = run(tool, "average", *poses, *options, "--path", path, "-o", folder / "a_%d.ply")
-    if result.returncode != 0:
+    with tempfile.TemporaryDirectory(prefix="pliant-average-") as text:
+        folder = pathlib.Path(text)
+        (folder / "path.csv").write_text("\n".join(rows) + "\n", encoding="utf-8")
+        result = run(tool, "average", *poses, *options, "--path", folder / "path.csv", "-o", folder / "a_%d.ply")
+        if result.returncode != 0:
+            return None
+        shapes = [read_ply(folder / f"a_{k}.ply") for k in range(pose_count + 1)]
+    return [points for points, _ in shapes], shapes[0][1]
+
+
+def strain(tool, poses, options, pose_count):
+    """Mean change of edge lengths and of the volume in the average of all poses, per cent."""
+    found = average_of_all(tool, poses, options, pose_count)
+    if not found:
         return "-", "-"
-    shapes = [read_ply(folder / f"a_{k}.ply") for k in range(pose_count + 1)]
-    triangles = shapes[0][1]
+    shapes, triangles = found
     edges = np.unique(np.sort(np.concatenate([triangles[:, [0, 1]], triangles[:, [1, 2]], triangles[:, [2, 0]]]), axis=1),
                       axis=0)
-    lengths = [np.linalg.norm(points[edges[:, 0]] - points[edges[:, 1]], axis=1) for points, _ in shapes]
+    lengths = [np.linalg.norm(points[edges[:, 0]] - points[edges[:, 1]], axis=1) for points in shapes]
     wanted = np.mean(lengths[:-1], axis=0)
     change = np.abs(lengths[-1] - wanted)[wanted > 0] / wanted[wanted > 0]
     volumes = []
-    for points, _ in shapes:
+    for points in shapes:
         a, b, c = (points[triangles[:, i]] - points.mean(axis=0) for i in range(3))
         volumes.append(np.einsum("ij,ij->i", a, np.cross(b, c)).sum() / 6)
     return f"{100 * change.mean():.2f}", f"{100 * (volumes[-1] / np.mean(volumes[:-1]) - 1):+.2f}"
@@ -113,7 +122,7 @@ def row(arguments, name, poses, options, energy):
         fresh = json.loads(run(arguments.tool, "measure", asset, *poses, "--samples", arguments.samples, "--json").stdout)
         errors = [sample["relative_l2"] for sample in fresh["samples"]]
         elsewhere = sum(sample["branches"] > 0 for sample in fresh["samples"])
-        length, volume = strain(arguments.tool, poses, ENERGIES[energy], len(certificate["poses"]), folder)
+        length, volume = strain(arguments.tool, poses, ENERGIES[energy], len(certificate["poses"]))
         return [
             name, energy, str(certificate["subspace"]["dimension"]), str(certificate["stand_in"]["elements"]),
             str(len(certificate["branches"])), str(certificate["factorizations"]),
