@@ -26,14 +26,15 @@ constexpr double energy_noise = 1e-11;
 // failure twice as many steps are made without one, up to this.
 constexpr int longest_pause = 8;
 
-// Steps with the last factor need no Hessian. They continue while each makes the decrement smaller by this factor, or, where
-// the model is far stiffer than the energy, decreases the energy by this share of the decrease of the Newton step.
+// Steps with the last factor need no Hessian. They continue while each makes the decrement smaller by this factor, or
+// decreases the energy by this share of the decrease of the Newton step: where the model is far stiffer than the energy,
+// decrements say little.
 constexpr double least_progress = 0.5, least_gain = 0.15;
 constexpr int reuse_limit = 12;
 
 // Cells that a step would collapse are made stiffer: by this share of the Hessian's diagonal, then by three times as much,
-// six times at most before the line search shortens the whole step. Stiffer ones do not open where they should: from shares
-// of 3 on, slivers creep.
+// and so on, six times at most. After that the line search shortens the whole step. With a first share of 3, slivers stay
+// closed that should open.
 constexpr double first_stiffness = 0.1, stiffness_growth = 3;
 constexpr int restraint_limit = 6;
 

@@ -8,18 +8,19 @@
 
 namespace pliant {
 
-// A few slivers that a Newton step would collapse make the line search shorten the whole step (Zhu, Bridson, Kaufman 2018,
-// who filter the step). Here the model becomes stiffer in these cells, and the step is found again.
+// Where a Newton step would collapse a few slivers, the line search shortens the step of the whole body (Zhu, Bridson,
+// Kaufman 2018, who filter the step). Here the model becomes stiffer in these cells only, and the step is found again.
 
-// The triangles or tetrahedra that shrink below a fifth of their area or volume from y to `moved`; so do tetrahedra that
-// are inverted.
+// The triangles or tetrahedra that shrink below a fifth of their area or volume from y to `moved`, and tetrahedra that are
+// inverted.
 std::vector<std::uint32_t> collapsing_cells(const NormalizedPoses& set, const Shape& y, const Shape& moved);
 
-// Adds springs between the corners of these cells, of this share of the largest diagonal entry there.
+// Adds springs between the corners of these cells. Their stiffness: this share of the largest diagonal entry there. The
+// pattern stays, since every two corners of a cell have an element in common.
 void stiffen(SparseLower& hessian, const NormalizedPoses& set, const std::vector<std::uint32_t>& cells, double share);
 
-// A step along which the quadratic model decreases, close to the minimum of the model: preconditioned conjugate gradients
-// from zero, so that any number of them gives a descent direction. `solve` applies the inverse of the Hessian before it was
+// A step near the minimum of the quadratic model: preconditioned conjugate gradients. They start from zero, so after any
+// number of iterations the result is a descent direction. `solve` applies the inverse of the Hessian before it was
 // stiffened. Cost: about ten solves.
 Shape solve_stiffened(const SparseLower& hessian, const Shape& load, const std::function<Shape(const Shape&)>& solve);
 
