@@ -188,6 +188,7 @@ std::string write_certificate(const BakeReport& report, const BakeOptions& optio
             energy["foldover_damping"] = shell.foldover_damping;
         else
             energy["rough_vertices"] = report.input.rough_count;
+        if (report.input.rough_count > 0) energy["roughest_vertex"] = report.input.roughest_vertex;
     }
     energy["aligned"] = !options.energy.keep_placement;
     energy["solver"] = name_of(options.energy.solver);

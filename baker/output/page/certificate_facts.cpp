@@ -90,9 +90,9 @@ std::vector<CheckFact> checks_of(const Json& certificate, std::size_t pose_count
     return checks;
 }
 
-std::optional<std::size_t> vertex(const Json& json)
+std::optional<std::size_t> vertex(const Json& json, std::string_view path = "vertex")
 {
-    const Json* value = find(json, "vertex");
+    const Json* value = find(json, path);
     return value && value->is_number_unsigned() ? std::optional<std::size_t>(value->get<std::size_t>()) : std::nullopt;
 }
 
@@ -235,6 +235,7 @@ CertificateFacts read_certificate_facts(const std::string& text, std::size_t pos
         facts.largest_distance = number(c, "measured/largest_distance");
     }
     facts.places = places_of(c, pose_count);
+    facts.roughest_vertex = vertex(c, "energy/roughest_vertex");
     facts.groups = { { "Elastic material", material_rows(c) },
                      { "Reduced space", subspace_rows(c) },
                      { "Surrogate energy", surrogate_rows(c) },

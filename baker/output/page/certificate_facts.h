@@ -31,6 +31,7 @@ struct CertificateFacts {
     std::optional<double> mean_error, largest_error, largest_distance;
     std::vector<CheckFact> checks; // in the order of the file, those that make sense
     std::vector<NamedPlace> places;
+    std::optional<std::size_t> roughest_vertex; // as the pose files count
     std::vector<std::pair<std::string, std::vector<std::pair<std::string, std::string>>>>
         groups;         // title; name and value: plain text
     std::string pretty; // the JSON, indented

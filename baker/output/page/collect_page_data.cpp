@@ -169,6 +169,15 @@ void add_warnings(RuntimeBlender& blender, const PagePainter& painter, const Cer
     }
 }
 
+void mark_roughest(const PagePainter& painter, const Coordinates& pose, std::uint32_t vertex, PagePicture& picture)
+{
+    PagePicture marked = painter.draw_marked(painter.shape(pose), { vertex }, {}, pose_size);
+    if (marked.marks.empty()) return; // not drawn
+    marked.title = picture.title;
+    marked.note = "circle: the roughest vertex";
+    picture = std::move(marked);
+}
+
 std::string view_text(const ViewOptions& view)
 {
     const char* const kind = view.view == View::front ? "front view"
@@ -211,6 +220,8 @@ PageData collect_page_data(RuntimeBlender& blender, const std::string& name, con
     const PagePainter painter(blender, shown(blends), view);
     for (std::size_t k = 0; k < std::min(data.pose_count, pose_limit); ++k)
         data.pose_pictures.push_back({ painter.draw(painter.shape(blends.poses[k]), pose_size), data.poses[k], {}, {} });
+    if (facts.roughest_vertex && *facts.roughest_vertex < blender.asset().vertex_count)
+        mark_roughest(painter, blends.poses[0], std::uint32_t(*facts.roughest_vertex), data.pose_pictures[0]);
     data.centre = draw_blend(painter, "All poses with equal weights", blends.centre_linear, blends.centre_elastic,
                              centre_size, true);
     draw_edges(painter, blends, data);

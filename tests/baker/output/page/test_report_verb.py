@@ -111,6 +111,13 @@ def check_bake(tool, folder):
     check(len(folded) == 1 and folded[0]["vertices"] and set(folded[0]["vertices"]) <= set(range(8, 12)), f"P4403: {folded}")
     run(tool, "report", source, "-o", page)
     check(f'>vertex {folded[0]["vertices"][0]}</title>' in check_page(page, 2), "a hinge that is folded over is not marked")
+    source = bake_shapes(tool, folder, "rough", [book(0.0), book(2.6)], 2)
+    roughest = json.loads(source.read_text())["energy"]["roughest_vertex"]
+    check(8 <= roughest < 12, f"vertex {roughest} of the book is the roughest")
+    run(tool, "report", source, "-o", page)
+    text = check_page(page, 2)
+    check(f">vertex {roughest}</title>" in text and "circle: the roughest vertex" in text,
+          "the roughest vertex is not marked")
 
 
 def main():
