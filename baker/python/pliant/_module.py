@@ -9,10 +9,11 @@ from __future__ import annotations
 
 import contextlib
 import os
+from collections.abc import Iterator
 
 
 @contextlib.contextmanager
-def _default(name, value):
+def _default(name: str, value: str) -> Iterator[None]:
     """Sets an environment variable meanwhile, unless it has a value."""
     if name in os.environ:
         yield
@@ -24,7 +25,7 @@ def _default(name, value):
         del os.environ[name]
 
 
-def _has_avx2():
+def _has_avx2() -> bool:
     try:
         with open("/proc/cpuinfo", encoding="ascii", errors="replace") as file:
             flags = next((line for line in file if line.startswith("flags")), "").split()
