@@ -26,14 +26,14 @@ NormalizedPoses bent_tube(double bend)
 }
 
 // Bent, and vertices here and there slide almost onto their neighbours to the one side or the other: triangles open and
-// close by a factor of fifty.
+// close by a factor of two hundred.
 NormalizedPoses tube_with_slivers()
 {
     const Tube tube;
     PoseSet poses = tube_poses(2);
     const auto slide = [&](Positions& positions, std::uint32_t ring, std::uint32_t side, std::uint32_t towards) {
         const std::uint32_t v = ring * tube.side_count + side, to = ring * tube.side_count + towards % tube.side_count;
-        positions.row(v) += 0.98 * (positions.row(to) - positions.row(v));
+        positions.row(v) += 0.995 * (positions.row(to) - positions.row(v));
     };
     poses.positions[1] = tube.pose(1, 0);
     for (std::uint32_t ring = 2; ring < 22; ring += 4) {
@@ -150,7 +150,7 @@ TEST_CASE("slivers that open and close do not hold back the whole body")
     const NewtonResult result = solver.minimize(equal_weights(2), set.shapes[0], NewtonOptions());
     CHECK(result.has_converged);
     CHECK(result.residual < 1e-3);
-    CHECK(solver.factorization_count() <= 12); // 18 if the whole step is shortened
+    CHECK(solver.factorization_count() <= 16); // 34 if the whole step is shortened
 }
 
 TEST_CASE("a stiffened cell keeps its size, and the step stays one of descent")
