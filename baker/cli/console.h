@@ -35,8 +35,8 @@ void print_finding(const std::string& verb, const Diagnostic& diagnostic);
 
 // OpenBLAS starts its threads and chooses its kernels before main. Unless the environment sets both, starts the program
 // again with one thread, since no signal mask reaches the others, and on x86 processors with AVX2 with the kernels for
-// those: an OpenBLAS older than the processor takes those for SSE3, four times slower, and other kernels change the last
-// bits of a bake. Call first.
+// those: an OpenBLAS older than the processor takes much slower ones, and other kernels change the last bits of a bake. Call
+// first.
 void start_with_fixed_blas(char** arguments);
 
 // Ctrl-C and SIGTERM end the process with exit code 130 at once. That is safe: outputs exist under their own name only when

@@ -106,16 +106,22 @@ bool NewtonSolver::factorize_model(const Weights& w, const Shape& y, bool try_ex
     return false;
 }
 
-std::vector<std::uint32_t> NewtonSolver::move(const Shape& y, const Shape& step, Shape& moved) const
+// A shape after a step, and the cells that the step collapses.
+struct NewtonSolver::Displaced {
+    Shape shape;
+    std::vector<std::uint32_t> collapsing;
+};
+
+// Curved, or straight where that collapses fewer cells: the rotation of a nearly collapsed cell is noise.
+NewtonSolver::Displaced NewtonSolver::displace(const Shape& y, const Shape& step) const
 {
-    moved = warp_(y, step);
-    if (energy_.allows_collapse()) return {};
-    std::vector<std::uint32_t> cells = collapsing_cells(set_, y, moved);
-    if (cells.empty()) return cells;
-    std::vector<std::uint32_t> straight_cells = collapsing_cells(set_, y, y + step);
-    if (straight_cells.size() >= cells.size()) return cells;
-    moved = y + step;
-    return straight_cells;
+    Displaced curved { warp_(y, step), {} };
+    if (energy_.allows_collapse()) return curved;
+    curved.collapsing = collapsing_cells(set_, y, curved.shape);
+    if (curved.collapsing.empty()) return curved;
+    Displaced straight { y + step, {} };
+    straight.collapsing = collapsing_cells(set_, y, straight.shape);
+    return straight.collapsing.size() < curved.collapsing.size() ? straight : curved;
 }
 
 // A shape with the energy and the forces there.
@@ -161,7 +167,8 @@ public:
 private:
     void factorize(Progress* progress);
     bool newton_step();
-    bool restrain(Shape& step);
+    Displaced restrain(Shape& step, bool& is_restrained);
+    bool accept(Displaced displaced, double slope, double length);
     bool reuse_factor(const Iterate& before);
     bool advance(const Shape& step, double slope, double length);
     Shape direction() const { return -solver_.solve_equilibrium(at_.gradient); }
@@ -202,51 +209,55 @@ void NewtonSolver::Descent::factorize(Progress* progress)
     result.projected_iterations += !is_exact_;
 }
 
-// Goes on by `length` of a step with the given slope if that collapses no cell and decreases the energy.
-bool NewtonSolver::Descent::advance(const Shape& step, double slope, double length)
+// Goes on to the end of `length` of a step with the given slope if that collapses no cell and decreases the energy.
+bool NewtonSolver::Descent::accept(Displaced displaced, double slope, double length)
 {
-    Shape moved;
-    if (!solver_.move(at_.y, length * step, moved).empty() && length > 1e-6) return false;
-    Iterate next = solver_.evaluate(w_, std::move(moved));
+    if (!displaced.collapsing.empty() && length > 1e-6) return false;
+    Iterate next = solver_.evaluate(w_, std::move(displaced.shape));
     if (!is_noise(slope) && !(next.energy <= at_.energy + 1e-4 * length * slope)) return false;
     at_ = std::move(next);
     return true;
 }
 
-// Replaces a Newton step that collapses cells by one of a model that is stiffer there. True: replaced.
-bool NewtonSolver::Descent::restrain(Shape& step)
+bool NewtonSolver::Descent::advance(const Shape& step, double slope, double length)
 {
-    Shape moved;
+    return accept(solver_.displace(at_.y, length * step), slope, length);
+}
+
+// The end of a Newton step. A step that collapses cells is first replaced by one of a model that is stiffer there.
+NewtonSolver::Displaced NewtonSolver::Descent::restrain(Shape& step, bool& is_restrained)
+{
+    Displaced displaced = solver_.displace(at_.y, step);
     double share = first_stiffness;
-    for (int i = 0; i < restraint_limit; ++i, share *= stiffness_growth) {
-        const std::vector<std::uint32_t> cells = solver_.move(at_.y, step, moved);
-        if (cells.empty()) return i > 0;
-        step = solver_.restrained_step(at_.gradient, cells, share);
+    for (int i = 0; i < restraint_limit && !displaced.collapsing.empty(); ++i, share *= stiffness_growth) {
+        step = solver_.restrained_step(at_.gradient, displaced.collapsing, share);
+        displaced = solver_.displace(at_.y, step);
+        is_restrained = true;
     }
-    return true;
+    return displaced;
 }
 
 bool NewtonSolver::Descent::newton_step()
 {
     Shape step = direction();
-    double slope = at_.gradient.dot(step);
-    result.decrement = relative_decrement(slope);
-    if (is_small() || is_noise(slope)) exact_pause_ = 0; // time to know
-    bool is_last
+    const double full_slope = at_.gradient.dot(step);
+    result.decrement = relative_decrement(full_slope);
+    if (is_small() || is_noise(full_slope)) exact_pause_ = 0; // time to know
+    const bool is_last
         = (is_small() && is_exact_) || is_near(doubt() * mass_norm(step, solver_.set_.masses), at_.y + step - start_);
-    const bool is_last_digit = is_noise(slope) && tried_exact_ && at_.residual <= options_.residual;
-    if (restrain(step)) {
-        slope = at_.gradient.dot(step);
-        is_last = false;
-    }
+    const bool is_last_digit = is_noise(full_slope) && tried_exact_ && at_.residual <= options_.residual;
+    bool is_restrained = false;
+    Displaced displaced = restrain(step, is_restrained);
+    const double slope = at_.gradient.dot(step);
     const Iterate before = at_;
     double length = 1;
-    while (length >= 1e-10 && !advance(step, slope, length)) length /= 2;
-    if (length < 1e-10) { // no decrease along a descent direction: rounding rules here
+    bool is_taken = accept(std::move(displaced), slope, length);
+    while (!is_taken && length >= 2e-10) is_taken = advance(step, slope, length /= 2);
+    if (!is_taken) { // no decrease along a descent direction: rounding rules here
         result.has_converged = result.decrement <= options_.decrement;
         return true;
     }
-    result.has_converged = is_last || is_last_digit;
+    result.has_converged = (is_last && !is_restrained) || is_last_digit;
     return result.has_converged || reuse_factor(before);
 }
 

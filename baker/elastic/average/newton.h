@@ -70,6 +70,7 @@ public:
 
 private:
     struct Iterate;
+    struct Displaced;
     class Descent;
     // Factors a positive definite model of the energy at y, the exact Hessian if it is one. False: `projected` was needed.
     bool factorize_model(const Weights& w, const Shape& y, bool try_exact);
@@ -77,9 +78,7 @@ private:
     void hold(const Shape& y); // chooses pins_ and modes_
     Iterate evaluate(const Weights& w, Shape y) const;
 
-    // Moves y by the step, curved or else straight where that collapses fewer cells (of a nearly collapsed cell the rotation
-    // is noise). The cells that collapse.
-    std::vector<std::uint32_t> move(const Shape& y, const Shape& step, Shape& moved) const;
+    Displaced displace(const Shape& y, const Shape& step) const;
 
     // The Newton step of the last model, made stiffer in these cells by a share of its diagonal.
     Shape restrained_step(const Shape& gradient, const std::vector<std::uint32_t>& cells, double share);

@@ -1,7 +1,7 @@
 """Loads the compiled module with one thread for OpenBLAS, and on x86 processors with AVX2 with the kernels for those.
 
 OpenBLAS starts its threads and chooses its kernels when it is loaded. More threads would change the last bits of a bake, and
-so would other kernels; an OpenBLAS older than the processor takes kernels that are four times slower.
+so would other kernels; an OpenBLAS older than the processor takes much slower ones.
 numpy is imported before the number of threads is set, so that an OpenBLAS of its own starts with its usual threads. Its
 kernels are set, since numpy may load the very library that the compiled module uses.
 """
@@ -14,7 +14,7 @@ from collections.abc import Iterator
 
 @contextlib.contextmanager
 def _default(name: str, value: str) -> Iterator[None]:
-    """Sets an environment variable meanwhile, unless it has a value."""
+    """Within the block the environment variable has this value, unless it had one before."""
     if name in os.environ:
         yield
         return

@@ -1,7 +1,6 @@
 """What the pipeline tests share: small poses, the tool, and a list of what failed."""
 import json
 import math
-import os
 import pathlib
 import subprocess
 import sys
@@ -10,7 +9,6 @@ import sys
 QUICK = {"dim": 3, "elements": 18, "check_samples": 2, "fresh_samples": 0, "threads": 1}
 QUICK_OPTIONS = ["--dim", "3", "--elements", "18", "--check-samples", "2", "--fresh-samples", "0", "--threads", "1"]
 failures = []
-os.environ.setdefault("OPENBLAS_NUM_THREADS", "1") # else the tool sets it and starts itself again
 
 
 def check(condition, text):
