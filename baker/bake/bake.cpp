@@ -96,12 +96,14 @@ BakedAsset bake(const PoseSet& poses, const BakeOptions& given, Progress& progre
     report.start_pose = family.start_pose();
     watch.end_stage("mean");
 
-    const FoundSubspace found = find_subspace(family, pool, options, progress);
-    report.snapshot_count = found.averages.size();
+    InterpolatedFamily known(family, &progress);
+    const FoundSubspace found = find_subspace(known, pool, options, progress);
+    report.snapshot_count = found.averages.size() - found.interpolated_count;
+    report.interpolated_count = found.interpolated_count;
     report.unconverged_snapshot_count = found.unconverged_count;
     watch.end_stage("subspace");
 
-    const FitProblem problem { set, *energy, family, found };
+    const FitProblem problem { set, *energy, family, known, found };
     const FittedModel fitted = fit(problem, options, progress);
     report.fit = fitted.report;
     watch.end_stage(name_of(fitted.report.kind));

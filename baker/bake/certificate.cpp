@@ -37,6 +37,7 @@ Json subspace_of(const BakeReport& report, const BakeOptions& options)
     if (options.subspace == SubspaceKind::krylov) subspace["ritz"] = options.ritz_count;
     if (options.subspace == SubspaceKind::adaptive) {
         subspace["snapshots"] = report.snapshot_count;
+        subspace["interpolated_averages"] = report.interpolated_count;
         subspace["unconverged_averages"] = report.unconverged_snapshot_count;
     }
     subspace["mean_error"] = report.fit.subspace_error.mean;

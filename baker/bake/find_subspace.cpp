@@ -3,7 +3,6 @@
 #include "bake/estimate.h"
 #include "base/weights/sampling.h"
 #include "elastic/average/rigid_modes.h"
-#include "elastic/average/sweep.h"
 #include "pliant_format.h"
 #include "reduced/subspace/barbic.h"
 #include "reduced/subspace/krylov.h"
@@ -53,22 +52,22 @@ Subspace build_fixed_subspace(SolverPool& pool, const BakeOptions& options, Prog
 
 } // namespace
 
-FoundSubspace find_subspace(AverageFamily& family, SolverPool& pool, const BakeOptions& options, Progress& progress)
+FoundSubspace find_subspace(InterpolatedFamily& known, SolverPool& pool, const BakeOptions& options, Progress& progress)
 {
     const std::size_t m = pool.set().pose_count();
     const std::vector<Weights> check_weights = draw_weights(options.seed + check_seed, m, options.check_count);
-    const KnownAverage mean { equal_weights(m), family.mean().y };
     if (options.subspace != SubspaceKind::adaptive) {
         FoundSubspace out;
         out.subspace = build_fixed_subspace(pool, options, progress);
-        out.checks = sweep(family, { mean }, check_weights, &progress);
+        out.checks = known.find(check_weights, "averages");
         return out;
     }
     AdaptiveOptions adaptive;
     adaptive.dimension = options.dimension;
+    adaptive.tolerance = options.tolerance;
     adaptive.seed = options.seed;
-    return build_adaptive_subspace(family, mean, training_weights(m, training_count(m), options.seed), check_weights,
-                                   adaptive, &progress);
+    return build_adaptive_subspace(known, training_weights(m, training_count(m), options.seed), check_weights, adaptive,
+                                   &progress);
 }
 
 } // namespace pliant

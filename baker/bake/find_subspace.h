@@ -3,7 +3,7 @@
 
 #include "bake/options.h"
 #include "base/common/progress.h"
-#include "elastic/average/family.h"
+#include "elastic/average/interpolated_family.h"
 #include "reduced/subspace/adaptive.h"
 
 namespace pliant {
@@ -13,6 +13,6 @@ NewtonOptions average_options(const BakeOptions& options, const NormalizedPoses&
 
 // The basis, its snapshots (of an adaptive one) and the unreduced averages at the check weights.
 // Cost: most of a bake; some thousand factorisations for five poses.
-FoundSubspace find_subspace(AverageFamily& family, SolverPool& pool, const BakeOptions& options, Progress& progress);
+FoundSubspace find_subspace(InterpolatedFamily& known, SolverPool& pool, const BakeOptions& options, Progress& progress);
 
 } // namespace pliant

@@ -2,6 +2,7 @@
 
 #include "bake/estimate.h"
 #include "bake/make_energy.h"
+#include "base/common/parallel.h"
 #include "base/weights/sampling.h"
 #include "elastic/average/rigid_modes.h"
 #include "elastic/energy/solid.h"
@@ -20,6 +21,9 @@ namespace {
 // many times as much: the table grows with the fourth power of the dimension.
 constexpr Eigen::Index quartic_dimension_wanted = 32;
 
+// What the surrogate energy adds to the error of its training data leaves them about this part of the tolerance.
+constexpr double usual_share = 0.5;
+
 // Share of the mean's energy that an error of one tolerance may cost. Soft directions then follow the unreduced average,
 // stiff ones the energy (training_of). With a much larger share training shapes get creased.
 constexpr double nearness_share = 0.003;
@@ -30,24 +34,6 @@ double nearness_wanted(const NormalizedPoses& set, double mean_energy, double to
     return 2 * nearness_share * std::max(mean_energy, 1e-13) / (off * off);
 }
 
-// Fewer dimensions than it takes to hold the checks themselves to the tolerance need not be tried.
-Eigen::Index least_dimension(const NormalizedPoses& set, const FoundSubspace& found, double tolerance)
-{
-    const Eigen::Index most = found.subspace.dimension();
-    Eigen::VectorXd mean = Eigen::VectorXd::Zero(most + 1); // distance of the averages from the first d dimensions
-    for (const CheckPoint& check : found.checks) {
-        const Eigen::VectorXd q = project(found.subspace, check.reference, set.masses);
-        double rest = std::pow(mass_norm(check.reference - found.subspace.shape(q), set.masses), 2);
-        for (Eigen::Index d = most; d >= 0; --d) {
-            mean[d] += std::sqrt(rest) / mass_norm(check.reference, set.masses) / double(found.checks.size());
-            if (d > 0) rest += q[d - 1] * q[d - 1];
-        }
-    }
-    Eigen::Index d = Eigen::Index(set.pose_count()) - 1;
-    while (d < most && mean[d] > tolerance) ++d;
-    return std::min(d, most);
-}
-
 // The fits of one bake.
 class Fitter {
 public:
@@ -56,7 +42,13 @@ public:
         , options_(options)
         , progress_(progress)
         , averages_(project_averages(p_.energy, p_.found.subspace, p_.set, p_.found.averages, &progress))
+        , checks_(p_.found.checks.size())
+        , nearness_(nearness_wanted(p_.set, p_.family.mean().energy, options.tolerance))
     {
+        for_each_task(checks_.size(), [&](std::size_t i, std::size_t) {
+            const CheckPoint& check = p_.found.checks[i];
+            checks_[i] = project_average(p_.energy, all(), p_.set, check.weights, check.reference);
+        });
     }
 
     FittedModel choose();
@@ -69,8 +61,11 @@ private:
         return { options_.tolerance, options_.tolerance_max, options_.element_count, options_.seed,
                  options_.cubature_solver };
     }
+    double training_error(Eigen::Index d) const;
+    Eigen::Index least_dimension(double share) const;
     bool wants_quartic(std::string& reason) const;
     FittedModel fit_quartic(Eigen::Index most);
+    FittedModel choose_surrogate();
     FittedModel fit_least(Eigen::Index most, const Quartic* quartic);
     FittedModel fit_at(Eigen::Index d, const Quartic* quartic);
     TrainingSet train(const ReducedSolver& reduced) const;
@@ -80,15 +75,45 @@ private:
     const FitProblem& p_;
     const BakeOptions& options_;
     Progress& progress_;
-    std::vector<ProjectedAverage> averages_;
+    std::vector<ProjectedAverage> averages_, checks_;
+    double nearness_; // of training data to the averages
 };
+
+// Mean distance of reduced averages in d dimensions, as training data are, from the checks.
+double Fitter::training_error(Eigen::Index d) const
+{
+    double mean = 0;
+    for (const ProjectedAverage& check : checks_) {
+        const double size = mass_norm(*check.shape, p_.set.masses);
+        const double outside = mass_dot(*check.shape - all().rest, *check.shape - all().rest, p_.set.masses)
+            - check.nearest.head(d).squaredNorm();
+        const double inside = (reduced_average(check, d, nearness_) - check.nearest.head(d)).squaredNorm();
+        mean += std::sqrt(std::max(0.0, outside) + inside) / size / double(checks_.size());
+    }
+    return mean;
+}
+
+// Blends follow their training data: fewer dimensions than these take need not be tried.
+Eigen::Index Fitter::least_dimension(double share) const
+{
+    Eigen::Index low = std::min<Eigen::Index>(Eigen::Index(p_.set.pose_count()) - 1, all().dimension()),
+                 high = all().dimension();
+    while (low < high) {
+        const Eigen::Index middle = (low + high) / 2;
+        if (training_error(middle) <= share * options_.tolerance)
+            high = middle;
+        else
+            low = middle + 1;
+    }
+    return high;
+}
 
 TrainingSet Fitter::train(const ReducedSolver& reduced) const
 {
     const std::size_t m = p_.set.pose_count();
     if (averages_.empty())
         return solve_training_set(reduced, p_.set, training_weights(m, training_count(m), options_.seed), &progress_);
-    return training_of(reduced, averages_, nearness_wanted(p_.set, p_.family.mean().energy, options_.tolerance));
+    return training_of(reduced, averages_, nearness_);
 }
 
 ChosenModel Fitter::fit_ghost(const Subspace& subspace, FittedModel& out) const
@@ -131,8 +156,8 @@ FittedModel Fitter::fit_least(Eigen::Index most, const Quartic* quartic)
 {
     if (!chooses_dimension()) return fit_at(most, quartic);
     FittedModel out;
-    const Eigen::Index least = std::min(most, least_dimension(p_.set, p_.found, options_.tolerance));
-    choose_dimension(least, most, surrogate_options(), [&](Eigen::Index d) {
+    const Eigen::Index least = std::min(most, least_dimension(1)), first = std::min(most, least_dimension(usual_share));
+    choose_dimension(least, first, most, surrogate_options(), [&](Eigen::Index d) {
         progress_.update("dimension", 0, fmt::format("d = {}", d));
         out = fit_at(d, quartic);
         return out.report.surrogate.error();
@@ -146,8 +171,7 @@ bool Fitter::wants_quartic(std::string& reason) const
     const auto* solid = dynamic_cast<const Solid*>(&p_.energy);
     if (options_.surrogate == SurrogateKind::quartic) return true;
     if (options_.surrogate != SurrogateKind::automatic || !solid || solid->law() != SolidLaw::stvk) return false;
-    const Eigen::Index least
-        = chooses_dimension() ? least_dimension(p_.set, p_.found, options_.tolerance) : all().dimension();
+    const Eigen::Index least = chooses_dimension() ? least_dimension(1) : all().dimension();
     if (least <= quartic_dimension_wanted) return true;
     reason = fmt::format("d = {} at least, and above {} a quartic is much slower than cubature", least,
                          quartic_dimension_wanted);
@@ -162,7 +186,7 @@ FittedModel Fitter::fit_quartic(Eigen::Index most)
     return out;
 }
 
-FittedModel Fitter::choose()
+FittedModel Fitter::choose_surrogate()
 {
     const bool is_asked = options_.surrogate == SurrogateKind::quartic;
     std::string reason;
@@ -180,16 +204,19 @@ FittedModel Fitter::choose()
     return out;
 }
 
-// The rest of the report.
-FitReport complete(FitReport report, const FitProblem& p, const FittedModel& fitted)
+FittedModel Fitter::choose()
 {
-    report.dimension = fitted.subspace.dimension();
-    report.element_count = fitted.model.surrogate->element_count();
-    report.training_count = fitted.training.weights.size();
-    report.unconverged_training_count = fitted.training.unconverged_count;
-    const ReducedSolver reduced(p.energy, fitted.subspace, p.family.mean_hessian(), p.family.mean().energy);
-    report.subspace_error = subspace_error(reduced, p.set, p.found.checks);
-    return report;
+    FittedModel out = choose_surrogate();
+    FitReport& report = out.report;
+    report.dimension = out.subspace.dimension();
+    report.element_count = out.model.surrogate->element_count();
+    report.training_count = out.training.weights.size();
+    report.unconverged_training_count = out.training.unconverged_count;
+    const ReducedSolver reduced(p_.energy, out.subspace, p_.family.mean_hessian(), p_.family.mean().energy);
+    std::vector<Eigen::VectorXd> starts;
+    for (const ProjectedAverage& check : checks_) starts.push_back(reduced_average(check, report.dimension, 0));
+    report.subspace_error = subspace_error(reduced, p_.set, p_.found.checks, starts);
+    return out;
 }
 
 } // namespace
@@ -202,7 +229,6 @@ Shape FittedModel::mean_shape() const
 FittedModel fit(const FitProblem& problem, const BakeOptions& options, Progress& progress)
 {
     FittedModel out = Fitter(problem, options, progress).choose();
-    out.report = complete(out.report, problem, out);
     if (out.report.surrogate.curvature.lowest <= 0)
         progress.warn(4402,
                       fmt::format("the surrogate energy is not convex at some training weights (lowest curvature {:.3g})",

@@ -10,11 +10,12 @@
 
 namespace pliant {
 
-// What a fit works on. All four must outlive the problem and the FittedModel.
+// What a fit works on. All must outlive the problem and the FittedModel.
 struct FitProblem {
     const NormalizedPoses& set;
     const Energy& energy;
     AverageFamily& family;
+    const InterpolatedFamily& known;
     const FoundSubspace& found;
 };
 

@@ -82,8 +82,9 @@ struct CheckReport {
 
 struct BakeReport {
     InputReport input;
-    std::size_t start_pose = 0; // the average of all poses is reached from it
-    std::size_t snapshot_count = 0;
+    std::size_t start_pose = 0;         // the average of all poses is reached from it
+    std::size_t snapshot_count = 0;     // unreduced averages
+    std::size_t interpolated_count = 0; // averages between them, which were not computed
     int unconverged_snapshot_count = 0;
     FitReport fit;
     CheckReport check;

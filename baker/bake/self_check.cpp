@@ -98,19 +98,22 @@ double smallest_cell_ratio(const NormalizedPoses& set, const Shape& blend)
     return cell_sizes(set, blend).cwiseQuotient(unit).minCoeff();
 }
 
-// Unreduced averages at fresh weights, reached from the mean, and whether another one is next to the blend.
-std::vector<CheckPoint> fresh_averages(OpenedAsset& opened, const AverageFamily& family, const BakeOptions& options,
+// Unreduced averages at fresh weights, and whether another one is next to the blend.
+std::vector<CheckPoint> fresh_averages(OpenedAsset& opened, const InterpolatedFamily& known, const BakeOptions& options,
                                        Progress& progress)
 {
-    const std::size_t pose_count = family.pool().set().pose_count();
+    const std::size_t pose_count = known.family().pool().set().pose_count();
     const std::vector<Weights> fresh = draw_weights(options.seed + fresh_seed, pose_count, options.fresh_count);
     std::vector<Shape> blends;
     for (const Weights& w : fresh) blends.push_back(opened.blend(w));
+    std::vector<CheckPoint> points = known.find(fresh, "check");
     SharedProgress shared(&progress);
-    shared.describe("check", 0, fmt::format("unreduced averages at {} fresh weights", fresh.size()));
-    std::vector<CheckPoint> points(fresh.size());
+    shared.describe("check", 0.5, fmt::format("averages next to {} blends", fresh.size()));
     for_each_task(fresh.size(), [&](std::size_t i, std::size_t worker) {
-        points[i] = family.check(fresh[i], blends[i], 0, worker, &shared);
+        const AverageFamily& family = known.family();
+        // What the neighbours foretold lies on the branch of the mean; everything else is followed from there.
+        if (points[i].error > branch_distance / 2) points[i] = family.point_at(fresh[i], worker, &shared);
+        family.compare(points[i], blends[i], worker, &shared);
     });
     return points;
 }
@@ -203,7 +206,7 @@ CheckedAsset self_check(const CheckProblem& p, const BakeOptions& options, Progr
         = [&](StoredMesh mesh) { return assemble(set, p.fitted, std::move(mesh), p.poses, reachable, options); };
     const AssetModel simulated = assemble_with(simulation_mesh(p.poses, set, options));
     OpenedAsset opened(simulated, training);
-    const std::vector<CheckPoint> fresh = fresh_averages(opened, p.fit.family, options, progress);
+    const std::vector<CheckPoint> fresh = fresh_averages(opened, p.fit.known, options, progress);
     std::vector<CheckPoint> points = p.fit.found.checks;
     points.insert(points.end(), fresh.begin(), fresh.end());
     CheckReport report = compare_with_averages(opened, p.pool, points, fresh.size(), options);

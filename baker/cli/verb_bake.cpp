@@ -47,7 +47,8 @@ void print_summary(const BakeRequest& a, const BakedAsset& baked)
             r.check.blends.size(), r.check.mean_error, r.check.largest_error, r.fit.subspace_error.mean,
             r.fit.subspace_error.largest, 100 * r.check.largest_distance);
     for (const StageTime& stage : r.stages) fmt::print("  {:<18} {:8.1f} s\n", stage.stage, stage.seconds);
-    fmt::print("  {} factorisations, {} snapshots\n", r.factorization_count, r.snapshot_count);
+    fmt::print("  {} factorisations, {} snapshots, {} interpolated\n", r.factorization_count, r.snapshot_count,
+               r.interpolated_count);
 }
 
 // A tolerance that was asked for and is missed: nothing is written, unless it is to be all the same.

@@ -140,9 +140,11 @@ private:
         if (kind == "Algorithm 1") return build_krylov_subspace(pool_.at(0), { 2, d, 256 }, nullptr);
         if (kind == "Barbic et al.") return build_barbic_subspace(pool_.at(0), { 4, d, 256 }, nullptr);
         if (!adaptive_) {
-            adaptive_ = build_adaptive_subspace(family_, { equal_weights(2), family_.mean().y }, training_weights(2, 33, 1),
-                                                {}, {}, nullptr)
-                            .subspace;
+            family_.mean();
+            InterpolatedFamily known(family_, nullptr);
+            AdaptiveOptions options;
+            options.tolerance = 0; // nothing is interpolated
+            adaptive_ = build_adaptive_subspace(known, training_weights(2, 33, 1), {}, options, nullptr).subspace;
         }
         return leading(*adaptive_, std::min(d, adaptive_->dimension()));
     }

@@ -19,6 +19,18 @@ Eigen::Vector3d centroid(const Shape& shape, const Eigen::VectorXd& masses)
 
 } // namespace
 
+namespace {
+
+// Times x: v x x.
+Eigen::Matrix3d cross_matrix(const Eigen::Vector3d& v)
+{
+    Eigen::Matrix3d out;
+    out << 0, -v[2], v[1], v[2], 0, -v[0], -v[1], v[0], 0;
+    return out;
+}
+
+} // namespace
+
 RigidMotion best_rigid_motion(const Shape& from, const Shape& to, const Eigen::VectorXd& masses)
 {
     const Eigen::Vector3d from_centre = centroid(from, masses), to_centre = centroid(to, masses);
@@ -43,6 +55,22 @@ void apply(const RigidMotion& motion, Shape& shape)
 void align_to(const NormalizedPoses& set, const Shape& target, Shape& shape)
 {
     if (set.is_free()) apply(best_rigid_motion(shape, target, set.masses), shape);
+}
+
+// Closest means that sum_v m_v target_v x shape_v = 0; the turn keeps that zero.
+void keep_aligned(const NormalizedPoses& set, const Shape& target, const Shape& shape, Eigen::MatrixXd& displacements)
+{
+    if (!set.is_free()) return;
+    Eigen::Matrix3d inertia = Eigen::Matrix3d::Zero();
+    Eigen::MatrixXd moments = Eigen::MatrixXd::Zero(3, displacements.cols());
+    for (Eigen::Index v = 0; v < set.masses.size(); ++v) {
+        const Eigen::Matrix3d arm = set.masses[v] * cross_matrix(target.segment<3>(3 * v));
+        inertia += arm * cross_matrix(shape.segment<3>(3 * v));
+        moments += arm * displacements.middleRows<3>(3 * v);
+    }
+    const Eigen::MatrixXd turns = inertia.partialPivLu().solve(moments);
+    for (Eigen::Index v = 0; v < set.masses.size(); ++v)
+        displacements.middleRows<3>(3 * v) -= cross_matrix(shape.segment<3>(3 * v)) * turns;
 }
 
 NormalizedPoses normalize(const PoseSet& poses, bool keep_placement)

@@ -13,6 +13,9 @@ void apply(const RigidMotion& motion, Shape& shape);
 // Moves `shape` rigidly to where it is closest to `target`, unless fixed vertices hold it.
 void align_to(const NormalizedPoses& set, const Shape& target, Shape& shape);
 
+// Turns displacements (columns) of an aligned shape such that it stays closest to `target`, unless fixed vertices hold it.
+void keep_aligned(const NormalizedPoses& set, const Shape& target, const Shape& shape, Eigen::MatrixXd& displacements);
+
 // Aligns (unless `keep_placement`, or vertices are fixed) and normalises.
 NormalizedPoses normalize(const PoseSet& poses, bool keep_placement = false);
 

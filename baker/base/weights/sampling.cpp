@@ -43,13 +43,15 @@ Weights candidate_weights(Random& random, std::size_t pose_count, std::size_t in
     return w;
 }
 
-// Evenly spaced ones inside the edge, the middle first.
+// The middle of the edge, the middles of its halves, and so on: those of van der Corput's sequence.
 std::vector<Weights> edge_weights(std::size_t count)
 {
-    std::vector<Weights> out = { equal_weights(2) };
-    const std::size_t parts = count | 1; // an odd number of parts never meets the middle
-    for (std::size_t i = 1; out.size() < count; ++i)
-        out.push_back(Weights(Eigen::Vector2d(double(i), double(parts - i)) / double(parts)));
+    std::vector<Weights> out;
+    for (std::size_t i = 1; out.size() < count; ++i) {
+        double place = 0, bit = 0.5;
+        for (std::size_t rest = i; rest > 0; rest /= 2, bit /= 2) place += bit * double(rest % 2);
+        out.push_back(Eigen::Vector2d(place, 1 - place));
+    }
     return out;
 }
 

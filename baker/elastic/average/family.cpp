@@ -76,7 +76,7 @@ Shape AverageFamily::start_of_step(Path& path, const Weights& to, double share) 
     if (!path.tangent) {
         // At a point that is only roughly an average the exact Hessian may be indefinite.
         if (!path.has_factor) path.solver.factorize_equilibrium(path.w, here, HessianKind::projected);
-        path.tangent = path.solver.weight_derivative(here, to - path.w);
+        path.tangent = path.solver.weight_derivatives(here, to - path.w);
     }
     const Weights next = path.w + share * (to - path.w);
     const Eigen::VectorXd sizes = cell_sizes(pool_.set(), here);
@@ -231,36 +231,53 @@ FamilyPoint AverageFamily::at(const Weights& w, std::size_t worker, Progress* pr
     return from({ centre, mean_->y }, w, worker, progress);
 }
 
-NewtonResult AverageFamily::near(const Shape& shape, const Weights& w, std::size_t worker, Progress* progress) const
+CheckPoint AverageFamily::point_at(const Weights& w, std::size_t worker, Progress* progress) const
+{
+    FamilyPoint point = at(w, worker, progress);
+    return { w, std::move(point.average.y), 0, 0, point.average.has_converged, std::move(point.jumps) };
+}
+
+NewtonResult AverageFamily::near(const Shape& shape, const Weights& w, std::size_t worker, Progress* progress,
+                                 bool starts_exact) const
 {
     NewtonOptions options = options_;
-    options.starts_exact = false;
+    options.starts_exact = starts_exact;
     NewtonResult result = pool_.at(worker).minimize(w, shape, options, progress);
     fix_gauge(pool_.set(), result.y);
     return result;
 }
 
+void AverageFamily::compare(CheckPoint& point, const Shape& blend, std::size_t worker, Progress* progress) const
+{
+    const NormalizedPoses& set = pool_.set();
+    point.error = point.nearest_error = relative_distance(set, blend, point.reference);
+    if (point.error < branch_distance / 2 && point.has_converged) return;
+    NewtonResult beside = near(blend, point.weights, worker, progress);
+    point.nearest_error = relative_distance(set, blend, beside.y);
+    const double distance = relative_distance(set, beside.y, point.reference);
+    if (distance > branch_distance) {
+        Eigen::Index pose = 0;
+        point.weights.maxCoeff(&pose);
+        point.branches.push_back({ Branch::Kind::other_path, point.weights, std::size_t(pose), distance,
+                                   farthest_vertex(set, point.reference, beside.y) });
+    }
+    if (!point.has_converged && beside.has_converged) {
+        point.reference = std::move(beside.y);
+        point.has_converged = true;
+    }
+    point.error = relative_distance(set, blend, point.reference);
+}
+
 CheckPoint AverageFamily::check(const Weights& w, const Shape& blend, double suspicion, std::size_t worker,
                                 Progress* progress) const
 {
-    const NormalizedPoses& set = pool_.set();
-    NewtonResult beside = near(blend, w, worker, progress);
-    CheckPoint point { w, std::move(beside.y), 0, 0, beside.has_converged, {} };
-    point.error = point.nearest_error = relative_distance(set, blend, point.reference);
-    if (point.error <= suspicion && point.has_converged) return point;
-    FamilyPoint defined = at(w, worker, progress);
-    const double distance = relative_distance(set, point.reference, defined.average.y);
-    point.branches = std::move(defined.jumps);
-    if (distance > branch_distance) {
-        Eigen::Index pose = 0;
-        w.maxCoeff(&pose);
-        point.branches.push_back({ Branch::Kind::other_path, w, std::size_t(pose), distance,
-                                   farthest_vertex(set, defined.average.y, point.reference) });
+    if (suspicion > 0) {
+        NewtonResult beside = near(blend, w, worker, progress);
+        const double error = relative_distance(pool_.set(), blend, beside.y);
+        if (error <= suspicion && beside.has_converged) return { w, std::move(beside.y), error, error, true, {} };
     }
-    if (!defined.average.has_converged && point.has_converged) return point;
-    point.reference = std::move(defined.average.y);
-    point.has_converged = defined.average.has_converged;
-    point.error = relative_distance(set, blend, point.reference);
+    CheckPoint point = point_at(w, worker, progress);
+    compare(point, blend, worker, progress);
     return point;
 }
 

@@ -67,17 +67,25 @@ public:
     // same time, each with its worker. Cost: 4 to 30 factorisations, at most some more than path_limit.
     FamilyPoint at(const Weights& w, std::size_t worker, Progress* progress) const;
 
-    // The same along the straight line from another average that is known, and the average next to a shape.
-    FamilyPoint from(const KnownAverage& known, const Weights& w, std::size_t worker, Progress* progress) const;
-    NewtonResult near(const Shape& shape, const Weights& w, std::size_t worker, Progress* progress) const;
+    // The same, to be compared with a blend.
+    CheckPoint point_at(const Weights& w, std::size_t worker, Progress* progress) const;
 
-    // Compares a blend for w with the reference average. Newton's method goes on from the blend, which needs few
-    // factorisations when it is good; if it ends more than `suspicion` (relative L2; 0: always) away, a(w) is computed: that
-    // is the reference average, unless only the other has converged, and a difference is recorded. Tasks may call it as
-    // at().
+    // The same along the straight line from another average that is known, and the average next to a shape. Where the exact
+    // Hessian at the shape is hardly ever definite, the first one need not be exact.
+    FamilyPoint from(const KnownAverage& known, const Weights& w, std::size_t worker, Progress* progress) const;
+    NewtonResult near(const Shape& shape, const Weights& w, std::size_t worker, Progress* progress,
+                      bool starts_exact = false) const;
+
+    // Compares a blend with the reference average of `point`: sets the errors. Where the blend is not next to it (half of
+    // branch_distance), Newton's method goes on from the blend; if it ends at another average, that is recorded, and if only
+    // that one has converged, it becomes the reference. Tasks may call it as at().
+    void compare(CheckPoint& point, const Shape& blend, std::size_t worker, Progress* progress) const;
+
+    // The same for a blend at w, with a(w). If Newton's method from the blend ends at most `suspicion` (relative L2; 0:
+    // always) away, that is taken for a(w).
     CheckPoint check(const Weights& w, const Shape& blend, double suspicion, std::size_t worker, Progress* progress) const;
 
-    const SolverPool& pool() const { return pool_; }
+    SolverPool& pool() const { return pool_; }
 
 private:
     struct Path;

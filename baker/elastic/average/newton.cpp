@@ -207,6 +207,7 @@ void NewtonSolver::Descent::factorize(Progress* progress)
     else
         --exact_pause_;
     result.projected_iterations += !is_exact_;
+    result.ends_exact = is_exact_;
 }
 
 // Goes on to the end of `length` of a step with the given slope if that collapses no cell and decreases the energy.
@@ -276,7 +277,9 @@ bool NewtonSolver::Descent::reuse_factor(const Iterate& before)
         if (!(slope < 0)) return false;
         if (relative_decrement(slope) > least_progress * last_decrement && !(gain > enough)) return false;
         result.decrement = relative_decrement(slope);
-        if (is_small() || is_noise(slope)) { // a Newton step squares what is left, and finds out whether this is a minimum
+        // A Newton step with the exact Hessian finds out whether this is a minimum. Steps of a projected one say too little
+        // about how far that is.
+        if ((is_small() && !is_exact_) || is_noise(slope)) {
             exact_pause_ = 0;
             return false;
         }
@@ -348,11 +351,15 @@ Shape NewtonSolver::restrained_step(const Shape& gradient, const std::vector<std
     });
 }
 
-Shape NewtonSolver::weight_derivative(const Shape& y, const Weights& direction) const
+Eigen::MatrixXd NewtonSolver::weight_derivatives(const Shape& y, const Eigen::MatrixXd& directions) const
 {
-    Shape load = Shape::Zero(y.size());
-    add_gradient(energy_, direction, y, load);
-    return -solve_equilibrium(load);
+    Eigen::MatrixXd loads = Eigen::MatrixXd::Zero(y.size(), directions.cols());
+    for (Eigen::Index k = 0; k < directions.rows(); ++k) { // energies take no negative weights
+        Shape force = Shape::Zero(y.size());
+        add_gradient(energy_, corner_weights(set_.pose_count(), std::size_t(k)), y, force);
+        loads += force * directions.row(k);
+    }
+    return -solve_equilibrium(loads);
 }
 
 } // namespace pliant

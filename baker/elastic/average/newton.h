@@ -37,6 +37,7 @@ struct NewtonResult {
     int iterations = 0;
     int projected_iterations = 0; // how many had an indefinite Hessian
     bool has_converged = false;
+    bool ends_exact = false; // the solver's last factor is that of an exact Hessian
 };
 
 // Keeps the symbolic factorisation between solves. One solver per thread.
@@ -57,9 +58,10 @@ public:
     // mass-orthogonal to them. Else x vanishes at fixed vertices.
     Eigen::MatrixXd solve_equilibrium(const Eigen::MatrixXd& loads) const;
 
-    // How the minimizer y moves when the weights move: -K^-1 sum_k direction_k grad W_k(y). K is what was factored last: by
-    // factorize_equilibrium(), or by minimize() near the minimizer that it returned, which is good enough for a guess.
-    Shape weight_derivative(const Shape& y, const Weights& direction) const;
+    // How the minimizer y moves when the weights move along the directions (columns): -K^-1 sum_k direction_k grad W_k(y).
+    // K is what was factored last: by factorize_equilibrium(), or by minimize() near the minimizer that it returned, which
+    // is good enough for a guess.
+    Eigen::MatrixXd weight_derivatives(const Shape& y, const Eigen::MatrixXd& directions) const;
 
     // y + step to first order, with turned limbs as long as before (Warp).
     Shape moved(const Shape& y, const Shape& step) const { return warp_(y, step); }

@@ -2,8 +2,8 @@
 
 #include "base/weights/sampling.h"
 #include "elastic/average/rigid_modes.h"
-#include "elastic/average/sweep.h"
 
+#include <algorithm>
 #include <fmt/core.h>
 
 namespace pliant {
@@ -13,6 +13,11 @@ namespace {
 // More snapshots for a dimension that was asked for come in groups of this.
 constexpr std::size_t batch_size = 8;
 
+// A wave is explained if its interpolations were off by at most these parts of the tolerance: hardly more than averages are
+// off themselves. With more, forces and stiffness at interpolated shapes are wrong, which spoils the surrogate energy long
+// before it shows in the shapes.
+constexpr double mean_explained = 0.1, largest_explained = 0.3;
+
 void add(FoundSubspace& out, std::vector<CheckPoint> points)
 {
     for (CheckPoint& point : points) {
@@ -21,23 +26,50 @@ void add(FoundSubspace& out, std::vector<CheckPoint> points)
     }
 }
 
+bool is_explained(const std::vector<CheckPoint>& wave, double tolerance)
+{
+    double mean = 0, largest = 0;
+    for (const CheckPoint& point : wave) {
+        mean += point.error / double(wave.size());
+        largest = std::max(largest, point.error);
+    }
+    return mean <= mean_explained * tolerance && largest <= largest_explained * tolerance;
+}
+
+// Averages at the training weights: unreduced ones in waves, each half as large as all before it, until one is explained.
+void add_training(FoundSubspace& out, InterpolatedFamily& known, const std::vector<Weights>& training, double tolerance)
+{
+    const std::size_t smallest_wave = training[0].size() + 2;
+    bool explained = false;
+    for (std::size_t done = 1; done < training.size() && !explained;) {
+        const std::size_t end = std::min(training.size(), done + std::max(smallest_wave, done / 2));
+        std::vector<CheckPoint> wave = known.learn({ &training[done], &training[0] + end }, "averages");
+        explained = is_explained(wave, tolerance);
+        add(out, std::move(wave));
+        done = end;
+    }
+    out.interpolated_count = training.size() - out.averages.size();
+    for (std::size_t i = out.averages.size(); i < training.size(); ++i)
+        out.averages.push_back({ training[i], known.at(training[i]) });
+}
+
 } // namespace
 
-FoundSubspace build_adaptive_subspace(const AverageFamily& family, const KnownAverage& mean,
-                                      const std::vector<Weights>& training, const std::vector<Weights>& check_weights,
-                                      const AdaptiveOptions& options, Progress* progress)
+FoundSubspace build_adaptive_subspace(InterpolatedFamily& known, const std::vector<Weights>& training,
+                                      const std::vector<Weights>& check_weights, const AdaptiveOptions& options,
+                                      Progress* progress)
 {
-    const NormalizedPoses& set = family.pool().set();
+    const NormalizedPoses& set = known.family().pool().set();
     FoundSubspace out;
-    out.averages.push_back(mean);
-    add(out, sweep(family, out.averages, { training.begin() + 1, training.end() }, progress));
+    out.averages.push_back({ training[0], known.at(training[0]) });
+    add_training(out, known, training, options.tolerance);
     Random random(options.seed);
     while (Eigen::Index(out.averages.size()) < options.dimension) {
         std::vector<Weights> batch;
         for (std::size_t i = 0; i < batch_size; ++i) batch.push_back(mixed_weights(random, set.pose_count(), i));
-        add(out, sweep(family, out.averages, batch, progress));
+        add(out, known.find(batch, "averages"));
     }
-    out.checks = sweep(family, out.averages, check_weights, progress);
+    out.checks = known.find(check_weights, "averages");
     if (progress) progress->update("subspace", 0.9, fmt::format("leading directions of {} snapshots", out.averages.size()));
     Eigen::MatrixXd directions(set.dof_count(), Eigen::Index(out.averages.size()));
     for (std::size_t i = 0; i < out.averages.size(); ++i)

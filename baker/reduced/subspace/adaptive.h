@@ -1,7 +1,7 @@
 // A subspace of snapshots: unreduced averages at training weights, and of them the leading directions (POD).
 #pragma once
 
-#include "elastic/average/family.h"
+#include "elastic/average/interpolated_family.h"
 #include "reduced/subspace/subspace.h"
 
 #include <cstdint>
@@ -12,22 +12,25 @@ struct AdaptiveOptions {
     // 0: as many as there are directions, at most max_dimension; else exactly this, if there are as many
     Eigen::Index dimension = 0;
     Eigen::Index max_dimension = 64;
+    // Averages that the interpolation of the others gives to a part of this (relative L2) are not computed.
+    double tolerance = 1e-3;
     std::uint64_t seed = 1;
 };
 
 struct FoundSubspace {
     Subspace subspace;                  // leading directions first: fewer columns are the best smaller space
-    std::vector<KnownAverage> averages; // full ones: the mean, those at the training weights, more for a dimension asked for
-    std::vector<CheckPoint> checks;     // at `check_weights`; their errors are not set
+    std::vector<KnownAverage> averages; // the mean, those at the training weights, more for a dimension asked for
+    std::size_t interpolated_count = 0; // of them; the others are unreduced averages
+    std::vector<CheckPoint> checks;     // unreduced averages at `check_weights`
     int unconverged_count = 0;          // averages that Newton left unconverged
 };
 
 // The family of averages a(w) is smooth in w, so that a basis of snapshots converges exponentially where the Krylov basis of
-// Algorithm 1 stalls (reduced/THEORY.md, section 1). Averages at the training weights (the equal ones first, where `mean`
-// is) are followed from each other; differences of the poses are kept exactly, and of the averages the leading directions.
-// No snapshot is taken at the checks.
-FoundSubspace build_adaptive_subspace(const AverageFamily& family, const KnownAverage& mean,
-                                      const std::vector<Weights>& training, const std::vector<Weights>& check_weights,
-                                      const AdaptiveOptions& options, Progress* progress);
+// Algorithm 1 stalls (reduced/THEORY.md, section 1). Averages at the training weights (the equal ones first, where the mean
+// is) are learnt in waves until the interpolation of those before says what a wave finds; the rest is interpolated.
+// Differences of the poses are kept exactly, and of the averages the leading directions. No snapshot is taken at the checks.
+FoundSubspace build_adaptive_subspace(InterpolatedFamily& known, const std::vector<Weights>& training,
+                                      const std::vector<Weights>& check_weights, const AdaptiveOptions& options,
+                                      Progress* progress);
 
 } // namespace pliant

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <fmt/core.h>
+#include <map>
 
 namespace pliant {
 
@@ -103,22 +104,36 @@ ChosenModel choose_cubature(const ReducedEnergy& reduced, const NormalizedPoses&
     return best;
 }
 
-Eigen::Index choose_dimension(Eigen::Index least, Eigen::Index most, const SurrogateOptions& options,
+Eigen::Index choose_dimension(Eigen::Index least, Eigen::Index first, Eigen::Index most, const SurrogateOptions& options,
                               const std::function<BlendError(Eigen::Index)>& error_at)
 {
-    // What is out of reach is brought as near as the most dimensions do, but not by more of them than that takes.
+    std::map<Eigen::Index, BlendError> measured;
+    Eigen::Index last = 0;
+    const auto error = [&](Eigen::Index d) {
+        if (measured.count(d) == 0) measured[last = d] = error_at(d);
+        return measured[d];
+    };
+    Eigen::Index high = first;
+    for (Eigen::Index step = std::max<Eigen::Index>(1, first / 8); high < most && !is_enough(error(high), options);
+         step *= 2)
+        high = std::min(most, high + step);
     SurrogateOptions wanted = options;
-    const BlendError best = error_at(most);
-    wanted.tolerance = std::max(options.tolerance, reachable * best.mean / aim);
-    wanted.tolerance_max = std::max(options.largest(), reachable * best.largest / aim);
-    wanted.drift = std::max(options.drift, reachable * best.drift / aim);
-    Eigen::Index low = least, high = most, last = most;
+    if (high == most) {
+        // What is out of reach is brought as near as the most dimensions do, but not by more of them than that takes.
+        const BlendError best = error(most);
+        wanted.tolerance = std::max(options.tolerance, reachable * best.mean / aim);
+        wanted.tolerance_max = std::max(options.largest(), reachable * best.largest / aim);
+        wanted.drift = std::max(options.drift, reachable * best.drift / aim);
+    }
+    Eigen::Index low = least;
+    for (const auto& [d, here] : measured)
+        if (!is_enough(here, wanted)) low = std::min(most, d + 1);
     while (low < high) {
-        last = (low + high) / 2;
-        if (is_enough(error_at(last), wanted))
-            high = last;
+        const Eigen::Index middle = (low + high) / 2;
+        if (is_enough(error(middle), wanted))
+            high = middle;
         else
-            low = last + 1;
+            low = middle + 1;
     }
     if (last != high) error_at(high);
     return high;

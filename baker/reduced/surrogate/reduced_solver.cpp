@@ -64,13 +64,12 @@ Eigen::VectorXd ReducedStarts::operator()(const Weights& w) const
                                                                                                               : near;
 }
 
-SubspaceError subspace_error(const ReducedSolver& solver, const NormalizedPoses& set, const std::vector<CheckPoint>& checks)
+SubspaceError subspace_error(const ReducedSolver& solver, const NormalizedPoses& set, const std::vector<CheckPoint>& checks,
+                             const std::vector<Eigen::VectorXd>& starts)
 {
     std::vector<double> errors(checks.size());
     for_each_task(checks.size(), [&](std::size_t i, std::size_t) {
-        // From the projection of the reference average: the reduced minimum that belongs to it.
-        const Eigen::VectorXd q
-            = solver.solve(checks[i].weights, project(solver.subspace(), checks[i].reference, set.masses)).q;
+        const Eigen::VectorXd q = solver.solve(checks[i].weights, starts[i]).q;
         errors[i] = relative_distance(set, solver.subspace().shape(q), checks[i].reference);
     });
     SubspaceError out;

@@ -48,12 +48,14 @@ private:
     RadialFunction predictor_;
 };
 
-// Error of the subspace alone: the exact reduced blend next to each reference average, relative L2.
+// Error of the subspace alone: the exact reduced blend next to each reference average, relative L2. `starts`: coordinates
+// near the blends.
 struct SubspaceError {
     double mean = 0, largest = 0;
     Weights worst_weights;
 };
-SubspaceError subspace_error(const ReducedSolver& solver, const NormalizedPoses& set, const std::vector<CheckPoint>& checks);
+SubspaceError subspace_error(const ReducedSolver& solver, const NormalizedPoses& set, const std::vector<CheckPoint>& checks,
+                             const std::vector<Eigen::VectorXd>& starts);
 
 // Eigenvalues of the reduced Hessian below this fraction of the largest are treated as this: rigid motions that the subspace
 // holds almost exactly have none, and without a floor they would be amplified without bound.

@@ -11,6 +11,21 @@
 
 namespace pliant {
 
+ProjectedAverage project_average(const Energy& energy, const Subspace& subspace, const NormalizedPoses& set,
+                                 const Weights& w, const Shape& average)
+{
+    HessianAssembler assembler(energy);
+    assembler.assemble(w, average, HessianKind::exact);
+    const Eigen::MatrixXd forces = assembler.matrix().selfadjointView<Eigen::Lower>() * subspace.basis;
+    const Eigen::MatrixXd stiffness = subspace.basis.transpose() * forces;
+    return { w,
+             &average,
+             project(subspace, average, set.masses),
+             forces.transpose() * (average - subspace.rest),
+             0.5 * (stiffness + stiffness.transpose()),
+             energy_value(energy, w, average) };
+}
+
 std::vector<ProjectedAverage> project_averages(const Energy& energy, const Subspace& subspace, const NormalizedPoses& set,
                                                const std::vector<KnownAverage>& averages, Progress* progress)
 {
@@ -30,39 +45,34 @@ std::vector<ProjectedAverage> project_averages(const Energy& energy, const Subsp
     std::vector<ProjectedAverage> out(kept.size());
     for_each_task(kept.size(), [&](std::size_t i, std::size_t) {
         shared.update("", 0);
-        const KnownAverage& average = *kept[i];
-        HessianAssembler assembler(energy);
-        assembler.assemble(average.weights, average.shape, HessianKind::exact);
-        const Eigen::MatrixXd forces = assembler.matrix().selfadjointView<Eigen::Lower>() * subspace.basis;
-        const Eigen::MatrixXd stiffness = subspace.basis.transpose() * forces;
-        out[i] = { average.weights, &average.shape, project(subspace, average.shape, set.masses),
-                   forces.transpose() * (average.shape - subspace.rest), 0.5 * (stiffness + stiffness.transpose()) };
+        out[i] = project_average(energy, subspace, set, kept[i]->weights, kept[i]->shape);
     });
     return out;
 }
 
+Eigen::VectorXd reduced_average(const ProjectedAverage& average, Eigen::Index d, double nearness)
+{
+    Eigen::MatrixXd stiffness = average.stiffness.topLeftCorner(d, d);
+    stiffness.diagonal().array() += nearness;
+    return stiffness.ldlt().solve(average.pull.head(d) + nearness * average.nearest.head(d));
+}
+
 TrainingSet training_of(const ReducedSolver& reduced, const std::vector<ProjectedAverage>& averages, double nearness)
 {
-    const Subspace& subspace = reduced.subspace();
-    const Eigen::Index d = subspace.dimension();
+    const Eigen::Index d = reduced.subspace().dimension();
     TrainingSet training;
     Eigen::MatrixXd mean_stiffness = Eigen::MatrixXd::Zero(d, d);
+    double energy = 0;
     for (const ProjectedAverage& average : averages) {
-        Eigen::MatrixXd stiffness = average.stiffness.topLeftCorner(d, d);
-        mean_stiffness += stiffness / double(averages.size());
-        training.shapes.push_back(average.shape);
-        training.stiffness.push_back(stiffness);
-        stiffness.diagonal().array() += nearness;
         training.weights.push_back(average.weights);
-        training.averages.push_back(stiffness.ldlt().solve(average.pull.head(d) + nearness * average.nearest.head(d)));
+        training.averages.push_back(reduced_average(average, d, nearness));
+        training.shapes.push_back(average.shape);
+        training.stiffness.push_back(average.stiffness.topLeftCorner(d, d));
+        mean_stiffness += training.stiffness.back() / double(averages.size());
+        energy += average.energy / double(averages.size());
     }
     training.whitening = whitening_of(mean_stiffness, metric_floor);
-    std::vector<double> energies(averages.size());
-    for_each_task(energies.size(), [&](std::size_t t, std::size_t) {
-        energies[t] = energy_value(reduced.energy().energy(), training.weights[t], subspace.shape(training.averages[t]));
-    });
-    training.energy_scale
-        = std::max(std::accumulate(energies.begin(), energies.end(), 0.0) / double(energies.size()), 1e-13);
+    training.energy_scale = std::max(energy, 1e-13);
     return training;
 }
 

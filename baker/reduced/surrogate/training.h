@@ -28,17 +28,24 @@ struct ProjectedAverage {
     Eigen::VectorXd nearest;   // coordinates of its projection in the mass inner product
     Eigen::VectorXd pull;      // U^T H (a - tau)
     Eigen::MatrixXd stiffness; // U^T H U, H the Hessian of W(w, .) at the average a
+    double energy;             // at the average
 };
+
+// Cost: an assembly of the Hessian.
+ProjectedAverage project_average(const Energy& energy, const Subspace& subspace, const NormalizedPoses& set,
+                                 const Weights& w, const Shape& average);
 
 // Those of all averages, which must outlive them; ones next to others, or to poses, are left out. Leading parts of the
 // results belong to leading dimensions. Cost: an assembly of the Hessian each.
 std::vector<ProjectedAverage> project_averages(const Energy& energy, const Subspace& subspace, const NormalizedPoses& set,
                                                const std::vector<KnownAverage>& averages, Progress* progress);
 
-// Training data from averages (the first one for equal weights): the q that minimizes energy + nearness / 2 |y(q) - a|^2.
-// With nearness 0 these are reduced averages, too far from a since a subspace is too stiff; with a large one projections, as
-// near as can be, but creased where triangles are small. In between soft directions follow the average, stiff ones the
-// energy.
+// The q in the first d dimensions that minimizes energy + nearness / 2 |y(q) - a|^2 next to the average a. With nearness 0
+// that is the reduced average, too far from a since a subspace is too stiff; with a large one the projection, as near as
+// can be, but creased where triangles are small. In between soft directions follow the average, stiff ones the energy.
+Eigen::VectorXd reduced_average(const ProjectedAverage& average, Eigen::Index d, double nearness);
+
+// Training data from averages (the first one for equal weights): what reduced_average() makes of them.
 TrainingSet training_of(const ReducedSolver& reduced, const std::vector<ProjectedAverage>& averages, double nearness);
 
 // Solves the exact reduced problem at all training weights (the equal ones first). Throws Failure (P4401) if the mean does

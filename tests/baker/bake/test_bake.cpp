@@ -7,9 +7,8 @@
 #include "bake/make_energy.h"
 #include "bake/warnings.h"
 #include "base/weights/sampling.h"
-#include "elastic/average/family.h"
+#include "elastic/average/interpolated_family.h"
 #include "elastic/average/shape_error.h"
-#include "elastic/average/sweep.h"
 #include "elastic/energy/reinforced_shells.h"
 #include "input/io/write_file.h"
 #include "output/asset/runtime_blender.h"
@@ -130,15 +129,20 @@ TEST_CASE("the adaptive subspace converges in d, far below Algorithm 1, and fill
     Random random(5);
     std::vector<Weights> weights;
     for (std::size_t i = 0; i < 9; ++i) weights.push_back(mixed_weights(random, 3, i));
-    const KnownAverage mean { equal_weights(3), family.mean().y };
+    family.mean();
+    InterpolatedFamily known(family, nullptr), known_less(family, nullptr);
     AdaptiveOptions options;
-    const FoundSubspace found = build_adaptive_subspace(family, mean, training_weights(3, 24, 1), weights, options, nullptr);
+    options.tolerance = 1e-4;
+    const FoundSubspace found = build_adaptive_subspace(known, training_weights(3, 40, 1), weights, options, nullptr);
     CHECK(found.unconverged_count == 0);
     CHECK(found.checks.size() == weights.size());
-    CHECK(found.averages.size() >= 24);
+    CHECK(found.averages.size() == 40);
+    CHECK(found.interpolated_count == 40 - 1 - known.learnt_count());
     const auto error_of = [&](const Subspace& subspace) {
+        std::vector<Eigen::VectorXd> starts;
+        for (const CheckPoint& check : found.checks) starts.push_back(project(subspace, check.reference, set.masses));
         return subspace_error(ReducedSolver(energy, subspace, family.mean_hessian(), family.mean().energy), set,
-                              found.checks);
+                              found.checks, starts);
     };
     const SubspaceError few = error_of(leading(found.subspace, 9)), many = error_of(leading(found.subspace, 16));
     CHECK(few.mean < 1e-3);
@@ -147,8 +151,13 @@ TEST_CASE("the adaptive subspace converges in d, far below Algorithm 1, and fill
     CHECK(10 * few.mean < error_of(build_krylov_subspace(pool.at(0), { 2, 9, 256 }, nullptr)).mean);
 
     options.dimension = 18;
-    const FoundSubspace filled = build_adaptive_subspace(family, mean, training_weights(3, 4, 1), weights, options, nullptr);
+    const FoundSubspace filled = build_adaptive_subspace(known_less, training_weights(3, 4, 1), weights, options, nullptr);
     CHECK(filled.subspace.dimension() == 18);
+    options.tolerance = 1;
+    InterpolatedFamily known_least(family, nullptr);
+    const FoundSubspace coarse = build_adaptive_subspace(known_least, training_weights(3, 40, 1), weights, options, nullptr);
+    CHECK(known_least.learnt_count() == 5); // one wave
+    CHECK(coarse.interpolated_count == 34);
 }
 
 TEST_CASE("training weights are spread over the simplex, the equal ones first")
@@ -223,12 +232,12 @@ TEST_CASE("the smallest dimension that keeps the tolerance is found, and the las
             return BlendError { d >= needed ? 1e-3 : 1e-1, 2e-2 };
         };
         const Eigen::Index wanted = needed > 40 ? 3 : needed; // out of reach: 3 dimensions are as good as 40
-        CHECK(choose_dimension(3, 40, options, error_at) == wanted);
+        CHECK(choose_dimension(3, 12, 40, options, error_at) == wanted);
         CHECK(last == wanted);
-        CHECK(count <= 8);
+        CHECK(count <= 11);
     }
     // A largest error that no dimension keeps does not cost dimensions.
-    CHECK(choose_dimension(3, 40, options, [](Eigen::Index d) { return BlendError { d < 9 ? 1.0 : 1e-3, 1.0 }; }) == 9);
+    CHECK(choose_dimension(3, 12, 40, options, [](Eigen::Index d) { return BlendError { d < 9 ? 1.0 : 1e-3, 1.0 }; }) == 9);
     // Parts that drift in the averages themselves: no more is asked of blends.
     CHECK(is_enough({ 1e-4, 1e-4, 0.0091, 0.009 }, options));
     CHECK(!is_enough({ 1e-4, 1e-4, 0.0091, 0.001 }, options));
@@ -254,23 +263,60 @@ TEST_CASE("all poses lead to one average, and a branch is known by its energy")
     CHECK(check.error > 0.01);
 }
 
-TEST_CASE("averages followed from their neighbours are those followed from the mean")
+TEST_CASE("averages found from their neighbours are those followed from the mean, and are soon known between them")
 {
     TubeFamily tube(3);
     auto& [set, energy, pool, family] = tube;
+    family.mean();
+    InterpolatedFamily known(family, nullptr);
     const std::vector<Weights> weights = training_weights(3, 30, 1);
     const int before = pool.factorization_count();
-    const std::vector<CheckPoint> points = sweep(family, { { weights[0], family.mean().y } }, weights, nullptr);
-    const int swept = pool.factorization_count() - before;
-    REQUIRE(points.size() == weights.size());
-    for (std::size_t i = 0; i < weights.size(); ++i) {
-        CAPTURE(i);
-        CHECK(points[i].weights == weights[i]);
-        CHECK(points[i].has_converged);
-        CHECK(points[i].branches.empty());
-        CHECK(relative_distance(set, points[i].reference, family.at(weights[i], 0, nullptr).average.y) < 1e-4);
+    const std::vector<CheckPoint> first = known.learn({ weights.begin() + 1, weights.begin() + 9 }, "");
+    const std::vector<CheckPoint> points = known.find({ weights.begin() + 9, weights.end() }, "");
+    const int found = pool.factorization_count() - before;
+    CHECK(known.learnt_count() == 8);
+    REQUIRE(points.size() == 21);
+    double first_error = 0, error = 0;
+    for (const CheckPoint& point : first) first_error += point.error / double(first.size());
+    for (const CheckPoint& point : points) {
+        CAPTURE(weights_text(point.weights));
+        CHECK(point.has_converged);
+        CHECK(point.branches.empty());
+        CHECK(relative_distance(set, point.reference, family.at(point.weights, 0, nullptr).average.y) < 1e-4);
+        CHECK(point.error == doctest::Approx(relative_distance(set, point.reference, known.at(point.weights))));
+        error += point.error / double(points.size());
     }
-    CHECK(swept < pool.factorization_count() - before - swept);
+    CHECK(error < 3e-4);
+    CHECK(4 * error < first_error);
+    CHECK(found < pool.factorization_count() - before - found); // of fewer averages
+}
+
+TEST_CASE("averages move with the weights as their derivatives say, whatever the energy")
+{
+    const NormalizedPoses set = normalize(tube_poses(3));
+    for (const Material material : { Material::discrete_shells, Material::arap }) {
+        CAPTURE(int(material));
+        EnergyOptions options;
+        options.material = material;
+        const std::unique_ptr<Energy> energy = make_energy(set, options);
+        SolverPool pool(*energy, set, default_solver());
+        NewtonOptions newton;
+        newton.decrement = 1e-12;
+        AverageFamily family(pool, newton, nullptr);
+        const Shape& mean = family.mean().y;
+        NewtonSolver& solver = pool.at(0);
+        solver.factorize_equilibrium(equal_weights(3), mean);
+        const Eigen::MatrixXd directions = weight_directions(3);
+        Eigen::MatrixXd derivatives = solver.weight_derivatives(mean, directions);
+        keep_aligned(set, set.shapes[0], mean, derivatives);
+        constexpr double step = 1e-3;
+        for (Eigen::Index c = 0; c < 2; ++c) {
+            const Shape ahead = family.near(mean, equal_weights(3) + step * directions.col(c), 0, nullptr).y,
+                        behind = family.near(mean, equal_weights(3) - step * directions.col(c), 0, nullptr).y;
+            const Shape moved = (ahead - behind) / (2 * step);
+            CHECK((moved - derivatives.col(c)).norm() < 1e-3 * moved.norm());
+        }
+    }
 }
 
 TEST_CASE("a bake says what it measured, and the certificate holds it")
