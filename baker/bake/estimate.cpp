@@ -20,8 +20,8 @@ int factorization_limit(std::size_t pose_count, const BakeOptions& options)
     // Newton's method from a guess: in each iteration the exact and the projected Hessian. A way ends with one such step and
     // its tangent; once more it starts at a blend or at the neighbours.
     constexpr int step_limit = 2 * iteration_limit + 2;
-    const int training = std::max(int(training_count(pose_count)), int(options.dimension) + 8); // in groups of 8
-    const int averages = int(pose_count) + training + options.check_count + options.fresh_count;
+    const int training = std::max(int(training_count(pose_count)), int(options.dimension) + 8);      // in groups of 8
+    const int averages = int(pose_count) + training + options.check_count + 2 * options.fresh_count; // two ways to these
     return averages * (path_limit + 2 * step_limit);
 }
 
@@ -39,13 +39,15 @@ BakeEstimate estimate_bake(std::size_t vertex_count, std::size_t pose_count, con
     // Orders of magnitude from the runs in tests/bench: seconds of a factorisation with its Hessian and the steps taken
     // with it, and of a reduced gradient.
     const double factorisation = 0.35 * std::pow(n / 1e4, 1.3), gradient = 1.5e-6 * n * (1 + d / 60);
-    const double averages = double(training_count(pose_count)) + double(options.check_count);
-    const double factorisations = is_adaptive ? 10 * m + 3 * averages : m + 8 * double(options.check_count);
+    const double training = is_adaptive ? double(training_count(pose_count)) : 0;
+    const double averages = training + double(options.check_count);
+    const double factorisations = 8 * m + 2 * (averages + double(options.fresh_count));
     const double solves = double(options.check_count) + (is_adaptive ? 0 : double(training_count(pose_count)));
-    estimate.seconds = (factorisations + 8.0 * options.fresh_count) * factorisation + solves * 20 * gradient + d * d * 1e-2;
-    // Factor and Hessian of every thread, all averages three times over while their directions are found, a few copies of
-    // the basis.
-    estimate.memory = 18e3 * n * double(worker_count()) + 24 * n * (5 * d + (is_adaptive ? 3 * averages : 0));
+    estimate.seconds = factorisations * factorisation + solves * 20 * gradient + d * d * 1e-2;
+    // Factor and Hessian of every thread, all averages three times over while their directions are found, up to 64 with
+    // their derivatives, a few copies of the basis.
+    const double derivatives = (m - 1) * std::min(training, 64 + m);
+    estimate.memory = 18e3 * n * double(worker_count()) + 24 * n * (5 * d + (is_adaptive ? 3 * averages : 0) + derivatives);
     estimate.asset_size = 12 * n * (d + 1) + 24 * n;
     return estimate;
 }

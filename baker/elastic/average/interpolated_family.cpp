@@ -124,11 +124,11 @@ std::vector<CheckPoint> InterpolatedFamily::learn(const std::vector<Weights>& we
         points.push_back(std::move(found.point));
     }
     if (starts_exact_) starts_exact_ = 2 * definite_count >= weights.size();
-    for (Known& known : learnt) {
+    for (std::size_t i = 0; i < learnt.size() && learnt_count() < centre_limit; ++i) {
         const bool is_close = std::any_of(known_.begin(), known_.end(), [&](const Known& other) {
-            return (other.weights - known.weights).norm() < closest_centres_learnt;
+            return (other.weights - weights[i]).norm() < closest_centres_learnt;
         });
-        if (!is_close && learnt_count() < centre_limit) known_.push_back(std::move(known));
+        if (!is_close && points[i].has_converged) known_.push_back(std::move(learnt[i]));
     }
     fit();
     return points;

@@ -14,7 +14,8 @@ namespace pliant {
 // that it knows. Nothing depends on the number of threads.
 class InterpolatedFamily {
 public:
-    // Needs family.mean(). Both must outlive it. Cost: m + 1 factorisations for m poses.
+    // Computes family.mean() if need be. The family and progress (may be null) must outlive it.
+    // Cost: m + 1 factorisations for m poses.
     InterpolatedFamily(AverageFamily& family, Progress* progress);
 
     // The interpolated shape.
@@ -26,7 +27,7 @@ public:
     // Cost: 1 to 3 factorisations each where the family is smooth, up to some more than path_limit elsewhere.
     std::vector<CheckPoint> find(const std::vector<Weights>& weights, const std::string& stage) const;
 
-    // The same, and knows them afterwards (centre_limit of them at most). Cost: up to one more factorisation each.
+    // The same, and knows those that converged afterwards (64 of them at most). Cost: up to one more factorisation each.
     std::vector<CheckPoint> learn(const std::vector<Weights>& weights, const std::string& stage);
 
     const AverageFamily& family() const { return family_; }
