@@ -50,7 +50,7 @@ public:
     virtual const std::uint32_t* element_vertices(std::size_t element, std::size_t& count) const = 0;
 
     // sum_k weights[k] * (part of the element in W_k) at the local coordinates x (3v). Fills `result` as far as `order`
-    // asks. A collapsed element may be +infinity; its derivatives are then meaningless.
+    // asks. No weight may be negative. A collapsed element may be +infinity; its derivatives are then meaningless.
     virtual void evaluate(std::size_t element, const double* weights, const double* x, Order order, HessianKind kind,
                           ElementResult& result) const = 0;
 
