@@ -59,7 +59,7 @@ FoundSubspace find_subspace(InterpolatedFamily& known, SolverPool& pool, const B
     if (options.subspace != SubspaceKind::adaptive) {
         FoundSubspace out;
         out.subspace = build_fixed_subspace(pool, options, progress);
-        out.checks = known.find(check_weights, "averages");
+        out.checks = known.find(check_weights, { "averages to check", 0, check_weights.size() });
         return out;
     }
     AdaptiveOptions adaptive;

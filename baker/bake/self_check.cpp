@@ -106,12 +106,12 @@ std::vector<CheckPoint> fresh_averages(OpenedAsset& opened, const InterpolatedFa
     const std::vector<Weights> fresh = draw_weights(options.seed + fresh_seed, pose_count, options.fresh_count);
     std::vector<Shape> blends;
     for (const Weights& w : fresh) blends.push_back(opened.blend(w));
-    std::vector<CheckPoint> points = known.find(fresh, "check");
+    std::vector<CheckPoint> points = known.find(fresh, { "fresh averages", 0, fresh.size() });
     SharedProgress shared(&progress);
     shared.describe("check", 0.5, fmt::format("averages next to {} blends", fresh.size()));
     for_each_task(fresh.size(), [&](std::size_t i, std::size_t worker) {
         const AverageFamily& family = known.family();
-        // What the neighbours foretold lies on the branch of the mean; everything else is followed from there.
+        // Where the interpolation was right, the average is on the branch of the mean; else it is followed from there.
         if (points[i].error > branch_distance / 2) points[i] = family.point_at(fresh[i], worker, &shared);
         family.compare(points[i], blends[i], worker, &shared);
     });

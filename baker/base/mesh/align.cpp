@@ -19,18 +19,6 @@ Eigen::Vector3d centroid(const Shape& shape, const Eigen::VectorXd& masses)
 
 } // namespace
 
-namespace {
-
-// Times x: v x x.
-Eigen::Matrix3d cross_matrix(const Eigen::Vector3d& v)
-{
-    Eigen::Matrix3d out;
-    out << 0, -v[2], v[1], v[2], 0, -v[0], -v[1], v[0], 0;
-    return out;
-}
-
-} // namespace
-
 RigidMotion best_rigid_motion(const Shape& from, const Shape& to, const Eigen::VectorXd& masses)
 {
     const Eigen::Vector3d from_centre = centroid(from, masses), to_centre = centroid(to, masses);

@@ -10,6 +10,14 @@ using Shape = Eigen::VectorXd;
 
 inline Eigen::Vector3d point(const Shape& shape, std::uint32_t vertex) { return shape.segment<3>(3 * Eigen::Index(vertex)); }
 
+// cross_matrix(v) * x = v x x.
+inline Eigen::Matrix3d cross_matrix(const Eigen::Vector3d& v)
+{
+    Eigen::Matrix3d m;
+    m << 0, -v.z(), v.y(), v.z(), 0, -v.x(), -v.y(), v.x(), 0;
+    return m;
+}
+
 // An edge with two of its faces. `first` and `second` run along the edge as the face of lower index has it; `left` is
 // opposite in that face, `right` in the other, whichever way round that one goes. Vertex order x0 x1 x2 x3 of the energies:
 // first, second, left, right.

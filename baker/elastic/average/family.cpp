@@ -247,22 +247,23 @@ NewtonResult AverageFamily::near(const Shape& shape, const Weights& w, std::size
     return result;
 }
 
-void AverageFamily::compare(CheckPoint& point, const Shape& blend, std::size_t worker, Progress* progress) const
+void AverageFamily::compare(CheckPoint& point, const Shape& blend, std::size_t worker, Progress* progress,
+                            std::optional<NewtonResult> beside) const
 {
     const NormalizedPoses& set = pool_.set();
     point.error = point.nearest_error = relative_distance(set, blend, point.reference);
     if (point.error < branch_distance / 2 && point.has_converged) return;
-    NewtonResult beside = near(blend, point.weights, worker, progress);
-    point.nearest_error = relative_distance(set, blend, beside.y);
-    const double distance = relative_distance(set, beside.y, point.reference);
+    if (!beside) beside = near(blend, point.weights, worker, progress);
+    point.nearest_error = relative_distance(set, blend, beside->y);
+    const double distance = relative_distance(set, beside->y, point.reference);
     if (distance > branch_distance) {
         Eigen::Index pose = 0;
         point.weights.maxCoeff(&pose);
         point.branches.push_back({ Branch::Kind::other_path, point.weights, std::size_t(pose), distance,
-                                   farthest_vertex(set, point.reference, beside.y) });
+                                   farthest_vertex(set, point.reference, beside->y) });
     }
-    if (!point.has_converged && beside.has_converged) {
-        point.reference = std::move(beside.y);
+    if (!point.has_converged && beside->has_converged) {
+        point.reference = std::move(beside->y);
         point.has_converged = true;
     }
     point.error = relative_distance(set, blend, point.reference);
@@ -271,13 +272,14 @@ void AverageFamily::compare(CheckPoint& point, const Shape& blend, std::size_t w
 CheckPoint AverageFamily::check(const Weights& w, const Shape& blend, double suspicion, std::size_t worker,
                                 Progress* progress) const
 {
+    std::optional<NewtonResult> beside;
     if (suspicion > 0) {
-        NewtonResult beside = near(blend, w, worker, progress);
-        const double error = relative_distance(pool_.set(), blend, beside.y);
-        if (error <= suspicion && beside.has_converged) return { w, std::move(beside.y), error, error, true, {} };
+        beside = near(blend, w, worker, progress);
+        const double error = relative_distance(pool_.set(), blend, beside->y);
+        if (error <= suspicion && beside->has_converged) return { w, std::move(beside->y), error, error, true, {} };
     }
     CheckPoint point = point_at(w, worker, progress);
-    compare(point, blend, worker, progress);
+    compare(point, blend, worker, progress, std::move(beside));
     return point;
 }
 

@@ -70,8 +70,8 @@ public:
     // The same, to be compared with a blend.
     CheckPoint point_at(const Weights& w, std::size_t worker, Progress* progress) const;
 
-    // The same along the straight line from another average that is known, and the average next to a shape. Where the exact
-    // Hessian at the shape is hardly ever definite, the first one need not be exact.
+    // The same along the straight line from another average that is known, and the average next to a shape. starts_exact: as
+    // in NewtonOptions.
     FamilyPoint from(const KnownAverage& known, const Weights& w, std::size_t worker, Progress* progress) const;
     NewtonResult near(const Shape& shape, const Weights& w, std::size_t worker, Progress* progress,
                       bool starts_exact = false) const;
@@ -79,7 +79,9 @@ public:
     // Compares a blend with the reference average of `point`: sets the errors. Where the blend is not next to it (half of
     // branch_distance), Newton's method goes on from the blend; if it ends at another average, that is recorded, and if only
     // that one has converged, it becomes the reference. Tasks may call it as at().
-    void compare(CheckPoint& point, const Shape& blend, std::size_t worker, Progress* progress) const;
+    // `beside`: the average next to the blend, if known.
+    void compare(CheckPoint& point, const Shape& blend, std::size_t worker, Progress* progress,
+                 std::optional<NewtonResult> beside = {}) const;
 
     // The same for a blend at w, with a(w). If Newton's method from the blend ends at most `suspicion` (relative L2; 0:
     // always) away, that is taken for a(w).

@@ -5,6 +5,7 @@
 #include "elastic/average/shape_error.h"
 
 #include <algorithm>
+#include <atomic>
 #include <fmt/core.h>
 
 namespace pliant {
@@ -15,7 +16,7 @@ namespace {
 constexpr std::size_t centre_limit = 64;
 
 // Closer centres would make the interpolation follow their small errors.
-constexpr double closest_centres_learnt = 0.03;
+constexpr double closest_centres_learned = 0.03;
 
 } // namespace
 
@@ -35,7 +36,7 @@ InterpolatedFamily::InterpolatedFamily(AverageFamily& family, Progress* progress
     fit();
 }
 
-std::size_t InterpolatedFamily::learnt_count() const { return known_.size() - set().pose_count() - 1; }
+std::size_t InterpolatedFamily::learned_count() const { return known_.size() - set().pose_count() - 1; }
 
 void InterpolatedFamily::fit()
 {
@@ -91,44 +92,47 @@ InterpolatedFamily::Found InterpolatedFamily::find_one(const Weights& w, std::si
     return found;
 }
 
-std::vector<InterpolatedFamily::Found>
-InterpolatedFamily::find_all(const std::vector<Weights>& weights, const std::string& stage, std::vector<Known>* learnt) const
+std::vector<InterpolatedFamily::Found> InterpolatedFamily::find_all(const std::vector<Weights>& weights, const Span& span,
+                                                                    std::vector<Known>* learned) const
 {
     std::vector<Found> all(weights.size());
-    if (learnt) learnt->resize(weights.size());
+    if (learned) learned->resize(weights.size());
     SharedProgress shared(progress_);
-    shared.describe(stage, 0, fmt::format("{} more", weights.size()));
+    std::atomic<std::size_t> done { span.done };
     for_each_task(weights.size(), [&](std::size_t i, std::size_t worker) {
+        if (worker == 0)
+            shared.describe(span.stage, double(done) / double(span.total), fmt::format("{} of {}", done.load(), span.total));
         all[i] = find_one(weights[i], worker, &shared);
         const Shape& y = all[i].point.reference;
-        if (learnt) (*learnt)[i] = { weights[i], y, derivatives(weights[i], y, worker, all[i].has_factor) };
+        if (learned) (*learned)[i] = { weights[i], y, derivatives(weights[i], y, worker, all[i].has_factor) };
+        ++done;
     });
     return all;
 }
 
-std::vector<CheckPoint> InterpolatedFamily::find(const std::vector<Weights>& weights, const std::string& stage) const
+std::vector<CheckPoint> InterpolatedFamily::find(const std::vector<Weights>& weights, const Span& span) const
 {
     std::vector<CheckPoint> points;
-    for (Found& found : find_all(weights, stage, nullptr)) points.push_back(std::move(found.point));
+    for (Found& found : find_all(weights, span, nullptr)) points.push_back(std::move(found.point));
     return points;
 }
 
-std::vector<CheckPoint> InterpolatedFamily::learn(const std::vector<Weights>& weights, const std::string& stage)
+std::vector<CheckPoint> InterpolatedFamily::learn(const std::vector<Weights>& weights, const Span& span)
 {
-    if (learnt_count() >= centre_limit) return find(weights, stage);
-    std::vector<Known> learnt;
+    if (learned_count() >= centre_limit) return find(weights, span);
+    std::vector<Known> learned;
     std::vector<CheckPoint> points;
     std::size_t definite_count = 0;
-    for (Found& found : find_all(weights, stage, &learnt)) {
+    for (Found& found : find_all(weights, span, &learned)) {
         definite_count += found.started_definite;
         points.push_back(std::move(found.point));
     }
     if (starts_exact_) starts_exact_ = 2 * definite_count >= weights.size();
-    for (std::size_t i = 0; i < learnt.size() && learnt_count() < centre_limit; ++i) {
+    for (std::size_t i = 0; i < learned.size() && learned_count() < centre_limit; ++i) {
         const bool is_close = std::any_of(known_.begin(), known_.end(), [&](const Known& other) {
-            return (other.weights - weights[i]).norm() < closest_centres_learnt;
+            return (other.weights - weights[i]).norm() < closest_centres_learned;
         });
-        if (!is_close && points[i].has_converged) known_.push_back(std::move(learnt[i]));
+        if (!is_close && points[i].has_converged) known_.push_back(std::move(learned[i]));
     }
     fit();
     return points;

@@ -8,12 +8,17 @@
 
 namespace pliant {
 
-// Knows averages and their derivatives by the weights: at the poses, at the mean, and at weights where it was told to learn
-// them. Where the family is smooth, a dozen of them say what all others are; each further one is found by Newton's method
-// from what the interpolation says, which also shows how good that is. Keeps one copy of the shape per pose for each average
-// that it knows. Nothing depends on the number of threads.
+// Holds averages and their derivatives by the weights: at the poses, at the mean, and at weights given to learn(). Averages
+// at other weights are interpolated, or found by Newton's method from the interpolated shape, which also measures its error.
+// Memory: one shape per pose for each average that is known. Results do not depend on the number of threads.
 class InterpolatedFamily {
 public:
+    // What progress is told: `done` of `total` averages of a stage were found before.
+    struct Span {
+        const char* stage;
+        std::size_t done, total;
+    };
+
     // Computes family.mean() if need be. The family and progress (may be null) must outlive it.
     // Cost: m + 1 factorisations for m poses.
     InterpolatedFamily(AverageFamily& family, Progress* progress);
@@ -25,15 +30,14 @@ public:
     // from that, the average is followed along the straight line from the nearest known one. On a family that is smooth both
     // give a(w), and the neighbours keep all averages on one branch of it where there are several.
     // Cost: 1 to 3 factorisations each where the family is smooth, up to some more than path_limit elsewhere.
-    std::vector<CheckPoint> find(const std::vector<Weights>& weights, const std::string& stage) const;
+    std::vector<CheckPoint> find(const std::vector<Weights>& weights, const Span& span) const;
 
-    // The same, and knows those that converged afterwards (64 of them at most). Cost: up to one more factorisation each.
-    std::vector<CheckPoint> learn(const std::vector<Weights>& weights, const std::string& stage);
+    // The same; those that converge are known afterwards (64 of them at most). Cost: up to one more factorisation each.
+    std::vector<CheckPoint> learn(const std::vector<Weights>& weights, const Span& span);
 
     const AverageFamily& family() const { return family_; }
 
-    // How many averages were learnt.
-    std::size_t learnt_count() const;
+    std::size_t learned_count() const;
 
 private:
     // An average and its derivatives along the columns of weight_directions().
@@ -54,14 +58,13 @@ private:
     Found find_one(const Weights& w, std::size_t worker, Progress* progress) const;
     KnownAverage nearest(const Weights& w) const;
     Eigen::MatrixXd derivatives(const Weights& w, const Shape& y, std::size_t worker, bool has_factor) const;
-    std::vector<Found> find_all(const std::vector<Weights>& weights, const std::string& stage,
-                                std::vector<Known>* learnt) const;
+    std::vector<Found> find_all(const std::vector<Weights>& weights, const Span& span, std::vector<Known>* learned) const;
     void fit();
 
     const AverageFamily& family_;
     Progress* progress_;
     bool starts_exact_ = true; // most interpolated shapes of the last wave had definite Hessians
-    std::vector<Known> known_; // the poses, the mean, the averages learnt
+    std::vector<Known> known_; // the poses, the mean, the averages learned
     std::optional<HermiteInterpolation> interpolation_;
 };
 

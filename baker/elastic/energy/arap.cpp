@@ -23,13 +23,6 @@ double half_cotangent(const Shape& shape, std::uint32_t i, std::uint32_t j, std:
     return 0.5 * u.dot(v) / u.cross(v).norm();
 }
 
-Matrix3d cross_matrix(const Vector3d& v)
-{
-    Matrix3d m;
-    m << 0, -v.z(), v.y(), v.z(), 0, -v.x(), -v.y(), v.x(), 0;
-    return m;
-}
-
 // Rigid motions cost nothing, so a Hessian is at best semidefinite: rounding must not look like a negative eigenvalue.
 constexpr double rounding = 1e-10;
 

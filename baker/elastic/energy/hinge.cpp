@@ -1,23 +1,14 @@
 #include "elastic/energy/hinge.h"
 
+#include "base/mesh/surface.h"
+
 #include <Eigen/Geometry>
 #include <cmath>
 
 namespace pliant {
 
-namespace {
-
 using Eigen::Matrix3d;
 using Eigen::Vector3d;
-
-Matrix3d cross_matrix(const Vector3d& v)
-{
-    Matrix3d m;
-    m << 0, -v.z(), v.y(), v.z(), 0, -v.x(), -v.y(), v.x(), 0;
-    return m;
-}
-
-} // namespace
 
 double hinge_angle(const Vector3d& x0, const Vector3d& x1, const Vector3d& x2, const Vector3d& x3)
 {

@@ -14,13 +14,6 @@ using Eigen::Vector3d;
 using Matrix9x3 = Eigen::Matrix<double, 9, 3>;
 using Matrix9 = Eigen::Matrix<double, 9, 9>;
 
-Matrix3d cross_matrix(const Vector3d& v)
-{
-    Matrix3d m;
-    m << 0, -v.z(), v.y(), v.z(), 0, -v.x(), -v.y(), v.x(), 0;
-    return m;
-}
-
 // Derivatives of the three coordinates of the place with respect to (r, e1, e2), one column each.
 Matrix9x3 place_slopes(const Matrix3d& v)
 {

@@ -43,7 +43,8 @@ void add_training(FoundSubspace& out, InterpolatedFamily& known, const std::vect
     bool explained = false;
     for (std::size_t done = 1; done < training.size() && !explained;) {
         const std::size_t end = std::min(training.size(), done + std::max(smallest_wave, done / 2));
-        std::vector<CheckPoint> wave = known.learn({ &training[done], &training[0] + end }, "averages");
+        std::vector<CheckPoint> wave
+            = known.learn({ &training[done], &training[0] + end }, { "averages", done, training.size() });
         explained = is_explained(wave, tolerance);
         add(out, std::move(wave));
         done = end;
@@ -67,9 +68,9 @@ FoundSubspace build_adaptive_subspace(InterpolatedFamily& known, const std::vect
     while (Eigen::Index(out.averages.size()) < options.dimension) {
         std::vector<Weights> batch;
         for (std::size_t i = 0; i < batch_size; ++i) batch.push_back(mixed_weights(random, set.pose_count(), i));
-        add(out, known.find(batch, "averages"));
+        add(out, known.find(batch, { "averages", 0, batch.size() }));
     }
-    out.checks = known.find(check_weights, "averages");
+    out.checks = known.find(check_weights, { "averages to check", 0, check_weights.size() });
     if (progress) progress->update("subspace", 0.9, fmt::format("leading directions of {} snapshots", out.averages.size()));
     Eigen::MatrixXd directions(set.dof_count(), Eigen::Index(out.averages.size()));
     for (std::size_t i = 0; i < out.averages.size(); ++i)

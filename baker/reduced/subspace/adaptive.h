@@ -27,7 +27,7 @@ struct FoundSubspace {
 
 // The family of averages a(w) is smooth in w, so that a basis of snapshots converges exponentially where the Krylov basis of
 // Algorithm 1 stalls (reduced/THEORY.md, section 1). Averages at the training weights (the equal ones first, where the mean
-// is) are learnt in waves until the interpolation of those before says what a wave finds; the rest is interpolated.
+// is) are learned in waves until the interpolation of those before says what a wave finds; the rest is interpolated.
 // Differences of the poses are kept exactly, and of the averages the leading directions. No snapshot is taken at the checks.
 FoundSubspace build_adaptive_subspace(InterpolatedFamily& known, const std::vector<Weights>& training,
                                       const std::vector<Weights>& check_weights, const AdaptiveOptions& options,

@@ -137,7 +137,7 @@ TEST_CASE("the adaptive subspace converges in d, far below Algorithm 1, and fill
     CHECK(found.unconverged_count == 0);
     CHECK(found.checks.size() == weights.size());
     CHECK(found.averages.size() == 40);
-    CHECK(found.interpolated_count == 40 - 1 - known.learnt_count());
+    CHECK(found.interpolated_count == 40 - 1 - known.learned_count());
     const auto error_of = [&](const Subspace& subspace) {
         std::vector<Eigen::VectorXd> starts;
         for (const CheckPoint& check : found.checks) starts.push_back(project(subspace, check.reference, set.masses));
@@ -156,7 +156,7 @@ TEST_CASE("the adaptive subspace converges in d, far below Algorithm 1, and fill
     options.tolerance = 1;
     InterpolatedFamily known_least(family, nullptr);
     const FoundSubspace coarse = build_adaptive_subspace(known_least, training_weights(3, 40, 1), weights, options, nullptr);
-    CHECK(known_least.learnt_count() == 5); // one wave
+    CHECK(known_least.learned_count() == 5); // one wave
     CHECK(coarse.interpolated_count == 34);
 }
 
@@ -234,7 +234,7 @@ TEST_CASE("the smallest dimension that keeps the tolerance is found, and the las
         const Eigen::Index wanted = needed > 40 ? 3 : needed; // out of reach: 3 dimensions are as good as 40
         CHECK(choose_dimension(3, 12, 40, options, error_at) == wanted);
         CHECK(last == wanted);
-        CHECK(count <= 11);
+        CHECK(count <= 11); // the most that steps and bisection take
     }
     // A largest error that no dimension keeps does not cost dimensions.
     CHECK(choose_dimension(3, 12, 40, options, [](Eigen::Index d) { return BlendError { d < 9 ? 1.0 : 1e-3, 1.0 }; }) == 9);
@@ -271,10 +271,10 @@ TEST_CASE("averages found from their neighbours are those followed from the mean
     InterpolatedFamily known(family, nullptr);
     const std::vector<Weights> weights = training_weights(3, 30, 1);
     const int before = pool.factorization_count();
-    const std::vector<CheckPoint> first = known.learn({ weights.begin() + 1, weights.begin() + 9 }, "");
-    const std::vector<CheckPoint> points = known.find({ weights.begin() + 9, weights.end() }, "");
+    const std::vector<CheckPoint> first = known.learn({ weights.begin() + 1, weights.begin() + 9 }, { "", 0, 8 });
+    const std::vector<CheckPoint> points = known.find({ weights.begin() + 9, weights.end() }, { "", 0, 21 });
     const int found = pool.factorization_count() - before;
-    CHECK(known.learnt_count() == 8);
+    CHECK(known.learned_count() == 8);
     REQUIRE(points.size() == 21);
     double first_error = 0, error = 0;
     for (const CheckPoint& point : first) first_error += point.error / double(first.size());
