@@ -76,7 +76,7 @@ Shape AverageFamily::start_of_step(Path& path, const Weights& to, double share) 
     if (!path.tangent) {
         // At a point that is only roughly an average the exact Hessian may be indefinite.
         if (!path.has_factor) path.solver.factorize_equilibrium(path.w, here, HessianKind::projected);
-        path.tangent = path.solver.weight_derivatives(here, to - path.w);
+        path.tangent = path.solver.rough_weight_derivatives(here, to - path.w);
     }
     const Weights next = path.w + share * (to - path.w);
     const Eigen::VectorXd sizes = cell_sizes(pool_.set(), here);

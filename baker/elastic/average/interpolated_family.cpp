@@ -15,14 +15,22 @@ namespace {
 // A family that so many averages do not explain is not smooth: more of them would cost memory and say little.
 constexpr std::size_t centre_limit = 64;
 
+// Rounding of an energy.
+constexpr double least_energy = 1e-13;
+
 // Closer centres would make the interpolation follow their small errors.
 constexpr double closest_centres_learned = 0.03;
+
+// Rotations of slivers are hardly ever interpolated well.
+constexpr double most_weight = 2;
 
 } // namespace
 
 InterpolatedFamily::InterpolatedFamily(AverageFamily& family, Progress* progress)
     : family_(family)
     , progress_(progress)
+    , coordinates_(set(), family.mean().y)
+    , fits_(worker_count())
 {
     const std::size_t m = set().pose_count();
     for (std::size_t k = 0; k < m; ++k) known_.push_back({ corner_weights(m, k), set().shapes[k], {} });
@@ -31,7 +39,7 @@ InterpolatedFamily::InterpolatedFamily(AverageFamily& family, Progress* progress
     shared.describe("averages", 0, "derivatives at the poses");
     for_each_task(known_.size(), [&](std::size_t i, std::size_t worker) {
         shared.update("", 0);
-        known_[i].derivatives = derivatives(known_[i].weights, known_[i].shape, worker, false);
+        known_[i] = with_derivatives(known_[i].weights, known_[i].shape, worker, false);
     });
     fit();
 }
@@ -45,24 +53,34 @@ void InterpolatedFamily::fit()
     interpolation_.emplace(centres);
 }
 
-Eigen::MatrixXd InterpolatedFamily::derivatives(const Weights& w, const Shape& y, std::size_t worker, bool has_factor) const
+InterpolatedFamily::Known InterpolatedFamily::with_derivatives(const Weights& w, const Shape& y, std::size_t worker,
+                                                               bool has_near_factor) const
 {
     NewtonSolver& solver = family_.pool().at(worker);
-    if (!has_factor) solver.factorize_equilibrium(w, y);
-    Eigen::MatrixXd out = solver.weight_derivatives(y, weight_directions(set().pose_count()));
-    keep_aligned(set(), set().shapes[0], y, out);
-    return out;
+    Eigen::MatrixXd moves = solver.weight_derivatives(w, y, weight_directions(set().pose_count()), has_near_factor);
+    keep_aligned(set(), set().shapes[0], y, moves);
+    const Eigen::VectorXd value = coordinates_.coordinates(y);
+    Known known { w, y, Eigen::MatrixXf(value.size(), 1 + moves.cols()) };
+    known.coordinates << value.cast<float>(), coordinates_.derivatives(y, value, moves).cast<float>();
+    return known;
 }
 
-Shape InterpolatedFamily::at(const Weights& w) const
+Shape InterpolatedFamily::interpolated(const Weights& w, std::size_t worker) const
 {
-    const Eigen::MatrixXd shares = interpolation_->shares(w);
-    Shape out = Shape::Zero(set().dof_count());
-    for (std::size_t i = 0; i < known_.size(); ++i) {
-        const auto share = shares.col(Eigen::Index(i));
-        out += share[0] * known_[i].shape + known_[i].derivatives * share.tail(share.size() - 1);
-    }
-    return out;
+    const Eigen::MatrixXf shares = interpolation_->shares(w).cast<float>();
+    Eigen::VectorXd sum = Eigen::VectorXd::Zero(known_[0].coordinates.rows());
+    for (std::size_t i = 0; i < known_.size(); ++i)
+        sum += (known_[i].coordinates * shares.col(Eigen::Index(i))).cast<double>();
+    std::unique_ptr<CellFit>& fit = fits_[worker];
+    if (!fit) fit = std::make_unique<CellFit>(set(), family_.pool().kind(), most_weight);
+    return coordinates_.shape(sum, *fit);
+}
+
+std::vector<Shape> InterpolatedFamily::at(const std::vector<Weights>& weights) const
+{
+    std::vector<Shape> shapes(weights.size());
+    for_each_task(weights.size(), [&](std::size_t i, std::size_t worker) { shapes[i] = interpolated(weights[i], worker); });
+    return shapes;
 }
 
 KnownAverage InterpolatedFamily::nearest(const Weights& w) const
@@ -77,12 +95,14 @@ KnownAverage InterpolatedFamily::nearest(const Weights& w) const
 InterpolatedFamily::Found InterpolatedFamily::find_one(const Weights& w, std::size_t worker, Progress* progress) const
 {
     Found found;
-    const Shape guess = at(w);
+    const Shape guess = interpolated(w, worker);
+    const double guess_energy = energy_value(family_.pool().energy(), w, guess);
     NewtonResult near = family_.near(guess, w, worker, progress, starts_exact_);
     const double corrected = relative_distance(set(), near.y, guess);
     found.started_definite = near.projected_iterations == 0;
+    found.has_factor = near.iterations > 0;
+    found.energy_excess = (guess_energy - near.energy) / std::max(near.energy, least_energy);
     if (near.has_converged && corrected < correction_limit) {
-        found.has_factor = near.ends_exact;
         found.point = { w, std::move(near.y), corrected, 0, true, {} };
         return found;
     }
@@ -104,7 +124,7 @@ std::vector<InterpolatedFamily::Found> InterpolatedFamily::find_all(const std::v
             shared.describe(span.stage, double(done) / double(span.total), fmt::format("{} of {}", done.load(), span.total));
         all[i] = find_one(weights[i], worker, &shared);
         const Shape& y = all[i].point.reference;
-        if (learned) (*learned)[i] = { weights[i], y, derivatives(weights[i], y, worker, all[i].has_factor) };
+        if (learned) (*learned)[i] = with_derivatives(weights[i], y, worker, all[i].has_factor);
         ++done;
     });
     return all;
@@ -117,25 +137,25 @@ std::vector<CheckPoint> InterpolatedFamily::find(const std::vector<Weights>& wei
     return points;
 }
 
-std::vector<CheckPoint> InterpolatedFamily::learn(const std::vector<Weights>& weights, const Span& span)
+InterpolatedFamily::Wave InterpolatedFamily::learn(const std::vector<Weights>& weights, const Span& span)
 {
-    if (learned_count() >= centre_limit) return find(weights, span);
     std::vector<Known> learned;
-    std::vector<CheckPoint> points;
+    Wave wave;
     std::size_t definite_count = 0;
-    for (Found& found : find_all(weights, span, &learned)) {
+    for (Found& found : find_all(weights, span, learned_count() < centre_limit ? &learned : nullptr)) {
         definite_count += found.started_definite;
-        points.push_back(std::move(found.point));
+        wave.energy_excess += found.energy_excess / double(weights.size());
+        wave.averages.push_back(std::move(found.point));
     }
     if (starts_exact_) starts_exact_ = 2 * definite_count >= weights.size();
     for (std::size_t i = 0; i < learned.size() && learned_count() < centre_limit; ++i) {
         const bool is_close = std::any_of(known_.begin(), known_.end(), [&](const Known& other) {
             return (other.weights - weights[i]).norm() < closest_centres_learned;
         });
-        if (!is_close && points[i].has_converged) known_.push_back(std::move(learned[i]));
+        if (!is_close && wave.averages[i].has_converged) known_.push_back(std::move(learned[i]));
     }
     fit();
-    return points;
+    return wave;
 }
 
 } // namespace pliant

@@ -1,6 +1,7 @@
 #include "elastic/average/newton.h"
 
 #include "base/common/diagnostics.h"
+#include "elastic/average/conjugate_gradients.h"
 #include "elastic/average/lbfgs.h"
 #include "elastic/average/restraint.h"
 #include "elastic/average/rigid_modes.h"
@@ -37,6 +38,9 @@ constexpr int reuse_limit = 12;
 // closed that should open.
 constexpr double first_stiffness = 0.1, stiffness_growth = 3;
 constexpr int restraint_limit = 6;
+
+// A step of a stiffened model is followed by others. Derivatives are data of an interpolation.
+constexpr ConjugateGradients of_step { 1e-3, 20 }, of_derivative { 1e-8, 20 };
 
 // The distance left after such a step is estimated from the rate at which the steps shrink. Rates are clamped: a single one
 // may be small by chance.
@@ -207,7 +211,6 @@ void NewtonSolver::Descent::factorize(Progress* progress)
     else
         --exact_pause_;
     result.projected_iterations += !is_exact_;
-    result.ends_exact = is_exact_;
 }
 
 // Goes on to the end of `length` of a step with the given slope if that collapses no cell and decreases the energy.
@@ -347,11 +350,13 @@ Shape NewtonSolver::restrained_step(const Shape& gradient, const std::vector<std
     stiffen(matrix, set_, cells, share);
     pin(matrix, pins_);
     return solve_free(-gradient, [&](const Eigen::MatrixXd& right) -> Eigen::MatrixXd {
-        return solve_stiffened(matrix, right, [&](const Shape& load) -> Shape { return cholesky_.solve(load); });
+        return conjugate_gradients(
+                   matrix, right, [&](const Eigen::MatrixXd& load) { return cholesky_.solve(load); }, of_step)
+            .x;
     });
 }
 
-Eigen::MatrixXd NewtonSolver::weight_derivatives(const Shape& y, const Eigen::MatrixXd& directions) const
+Eigen::MatrixXd NewtonSolver::weight_loads(const Shape& y, const Eigen::MatrixXd& directions) const
 {
     Eigen::MatrixXd loads = Eigen::MatrixXd::Zero(y.size(), directions.cols());
     for (Eigen::Index k = 0; k < directions.rows(); ++k) { // energies take no negative weights
@@ -359,7 +364,34 @@ Eigen::MatrixXd NewtonSolver::weight_derivatives(const Shape& y, const Eigen::Ma
         add_gradient(energy_, corner_weights(set_.pose_count(), std::size_t(k)), y, force);
         loads += force * directions.row(k);
     }
-    return -solve_equilibrium(loads);
+    return -loads;
+}
+
+Eigen::MatrixXd NewtonSolver::rough_weight_derivatives(const Shape& y, const Eigen::MatrixXd& directions) const
+{
+    return solve_equilibrium(weight_loads(y, directions));
+}
+
+Eigen::MatrixXd NewtonSolver::weight_derivatives(const Weights& w, const Shape& y, const Eigen::MatrixXd& directions,
+                                                 bool has_near_factor)
+{
+    const Eigen::MatrixXd loads = weight_loads(y, directions);
+    if (has_near_factor) {
+        if (set_.is_free()) modes_ = rigid_modes(y, set_.masses);
+        assembler_.assemble(w, y, HessianKind::exact);
+        pin(assembler_.matrix(), pins_);
+        bool is_enough = false;
+        const Eigen::MatrixXd moves = solve_free(loads, [&](const Eigen::MatrixXd& right) {
+            ConjugateGradientsResult result = conjugate_gradients(
+                assembler_.matrix(), right, [&](const Eigen::MatrixXd& load) { return cholesky_.solve(load); },
+                of_derivative);
+            is_enough = result.has_converged;
+            return std::move(result.x);
+        });
+        if (is_enough) return moves;
+    }
+    factorize_equilibrium(w, y);
+    return solve_equilibrium(loads);
 }
 
 } // namespace pliant

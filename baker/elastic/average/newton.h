@@ -37,7 +37,6 @@ struct NewtonResult {
     int iterations = 0;
     int projected_iterations = 0; // how many had an indefinite Hessian
     bool has_converged = false;
-    bool ends_exact = false; // the solver's last factor is that of an exact Hessian
 };
 
 // Keeps the symbolic factorisation between solves. One solver per thread.
@@ -58,10 +57,14 @@ public:
     // mass-orthogonal to them. Else x vanishes at fixed vertices.
     Eigen::MatrixXd solve_equilibrium(const Eigen::MatrixXd& loads) const;
 
-    // How the minimizer y moves when the weights move along the directions (columns): -K^-1 sum_k direction_k grad W_k(y).
-    // K is what was factored last: by factorize_equilibrium(), or by minimize() near the minimizer that it returned, which
-    // is good enough for a guess.
-    Eigen::MatrixXd weight_derivatives(const Shape& y, const Eigen::MatrixXd& directions) const;
+    // How the minimizer y moves when the weights move along the directions (columns): -K^-1 sum_k direction_k grad W_k(y),
+    // K the Hessian of W(w, .) at y. To four digits, with K's own factor or from the last one, which must be that of a shape
+    // near y then. Cost: an assembly, and a factorisation or some solves.
+    Eigen::MatrixXd weight_derivatives(const Weights& w, const Shape& y, const Eigen::MatrixXd& directions,
+                                       bool has_near_factor);
+
+    // The same with what was factored last in place of K: good enough for a step of a path.
+    Eigen::MatrixXd rough_weight_derivatives(const Shape& y, const Eigen::MatrixXd& directions) const;
 
     // y + step to first order, with turned limbs as long as before (Warp).
     Shape moved(const Shape& y, const Shape& step) const { return warp_(y, step); }
@@ -81,6 +84,8 @@ private:
     Iterate evaluate(const Weights& w, Shape y) const;
 
     Displaced displace(const Shape& y, const Shape& step) const;
+
+    Eigen::MatrixXd weight_loads(const Shape& y, const Eigen::MatrixXd& directions) const;
 
     // The Newton step of the last model, made stiffer in these cells by a share of its diagonal.
     Shape restrained_step(const Shape& gradient, const std::vector<std::uint32_t>& cells, double share);

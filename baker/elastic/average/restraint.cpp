@@ -13,10 +13,6 @@ namespace {
 // collapse.
 constexpr double least_size = 0.2;
 
-// Of the preconditioned residual, squared: the end of a step that will be followed by others.
-constexpr double accuracy = 1e-3;
-constexpr int iteration_limit = 20;
-
 double& diagonal(SparseLower& matrix, Eigen::Index i) { return matrix.valuePtr()[matrix.outerIndexPtr()[i]]; }
 
 template <std::size_t Corners>
@@ -60,24 +56,6 @@ void stiffen(SparseLower& hessian, const NormalizedPoses& set, const std::vector
             stiffen_cell(hessian, set.tets[c], share);
         else
             stiffen_cell(hessian, set.triangles[c], share);
-}
-
-Shape solve_stiffened(const SparseLower& hessian, const Shape& load, const std::function<Shape(const Shape&)>& solve)
-{
-    Shape x = Shape::Zero(load.size()), residual = load, z = solve(residual), direction = z;
-    double size = residual.dot(z);
-    const double enough = accuracy * size;
-    for (int i = 0; i < iteration_limit && size > enough; ++i) {
-        const Shape product = hessian.selfadjointView<Eigen::Lower>() * direction;
-        const double length = size / direction.dot(product);
-        x += length * direction;
-        residual -= length * product;
-        z = solve(residual);
-        const double next = residual.dot(z);
-        direction = z + next / size * direction;
-        size = next;
-    }
-    return x;
 }
 
 } // namespace pliant

@@ -4,8 +4,6 @@
 #include "base/mesh/normalized_poses.h"
 #include "elastic/average/hessian.h"
 
-#include <functional>
-
 namespace pliant {
 
 // Where a Newton step would collapse a few slivers, the line search shortens the step of the whole body (Zhu, Bridson,
@@ -18,10 +16,5 @@ std::vector<std::uint32_t> collapsing_cells(const NormalizedPoses& set, const Sh
 // Adds springs between the corners of these cells. Their stiffness: this share of the largest diagonal entry there. The
 // pattern stays, since every two corners of a cell have an element in common.
 void stiffen(SparseLower& hessian, const NormalizedPoses& set, const std::vector<std::uint32_t>& cells, double share);
-
-// A step near the minimum of the quadratic model: preconditioned conjugate gradients. They start from zero, so after any
-// number of iterations the result is a descent direction. `solve` applies the inverse of the Hessian before it was
-// stiffened. Cost: about ten solves.
-Shape solve_stiffened(const SparseLower& hessian, const Shape& load, const std::function<Shape(const Shape&)>& solve);
 
 } // namespace pliant

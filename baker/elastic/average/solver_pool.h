@@ -19,6 +19,7 @@ public:
 
     const Energy& energy() const { return energy_; }
     const NormalizedPoses& set() const { return set_; }
+    SolverKind kind() const { return kind_; }
     int factorization_count() const; // of all workers
 
 private:

@@ -1,8 +1,7 @@
 // Displacements made curved: what they turn they do not stretch.
 #pragma once
 
-#include "base/mesh/normalized_poses.h"
-#include "elastic/average/sparse_cholesky.h"
+#include "elastic/average/cells.h"
 
 namespace pliant {
 
@@ -14,15 +13,18 @@ namespace pliant {
 class Warp {
 public:
     // The set must outlive it.
-    Warp(const NormalizedPoses& set, SolverKind kind);
+    Warp(const NormalizedPoses& set, SolverKind kind)
+        : set_(set)
+        , fit_(set, kind)
+    {
+    }
 
     // y + step to first order; fixed vertices move by `step` exactly. Cost: a solve with one unknown per vertex.
     Shape operator()(const Shape& y, const Shape& step) const;
 
 private:
     const NormalizedPoses& set_;
-    std::vector<double> weights_; // of the edges of cell 0, of cell 1 ...: 3 a triangle, 6 a tetrahedron
-    SparseCholesky laplacian_;
+    CellFit fit_;
 };
 
 } // namespace pliant

@@ -13,10 +13,10 @@ namespace {
 // More snapshots for a dimension that was asked for come in groups of this.
 constexpr std::size_t batch_size = 8;
 
-// A wave is explained if its interpolations were off by at most these parts of the tolerance: hardly more than averages are
-// off themselves. With more, forces and stiffness at interpolated shapes are wrong, which spoils the surrogate energy long
-// before it shows in the shapes.
-constexpr double mean_explained = 0.1, largest_explained = 0.3;
+// A wave is explained if its interpolations were off by at most these multiples of the tolerance, and their energy by this
+// part of itself on average. With more energy they are creased, and forces and stiffness there are wrong, which spoils the
+// surrogate energy long before it shows in the shapes.
+constexpr double mean_explained = 1, largest_explained = 4, excess_explained = 1e-4;
 
 void add(FoundSubspace& out, std::vector<CheckPoint> points)
 {
@@ -26,14 +26,15 @@ void add(FoundSubspace& out, std::vector<CheckPoint> points)
     }
 }
 
-bool is_explained(const std::vector<CheckPoint>& wave, double tolerance)
+bool is_explained(const InterpolatedFamily::Wave& wave, double tolerance)
 {
     double mean = 0, largest = 0;
-    for (const CheckPoint& point : wave) {
-        mean += point.error / double(wave.size());
+    for (const CheckPoint& point : wave.averages) {
+        mean += point.error / double(wave.averages.size());
         largest = std::max(largest, point.error);
     }
-    return mean <= mean_explained * tolerance && largest <= largest_explained * tolerance;
+    return mean <= mean_explained * tolerance && largest <= largest_explained * tolerance
+        && wave.energy_excess <= excess_explained;
 }
 
 // Averages at the training weights: unreduced ones in waves, each half as large as all before it, until one is explained.
@@ -43,15 +44,16 @@ void add_training(FoundSubspace& out, InterpolatedFamily& known, const std::vect
     bool explained = false;
     for (std::size_t done = 1; done < training.size() && !explained;) {
         const std::size_t end = std::min(training.size(), done + std::max(smallest_wave, done / 2));
-        std::vector<CheckPoint> wave
+        InterpolatedFamily::Wave wave
             = known.learn({ &training[done], &training[0] + end }, { "averages", done, training.size() });
         explained = is_explained(wave, tolerance);
-        add(out, std::move(wave));
+        add(out, std::move(wave.averages));
         done = end;
     }
     out.interpolated_count = training.size() - out.averages.size();
-    for (std::size_t i = out.averages.size(); i < training.size(); ++i)
-        out.averages.push_back({ training[i], known.at(training[i]) });
+    const std::vector<Weights> rest(training.begin() + std::ptrdiff_t(out.averages.size()), training.end());
+    std::vector<Shape> shapes = known.at(rest);
+    for (std::size_t i = 0; i < rest.size(); ++i) out.averages.push_back({ rest[i], std::move(shapes[i]) });
 }
 
 } // namespace
@@ -62,7 +64,7 @@ FoundSubspace build_adaptive_subspace(InterpolatedFamily& known, const std::vect
 {
     const NormalizedPoses& set = known.family().pool().set();
     FoundSubspace out;
-    out.averages.push_back({ training[0], known.at(training[0]) });
+    out.averages.push_back({ training[0], known.at({ training[0] })[0] });
     add_training(out, known, training, options.tolerance);
     Random random(options.seed);
     while (Eigen::Index(out.averages.size()) < options.dimension) {

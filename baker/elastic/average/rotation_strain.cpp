@@ -1,0 +1,296 @@
+#include "elastic/average/rotation_strain.h"
+
+#include "base/mesh/align.h"
+#include "elastic/energy/best_rotation.h"
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+#include <queue>
+#include <tuple>
+
+namespace pliant {
+
+namespace {
+
+using Eigen::Index;
+using Eigen::Matrix3d;
+using Eigen::Vector3d;
+template <int Edges> using Frame = Eigen::Matrix<double, 3, Edges>;
+template <int Edges> using Strain = Eigen::Matrix<double, Edges, Edges>;
+
+constexpr double turn = 2 * 3.14159265358979323846;
+
+// Largest move of a vertex in the difference quotients, of 1: the root of the area or the cube root of the volume.
+constexpr double small_move = 1e-5;
+
+// Small enough for long triangles to come back as they were.
+constexpr double collapsed = 1e-12;
+
+// What a cell does from the base to a shape: rotation * frame * (1 + strain) along the frame.
+template <int Edges> struct Motion {
+    Matrix3d rotation;
+    Strain<Edges> strain;
+};
+
+// Two columns orthonormal in the plane of a triangle.
+Frame<2> frame_of(const Frame<2>& edges)
+{
+    Frame<2> frame;
+    frame.col(0) = edges.col(0).squaredNorm() > 0 ? Vector3d(edges.col(0).normalized()) : Vector3d::UnitX();
+    const Vector3d across = edges.col(1) - edges.col(1).dot(frame.col(0)) * frame.col(0);
+    frame.col(1) = across.squaredNorm() > 0 ? Vector3d(across.normalized()) : frame.col(0).unitOrthogonal();
+    return frame;
+}
+
+Frame<3> frame_of(const Frame<3>&) { return Frame<3>::Identity(); }
+
+Matrix3d with_normal(const Frame<2>& frame)
+{
+    Matrix3d out;
+    out << frame, Vector3d(frame.col(0)).cross(Vector3d(frame.col(1)));
+    return out;
+}
+
+// Of the gradient along the frame. Gradient + its cofactor = rotation * trace of the stretch, also of flat cells.
+Motion<2> motion_of(const Frame<2>& gradient, const Frame<2>& frame)
+{
+    const Vector3d a = gradient.col(0), b = gradient.col(1), cross = a.cross(b);
+    const Vector3d normal = cross.squaredNorm() > 0 ? Vector3d(cross.normalized()) : with_normal(frame).col(2);
+    Frame<2> turned;
+    turned << a + b.cross(normal), b + normal.cross(a);
+    turned = frame_of(turned);
+    const Strain<2> stretch = turned.transpose() * gradient;
+    return { with_normal(turned) * with_normal(frame).transpose(),
+             0.5 * (stretch + stretch.transpose()) - Strain<2>::Identity() };
+}
+
+Motion<3> motion_of(const Frame<3>& gradient, const Frame<3>&)
+{
+    const Matrix3d rotation = best_rotation(gradient), stretch = rotation.transpose() * gradient;
+    return { rotation, 0.5 * (stretch + stretch.transpose()) - Matrix3d::Identity() };
+}
+
+Vector3d rotation_vector(const Matrix3d& rotation)
+{
+    const Eigen::AngleAxisd turned(rotation);
+    return turned.angle() * turned.axis();
+}
+
+Matrix3d rotation_of(const Vector3d& vector)
+{
+    const double angle = vector.norm();
+    return angle > 0 ? Eigen::AngleAxisd(angle, vector / angle).toRotationMatrix() : Matrix3d(Matrix3d::Identity());
+}
+
+// The same rotation, with as many full turns as bring the vector nearest to another.
+Vector3d unwound(const Vector3d& vector, const Vector3d& other)
+{
+    const double angle = vector.norm(), length = other.norm();
+    if (angle < 1e-9 && length < 1e-9) return vector;
+    const Vector3d axis = angle < 1e-9 ? Vector3d(other / length) : Vector3d(vector / angle);
+    return (angle + turn * std::round((other.dot(axis) - angle) / turn)) * axis;
+}
+
+template <std::size_t Corners>
+void append_motions(const std::vector<Cell<Corners>>& cells, const Shape& base, const Shape& shape, Eigen::VectorXd& out)
+{
+    constexpr int edges = int(Corners) - 1, size = 3 + edges * (edges + 1) / 2;
+    for (std::size_t i = 0; i < cells.size(); ++i) {
+        const Frame<edges> before = edges_of(base, cells[i]), frame = frame_of(before);
+        const Frame<edges> gradient = edges_of(shape, cells[i]) * (dual(before, collapsed) * frame);
+        const Motion<edges> motion = motion_of(gradient, frame);
+        double* at = out.data() + size * Index(i);
+        Eigen::Map<Vector3d> vector(at);
+        vector = rotation_vector(motion.rotation);
+        at += 3;
+        for (int a = 0; a < edges; ++a)
+            for (int b = a; b < edges; ++b) *at++ = motion.strain(a, b);
+    }
+}
+
+template <std::size_t Corners>
+Eigen::Matrix3Xd changes_of(const std::vector<Cell<Corners>>& cells, const Shape& base, const Eigen::VectorXd& coordinates)
+{
+    constexpr int edges = int(Corners) - 1, size = 3 + edges * (edges + 1) / 2;
+    Eigen::Matrix3Xd changes(3, edges * Index(cells.size()));
+    for (std::size_t i = 0; i < cells.size(); ++i) {
+        const Frame<edges> before = edges_of(base, cells[i]), frame = frame_of(before);
+        const double* at = coordinates.data() + size * Index(i);
+        const Matrix3d rotation = rotation_of(Vector3d(at));
+        at += 3;
+        Strain<edges> stretch = Strain<edges>::Identity();
+        for (int a = 0; a < edges; ++a)
+            for (int b = a; b < edges; ++b, ++at) {
+                stretch(a, b) += *at;
+                if (a != b) stretch(b, a) += *at;
+            }
+        changes.middleCols<edges>(edges * Index(i)) = rotation * frame * stretch * (frame.transpose() * before) - before;
+    }
+    return changes;
+}
+
+} // namespace
+
+RotationStrain::RotationStrain(const NormalizedPoses& set, Shape base)
+    : set_(set)
+    , base_(std::move(base))
+{
+    if (set.is_solid())
+        connect(set.tets);
+    else
+        connect(set.triangles);
+}
+
+// Neighbours from facets (edges, faces) that two cells have in common, components by flooding.
+template <std::size_t Corners> void RotationStrain::connect(const std::vector<Cell<Corners>>& cells)
+{
+    using Facet = std::pair<std::array<std::uint32_t, Corners - 1>, std::uint32_t>;
+    std::vector<Facet> facets;
+    for (std::size_t i = 0; i < cells.size(); ++i)
+        for (std::size_t left_out = 0; left_out < Corners; ++left_out) {
+            Facet facet { {}, std::uint32_t(i) };
+            for (std::size_t c = 0, to = 0; c < Corners; ++c)
+                if (c != left_out) facet.first[to++] = cells[i][c];
+            std::sort(facet.first.begin(), facet.first.end());
+            facets.push_back(facet);
+        }
+    std::sort(facets.begin(), facets.end());
+    neighbours_.resize(cells.size());
+    for (std::size_t i = 1; i < facets.size(); ++i)
+        if (facets[i].first == facets[i - 1].first) {
+            neighbours_[facets[i].second].push_back(facets[i - 1].second);
+            neighbours_[facets[i - 1].second].push_back(facets[i].second);
+        }
+    constexpr std::uint32_t none = ~std::uint32_t(0);
+    component_of_cell_.assign(cells.size(), none);
+    component_of_vertex_.assign(std::size_t(set_.dof_count() / 3), none);
+    std::uint32_t count = 0;
+    std::vector<std::uint32_t> stack;
+    for (std::uint32_t seed = 0; seed < cells.size(); ++seed) {
+        if (component_of_cell_[seed] != none) continue;
+        component_of_cell_[seed] = count;
+        stack.push_back(seed);
+        while (!stack.empty()) {
+            const std::uint32_t cell = stack.back();
+            stack.pop_back();
+            for (std::uint32_t v : cells[cell]) component_of_vertex_[v] = count;
+            for (std::uint32_t other : neighbours_[cell])
+                if (component_of_cell_[other] == none) {
+                    component_of_cell_[other] = count;
+                    stack.push_back(other);
+                }
+        }
+        ++count;
+    }
+    for (std::uint32_t& component : component_of_vertex_)
+        if (component == none) component = count++; // a vertex without a cell
+    is_held_.assign(count, false);
+    for (std::uint32_t v : set_.fixed_vertices) is_held_[component_of_vertex_[v]] = true;
+}
+
+Eigen::Matrix3Xd RotationStrain::centroids(const Shape& shape) const
+{
+    Eigen::Matrix3Xd sums = Eigen::Matrix3Xd::Zero(3, Index(is_held_.size()));
+    Eigen::VectorXd masses = Eigen::VectorXd::Zero(sums.cols());
+    for (std::uint32_t v = 0; v < component_of_vertex_.size(); ++v) {
+        sums.col(component_of_vertex_[v]) += set_.masses[v] * point(shape, v);
+        masses[component_of_vertex_[v]] += set_.masses[v];
+    }
+    return sums * masses.cwiseInverse().asDiagonal();
+}
+
+// Every rotation by at most half a turn.
+Eigen::VectorXd RotationStrain::principal(const Shape& shape) const
+{
+    const Index inner = cell_size() * cell_count();
+    Eigen::VectorXd out(inner + 3 * Index(is_held_.size()));
+    if (set_.is_solid())
+        append_motions(set_.tets, base_, shape, out);
+    else
+        append_motions(set_.triangles, base_, shape, out);
+    Eigen::Map<Eigen::Matrix3Xd>(out.data() + inner, 3, Index(is_held_.size())) = centroids(shape);
+    return out;
+}
+
+// From the cell of each component that turns least to its neighbours, always to the cell that turns least against one before
+// it: a cell that is turned over is among the last, and misleads no other.
+void RotationStrain::make_continuous(Eigen::VectorXd& coordinates) const
+{
+    const auto vector = [&](std::uint32_t cell) { return coordinates.segment<3>(cell_size() * Index(cell)); };
+    std::vector<std::uint32_t> order(component_of_cell_.size());
+    std::iota(order.begin(), order.end(), 0u);
+    std::vector<double> angles;
+    std::vector<Eigen::Quaterniond> turns;
+    for (std::uint32_t cell : order) {
+        angles.push_back(vector(cell).norm());
+        turns.emplace_back(rotation_of(vector(cell)));
+    }
+    std::sort(order.begin(), order.end(),
+              [&](std::uint32_t a, std::uint32_t b) { return std::make_pair(angles[a], a) < std::make_pair(angles[b], b); });
+    struct Visit {
+        double difference;
+        std::uint32_t cell, from;
+        bool operator<(const Visit& other) const // the least difference first
+        {
+            return std::tie(other.difference, other.cell, other.from) < std::tie(difference, cell, from);
+        }
+    };
+    std::vector<bool> is_done(order.size());
+    std::priority_queue<Visit> queue;
+    for (std::uint32_t root : order) {
+        if (!is_done[root]) queue.push({ 0, root, root });
+        while (!queue.empty()) {
+            const Visit visit = queue.top();
+            queue.pop();
+            if (is_done[visit.cell]) continue;
+            is_done[visit.cell] = true;
+            vector(visit.cell) = unwound(vector(visit.cell), vector(visit.from));
+            for (std::uint32_t other : neighbours_[visit.cell])
+                if (!is_done[other]) queue.push({ 1 - std::abs(turns[visit.cell].dot(turns[other])), other, visit.cell });
+        }
+    }
+}
+
+Eigen::VectorXd RotationStrain::coordinates(const Shape& shape) const
+{
+    Eigen::VectorXd out = principal(shape);
+    make_continuous(out);
+    return out;
+}
+
+Eigen::MatrixXd RotationStrain::derivatives(const Shape& shape, const Eigen::VectorXd& coordinates,
+                                            const Eigen::MatrixXd& displacements) const
+{
+    const auto along = [&](const Shape& moved) {
+        Eigen::VectorXd out = principal(moved);
+        for (Index i = 0; i < cell_count(); ++i) {
+            auto vector = out.segment<3>(cell_size() * i);
+            vector = unwound(vector, coordinates.segment<3>(cell_size() * i));
+        }
+        return out;
+    };
+    Eigen::MatrixXd out(coordinates.size(), displacements.cols());
+    for (Index c = 0; c < displacements.cols(); ++c) {
+        const double largest = displacements.col(c).cwiseAbs().maxCoeff();
+        const double step = largest > 0 ? small_move / largest : 1;
+        out.col(c) = (along(shape + step * displacements.col(c)) - along(shape - step * displacements.col(c))) / (2 * step);
+    }
+    return out;
+}
+
+Shape RotationStrain::shape(const Eigen::VectorXd& coordinates, const CellFit& fit) const
+{
+    Shape out = fit(
+        base_, set_.is_solid() ? changes_of(set_.tets, base_, coordinates) : changes_of(set_.triangles, base_, coordinates));
+    const Eigen::Matrix3Xd wanted
+        = Eigen::Map<const Eigen::Matrix3Xd>(coordinates.data() + cell_size() * cell_count(), 3, Index(is_held_.size()));
+    const Eigen::Matrix3Xd moves = wanted - centroids(base_); // the fit keeps centroids
+    for (std::uint32_t v = 0; v < component_of_vertex_.size(); ++v)
+        if (!is_held_[component_of_vertex_[v]]) out.segment<3>(3 * Index(v)) += moves.col(component_of_vertex_[v]);
+    align_to(set_, set_.shapes[0], out);
+    return out;
+}
+
+} // namespace pliant
