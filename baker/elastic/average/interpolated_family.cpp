@@ -79,7 +79,12 @@ Shape InterpolatedFamily::interpolated(const Weights& w, std::size_t worker) con
 std::vector<Shape> InterpolatedFamily::at(const std::vector<Weights>& weights) const
 {
     std::vector<Shape> shapes(weights.size());
-    for_each_task(weights.size(), [&](std::size_t i, std::size_t worker) { shapes[i] = interpolated(weights[i], worker); });
+    SharedProgress shared(progress_);
+    shared.describe("averages", 1, fmt::format("{} interpolated", weights.size()));
+    for_each_task(weights.size(), [&](std::size_t i, std::size_t worker) {
+        shared.update("", 0);
+        shapes[i] = interpolated(weights[i], worker);
+    });
     return shapes;
 }
 

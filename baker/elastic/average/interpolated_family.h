@@ -44,6 +44,7 @@ public:
     Wave learn(const std::vector<Weights>& weights, const Span& span);
 
     const AverageFamily& family() const { return family_; }
+    const Shape& mean() const { return known_[set().pose_count()].shape; }
 
     std::size_t learned_count() const;
 

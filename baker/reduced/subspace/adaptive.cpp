@@ -64,7 +64,7 @@ FoundSubspace build_adaptive_subspace(InterpolatedFamily& known, const std::vect
 {
     const NormalizedPoses& set = known.family().pool().set();
     FoundSubspace out;
-    out.averages.push_back({ training[0], known.at({ training[0] })[0] });
+    out.averages.push_back({ training[0], known.mean() });
     add_training(out, known, training, options.tolerance);
     Random random(options.seed);
     while (Eigen::Index(out.averages.size()) < options.dimension) {
