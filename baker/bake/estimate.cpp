@@ -41,12 +41,12 @@ BakeEstimate estimate_bake(std::size_t vertex_count, std::size_t pose_count, con
     const double factorisation = 0.35 * std::pow(n / 1e4, 1.3), gradient = 1.5e-6 * n * (1 + d / 60);
     const double training = is_adaptive ? double(training_count(pose_count)) : 0;
     const double averages = training + double(options.check_count);
-    // Half of the training averages are interpolated, more or less.
+    // A training average takes about 1.4; half of them are interpolated, more or less.
     const double factorisations = 8 * m + 0.7 * training + 1.5 * double(options.check_count + options.fresh_count);
     const double solves = double(options.check_count) + (is_adaptive ? 0 : double(training_count(pose_count)));
     estimate.seconds = factorisations * factorisation + solves * 20 * gradient + d * d * 1e-2;
     // Factor and Hessian of every thread, all averages three times over while their directions are found, up to 64 with
-    // their derivatives as rotations and strains (48 bytes a vertex), a few copies of the basis.
+    // their derivatives as rotations and strains (48 bytes a vertex of a surface), a few copies of the basis.
     const double derivatives = 2 * m * std::min(training, 64 + m);
     estimate.memory = 18e3 * n * double(worker_count()) + 24 * n * (5 * d + (is_adaptive ? 3 * averages : 0) + derivatives);
     estimate.asset_size = 12 * n * (d + 1) + 24 * n;

@@ -16,7 +16,7 @@ namespace fs = std::filesystem;
 // What an option takes, as its type name on the command line tells.
 enum class Kind { flag, number, whole, name, path, path_list };
 
-Kind kind_of(const CLI::Option& option)
+Kind option_kind(const CLI::Option& option)
 {
     if (option.get_items_expected_max() == 0) return Kind::flag;
     const std::string type = option.get_type_name();
@@ -80,7 +80,7 @@ Json checked_paths(Kind kind, const std::string& key, const Json& value, const s
 
 Json checked_value(const CLI::Option& option, const Json& value, const std::string& where, const std::string& folder)
 {
-    const Kind kind = kind_of(option);
+    const Kind kind = option_kind(option);
     const std::string key = key_of(option);
     switch (kind) {
     case Kind::flag:
@@ -134,7 +134,7 @@ void set_option(CLI::Option& option, const Json& value, const std::string& where
 
 Json value_of(const CLI::Option& option)
 {
-    const Kind kind = kind_of(option);
+    const Kind kind = option_kind(option);
     if (kind == Kind::flag) return option.count() > 0;
     if (kind == Kind::path_list) return option.results();
     const std::string text = option.count() > 0 ? option.results().back() : option.get_default_str();
@@ -179,7 +179,7 @@ Json effective_config(const CLI::App& verb)
     for (const CLI::Option* option : options_of(verb)) {
         const bool is_given = option->count() > 0;
         if (!is_given && (option->get_default_str().empty() || key_of(*option) == "tolerance")
-            && kind_of(*option) != Kind::flag)
+            && option_kind(*option) != Kind::flag)
             continue;
         config[key_of(*option)] = value_of(*option);
     }

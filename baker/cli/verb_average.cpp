@@ -16,7 +16,7 @@ namespace pliant {
 
 namespace {
 
-struct Arguments {
+struct AverageArguments {
     std::vector<std::string> poses;
     std::string weights, path, list, output;
     std::uint32_t grid = 0;
@@ -81,7 +81,7 @@ std::vector<Weights> path_points(const std::string& path, std::size_t pose_count
     return points;
 }
 
-std::vector<std::string> all_inputs(const Arguments& a)
+std::vector<std::string> all_inputs(const AverageArguments& a)
 {
     std::vector<std::string> inputs = input_files(a.poses, a.energy);
     if (!a.path.empty()) inputs.push_back(a.path);
@@ -89,7 +89,7 @@ std::vector<std::string> all_inputs(const Arguments& a)
 }
 
 // What can be said before the poses are read.
-void check_usage(const Arguments& a)
+void check_usage(const AverageArguments& a)
 {
     if (int(!a.weights.empty()) + int(!a.path.empty()) + int(a.grid > 0) != 1)
         throw Failure(ExitCode::usage,
@@ -103,7 +103,7 @@ void check_usage(const Arguments& a)
     if (!a.list.empty()) probe_output(a.list, inputs);
 }
 
-std::vector<Wanted> wanted_averages(const Arguments& a, std::size_t pose_count)
+std::vector<Wanted> wanted_averages(const AverageArguments& a, std::size_t pose_count)
 {
     if (!a.weights.empty()) return { { normalized_weights(parse_weights(a.weights), pose_count), "", a.output } };
     const std::vector<Weights> points = a.grid > 0 ? simplex_grid(pose_count, a.grid) : path_points(a.path, pose_count);
@@ -150,7 +150,7 @@ nlohmann::ordered_json to_json(const Wanted& wanted, const FamilyPoint& point)
              { "jumps", point.jumps.size() } };
 }
 
-void print_figures(const Arguments& a, const nlohmann::ordered_json& averages, int factorization_count)
+void print_figures(const AverageArguments& a, const nlohmann::ordered_json& averages, int factorization_count)
 {
     if (a.is_json) {
         const nlohmann::ordered_json json = { { "factorizations", factorization_count }, { "averages", averages } };
@@ -163,7 +163,7 @@ void print_figures(const Arguments& a, const nlohmann::ordered_json& averages, i
     }
 }
 
-ExitCode run(const Arguments& a)
+ExitCode run_average(const AverageArguments& a)
 {
     check_usage(a);
     ConsoleProgress progress("average", a.is_quiet);
@@ -202,7 +202,7 @@ ExitCode run(const Arguments& a)
 
 Verb add_average(CLI::App& app)
 {
-    auto a = std::make_shared<Arguments>();
+    auto a = std::make_shared<AverageArguments>();
     CLI::App* verb = app.add_subcommand("average", "Compute unreduced elastic averages: slow, the reference for blends");
     verb->footer("Examples:\n  pliant average rest.ply run.ply --weights 1,1 -o between.ply\n"
                  "  pliant average rest.ply run.ply --path weights.csv -o truth_%04d.ply\n"
@@ -224,7 +224,7 @@ Verb add_average(CLI::App& app)
     add_threads(*verb);
     add_json(*verb, a->is_json);
     add_quiet(*verb, a->is_quiet);
-    return [a] { return run(*a); };
+    return [a] { return run_average(*a); };
 }
 
 } // namespace pliant

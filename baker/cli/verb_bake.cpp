@@ -112,7 +112,7 @@ double seconds_of(const BakeReport& report)
     return seconds;
 }
 
-ExitCode run(BakeRequest& a, CLI::App& verb)
+ExitCode run_bake(BakeRequest& a, CLI::App& verb)
 {
     complete_request(verb, a);
     const Json config = effective_config(verb);
@@ -166,7 +166,7 @@ Verb add_bake(CLI::App& app)
         "nothing");
     verb->add_flag("--dry-run", a->is_dry_run,
                    "Check the poses, print the estimated cost as JSON like `pliant check --json`, and bake nothing");
-    return [a, verb] { return run(*a, *verb); };
+    return [a, verb] { return run_bake(*a, *verb); };
 }
 
 } // namespace pliant

@@ -16,7 +16,7 @@ namespace pliant {
 
 namespace {
 
-struct Arguments {
+struct BatchArguments {
     std::string manifest, report;
     std::vector<std::string> only;
     std::size_t job_count = 1;
@@ -62,14 +62,14 @@ void keep_only(std::vector<BatchJob>& jobs, const std::vector<std::string>& only
     jobs.erase(std::remove_if(jobs.begin(), jobs.end(), is_left_out), jobs.end());
 }
 
-void print_plan(const Arguments& a, const std::vector<BatchJob>& jobs)
+void print_plan(const BatchArguments& a, const std::vector<BatchJob>& jobs)
 {
     if (a.is_quiet) return;
     fmt::print(a.is_json ? stderr : stdout, "{}", plan_table(jobs));
     std::fflush(stdout); // before the first progress on the other stream
 }
 
-ExitCode run(const Arguments& a)
+ExitCode run_bake_all(const BatchArguments& a)
 {
     const auto start = std::chrono::steady_clock::now();
     std::vector<BatchJob> jobs = read_manifest(a.manifest, threads_for_each(a.job_count));
@@ -97,7 +97,7 @@ ExitCode run(const Arguments& a)
     return goes_on ? ExitCode(exit_code_of(jobs)) : ExitCode::interrupted;
 }
 
-void add_what_to_do(CLI::App& verb, Arguments& a)
+void add_what_to_do(CLI::App& verb, BatchArguments& a)
 {
     verb.add_flag("--dry-run", a.is_dry_run, "Print the plan and bake nothing");
     verb.add_flag("--force", a.is_forced, "Also bake assets that are up to date");
@@ -113,7 +113,7 @@ void add_what_to_do(CLI::App& verb, Arguments& a)
 
 Verb add_bake_all(CLI::App& app)
 {
-    auto a = std::make_shared<Arguments>();
+    auto a = std::make_shared<BatchArguments>();
     CLI::App* verb = app.add_subcommand("bake-all", "Bake all characters of a manifest that are not up to date");
     verb->footer(
         "Example:\n  pliant bake-all characters.json --jobs 4 --memory 16GiB\n"
@@ -144,7 +144,7 @@ Verb add_bake_all(CLI::App& app)
     verb->add_option("--report", a->report, "Also write the summary as JSON")->type_name("OUT.json");
     verb->add_flag("--json", a->is_json, "Print the summary as JSON to standard output and the plan to standard error");
     add_quiet(*verb, a->is_quiet);
-    return [a] { return run(*a); };
+    return [a] { return run_bake_all(*a); };
 }
 
 } // namespace pliant

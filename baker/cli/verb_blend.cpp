@@ -12,7 +12,7 @@ namespace pliant {
 
 namespace {
 
-struct Arguments {
+struct BlendArguments {
     std::string asset, weights, path, output;
     bool all_vertices = false, is_quiet = false, is_json = false;
 };
@@ -40,13 +40,13 @@ nlohmann::ordered_json to_json(const std::string& output, const pliant_solve_inf
     return { { "output", output }, { "iterations", info.iterations }, { "evaluations", info.evaluations } };
 }
 
-void print_frames(const Arguments& a, const nlohmann::ordered_json& frames)
+void print_frames(const BlendArguments& a, const nlohmann::ordered_json& frames)
 {
     const nlohmann::ordered_json json = { { "asset", a.asset }, { "frames", frames } };
     fmt::print("{}\n", json_text(json));
 }
 
-ExitCode run(const Arguments& a)
+ExitCode run_blend(const BlendArguments& a)
 {
     if (a.weights.empty() == a.path.empty())
         throw Failure(ExitCode::usage, error_at(1202, "", "give either --weights or --path", "see `pliant blend --help`"));
@@ -85,7 +85,7 @@ ExitCode run(const Arguments& a)
 
 Verb add_blend(CLI::App& app)
 {
-    auto a = std::make_shared<Arguments>();
+    auto a = std::make_shared<BlendArguments>();
     CLI::App* verb = app.add_subcommand("blend", "Compute blends with the runtime and write them as meshes");
     verb->footer("Examples:\n  pliant blend hero.pliant --weights 0.5,0.25,0.25 -o blend.ply\n"
                  "  pliant blend hero.pliant --path weights.csv -o frame_%04d.ply");
@@ -99,7 +99,7 @@ Verb add_blend(CLI::App& app)
     add_all_vertices(*verb, a->all_vertices);
     add_json(*verb, a->is_json);
     add_quiet(*verb, a->is_quiet);
-    return [a] { return run(*a); };
+    return [a] { return run_blend(*a); };
 }
 
 } // namespace pliant

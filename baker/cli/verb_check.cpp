@@ -14,7 +14,7 @@ namespace pliant {
 
 namespace {
 
-struct Arguments {
+struct CheckArguments {
     std::vector<std::string> poses;
     BakeOptions bake;
     bool is_json = false;
@@ -59,7 +59,7 @@ void print_surface(const PoseSet& poses)
                    poses.triangles.size(), poses.repairs.component_count);
 }
 
-ExitCode run(const Arguments& a)
+ExitCode run_check(const CheckArguments& a)
 {
     const PoseSet poses = load_with_warnings("check", a.poses, a.bake.energy);
     if (a.is_json) {
@@ -112,14 +112,14 @@ nlohmann::ordered_json describe_poses(const PoseSet& poses, const BakeOptions& o
 
 Verb add_check(CLI::App& app)
 {
-    auto a = std::make_shared<Arguments>();
+    auto a = std::make_shared<CheckArguments>();
     CLI::App* verb = app.add_subcommand("check", "Check poses and estimate the cost of a bake; writes nothing");
     verb->footer("Example:\n  pliant check rest.ply run.ply jump.ply\nReports the problems of all files in one run.");
     add_pose_arguments(*verb, a->poses);
     add_energy_options(*verb, a->bake.energy);
     verb->add_option("--dim", a->bake.dimension, "Dimension of the reduced space, as for bake")->check(CLI::Range(1, 256));
     add_json(*verb, a->is_json);
-    return [a] { return run(*a); };
+    return [a] { return run_check(*a); };
 }
 
 } // namespace pliant

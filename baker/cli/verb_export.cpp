@@ -11,7 +11,7 @@ namespace pliant {
 
 namespace {
 
-struct Arguments {
+struct ExportArguments {
     std::string asset, output, path;
     bool with_morph = false, with_asset = false, with_compression = false, is_quiet = false;
     int bone_count = 0;
@@ -34,7 +34,7 @@ std::vector<float> weights_of(const std::vector<double>& row, std::size_t frame,
     }
 }
 
-std::vector<std::vector<float>> path_of(const Arguments& a, std::size_t pose_count)
+std::vector<std::vector<float>> path_of(const ExportArguments& a, std::size_t pose_count)
 {
     if (a.path.empty()) return default_path(pose_count, default_seconds, a.frames_per_second);
     std::vector<std::vector<float>> path;
@@ -46,7 +46,7 @@ std::vector<std::vector<float>> path_of(const Arguments& a, std::size_t pose_cou
     return path;
 }
 
-void print_summary(const Arguments& a, const ExportedFile& file)
+void print_summary(const ExportArguments& a, const ExportedFile& file)
 {
     const ExportReport& report = file.report;
     fmt::print("{}: {} vertices, {} triangles, {:.2f} MiB\n", a.output, report.vertex_count, report.triangle_count,
@@ -70,7 +70,7 @@ void print_summary(const Arguments& a, const ExportedFile& file)
     if (a.with_asset) fmt::print("  the asset is embedded (PLIANT_elastic_blend)\n");
 }
 
-ExitCode run(const Arguments& a)
+ExitCode run_export(const ExportArguments& a)
 {
     const bool with_morph = a.with_morph || (!a.with_asset && !a.bone_count);
     if (with_morph && a.bone_count)
@@ -108,7 +108,7 @@ ExitCode run(const Arguments& a)
 
 Verb add_export(CLI::App& app)
 {
-    auto a = std::make_shared<Arguments>();
+    auto a = std::make_shared<ExportArguments>();
     CLI::App* verb = app.add_subcommand("export", "Write an asset as a GLB for engines");
     verb->footer(
         "Examples:\n"
@@ -141,7 +141,7 @@ Verb add_export(CLI::App& app)
         ->check(CLI::Range(1.0, 1000.0))
         ->capture_default_str();
     add_quiet(*verb, a->is_quiet);
-    return [a] { return run(*a); };
+    return [a] { return run_export(*a); };
 }
 
 } // namespace pliant

@@ -2,6 +2,7 @@
 
 #include "output/asset/asset_facts.h"
 #include "output/asset/runtime_blender.h"
+#include "output/page/foreign_json.h"
 #include "pliant_format.h"
 
 #include <algorithm>
@@ -10,7 +11,6 @@
 #include <fmt/core.h>
 #include <map>
 #include <memory>
-#include <nlohmann/json.hpp>
 
 namespace pliant {
 
@@ -18,7 +18,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-struct Arguments {
+struct InfoArguments {
     std::string asset;
     bool is_json = false;
 };
@@ -80,9 +80,7 @@ Json describe(const RuntimeBlender& blender)
                   { "chunks", chunk_table(asset) } };
     info["shape"] = shape_costs(asset);
     for (std::uint32_t k = 0; k < asset.pose_count; ++k) info["poses"].push_back(blender.pose_name(k));
-    // Nested deeper than any certificate of ours, a text is not one: do not let it eat the stack.
-    const Json certificate = Json::parse(
-        blender.certificate(), [](int depth, Json::parse_event_t, Json&) { return depth < 32; }, false);
+    const Json certificate = parse_foreign_json(blender.certificate());
     info["certificate"] = certificate.is_discarded() ? Json() : certificate;
     return info;
 }
@@ -102,7 +100,7 @@ void print_shape(const Json& info)
         morph["file_size"].get<double>() / 1024, morph["frame_bytes"].get<double>() / 1024);
 }
 
-ExitCode run_info(const Arguments& a)
+ExitCode run_info(const InfoArguments& a)
 {
     const RuntimeBlender blender = RuntimeBlender::from_file(a.asset);
     const Json info = describe(blender);
@@ -156,7 +154,7 @@ Verdict solve_answers(RuntimeBlender& blender)
 // behaves as it did for the baker.
 constexpr double answer_tolerance = 1e-3;
 
-ExitCode run_validate(const Arguments& a)
+ExitCode run_validate(const InfoArguments& a)
 {
     RuntimeBlender blender = RuntimeBlender::from_file(a.asset, true);
     const Verdict verdict = solve_answers(blender);
@@ -180,7 +178,7 @@ ExitCode run_validate(const Arguments& a)
 }
 
 CLI::App* add_asset_verb(CLI::App& app, const char* name, const char* help, const char* example,
-                         const std::shared_ptr<Arguments>& a)
+                         const std::shared_ptr<InfoArguments>& a)
 {
     CLI::App* verb = app.add_subcommand(name, help);
     verb->footer(example);
@@ -193,14 +191,14 @@ CLI::App* add_asset_verb(CLI::App& app, const char* name, const char* help, cons
 
 Verb add_info(CLI::App& app)
 {
-    auto a = std::make_shared<Arguments>();
+    auto a = std::make_shared<InfoArguments>();
     add_asset_verb(app, "info", "Show the contents of an asset", "Example:\n  pliant info hero.pliant", a);
     return [a] { return run_info(*a); };
 }
 
 Verb add_validate(CLI::App& app)
 {
-    auto a = std::make_shared<Arguments>();
+    auto a = std::make_shared<InfoArguments>();
     add_asset_verb(app, "validate",
                    "Check an asset: structure, checksums, and that the runtime reproduces its stored answers",
                    "Example:\n  pliant validate hero.pliant", a);

@@ -15,7 +15,7 @@ namespace pliant {
 
 namespace {
 
-struct Arguments {
+struct MeasureArguments {
     std::string asset, surface;
     std::vector<std::string> poses;
     MeasureOptions measure;
@@ -86,7 +86,7 @@ void print_table(const std::vector<Measurement>& samples)
 }
 
 // The surface that the asset draws, if it does; it must be given then, and only then.
-std::optional<RenderMesh> load_drawn(const Arguments& a, const std::string& certificate, const PoseSet& poses)
+std::optional<RenderMesh> load_drawn(const MeasureArguments& a, const std::string& certificate, const PoseSet& poses)
 {
     if (has_render_mesh(certificate) == a.surface.empty())
         throw Failure(ExitCode::bad_input,
@@ -100,7 +100,7 @@ std::optional<RenderMesh> load_drawn(const Arguments& a, const std::string& cert
     return load_surface_with_warnings("measure", a.surface, poses);
 }
 
-ExitCode run(const Arguments& a)
+ExitCode run_measure(const MeasureArguments& a)
 {
     RuntimeBlender blender = RuntimeBlender::from_file(a.asset);
     EnergyOptions options = read_energy_options(blender.certificate(), a.asset);
@@ -126,7 +126,7 @@ ExitCode run(const Arguments& a)
 
 Verb add_measure(CLI::App& app)
 {
-    auto a = std::make_shared<Arguments>();
+    auto a = std::make_shared<MeasureArguments>();
     CLI::App* verb = app.add_subcommand("measure", "Compare an asset's blends with unreduced averages at fresh weights");
     verb->footer("Example:\n  pliant measure hero.pliant rest.ply run.ply jump.ply --samples 30\n"
                  "Relative L2 is mass-weighted, after rigid alignment, relative to the distance from the centroid; the "
@@ -151,7 +151,7 @@ Verb add_measure(CLI::App& app)
     add_json(*verb, a->is_json);
     add_threads(*verb);
     add_quiet(*verb, a->is_quiet);
-    return [a] { return run(*a); };
+    return [a] { return run_measure(*a); };
 }
 
 } // namespace pliant

@@ -13,7 +13,7 @@ namespace pliant {
 
 namespace {
 
-struct Arguments {
+struct PoseArguments {
     std::string rest, script, output, ply;
     SolidOptions material { SolidLaw::mooney_rivlin, -1 };
     bool is_quiet = false;
@@ -32,7 +32,7 @@ Example: bent.txt holds one end of a bar along x, twists the other by 60 degrees
   box 0.9 0 0  1 1 1     turn 0.9 0.5 0.5  1 0 0  60  turn 0.5 0.5 0.5  0 0 1  90
   pliant pose bar.msh bent.txt -o bent.msh && pliant bake bar.msh bent.msh -o bar.pliant)";
 
-void check_output(const std::string& option, const std::string& path, const std::string& extension, const Arguments& a)
+void check_output(const std::string& option, const std::string& path, const std::string& extension, const PoseArguments& a)
 {
     if (std::filesystem::path(path).extension() != extension)
         throw Failure(ExitCode::usage,
@@ -52,7 +52,7 @@ void print_regions(const Script& script, const Handles& handles)
         fmt::print(stderr, "pliant pose: {}: {} vertices\n", script.where(script.lines[i]), handles.count(i));
 }
 
-DragResult drag_with_progress(const Arguments& a, const RestPose& rest, const Handles& handles)
+DragResult drag_with_progress(const PoseArguments& a, const RestPose& rest, const Handles& handles)
 {
     ConsoleProgress progress("pose", a.is_quiet);
     progress.update("motion", 0);
@@ -61,7 +61,7 @@ DragResult drag_with_progress(const Arguments& a, const RestPose& rest, const Ha
     });
 }
 
-ExitCode run(const Arguments& a)
+ExitCode run_pose(const PoseArguments& a)
 {
     check_output("--output", a.output, ".msh", a);
     if (!a.ply.empty()) check_output("--ply", a.ply, ".ply", a);
@@ -104,7 +104,7 @@ void add_material(CLI::App& verb, SolidOptions& material)
 
 Verb add_pose(CLI::App& app)
 {
-    auto a = std::make_shared<Arguments>();
+    auto a = std::make_shared<PoseArguments>();
     CLI::App* verb
         = app.add_subcommand("pose", "Make a new pose of a solid: you move some vertices, the others follow elastically");
     verb->footer(footer);
@@ -121,7 +121,7 @@ Verb add_pose(CLI::App& app)
     add_material(*verb, a->material);
     add_threads(*verb);
     add_quiet(*verb, a->is_quiet);
-    return [a] { return run(*a); };
+    return [a] { return run_pose(*a); };
 }
 
 } // namespace pliant

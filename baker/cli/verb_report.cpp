@@ -14,12 +14,12 @@ namespace pliant {
 
 namespace {
 
-struct Arguments {
+struct ReportArguments {
     std::string input, output, up = "y", view = "three-quarter";
     bool is_quiet = false;
 };
 
-ViewOptions view_of(const Arguments& a)
+ViewOptions view_of(const ReportArguments& a)
 {
     ViewOptions view;
     view.up = a.up == "x" ? UpAxis::x : a.up == "z" ? UpAxis::z : UpAxis::y;
@@ -35,7 +35,7 @@ std::string read_input(const std::string& path)
     return *bytes;
 }
 
-ExitCode run(const Arguments& a)
+ExitCode run_report(const ReportArguments& a)
 {
     const std::string bytes = read_input(a.input);
     const bool is_report = looks_like_json(bytes) || std::filesystem::path(a.input).extension() == ".json";
@@ -62,7 +62,7 @@ ExitCode run(const Arguments& a)
 
 Verb add_report(CLI::App& app)
 {
-    auto a = std::make_shared<Arguments>();
+    auto a = std::make_shared<ReportArguments>();
     CLI::App* verb
         = app.add_subcommand("report", "Write an HTML page about an asset: pictures, errors, sizes, times, warnings");
     verb->footer(
@@ -87,7 +87,7 @@ Verb add_report(CLI::App& app)
         ->capture_default_str()
         ->type_name("NAME");
     add_quiet(*verb, a->is_quiet);
-    return [a] { return run(*a); };
+    return [a] { return run_report(*a); };
 }
 
 } // namespace pliant

@@ -11,9 +11,9 @@ namespace {
 
 using Point = Eigen::Vector3d;
 
-constexpr double rounding = 1e-12;   // of barycentric coordinates
-constexpr double tie = 1e-9;         // relative difference of squared distances that are the same
-constexpr std::size_t leaf_size = 4; // tetrahedra
+constexpr double rounding = 1e-12; // of barycentric coordinates
+constexpr double tie = 1e-9;       // relative difference of squared distances that are the same
+constexpr std::size_t tets_of_leaf = 4;
 
 // The point of triangle a b c next to p (Ericson, Real-Time Collision Detection, 2005, section 5.1.5).
 Point closest_in_triangle(const Point& p, const Point& a, const Point& b, const Point& c)
@@ -104,7 +104,7 @@ private:
             centres.extend(boxes_[order_[i]].center());
         }
         nodes_.push_back(node);
-        if (last - first <= leaf_size) return;
+        if (last - first <= tets_of_leaf) return;
         Eigen::Index axis = 0;
         centres.sizes().maxCoeff(&axis);
         const std::size_t middle = first + (last - first) / 2;

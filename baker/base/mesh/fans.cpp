@@ -13,7 +13,7 @@ struct Wedge {
 };
 
 // A face that has the neighbour, by its number among the wedges of the centre.
-struct Side {
+struct Spoke {
     std::uint32_t neighbour;
     std::size_t wedge;
 };
@@ -26,10 +26,10 @@ public:
         , is_visited_(wedges.size(), false)
     {
         for (std::size_t i = 0; i < wedges.size(); ++i) {
-            sides_.push_back({ wedges[i].from, i });
-            sides_.push_back({ wedges[i].to, i });
+            spokes_.push_back({ wedges[i].from, i });
+            spokes_.push_back({ wedges[i].to, i });
         }
-        std::sort(sides_.begin(), sides_.end(), [](const Side& a, const Side& b) {
+        std::sort(spokes_.begin(), spokes_.end(), [](const Spoke& a, const Spoke& b) {
             return std::tie(a.neighbour, a.wedge) < std::tie(b.neighbour, b.wedge);
         });
     }
@@ -37,36 +37,36 @@ public:
     // Chains from their first faces, then from faces that another orientation makes the first, then closed rings.
     void add_fans(std::uint32_t centre, std::vector<Fan>& fans)
     {
-        for (const Side& side : sides_)
-            if (!crossed(side) && wedges_[side.wedge].from == side.neighbour) add_fan(centre, side, fans);
-        for (const Side& side : sides_)
-            if (!crossed(side)) add_fan(centre, side, fans);
-        for (const Side& side : sides_)
-            if (wedges_[side.wedge].from == side.neighbour) add_fan(centre, side, fans);
+        for (const Spoke& spoke : spokes_)
+            if (!crossed(spoke) && wedges_[spoke.wedge].from == spoke.neighbour) add_fan(centre, spoke, fans);
+        for (const Spoke& spoke : spokes_)
+            if (!crossed(spoke)) add_fan(centre, spoke, fans);
+        for (const Spoke& spoke : spokes_)
+            if (wedges_[spoke.wedge].from == spoke.neighbour) add_fan(centre, spoke, fans);
     }
 
 private:
     // The face on the other side of an edge of exactly two faces; null at any other edge.
-    const Side* crossed(const Side& side) const
+    const Spoke* crossed(const Spoke& spoke) const
     {
-        const auto [first, last] = std::equal_range(sides_.begin(), sides_.end(), side,
-                                                    [](const Side& a, const Side& b) { return a.neighbour < b.neighbour; });
+        const auto [first, last] = std::equal_range(
+            spokes_.begin(), spokes_.end(), spoke, [](const Spoke& a, const Spoke& b) { return a.neighbour < b.neighbour; });
         if (last - first != 2) return nullptr;
-        return first->wedge == side.wedge ? &*(first + 1) : &*first;
+        return first->wedge == spoke.wedge ? &*(first + 1) : &*first;
     }
 
-    void add_fan(std::uint32_t centre, const Side& start, std::vector<Fan>& fans)
+    void add_fan(std::uint32_t centre, const Spoke& start, std::vector<Fan>& fans)
     {
         if (is_visited_[start.wedge]) return;
         Fan fan { centre, { start.neighbour }, false };
-        for (Side at = start;;) {
+        for (Spoke at = start;;) {
             is_visited_[at.wedge] = true;
             const Wedge& wedge = wedges_[at.wedge];
             at.neighbour = wedge.from == at.neighbour ? wedge.to : wedge.from;
             fan.is_closed = at.neighbour == start.neighbour;
             if (fan.is_closed) break;
             fan.ring.push_back(at.neighbour);
-            const Side* next = crossed(at);
+            const Spoke* next = crossed(at);
             if (!next) break;
             at = *next;
         }
@@ -74,7 +74,7 @@ private:
     }
 
     const std::vector<Wedge>& wedges_;
-    std::vector<Side> sides_;
+    std::vector<Spoke> spokes_;
     std::vector<bool> is_visited_;
 };
 

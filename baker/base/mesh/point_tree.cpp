@@ -7,7 +7,7 @@
 namespace pliant {
 namespace {
 
-constexpr std::size_t leaf_size = 8; // points: fewer make the tree larger than the points
+constexpr std::size_t points_of_leaf = 8; // fewer make the tree larger than the points
 constexpr std::uint32_t mixed = ~std::uint32_t(0);
 
 } // namespace
@@ -46,7 +46,7 @@ void PointTree::build(std::size_t first, std::size_t last)
     for (std::size_t i = first; i < last; ++i) squared_radius = std::max(squared_radius, (column(i) - centre).squaredNorm());
     nodes_.push_back({ std::sqrt(squared_radius), first, last, 0, 0 });
     centres_.push_back(centre);
-    if (last - first <= leaf_size) return;
+    if (last - first <= points_of_leaf) return;
     Eigen::Index axis = 0;
     (high - low).maxCoeff(&axis);
     const std::size_t middle = first + (last - first) / 2;

@@ -4,6 +4,8 @@
 
 #include "base/mesh/align.h"
 
+#include <limits>
+
 namespace pliant {
 
 // 3m x n: column v holds the positions of vertex v in all poses, divided by sqrt(m), so that the distance of two columns is
@@ -21,6 +23,8 @@ struct Neighbour {
     std::size_t point; // of the tree's points
     double squared_distance;
 };
+
+constexpr double infinity = std::numeric_limits<double>::infinity(); // a distance that all others are below
 
 // Balls around balls around a few points each. Everything is decided by distances, then by the order of the points: the same
 // answers on every machine. Building costs n log n.

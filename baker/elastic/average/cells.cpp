@@ -2,6 +2,7 @@
 
 #include "base/mesh/tets.h"
 
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 #include <numeric>
@@ -14,9 +15,6 @@ namespace {
 // every mesh.
 constexpr double least_weight = 0.05;
 
-// Part of the trace of a Gram matrix.
-constexpr double collapsed = 1e-6;
-
 // What keeps parts without fixed vertices at their centroid, over the weights: far too little to bend anything.
 constexpr double anchoring = 1e-7;
 
@@ -25,7 +23,7 @@ template <std::size_t Corners>
 void append_weights(const Shape& rest, const Cell<Corners>& cell, double size, std::vector<double>& weights)
 {
     Eigen::Matrix<double, int(Corners), 3> gradients;
-    gradients.template bottomRows<int(Corners) - 1>() = dual(edges_of(rest, cell), collapsed);
+    gradients.template bottomRows<int(Corners) - 1>() = dual(edges_of(rest, cell), collapsed_cell);
     gradients.row(0) = -gradients.template bottomRows<int(Corners) - 1>().colwise().sum();
     for (int i = 0; i < int(Corners); ++i)
         for (int j = i + 1; j < int(Corners); ++j) weights.push_back(-size * gradients.row(i).dot(gradients.row(j)));
@@ -90,6 +88,13 @@ void add_pulls(const std::vector<Cell<Corners>>& cells, const std::vector<double
 }
 
 } // namespace
+
+Eigen::Matrix3d rotation_by(const Eigen::Vector3d& vector)
+{
+    const double angle = vector.norm();
+    if (!(angle > 0)) return Eigen::Matrix3d::Identity();
+    return Eigen::AngleAxisd(angle, vector / angle).toRotationMatrix();
+}
 
 CellFit::CellFit(const NormalizedPoses& set, SolverKind kind, double most_weight)
     : set_(set)

@@ -11,6 +11,12 @@ namespace pliant {
 
 template <std::size_t Corners> using Cell = std::array<std::uint32_t, Corners>;
 
+// A collapsed cell says nothing about its rotation: what dual() adds of the trace.
+constexpr double collapsed_cell = 1e-6;
+
+// Turns about the vector by its length.
+Eigen::Matrix3d rotation_by(const Eigen::Vector3d& vector);
+
 // Corner 0 to the others, as columns.
 template <std::size_t Corners>
 Eigen::Matrix<double, 3, int(Corners) - 1> edges_of(const Shape& shape, const Cell<Corners>& cell)

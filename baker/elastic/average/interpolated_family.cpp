@@ -101,12 +101,11 @@ InterpolatedFamily::Found InterpolatedFamily::find_one(const Weights& w, std::si
 {
     Found found;
     const Shape guess = interpolated(w, worker);
-    const double guess_energy = energy_value(family_.pool().energy(), w, guess);
     NewtonResult near = family_.near(guess, w, worker, progress, starts_exact_);
     const double corrected = relative_distance(set(), near.y, guess);
     found.started_definite = near.projected_iterations == 0;
     found.has_factor = near.iterations > 0;
-    found.energy_excess = (guess_energy - near.energy) / std::max(near.energy, least_energy);
+    found.energy_excess = (near.start_energy - near.energy) / std::max(near.energy, least_energy);
     if (near.has_converged && corrected < correction_limit) {
         found.point = { w, std::move(near.y), corrected, 0, true, {} };
         return found;

@@ -312,6 +312,7 @@ bool NewtonSolver::Descent::iterate(Progress* progress)
 NewtonResult NewtonSolver::minimize(const Weights& w, const Shape& start, const NewtonOptions& options, Progress* progress)
 {
     Descent descent(*this, w, start, options);
+    descent.result.start_energy = descent.at().energy;
     if (progress) progress->update("average", 0);
     while (descent.result.iterations < options.max_iterations && !descent.iterate(progress)) {}
     NewtonResult result = std::move(descent.result);

@@ -32,6 +32,7 @@ struct NewtonOptions {
 struct NewtonResult {
     Shape y;
     double energy = 0;
+    double start_energy = 0;
     double decrement = 0; // of the last iteration, relative to the energy
     double residual = 0;  // unbalanced force over the forces that cancel
     int iterations = 0;

@@ -1,5 +1,6 @@
 #include "elastic/average/rotation_strain.h"
 
+#include "base/common/union_find.h"
 #include "base/mesh/align.h"
 #include "elastic/energy/best_rotation.h"
 
@@ -25,8 +26,8 @@ constexpr double turn = 2 * 3.14159265358979323846;
 // Largest move of a vertex in the difference quotients, of 1: the root of the area or the cube root of the volume.
 constexpr double small_move = 1e-5;
 
-// Small enough for long triangles to come back as they were.
-constexpr double collapsed = 1e-12;
+// Regularization of flat cells, so small that long triangles come back as they were.
+constexpr double flat = 1e-12;
 
 // What a cell does from the base to a shape: rotation * frame * (1 + strain) along the frame.
 template <int Edges> struct Motion {
@@ -78,12 +79,6 @@ Vector3d rotation_vector(const Matrix3d& rotation)
     return turned.angle() * turned.axis();
 }
 
-Matrix3d rotation_of(const Vector3d& vector)
-{
-    const double angle = vector.norm();
-    return angle > 0 ? Eigen::AngleAxisd(angle, vector / angle).toRotationMatrix() : Matrix3d(Matrix3d::Identity());
-}
-
 // The same rotation, with as many full turns as bring the vector nearest to another.
 Vector3d unwound(const Vector3d& vector, const Vector3d& other)
 {
@@ -99,7 +94,7 @@ void append_motions(const std::vector<Cell<Corners>>& cells, const Shape& base, 
     constexpr int edges = int(Corners) - 1, size = 3 + edges * (edges + 1) / 2;
     for (std::size_t i = 0; i < cells.size(); ++i) {
         const Frame<edges> before = edges_of(base, cells[i]), frame = frame_of(before);
-        const Frame<edges> gradient = edges_of(shape, cells[i]) * (dual(before, collapsed) * frame);
+        const Frame<edges> gradient = edges_of(shape, cells[i]) * (dual(before, flat) * frame);
         const Motion<edges> motion = motion_of(gradient, frame);
         double* at = out.data() + size * Index(i);
         Eigen::Map<Vector3d> vector(at);
@@ -118,7 +113,7 @@ Eigen::Matrix3Xd changes_of(const std::vector<Cell<Corners>>& cells, const Shape
     for (std::size_t i = 0; i < cells.size(); ++i) {
         const Frame<edges> before = edges_of(base, cells[i]), frame = frame_of(before);
         const double* at = coordinates.data() + size * Index(i);
-        const Matrix3d rotation = rotation_of(Vector3d(at));
+        const Matrix3d rotation = rotation_by(Vector3d(at));
         at += 3;
         Strain<edges> stretch = Strain<edges>::Identity();
         for (int a = 0; a < edges; ++a)
@@ -131,63 +126,53 @@ Eigen::Matrix3Xd changes_of(const std::vector<Cell<Corners>>& cells, const Shape
     return changes;
 }
 
+// Cells that have a facet (an edge of triangles, a face of tetrahedra) in common.
+template <std::size_t Corners> std::vector<std::vector<std::uint32_t>> neighbours_of(const std::vector<Cell<Corners>>& cells)
+{
+    std::vector<std::pair<Cell<Corners - 1>, std::uint32_t>> facets;
+    for (std::uint32_t i = 0; i < cells.size(); ++i)
+        for (std::size_t left_out = 0; left_out < Corners; ++left_out) {
+            Cell<Corners - 1> facet {};
+            for (std::size_t c = 1; c < Corners; ++c) facet[c - 1] = cells[i][(left_out + c) % Corners];
+            std::sort(facet.begin(), facet.end());
+            facets.emplace_back(facet, i);
+        }
+    std::sort(facets.begin(), facets.end());
+    std::vector<std::vector<std::uint32_t>> out(cells.size());
+    for (std::size_t i = 1; i < facets.size(); ++i)
+        if (facets[i].first == facets[i - 1].first) {
+            out[facets[i].second].push_back(facets[i - 1].second);
+            out[facets[i - 1].second].push_back(facets[i].second);
+        }
+    return out;
+}
+
+template <std::size_t Corners> void join_corners(const std::vector<Cell<Corners>>& cells, UnionFind& vertices)
+{
+    for (const Cell<Corners>& cell : cells)
+        for (std::uint32_t v : cell) vertices.join(cell[0], v);
+}
+
 } // namespace
 
 RotationStrain::RotationStrain(const NormalizedPoses& set, Shape base)
     : set_(set)
     , base_(std::move(base))
+    , neighbours_(set.is_solid() ? neighbours_of(set.tets) : neighbours_of(set.triangles))
+    , component_of_vertex_(std::size_t(set.dof_count() / 3))
 {
+    UnionFind vertices(component_of_vertex_.size());
     if (set.is_solid())
-        connect(set.tets);
+        join_corners(set.tets, vertices);
     else
-        connect(set.triangles);
-}
-
-// Neighbours from facets (edges, faces) that two cells have in common, components by flooding.
-template <std::size_t Corners> void RotationStrain::connect(const std::vector<Cell<Corners>>& cells)
-{
-    using Facet = std::pair<std::array<std::uint32_t, Corners - 1>, std::uint32_t>;
-    std::vector<Facet> facets;
-    for (std::size_t i = 0; i < cells.size(); ++i)
-        for (std::size_t left_out = 0; left_out < Corners; ++left_out) {
-            Facet facet { {}, std::uint32_t(i) };
-            for (std::size_t c = 0, to = 0; c < Corners; ++c)
-                if (c != left_out) facet.first[to++] = cells[i][c];
-            std::sort(facet.first.begin(), facet.first.end());
-            facets.push_back(facet);
-        }
-    std::sort(facets.begin(), facets.end());
-    neighbours_.resize(cells.size());
-    for (std::size_t i = 1; i < facets.size(); ++i)
-        if (facets[i].first == facets[i - 1].first) {
-            neighbours_[facets[i].second].push_back(facets[i - 1].second);
-            neighbours_[facets[i - 1].second].push_back(facets[i].second);
-        }
-    constexpr std::uint32_t none = ~std::uint32_t(0);
-    component_of_cell_.assign(cells.size(), none);
-    component_of_vertex_.assign(std::size_t(set_.dof_count() / 3), none);
+        join_corners(set.triangles, vertices);
     std::uint32_t count = 0;
-    std::vector<std::uint32_t> stack;
-    for (std::uint32_t seed = 0; seed < cells.size(); ++seed) {
-        if (component_of_cell_[seed] != none) continue;
-        component_of_cell_[seed] = count;
-        stack.push_back(seed);
-        while (!stack.empty()) {
-            const std::uint32_t cell = stack.back();
-            stack.pop_back();
-            for (std::uint32_t v : cells[cell]) component_of_vertex_[v] = count;
-            for (std::uint32_t other : neighbours_[cell])
-                if (component_of_cell_[other] == none) {
-                    component_of_cell_[other] = count;
-                    stack.push_back(other);
-                }
-        }
-        ++count;
+    for (std::uint32_t v = 0; v < component_of_vertex_.size(); ++v) { // the lowest vertex represents its component
+        const std::uint32_t first = vertices.find(v);
+        component_of_vertex_[v] = first == v ? count++ : component_of_vertex_[first];
     }
-    for (std::uint32_t& component : component_of_vertex_)
-        if (component == none) component = count++; // a vertex without a cell
-    is_held_.assign(count, false);
-    for (std::uint32_t v : set_.fixed_vertices) is_held_[component_of_vertex_[v]] = true;
+    is_held_.resize(count);
+    for (std::uint32_t v : set.fixed_vertices) is_held_[component_of_vertex_[v]] = true;
 }
 
 Eigen::Matrix3Xd RotationStrain::centroids(const Shape& shape) const
@@ -219,13 +204,13 @@ Eigen::VectorXd RotationStrain::principal(const Shape& shape) const
 void RotationStrain::make_continuous(Eigen::VectorXd& coordinates) const
 {
     const auto vector = [&](std::uint32_t cell) { return coordinates.segment<3>(cell_size() * Index(cell)); };
-    std::vector<std::uint32_t> order(component_of_cell_.size());
+    std::vector<std::uint32_t> order(neighbours_.size());
     std::iota(order.begin(), order.end(), 0u);
     std::vector<double> angles;
     std::vector<Eigen::Quaterniond> turns;
     for (std::uint32_t cell : order) {
         angles.push_back(vector(cell).norm());
-        turns.emplace_back(rotation_of(vector(cell)));
+        turns.emplace_back(rotation_by(vector(cell)));
     }
     std::sort(order.begin(), order.end(),
               [&](std::uint32_t a, std::uint32_t b) { return std::make_pair(angles[a], a) < std::make_pair(angles[b], b); });

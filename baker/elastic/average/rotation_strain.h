@@ -27,18 +27,17 @@ public:
     Shape shape(const Eigen::VectorXd& coordinates, const CellFit& fit) const;
 
 private:
-    template <std::size_t Corners> void connect(const std::vector<Cell<Corners>>& cells);
     Eigen::VectorXd principal(const Shape& shape) const;
     void make_continuous(Eigen::VectorXd& coordinates) const;
     Eigen::Matrix3Xd centroids(const Shape& shape) const;
     Eigen::Index cell_size() const { return set_.is_solid() ? 9 : 6; } // coordinates of a cell
-    Eigen::Index cell_count() const { return Eigen::Index(component_of_cell_.size()); }
+    Eigen::Index cell_count() const { return Eigen::Index(neighbours_.size()); }
 
     const NormalizedPoses& set_;
     Shape base_;
     std::vector<std::vector<std::uint32_t>> neighbours_; // cells that share an edge (triangles) or a face (tetrahedra)
-    std::vector<std::uint32_t> component_of_cell_, component_of_vertex_;
-    std::vector<bool> is_held_; // components with fixed vertices
+    std::vector<std::uint32_t> component_of_vertex_;     // parts that touch in a vertex are one component
+    std::vector<bool> is_held_;                          // components with fixed vertices
 };
 
 } // namespace pliant

@@ -8,14 +8,11 @@ namespace pliant {
 
 namespace {
 
-// A collapsed cell says nothing about its rotation.
-constexpr double collapsed = 1e-6;
-
 // The gradient of the displacement; of a triangle with the normal part that keeps the normal a normal.
 template <int Edges>
 Eigen::Matrix3d gradient_of(const Eigen::Matrix<double, 3, Edges>& edges, const Eigen::Matrix<double, 3, Edges>& change)
 {
-    Eigen::Matrix3d gradient = change * dual(edges, collapsed);
+    Eigen::Matrix3d gradient = change * dual(edges, collapsed_cell);
     if constexpr (Edges == 2) {
         const Eigen::Vector3d normal = edges.col(0).cross(edges.col(1)).normalized();
         gradient -= (gradient.transpose() * normal).eval() * normal.transpose();
@@ -38,10 +35,7 @@ Eigen::Matrix3d stretch_of(const Eigen::Matrix3d& strain)
 Eigen::Matrix3d beyond_first_order(const Eigen::Matrix3d& gradient)
 {
     const Eigen::Matrix3d skew = 0.5 * (gradient - gradient.transpose()), strain = gradient - skew;
-    const Eigen::Vector3d axis(skew(2, 1), skew(0, 2), skew(1, 0));
-    const double angle = axis.norm();
-    Eigen::Matrix3d rotation = Eigen::Matrix3d::Identity();
-    if (angle > 0) rotation = Eigen::AngleAxisd(angle, axis / angle).toRotationMatrix();
+    const Eigen::Matrix3d rotation = rotation_by({ skew(2, 1), skew(0, 2), skew(1, 0) });
     return rotation * stretch_of(strain) - Eigen::Matrix3d::Identity() - gradient;
 }
 

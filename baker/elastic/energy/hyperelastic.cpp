@@ -17,7 +17,7 @@ double second_minors(const SymmetricVector& x)
     return x[0] * x[3] - x[1] * x[1] + x[0] * x[5] - x[2] * x[2] + x[3] * x[5] - x[4] * x[4];
 }
 
-double determinant(const SymmetricVector& x)
+double symmetric_determinant(const SymmetricVector& x)
 {
     return x[0] * (x[3] * x[5] - x[4] * x[4]) - x[1] * (x[1] * x[5] - x[4] * x[2]) + x[2] * (x[1] * x[4] - x[3] * x[2]);
 }
@@ -93,7 +93,7 @@ void add_product(double weight, const Powers& p, double quantity, const Symmetri
 void add_mooney_rivlin(const SolidModuli& m, double weight, const SymmetricVector& c, double* value,
                        SymmetricVector* gradient, SymmetricMatrix6* hessian)
 {
-    const double growth = trace(c) + second_minors(c) + determinant(c), det = 1 + growth; // det C = J^2
+    const double growth = trace(c) + second_minors(c) + symmetric_determinant(c), det = 1 + growth; // det C = J^2
     if (!(det > 0)) {
         if (value) *value = std::numeric_limits<double>::infinity();
         return;

@@ -3,13 +3,10 @@
 #include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 namespace pliant {
 
 namespace {
-
-constexpr double infinity = std::numeric_limits<double>::infinity();
 
 // Least search radius around the first anchor, in units of the diagonal. Smaller triangles rotate with every wrinkle of the
 // surface.

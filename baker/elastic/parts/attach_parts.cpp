@@ -5,14 +5,11 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <memory>
 
 namespace pliant {
 
 namespace {
-
-constexpr double infinity = std::numeric_limits<double>::infinity();
 
 // Lengths in units of the diagonal: the distance between tied vertices; how much farther from the parent than the nearest
 // vertex a tied one may be; and the spacing of sample points on large faces.

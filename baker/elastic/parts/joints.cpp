@@ -10,8 +10,6 @@ namespace pliant {
 
 namespace {
 
-constexpr double infinity = std::numeric_limits<double>::infinity();
-
 // A body is rigid if it keeps its shape to this (units of the diagonal) in all poses: a fifth of the drift limit. Where it
 // deforms by more, ties of single vertices are more accurate.
 constexpr double rigid_error = 0.001;
@@ -157,7 +155,7 @@ public:
         const double count = double(part_.vertices.size()), radius = std::sqrt(part_.shape.squaredNorm() / count);
         std::vector<PenaltyTerm> terms;
         of_parent_.row(0).setZero();
-        double stiffness = infinity;
+        double stiffness = std::numeric_limits<double>::infinity();
         for (int i = 0; i < part_axes_.count; ++i) {
             of_part_.row(0) = radius * direction_factors(part_, part_axes_, i);
             terms.push_back(make_term());

@@ -4,13 +4,10 @@
 #include "base/mesh/point_tree.h"
 
 #include <algorithm>
-#include <limits>
 #include <tuple>
 
 namespace pliant {
 namespace {
-
-constexpr double infinity = std::numeric_limits<double>::infinity();
 
 // A possible edge of the tree. Ties in distance are broken by the part numbers, so that the tree is unique.
 struct Link {

@@ -4,13 +4,10 @@
 #include "elastic/parts/anchors.h"
 
 #include <algorithm>
-#include <limits>
 
 namespace pliant {
 
 namespace {
-
-constexpr double infinity = std::numeric_limits<double>::infinity();
 
 // In units of the edge's length in each pose: a border vertex lies on an edge if it is this near to it, and inside the edge
 // if its foot is this far from both ends.

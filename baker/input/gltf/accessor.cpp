@@ -9,18 +9,16 @@
 namespace pliant {
 namespace {
 
-enum ComponentType : unsigned { int8 = 5120, uint8 = 5121, int16 = 5122, uint16 = 5123, uint32 = 5125, float32 = 5126 };
-
 // Bytes of a component; 0 for what glTF does not have.
 std::size_t size_of(unsigned component_type)
 {
     switch (component_type) {
-    case int8:
-    case uint8: return 1;
-    case int16:
-    case uint16: return 2;
-    case uint32:
-    case float32: return 4;
+    case gltf_int8:
+    case gltf_uint8: return 1;
+    case gltf_int16:
+    case gltf_uint16: return 2;
+    case gltf_uint32:
+    case gltf_float32: return 4;
     default: return 0;
     }
 }
@@ -46,12 +44,13 @@ template <class T> T value_at(const char* bytes)
 double number_at(const char* bytes, unsigned component_type, bool is_normalised)
 {
     switch (component_type) {
-    case int8: return is_normalised ? std::max(value_at<std::int8_t>(bytes) / 127.0, -1.0) : value_at<std::int8_t>(bytes);
-    case uint8: return value_at<std::uint8_t>(bytes) / (is_normalised ? 255.0 : 1.0);
-    case int16:
+    case gltf_int8:
+        return is_normalised ? std::max(value_at<std::int8_t>(bytes) / 127.0, -1.0) : value_at<std::int8_t>(bytes);
+    case gltf_uint8: return value_at<std::uint8_t>(bytes) / (is_normalised ? 255.0 : 1.0);
+    case gltf_int16:
         return is_normalised ? std::max(value_at<std::int16_t>(bytes) / 32767.0, -1.0) : value_at<std::int16_t>(bytes);
-    case uint16: return value_at<std::uint16_t>(bytes) / (is_normalised ? 65535.0 : 1.0);
-    case uint32: return value_at<std::uint32_t>(bytes);
+    case gltf_uint16: return value_at<std::uint16_t>(bytes) / (is_normalised ? 65535.0 : 1.0);
+    case gltf_uint32: return value_at<std::uint32_t>(bytes);
     default: return value_at<float>(bytes);
     }
 }
@@ -97,7 +96,7 @@ void read_sparse(const GltfDocument& document, const GltfValue& accessor, const 
     if (count > shape.count)
         sparse.fail(2308, fmt::format("replaces {} elements of an accessor with {}", count, shape.count));
     const unsigned index_type = static_cast<unsigned>(indices["componentType"].whole());
-    if (index_type != uint8 && index_type != uint16 && index_type != uint32)
+    if (index_type != gltf_uint8 && index_type != gltf_uint16 && index_type != gltf_uint32)
         indices.fail(2311, fmt::format("component type {} cannot hold indices", index_type));
     const std::size_t component_size = size_of(shape.component_type);
     const Elements places = elements_of(document, indices, count, size_of(index_type));
@@ -136,7 +135,7 @@ void check_components(const GltfValue& reference, const AccessorShape& shape, st
 {
     if (std::find(components.begin(), components.end(), shape.components) == components.end())
         reference.fail(2311, fmt::format("has elements of {} numbers, which does not fit here", shape.components));
-    if (shape.components > 4 && shape.component_type != float32) reference.fail(2311, "matrices must be of floats");
+    if (shape.components > 4 && shape.component_type != gltf_float32) reference.fail(2311, "matrices must be of floats");
 }
 
 } // namespace
@@ -184,7 +183,7 @@ GltfNumbers read_numbers(const GltfDocument& document, const GltfValue& referenc
 std::vector<std::uint32_t> read_indices(const GltfDocument& document, const GltfValue& reference, int components)
 {
     const AccessorShape shape = accessor_shape(document, reference);
-    if (shape.component_type != uint8 && shape.component_type != uint16 && shape.component_type != uint32)
+    if (shape.component_type != gltf_uint8 && shape.component_type != gltf_uint16 && shape.component_type != gltf_uint32)
         reference.fail(2311, fmt::format("component type {} cannot hold indices", shape.component_type));
     const GltfNumbers numbers = read_numbers(document, reference, { components });
     std::vector<std::uint32_t> indices(static_cast<std::size_t>(numbers.size()));

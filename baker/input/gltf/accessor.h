@@ -13,11 +13,20 @@ namespace pliant {
 // count x components, one row per element.
 using GltfNumbers = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
 
+enum GltfComponentType : unsigned {
+    gltf_int8 = 5120,
+    gltf_uint8 = 5121,
+    gltf_int16 = 5122,
+    gltf_uint16 = 5123,
+    gltf_uint32 = 5125,
+    gltf_float32 = 5126
+};
+
 // What an accessor says about itself, checked for sense but not yet against its bytes.
 struct AccessorShape {
     std::uint64_t count = 0;
     int components = 0;          // of an element: 1 to 4, 9 or 16 (matrices)
-    unsigned component_type = 0; // 5120 to 5126 without 5124
+    unsigned component_type = 0; // a GltfComponentType
     bool is_normalised = false;
     bool has_view = false;
 };

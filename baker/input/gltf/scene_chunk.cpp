@@ -12,7 +12,6 @@
 namespace pliant {
 namespace {
 
-enum ComponentType { int16 = 5122, uint16 = 5123, uint32 = 5125, float32 = 5126 };
 constexpr std::uint32_t json_tag = 0x4e4f534a, binary_tag = 0x004e4942;
 
 // The JSON and the one buffer of a binary glTF file while it grows.
@@ -51,7 +50,7 @@ std::size_t add_indices(Glb& glb, const RenderScene& scene, const ScenePart& par
         }
     }
     return glb.add_accessor({ { "bufferView", glb.add_view(start) },
-                              { "componentType", is_short ? uint16 : uint32 },
+                              { "componentType", is_short ? gltf_uint16 : gltf_uint32 },
                               { "count", 3 * part.face_count },
                               { "type", "SCALAR" } });
 }
@@ -68,7 +67,7 @@ std::size_t add_normals(Glb& glb, const VertexAttribute& normals, const ScenePar
     const std::size_t view = glb.add_view(start);
     glb.json["bufferViews"][view]["byteStride"] = 8;
     return glb.add_accessor({ { "bufferView", view },
-                              { "componentType", int16 },
+                              { "componentType", gltf_int16 },
                               { "normalized", true },
                               { "count", part.vertex_count },
                               { "type", "VEC3" } });
@@ -80,7 +79,7 @@ std::size_t add_floats(Glb& glb, const VertexAttribute& attribute, const ScenePa
     const std::size_t first = part.first_vertex * width;
     for (std::size_t i = first; i < first + part.vertex_count * width; ++i) glb.put(attribute.values[i]);
     return glb.add_accessor({ { "bufferView", glb.add_view(start) },
-                              { "componentType", float32 },
+                              { "componentType", gltf_float32 },
                               { "count", part.vertex_count },
                               { "type", fmt::format("VEC{}", width) } });
 }

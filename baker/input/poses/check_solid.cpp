@@ -74,9 +74,9 @@ Volumes measure(const MeshFile& mesh)
     return result;
 }
 
-std::string corners_of(const Tetrahedron& t) { return fmt::format("{} {} {} {}", t[0], t[1], t[2], t[3]); }
-
 } // namespace
+
+std::string corners_of(const Tetrahedron& t) { return fmt::format("{} {} {} {}", t[0], t[1], t[2], t[3]); }
 
 std::string where_is_tet(const MeshFile& mesh, std::size_t tet)
 {

@@ -25,4 +25,7 @@ void check_tets(const MeshFile& mesh, bool has_good_volumes, DiagnosticList& dia
 // "rod.msh:812" for tetrahedron 377 of a text file, "rod.msh" for one of a binary file.
 std::string where_is_tet(const MeshFile& mesh, std::size_t tet);
 
+// "3 8 1 5": the corners of a tetrahedron.
+std::string corners_of(const Tetrahedron& tet);
+
 } // namespace pliant

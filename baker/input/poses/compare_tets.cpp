@@ -23,8 +23,6 @@ std::pair<Tetrahedron, bool> sorted(Tetrahedron t)
     return { t, is_even };
 }
 
-std::string corners_of(const Tetrahedron& t) { return fmt::format("{} {} {} {}", t[0], t[1], t[2], t[3]); }
-
 // Tetrahedra as rows of four numbers: good for comparing rows, and no faces of anything.
 Polygons to_rows(const std::vector<Tetrahedron>& tets)
 {

@@ -11,10 +11,10 @@ namespace {
 
 using Json = Glb::Json;
 
-// Shapes that bones and weights are fitted to, beside poses and mean: a multiple of the bones that are usual; and shapes
-// that only judge.
-constexpr std::size_t fitted_count = 48, judged_count = 48;
-constexpr std::uint64_t fit_seed = 15485863, judge_seed = 32452843;
+// Shapes that bones and weights are fitted to, beside poses and mean: a multiple of the bones that are usual; as many
+// others only judge.
+constexpr std::size_t blend_count = 48;
+constexpr std::uint64_t bone_fit_seed = 15485863, bone_judge_seed = 32452843;
 
 Eigen::Matrix3Xd as_columns(const Eigen::VectorXd& positions)
 {
@@ -118,8 +118,8 @@ Json add_skinned_mesh(Glb& glb, RuntimeBlender& blender, const DrawnSpace& space
                       const ExportOptions& options, ExportReport& report)
 {
     const std::size_t poses = blender.asset().pose_count;
-    const Eigen::MatrixXf fitted = blend_coordinates(blender, covering_weights(poses, fitted_count, fit_seed));
-    const Eigen::MatrixXf judged = blend_coordinates(blender, covering_weights(poses, judged_count, judge_seed));
+    const Eigen::MatrixXf fitted = blend_coordinates(blender, covering_weights(poses, blend_count, bone_fit_seed));
+    const Eigen::MatrixXf judged = blend_coordinates(blender, covering_weights(poses, blend_count, bone_judge_seed));
     const Eigen::MatrixXf path = path_coordinates(blender, options.path);
     const Eigen::VectorXd rest = space.rest();
     const SkinFit fit = fit_skin(as_columns(rest), shapes_of(space, fitted), std::size_t(options.bone_count));

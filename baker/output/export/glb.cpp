@@ -2,6 +2,7 @@
 
 #include "base/common/diagnostics.h"
 #include "base/common/version.h"
+#include "input/gltf/accessor.h"
 #include "pliant_format.h"
 
 #include <algorithm>
@@ -11,7 +12,6 @@ namespace pliant {
 
 namespace {
 
-constexpr int component_u8 = 5121, component_u16 = 5123, component_u32 = 5125, component_float = 5126;
 constexpr std::size_t most_small_indices = 0xFFFF; // vertices: the index 65535 would mean "restart"
 
 template <class T> std::string_view bytes_of(const std::vector<T>& values)
@@ -112,29 +112,29 @@ void Glb::bound(std::size_t accessor, const std::vector<float>& values, int widt
 std::size_t Glb::add_floats(const std::vector<float>& values, int width, Target target, bool with_bounds)
 {
     const std::size_t count = values.size() / std::size_t(width);
-    const std::size_t accessor = add_accessor(add_view(bytes_of(values), target), component_float, count, type_of(width));
+    const std::size_t accessor = add_accessor(add_view(bytes_of(values), target), gltf_float32, count, type_of(width));
     if (with_bounds) bound(accessor, values, width);
     return accessor;
 }
 
 std::size_t Glb::describe_floats(const std::vector<float>& values, int width, bool with_bounds)
 {
-    const std::size_t accessor = add_accessor(component_float, values.size() / std::size_t(width), type_of(width));
+    const std::size_t accessor = add_accessor(gltf_float32, values.size() / std::size_t(width), type_of(width));
     if (with_bounds) bound(accessor, values, width);
     return accessor;
 }
 
 std::size_t Glb::describe_indices(std::size_t count, std::size_t vertex_count)
 {
-    return add_accessor(vertex_count > most_small_indices ? component_u32 : component_u16, count, "SCALAR");
+    return add_accessor(vertex_count > most_small_indices ? gltf_uint32 : gltf_uint16, count, "SCALAR");
 }
 
 std::size_t Glb::add_indices(const std::vector<std::uint32_t>& indices, std::size_t vertex_count)
 {
     if (vertex_count > most_small_indices)
-        return add_accessor(add_view(bytes_of(indices), Target::indices), component_u32, indices.size(), "SCALAR");
+        return add_accessor(add_view(bytes_of(indices), Target::indices), gltf_uint32, indices.size(), "SCALAR");
     const std::vector<std::uint16_t> small(indices.begin(), indices.end());
-    return add_accessor(add_view(bytes_of(small), Target::indices), component_u16, small.size(), "SCALAR");
+    return add_accessor(add_view(bytes_of(small), Target::indices), gltf_uint16, small.size(), "SCALAR");
 }
 
 std::size_t Glb::add_joints(const std::vector<std::uint16_t>& joints)
@@ -142,7 +142,7 @@ std::size_t Glb::add_joints(const std::vector<std::uint16_t>& joints)
     const bool fits = joints.empty() || *std::max_element(joints.begin(), joints.end()) < 256;
     const std::vector<std::uint8_t> small(joints.begin(), fits ? joints.end() : joints.begin());
     const std::size_t view = add_view(fits ? bytes_of(small) : bytes_of(joints), Target::vertices);
-    return add_accessor(view, fits ? component_u8 : component_u16, joints.size() / 4, "VEC4");
+    return add_accessor(view, fits ? gltf_uint8 : gltf_uint16, joints.size() / 4, "VEC4");
 }
 
 std::string Glb::bytes() const

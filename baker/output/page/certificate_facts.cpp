@@ -1,11 +1,11 @@
 #include "output/page/certificate_facts.h"
 
+#include "output/page/foreign_json.h"
 #include "output/page/html.h"
 
 #include <algorithm>
 #include <cmath>
 #include <fmt/format.h>
-#include <nlohmann/json.hpp>
 
 namespace pliant {
 
@@ -13,9 +13,6 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 using Rows = std::vector<std::pair<std::string, std::string>>;
-
-// Nested deeper than any certificate of ours, a text is not one: it must not eat the stack.
-constexpr int deepest = 32;
 
 constexpr std::size_t place_limit = 16, list_limit = 2000;
 
@@ -223,8 +220,7 @@ Rows bake_rows(const Json& c)
 CertificateFacts read_certificate_facts(const std::string& text, std::size_t pose_count)
 {
     CertificateFacts facts;
-    const Json c = Json::parse(
-        text, [](int depth, Json::parse_event_t, Json&) { return depth < deepest; }, false);
+    const Json c = parse_foreign_json(text);
     if (!c.is_object()) return facts;
     facts.is_readable = true;
     facts.tolerance = number(c, "tolerance").value_or(0);

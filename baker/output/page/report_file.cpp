@@ -1,8 +1,9 @@
 #include "output/page/report_file.h"
 
+#include "output/page/foreign_json.h"
+
 #include <cmath>
 #include <fmt/format.h>
-#include <nlohmann/json.hpp>
 
 namespace pliant {
 
@@ -10,15 +11,8 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-// Of a report by a stranger: deeper than any of ours, and more than a page can show.
-constexpr int deepest = 32;
+// Of a report by a stranger: more than a page can show.
 constexpr std::size_t stage_limit = 100, warning_limit = 200;
-
-Json parse(const std::string& text)
-{
-    return Json::parse(
-        text, [](int depth, Json::parse_event_t, Json&) { return depth < deepest; }, false);
-}
 
 // Looks into JSON and says by its path what is not as it must be.
 class Reader {
@@ -110,7 +104,7 @@ bool looks_like_json(const std::string& bytes)
 
 ReportFile parse_report(const std::string& text, const std::string& path)
 {
-    const Json json = parse(text);
+    const Json json = parse_foreign_json(text);
     if (!json.is_object())
         throw Failure(ExitCode::bad_input,
                       error_at(5301, path, "is neither an asset nor the report of a bake",
@@ -131,7 +125,7 @@ ReportFile parse_report(const std::string& text, const std::string& path)
 void check_same_bake(const std::string& report, const std::string& certificate, const std::string& path,
                      const std::string& asset)
 {
-    const Json outer = parse(report), inner = parse(certificate);
+    const Json outer = parse_foreign_json(report), inner = parse_foreign_json(certificate);
     bool is_same = outer.is_object() && inner.is_object();
     if (is_same)
         for (const auto& [key, value] : inner.items()) is_same = is_same && outer.contains(key) && outer.at(key) == value;

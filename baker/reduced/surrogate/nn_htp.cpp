@@ -9,9 +9,6 @@ namespace {
 
 constexpr int round_limit = 40;
 
-// A round that lowers the residual by less than this part is the last.
-constexpr double worthwhile = 1e-3;
-
 // The `count` largest entries, those above zero only.
 std::vector<std::size_t> largest(const Eigen::VectorXd& x, std::size_t count)
 {
@@ -65,7 +62,7 @@ SparseFit nn_htp(const Eigen::MatrixXf& a, const Eigen::VectorXd& b, std::size_t
         gram.resize(0, 0);
         residual = refit(a, b, fit, gram);
         fit.residual = residual.norm() / b.norm();
-        const bool is_better = best.columns.empty() || fit.residual < (1 - worthwhile) * best.residual;
+        const bool is_better = best.columns.empty() || fit.residual < (1 - least_gain) * best.residual;
         if (best.columns.empty() || fit.residual < best.residual) best = fit;
         if (!is_better) break;
     }

@@ -8,10 +8,6 @@ namespace pliant {
 
 namespace {
 
-// A batch of columns is the last if it lowers the residual by less than this part and most of it is dropped again: what is
-// left over is in no column's reach.
-constexpr double worthwhile = 1e-3;
-
 // Solves the normal equations of the columns in `passive`. A jitter of rounding size keeps nearly dependent columns
 // solvable; where it does not, the slower factorisation does.
 Eigen::VectorXd solve_passive(const Eigen::MatrixXd& gram, const Eigen::VectorXd& right,
@@ -151,7 +147,7 @@ SparseFit greedy_nnls(const Eigen::MatrixXf& a, const Eigen::VectorXd& b, std::s
         if (added == 0) break;
         const double last = residual.norm();
         residual = refit(a, b, fit, gram);
-        const bool is_worthwhile = residual.norm() < (1 - worthwhile) * last;
+        const bool is_worthwhile = residual.norm() < (1 - least_gain) * last;
         if (!is_worthwhile && fit.columns.size() < before + added / 2) break;
     }
     fit.residual = residual.norm() / b.norm();

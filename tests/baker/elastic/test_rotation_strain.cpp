@@ -87,3 +87,22 @@ TEST_CASE("derivatives are what coordinates change by")
         CHECK((change / (2 * step) - slope).norm() < 1e-5 * slope.norm());
     }
 }
+
+TEST_CASE("parts that touch in one vertex are not torn apart")
+{
+    // A second tube, mirrored at the end of the first one, shares the vertex in the middle of its lid.
+    PoseSet poses = tube_poses(2);
+    const std::uint32_t count = std::uint32_t(poses.positions[0].rows()), shared = count - 1;
+    const auto second = [&](std::uint32_t v) { return v == shared ? shared : count + v; };
+    for (const Triangle& t : Tube().triangles()) poses.triangles.push_back({ second(t[0]), second(t[2]), second(t[1]) });
+    for (Positions& positions : poses.positions) {
+        const Positions first = positions;
+        positions.resize(2 * count - 1, 3);
+        positions.topRows(count) = first;
+        for (std::uint32_t v = 0; v + 1 < count; ++v) positions.row(count + v) = 2 * first.row(shared) - first.row(v);
+    }
+    const NormalizedPoses set = normalize(poses);
+    const RotationStrain coordinates(set, set.shapes[0]);
+    const Shape back = coordinates.shape(coordinates.coordinates(set.shapes[1]), CellFit(set, default_solver()));
+    CHECK(relative_distance(set, back, set.shapes[1]) < 1e-6);
+}
