@@ -11,8 +11,8 @@ namespace {
 
 using Point = Eigen::Vector3d;
 
-constexpr double rounding = 1e-12; // of barycentric coordinates
-constexpr double tie = 1e-9;       // relative difference of squared distances that are the same
+constexpr double weight_rounding = 1e-12; // of barycentric coordinates
+constexpr double tie = 1e-9;              // relative difference of squared distances that are the same
 constexpr std::size_t tets_of_leaf = 4;
 
 // The point of triangle a b c next to p (Ericson, Real-Time Collision Detection, 2005, section 5.1.5).
@@ -127,7 +127,7 @@ private:
         hit.tet = tet;
         hit.weights.tail<3>() = inverses_[tet] * (p - corners[0]);
         hit.weights[0] = 1 - hit.weights.tail<3>().sum();
-        if (hit.weights.minCoeff() >= -rounding) hit.squared_distance = 0;
+        if (hit.weights.minCoeff() >= -weight_rounding) hit.squared_distance = 0;
         // What is nearest of a convex body lies in a face that p is in front of.
         for (std::size_t i = 0; i < 4 && hit.squared_distance > 0; ++i)
             if (hit.weights[Eigen::Index(i)] < 0) {
@@ -154,7 +154,7 @@ Eigen::Vector4d clean(const Hit& hit)
 {
     Eigen::Vector4d weights = hit.weights;
     for (double& w : weights)
-        if (std::abs(w) < rounding || (hit.squared_distance == 0 && w < 0)) w = 0;
+        if (std::abs(w) < weight_rounding || (hit.squared_distance == 0 && w < 0)) w = 0;
     return weights / weights.sum();
 }
 

@@ -12,7 +12,7 @@ namespace pliant {
 namespace {
 
 // Part of the first pose's diagonal by which fixed vertices may differ between poses.
-constexpr double tolerance = 1e-6;
+constexpr double relative_tolerance = 1e-6;
 
 // The largest distance of a fixed vertex from the line through two others, which are as far apart as they can be from the
 // first.
@@ -74,7 +74,7 @@ void check_fixed_vertices(const std::string& path, const std::vector<std::uint32
     const Positions& first = meshes[0].positions;
     const double size = box_diagonal(first), rounding = coordinate_rounding(first);
     // Nearly on a line counts as on it: what holds the body there would be the last digits of the coordinates.
-    if (fixed.size() < 3 || distance_from_line(first, fixed) <= tolerance * size + 4 * rounding) {
+    if (fixed.size() < 3 || distance_from_line(first, fixed) <= relative_tolerance * size + 4 * rounding) {
         diagnostics.add(error_at(2604, path,
                                  fmt::format("{} vertices are fixed{}: the body could still turn", fixed.size(),
                                              fixed.size() < 3 ? "" : ", all on a line"),
@@ -85,7 +85,7 @@ void check_fixed_vertices(const std::string& path, const std::vector<std::uint32
     }
     for (std::size_t k = 1; k < meshes.size(); ++k) {
         const Positions& pose = meshes[k].positions;
-        const double allowed = tolerance * size + 4 * std::max(rounding, coordinate_rounding(pose));
+        const double allowed = relative_tolerance * size + 4 * std::max(rounding, coordinate_rounding(pose));
         for (const std::uint32_t vertex : fixed) {
             const double distance = (pose.row(vertex) - first.row(vertex)).norm();
             if (distance <= allowed) continue;

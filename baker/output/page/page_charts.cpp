@@ -15,7 +15,8 @@ constexpr std::size_t colour_count = 8;
 constexpr std::size_t bar_limit = 60; // checks drawn, the worst
 
 // Of drawings, in their own units; text is 12 high.
-constexpr double chart_width = 460, chart_height = 250, left = 58, right = 14, top = 14, bottom = 40;
+constexpr double chart_width = 460, chart_height = 250, left_margin = 58, right_margin = 14, top_margin = 14,
+                 bottom_margin = 40;
 
 std::string line(double x1, double y1, double x2, double y2, const char* kind)
 {
@@ -75,15 +76,17 @@ std::string error_curve(const CertificateFacts& facts, const std::vector<std::st
     // The tolerance is drawn where it does not press the curve flat.
     const bool has_tolerance = facts.tolerance > 0 && facts.tolerance < 20 * worst;
     const double highest = round_up(std::max({ worst, has_tolerance ? facts.tolerance : 0.0, 1e-12 }));
-    const auto x = [&](double w) { return left + w * (chart_width - left - right); };
-    const auto y = [&](double e) { return chart_height - bottom - e / highest * (chart_height - top - bottom); };
+    const auto x = [&](double w) { return left_margin + w * (chart_width - left_margin - right_margin); };
+    const auto y
+        = [&](double e) { return chart_height - bottom_margin - e / highest * (chart_height - top_margin - bottom_margin); };
     std::string svg = open_svg(chart_width, chart_height, "Error of blends over the weight of the second pose");
     for (int i = 0; i <= 4; ++i) {
-        svg += line(left, y(highest * i / 4), chart_width - right, y(highest * i / 4), i == 0 ? "axis" : "grid");
-        svg += label(left - 6, y(highest * i / 4) + 4, "end", percent_text(highest * i / 4));
+        svg += line(left_margin, y(highest * i / 4), chart_width - right_margin, y(highest * i / 4),
+                    i == 0 ? "axis" : "grid");
+        svg += label(left_margin - 6, y(highest * i / 4) + 4, "end", percent_text(highest * i / 4));
     }
     for (const double w : { 0.0, 0.5, 1.0 })
-        svg += label(x(w), chart_height - bottom + 16,
+        svg += label(x(w), chart_height - bottom_margin + 16,
                      w == 0       ? "start"
                          : w == 1 ? "end"
                                   : "middle",
@@ -100,8 +103,8 @@ std::string error_curve(const CertificateFacts& facts, const std::vector<std::st
                             place_text(y(check->error)));
     svg += fmt::format("<path class=\"curve\" d=\"{}\"/>", path);
     if (has_tolerance) {
-        svg += line(left, y(facts.tolerance), chart_width - right, y(facts.tolerance), "limit");
-        svg += label(chart_width - right, y(facts.tolerance) - 5, "end", "tolerance (for the mean)");
+        svg += line(left_margin, y(facts.tolerance), chart_width - right_margin, y(facts.tolerance), "limit");
+        svg += label(chart_width - right_margin, y(facts.tolerance) - 5, "end", "tolerance (for the mean)");
     }
     for (const CheckFact* check : sorted)
         svg += point(x(check->weights[1]), y(check->error), *check, check == &checks[order[0]], poses);
@@ -223,22 +226,23 @@ std::string spectrum_chart(const std::vector<PageColumn>& columns)
     if (!(largest > 0)) return {};
     // Ten decades are more than single precision has.
     const double high = std::ceil(std::log10(largest) + 1e-9), low = std::max(std::floor(std::log10(smallest)), high - 10);
-    const double step = (chart_width - left - right) / double(columns.size());
-    const auto y
-        = [&](double a) { return height - (std::clamp(a, low, high) - low) / std::max(high - low, 1.0) * (height - top); };
+    const double step = (chart_width - left_margin - right_margin) / double(columns.size());
+    const auto y = [&](double a) {
+        return height - (std::clamp(a, low, high) - low) / std::max(high - low, 1.0) * (height - top_margin);
+    };
     std::string svg = open_svg(chart_width, full, "Amplitude and bits of each column of the basis");
     for (double decade = low; decade <= high; decade += high - low > 5 ? 2 : 1) {
-        svg += line(left, y(decade), chart_width - right, y(decade), "grid");
-        svg += label(left - 6, y(decade) + 4, "end", fmt::format("{:g} %", std::pow(10, decade + 2)));
+        svg += line(left_margin, y(decade), chart_width - right_margin, y(decade), "grid");
+        svg += label(left_margin - 6, y(decade) + 4, "end", fmt::format("{:g} %", std::pow(10, decade + 2)));
     }
     const auto bits_y = [&](double bits) { return bits_top + bits_height * (1 - bits / most_bits); };
     for (const double part : { 0.0, 0.5, 1.0 }) {
-        svg += line(left, bits_y(part * most_bits), chart_width - right, bits_y(part * most_bits),
+        svg += line(left_margin, bits_y(part * most_bits), chart_width - right_margin, bits_y(part * most_bits),
                     part == 0 ? "axis" : "grid");
-        svg += label(left - 6, bits_y(part * most_bits) + 4, "end", fmt::format("{:.0f}", part * most_bits));
+        svg += label(left_margin - 6, bits_y(part * most_bits) + 4, "end", fmt::format("{:.0f}", part * most_bits));
     }
     for (std::size_t j = 0; j < columns.size(); ++j) {
-        const double x = left + step * double(j) + 0.1 * step, width = 0.8 * step;
+        const double x = left_margin + step * double(j) + 0.1 * step, width = 0.8 * step;
         const double bar = columns[j].amplitude > 0 ? y(std::log10(columns[j].amplitude)) : height;
         svg += fmt::format(
             "<rect class=\"amplitude\" x=\"{}\" y=\"{}\" width=\"{}\" height=\"{}\"><title>column {}: {} of the "
@@ -249,11 +253,11 @@ std::string spectrum_chart(const std::vector<PageColumn>& columns)
                            place_text(bits_y(columns[j].bits)), place_text(width),
                            place_text(bits_top + bits_height - bits_y(columns[j].bits)));
     }
-    svg += line(left, height, chart_width - right, height, "axis");
-    svg += label(left + 4, top - 2, "start", "largest motion of a vertex, relative to the diagonal");
-    svg += label(left + 4, bits_top - 3, "start", "bits per number");
-    svg += label(left, full - 16, "start", "column 1")
-        + label(chart_width - right, full - 16, "end", fmt::format("column {}", columns.size()));
+    svg += line(left_margin, height, chart_width - right_margin, height, "axis");
+    svg += label(left_margin + 4, top_margin - 2, "start", "largest motion of a vertex, relative to the diagonal");
+    svg += label(left_margin + 4, bits_top - 3, "start", "bits per number");
+    svg += label(left_margin, full - 16, "start", "column 1")
+        + label(chart_width - right_margin, full - 16, "end", fmt::format("column {}", columns.size()));
     return "<figure class=\"chart\">" + svg + "</svg></figure>";
 }
 
