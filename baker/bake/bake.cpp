@@ -98,8 +98,8 @@ BakedAsset bake(const PoseSet& poses, const BakeOptions& given, Progress& progre
 
     InterpolatedFamily known(family, &progress);
     const FoundSubspace found = find_subspace(known, pool, options, progress);
-    report.snapshot_count = found.averages.size() - found.interpolated_count;
-    report.interpolated_count = found.interpolated_count;
+    report.snapshot_count = found.averages.size() - found.interpolated_count();
+    report.interpolated_count = found.interpolated_count();
     report.unconverged_snapshot_count = found.unconverged_count;
     watch.end_stage("subspace");
 

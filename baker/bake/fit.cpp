@@ -11,6 +11,8 @@
 #include <algorithm>
 #include <cmath>
 #include <fmt/core.h>
+#include <iterator>
+#include <map>
 #include <numeric>
 
 namespace pliant {
@@ -20,9 +22,6 @@ namespace {
 // Exactness is worth a frame that costs twice as much as one with cubature, as it does here (runtime/README.md), and not
 // many times as much: the table grows with the fourth power of the dimension.
 constexpr Eigen::Index quartic_dimension_wanted = 32;
-
-// What the surrogate energy adds to the error of its training data leaves them about this part of the tolerance.
-constexpr double usual_share = 0.5;
 
 // Share of the mean's energy that an error of one tolerance may cost. Soft directions then follow the unreduced average,
 // stiff ones the energy (training_of). With a much larger share training shapes get creased.
@@ -34,6 +33,13 @@ double nearness_wanted(const NormalizedPoses& set, double mean_energy, double to
     return 2 * nearness_share * std::max(mean_energy, 1e-13) / (off * off);
 }
 
+std::vector<AverageAt> checks_of(const FoundSubspace& found)
+{
+    std::vector<AverageAt> out;
+    for (const CheckPoint& check : found.checks) out.push_back({ check.weights, &check.reference });
+    return out;
+}
+
 // The fits of one bake.
 class Fitter {
 public:
@@ -41,14 +47,18 @@ public:
         : p_(problem)
         , options_(options)
         , progress_(progress)
-        , averages_(project_averages(p_.energy, p_.found.subspace, p_.set, p_.found.averages, &progress))
-        , checks_(p_.found.checks.size())
         , nearness_(nearness_wanted(p_.set, p_.family.mean().energy, options.tolerance))
     {
-        for_each_task(checks_.size(), [&](std::size_t i, std::size_t) {
-            const CheckPoint& check = p_.found.checks[i];
-            checks_[i] = project_average(p_.energy, all(), p_.set, check.weights, check.reference);
-        });
+        const AverageProjector projector(p_.energy, all(), p_.set, &progress);
+        std::vector<AverageAt> averages = distinct_averages(p_.found.averages);
+        const auto rest = std::stable_partition(averages.begin(), averages.end(),
+                                                [](const AverageAt& average) { return !average.is_interpolated; });
+        averages_ = projector.project({ averages.begin(), rest });
+        exact_count_ = averages_.size();
+        std::vector<ProjectedAverage> interpolated = projector.project({ rest, averages.end() }, averages_);
+        checks_
+            = exact_count_ > 0 ? projector.project(checks_of(p_.found), averages_) : projector.project(checks_of(p_.found));
+        std::move(interpolated.begin(), interpolated.end(), std::back_inserter(averages_));
     }
 
     FittedModel choose();
@@ -62,7 +72,7 @@ private:
                  options_.cubature_solver };
     }
     double training_error(Eigen::Index d) const;
-    Eigen::Index least_dimension(double share) const;
+    Eigen::Index least_dimension() const;
     bool wants_quartic(std::string& reason) const;
     FittedModel fit_quartic(Eigen::Index most);
     FittedModel choose_surrogate();
@@ -76,7 +86,8 @@ private:
     const BakeOptions& options_;
     Progress& progress_;
     std::vector<ProjectedAverage> averages_, checks_;
-    double nearness_; // of training data to the averages
+    std::size_t exact_count_ = 0; // of the averages; the others are interpolated
+    double nearness_;             // of training data to the averages
 };
 
 // Mean distance of reduced averages in d dimensions, as training data are, from the checks.
@@ -94,13 +105,13 @@ double Fitter::training_error(Eigen::Index d) const
 }
 
 // Blends follow their training data: fewer dimensions than these take need not be tried.
-Eigen::Index Fitter::least_dimension(double share) const
+Eigen::Index Fitter::least_dimension() const
 {
     Eigen::Index low = std::min<Eigen::Index>(Eigen::Index(p_.set.pose_count()) - 1, all().dimension()),
                  high = all().dimension();
     while (low < high) {
         const Eigen::Index middle = (low + high) / 2;
-        if (training_error(middle) <= share * options_.tolerance)
+        if (training_error(middle) <= options_.tolerance)
             high = middle;
         else
             low = middle + 1;
@@ -113,7 +124,7 @@ TrainingSet Fitter::train(const ReducedSolver& reduced) const
     const std::size_t m = p_.set.pose_count();
     if (averages_.empty())
         return solve_training_set(reduced, p_.set, training_weights(m, training_count(m), options_.seed), &progress_);
-    return training_of(reduced, averages_, nearness_);
+    return training_of(reduced, averages_, exact_count_, nearness_);
 }
 
 ChosenModel Fitter::fit_ghost(const Subspace& subspace, FittedModel& out) const
@@ -155,13 +166,18 @@ FittedModel Fitter::fit_at(Eigen::Index d, const Quartic* quartic)
 FittedModel Fitter::fit_least(Eigen::Index most, const Quartic* quartic)
 {
     if (!chooses_dimension()) return fit_at(most, quartic);
-    FittedModel out;
-    const Eigen::Index least = std::min(most, least_dimension(1)), first = std::min(most, least_dimension(usual_share));
-    choose_dimension(least, first, most, surrogate_options(), [&](Eigen::Index d) {
+    std::map<Eigen::Index, FittedModel> fits;
+    const auto error_at = [&](Eigen::Index d) {
         progress_.update("dimension", 0, fmt::format("d = {}", d));
-        out = fit_at(d, quartic);
-        return out.report.surrogate.error();
-    });
+        FittedModel& fit = fits[d] = fit_at(d, quartic);
+        fit.subspace = {}; // large, and the same for all
+        return fit.report.surrogate.error();
+    };
+    const Eigen::Index chosen = choose_dimension(
+        std::min(most, least_dimension()), most, surrogate_options(), [&](Eigen::Index d) { return training_error(d); },
+        error_at);
+    FittedModel out = std::move(fits.at(chosen));
+    out.subspace = leading(all(), chosen);
     return out;
 }
 
@@ -171,7 +187,7 @@ bool Fitter::wants_quartic(std::string& reason) const
     const auto* solid = dynamic_cast<const Solid*>(&p_.energy);
     if (options_.surrogate == SurrogateKind::quartic) return true;
     if (options_.surrogate != SurrogateKind::automatic || !solid || solid->law() != SolidLaw::stvk) return false;
-    const Eigen::Index least = chooses_dimension() ? least_dimension(1) : all().dimension();
+    const Eigen::Index least = chooses_dimension() ? least_dimension() : all().dimension();
     if (least <= quartic_dimension_wanted) return true;
     reason = fmt::format("d = {} at least, and above {} a quartic is much slower than cubature", least,
                          quartic_dimension_wanted);
@@ -212,10 +228,7 @@ FittedModel Fitter::choose()
     report.element_count = out.model.surrogate->element_count();
     report.training_count = out.training.weights.size();
     report.unconverged_training_count = out.training.unconverged_count;
-    const ReducedSolver reduced(p_.energy, out.subspace, p_.family.mean_hessian(), p_.family.mean().energy);
-    std::vector<Eigen::VectorXd> starts;
-    for (const ProjectedAverage& check : checks_) starts.push_back(reduced_average(check, report.dimension, 0));
-    report.subspace_error = subspace_error(reduced, p_.set, p_.found.checks, starts);
+    report.subspace_error = subspace_error(out.subspace, p_.set, p_.found.checks);
     return out;
 }
 

@@ -12,7 +12,7 @@ std::string remedy(const BakeReport& r, const BakeOptions& options)
         return r.input.material == Material::discrete_shells
             ? "averages jump (P4406): use --material arap"
             : "averages jump (P4406): add a pose in between, leave a pose out, or raise --tolerance";
-    if (r.fit.subspace_error.mean > 0.7 * options.tolerance)
+    if (r.fit.subspace_error.mean > 0.5 * options.tolerance)
         return r.fit.dimension >= 60
             ? "add a pose between those of the worst weights, leave a pose out, or raise --tolerance"
             : "raise --dim or leave it out, add a pose in between, or raise --tolerance";
@@ -26,16 +26,16 @@ std::optional<ToleranceMiss> find_miss(const BakeReport& r, const BakeOptions& o
     if (r.check.blends.empty() || r.check.meets_tolerance) return {};
     const bool is_asked = has_tolerance || options.tolerance_max > 0;
     if (!is_asked && (options.dimension || options.subspace != SubspaceKind::adaptive)) return {};
-    return ToleranceMiss {
-        is_asked,
-        fmt::format(
-            "blends miss the tolerance {:.3g}{}: mean error {:.2e} (subspace alone {:.2e}) at d = {} and {} elements, "
-            "largest {:.2e} at weights {}",
-            options.tolerance, options.tolerance_max > 0 ? fmt::format(" (largest {:.3g})", options.tolerance_max) : "",
-            r.check.mean_error, r.fit.subspace_error.mean, r.fit.dimension, r.fit.element_count, r.check.largest_error,
-            weights_text(r.check.worst_weights)),
-        remedy(r, options)
-    };
+    return ToleranceMiss { is_asked,
+                           fmt::format("blends miss the tolerance {:.3g}{}: mean error {:.2e} (at best {:.2e} in the "
+                                       "subspace) at d = {} and {} elements, "
+                                       "largest {:.2e} at weights {}",
+                                       options.tolerance,
+                                       options.tolerance_max > 0 ? fmt::format(" (largest {:.3g})", options.tolerance_max)
+                                                                 : "",
+                                       r.check.mean_error, r.fit.subspace_error.mean, r.fit.dimension, r.fit.element_count,
+                                       r.check.largest_error, weights_text(r.check.worst_weights)),
+                           remedy(r, options) };
 }
 
 void warn_of(const ToleranceMiss& miss, Progress& progress) { progress.warn(4404, miss.what, miss.hint); }

@@ -42,7 +42,7 @@ void print_summary(const BakeRequest& a, const BakedAsset& baked)
                                                         r.check.render_mesh->mean, r.check.render_mesh->largest));
     if (!r.check.blends.empty())
         fmt::print(
-            "blends at {} weights: relative L2 {:.2e} (mean), {:.2e} (largest), the subspace alone {:.2e} and {:.2e}; "
+            "blends at {} weights: relative L2 {:.2e} (mean), {:.2e} (largest), at best {:.2e} and {:.2e} in the subspace; "
             "farthest vertex {:.2f} % of the diagonal\n",
             r.check.blends.size(), r.check.mean_error, r.check.largest_error, r.fit.subspace_error.mean,
             r.fit.subspace_error.largest, 100 * r.check.largest_distance);

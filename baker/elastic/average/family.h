@@ -26,6 +26,7 @@ struct Branch {
 struct KnownAverage {
     Weights weights;
     Shape shape;
+    bool is_interpolated = false;
 };
 
 struct FamilyPoint {

@@ -21,12 +21,20 @@ public:
     const SparseLower& matrix() const { return matrix_; }
 
 private:
-    double* block(std::uint32_t row_vertex, std::uint32_t column_vertex, std::int64_t stride[3]);
+    void make_pattern();
+    void find_places();
+
     const Energy& energy_;
     std::vector<std::int64_t> starts_; // per vertex column: where its row vertices start in rows_
     std::vector<std::uint32_t> rows_;  // row vertices >= column vertex, ascending, the diagonal first
+    std::vector<std::uint32_t>
+        places_; // of the blocks that assemble() adds to, as it goes: their row among those of the column
     SparseLower matrix_;
 };
+
+// rows * H (r x 3n) of a symmetric matrix given by its lower triangle. Many times faster with a few dozen rows than as many
+// products with columns.
+Eigen::MatrixXd times_symmetric(const Eigen::MatrixXd& rows, const SparseLower& lower);
 
 // Replaces the rows and columns of the given degrees of freedom by those of the identity, keeping the pattern, so that a
 // cached symbolic factorisation stays valid.

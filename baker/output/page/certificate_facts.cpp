@@ -170,8 +170,8 @@ Rows subspace_rows(const Json& c)
     add_count(rows, "Dimension d", c, "subspace/dimension");
     add_count(rows, "Unreduced averages used to build it", c, "subspace/snapshots");
     add_count(rows, "Averages interpolated between them", c, "subspace/interpolated_averages");
-    add_percent(rows, "Error of the subspace alone, mean", c, "subspace/mean_error");
-    add_percent(rows, "Error of the subspace alone, largest", c, "subspace/largest_error");
+    add_percent(rows, "Distance of the averages from the subspace, mean", c, "subspace/mean_error");
+    add_percent(rows, "Distance of the averages from the subspace, largest", c, "subspace/largest_error");
     add_percent(rows, "Basis: largest distance from double precision, relative to the diagonal", c,
                 "basis/largest_difference");
     return rows;

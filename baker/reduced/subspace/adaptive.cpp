@@ -50,13 +50,18 @@ void add_training(FoundSubspace& out, InterpolatedFamily& known, const std::vect
         add(out, std::move(wave.averages));
         done = end;
     }
-    out.interpolated_count = training.size() - out.averages.size();
     const std::vector<Weights> rest(training.begin() + std::ptrdiff_t(out.averages.size()), training.end());
     std::vector<Shape> shapes = known.at(rest);
-    for (std::size_t i = 0; i < rest.size(); ++i) out.averages.push_back({ rest[i], std::move(shapes[i]) });
+    for (std::size_t i = 0; i < rest.size(); ++i) out.averages.push_back({ rest[i], std::move(shapes[i]), true });
 }
 
 } // namespace
+
+std::size_t FoundSubspace::interpolated_count() const
+{
+    return std::size_t(
+        std::count_if(averages.begin(), averages.end(), [](const KnownAverage& a) { return a.is_interpolated; }));
+}
 
 FoundSubspace build_adaptive_subspace(InterpolatedFamily& known, const std::vector<Weights>& training,
                                       const std::vector<Weights>& check_weights, const AdaptiveOptions& options,

@@ -20,9 +20,10 @@ struct AdaptiveOptions {
 struct FoundSubspace {
     Subspace subspace;                  // leading directions first: fewer columns are the best smaller space
     std::vector<KnownAverage> averages; // the mean, those at the training weights, more for a dimension asked for
-    std::size_t interpolated_count = 0; // of them; the others are unreduced averages
     std::vector<CheckPoint> checks;     // unreduced averages at `check_weights`
     int unconverged_count = 0;          // averages that Newton left unconverged
+
+    std::size_t interpolated_count() const; // of the averages; the others are unreduced averages
 };
 
 // The family of averages a(w) is smooth in w, so that a basis of snapshots converges exponentially where the Krylov basis of

@@ -20,6 +20,9 @@ constexpr double worthwhile = 0.97;
 // What is aimed at, of the tolerance: other weights than the checks are worse.
 constexpr double aim = 0.75;
 
+// What the surrogate energy adds to the error of its training data makes it about this many times as large.
+constexpr double usual_ratio = 1.5;
+
 // Where the tolerance is missed with the most dimensions, an error this much larger is as good.
 constexpr double reachable = 1.1;
 
@@ -104,39 +107,94 @@ ChosenModel choose_cubature(const ReducedEnergy& reduced, const NormalizedPoses&
     return best;
 }
 
-Eigen::Index choose_dimension(Eigen::Index least, Eigen::Index first, Eigen::Index most, const SurrogateOptions& options,
+namespace {
+
+// The search of choose_dimension(): climbs until a dimension is enough, then narrows the gap below it.
+class DimensionSearch {
+public:
+    DimensionSearch(Eigen::Index least, Eigen::Index most, const SurrogateOptions& options,
+                    const std::function<double(Eigen::Index)>& predicted,
+                    const std::function<BlendError(Eigen::Index)>& error_at)
+        : least_(least)
+        , most_(most)
+        , wanted_(options)
+        , predicted_(predicted)
+        , error_at_(error_at)
+    {
+    }
+
+    Eigen::Index run()
+    {
+        if (!climb()) settle_for_reachable();
+        while (high_ - low_ > low_ / 16) {
+            const Eigen::Index third = (high_ - low_) / 3;
+            measure(std::clamp(promising(), low_ + third, high_ - 1 - third));
+        }
+        return high_;
+    }
+
+private:
+    // False if no dimension is enough.
+    bool climb()
+    {
+        Eigen::Index next = promising();
+        for (Eigen::Index step = std::max<Eigen::Index>(1, next / 16); !measure(next); step *= 2) {
+            if (next == most_) return false;
+            next = std::min(most_, std::max(promising(), next + step));
+        }
+        return true;
+    }
+
+    // What is out of reach is brought as near as the most dimensions do, but not by more of them than that takes.
+    void settle_for_reachable()
+    {
+        const BlendError& best = measured_.at(most_);
+        wanted_.tolerance = std::max(wanted_.tolerance, reachable * best.mean / aim);
+        wanted_.tolerance_max = std::max(wanted_.largest(), reachable * best.largest / aim);
+        wanted_.drift = std::max(wanted_.drift, reachable * best.drift / aim);
+        low_ = least_;
+        narrow();
+    }
+
+    bool measure(Eigen::Index d)
+    {
+        const BlendError& error = measured_[d] = error_at_(d);
+        ratio_ = std::max(error.mean, error.largest * wanted_.tolerance / wanted_.largest()) / predicted_(d);
+        narrow();
+        return is_enough(error, wanted_);
+    }
+
+    void narrow()
+    {
+        for (const auto& [d, error] : measured_)
+            if (is_enough(error, wanted_))
+                high_ = std::min(high_, d);
+            else
+                low_ = std::max(low_, std::min(d + 1, most_));
+    }
+
+    Eigen::Index promising() const
+    {
+        Eigen::Index d = low_;
+        while (d < high_ && ratio_ * predicted_(d) >= aim * wanted_.tolerance) ++d;
+        return d;
+    }
+
+    Eigen::Index least_, most_, low_ = least_, high_ = most_; // the answer is in low..high
+    SurrogateOptions wanted_;
+    const std::function<double(Eigen::Index)>& predicted_;
+    const std::function<BlendError(Eigen::Index)>& error_at_;
+    std::map<Eigen::Index, BlendError> measured_;
+    double ratio_ = usual_ratio; // of measured to predicted errors
+};
+
+} // namespace
+
+Eigen::Index choose_dimension(Eigen::Index least, Eigen::Index most, const SurrogateOptions& options,
+                              const std::function<double(Eigen::Index)>& predicted,
                               const std::function<BlendError(Eigen::Index)>& error_at)
 {
-    std::map<Eigen::Index, BlendError> measured;
-    Eigen::Index last = 0;
-    const auto error = [&](Eigen::Index d) {
-        if (measured.count(d) == 0) measured[last = d] = error_at(d);
-        return measured[d];
-    };
-    Eigen::Index high = first;
-    for (Eigen::Index step = std::max<Eigen::Index>(1, first / 8); high < most && !is_enough(error(high), options);
-         step *= 2)
-        high = std::min(most, high + step);
-    SurrogateOptions wanted = options;
-    if (high == most) {
-        // What is out of reach is brought as near as the most dimensions do, but not by more of them than that takes.
-        const BlendError best = error(most);
-        wanted.tolerance = std::max(options.tolerance, reachable * best.mean / aim);
-        wanted.tolerance_max = std::max(options.largest(), reachable * best.largest / aim);
-        wanted.drift = std::max(options.drift, reachable * best.drift / aim);
-    }
-    Eigen::Index low = least;
-    for (const auto& [d, here] : measured)
-        if (!is_enough(here, wanted)) low = std::min(most, d + 1);
-    while (low < high) {
-        const Eigen::Index middle = (low + high) / 2;
-        if (is_enough(error(middle), wanted))
-            high = middle;
-        else
-            low = middle + 1;
-    }
-    if (last != high) error_at(high);
-    return high;
+    return DimensionSearch(least, most, options, predicted, error_at).run();
 }
 
 } // namespace pliant

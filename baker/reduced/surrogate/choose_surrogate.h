@@ -50,10 +50,11 @@ ChosenModel fit_model(std::shared_ptr<const SurrogateEnergy> surrogate, const Su
                       const TrainingSet& training, const std::vector<CheckPoint>& checks, bool may_load,
                       const SurrogateOptions& options);
 
-// The smallest dimension from `least` to `most` with enough accuracy, up from `first` and then by bisection: `error_at`
-// measures one, and is called last for the one that is returned. Where the tolerance is out of reach, the smallest that is
-// about as good as `most`.
-Eigen::Index choose_dimension(Eigen::Index least, Eigen::Index first, Eigen::Index most, const SurrogateOptions& options,
+// The smallest dimension from `least` to `most` with enough accuracy, or one that is larger by a sixteenth at most.
+// `error_at` measures one, at most once; `predicted` is an error that falls with the dimension and to which the measured
+// ones are about proportional. Where the tolerance is out of reach, the smallest that is about as good as `most`.
+Eigen::Index choose_dimension(Eigen::Index least, Eigen::Index most, const SurrogateOptions& options,
+                              const std::function<double(Eigen::Index)>& predicted,
                               const std::function<BlendError(Eigen::Index)>& error_at);
 
 } // namespace pliant

@@ -86,7 +86,8 @@ std::vector<Probe> make_probes(const TrainingSet& training, std::uint64_t seed)
     // All of the Hessian at the mean, random directions of it elsewhere.
     probes.push_back({ Probe::Kind::hessian, 0, training.weights[0], training.averages[0], 1 / std::sqrt(double(d)),
                        Eigen::MatrixXd::Identity(d, d) });
-    for (std::size_t t = 1; t < std::min(count, hessian_probe_count + 1); ++t) {
+    const std::size_t known = training.shapes.empty() ? count : training.exact_stiffness_count;
+    for (std::size_t t = 1; t < std::min(known, hessian_probe_count + 1); ++t) {
         const Eigen::Index columns = std::min(d, hessian_probe_columns);
         Eigen::MatrixXd directions(d, columns);
         for (Eigen::Index i = 0; i < directions.size(); ++i) directions.data()[i] = random.normal() / std::sqrt(double(d));

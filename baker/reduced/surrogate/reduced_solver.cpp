@@ -64,20 +64,14 @@ Eigen::VectorXd ReducedStarts::operator()(const Weights& w) const
                                                                                                               : near;
 }
 
-SubspaceError subspace_error(const ReducedSolver& solver, const NormalizedPoses& set, const std::vector<CheckPoint>& checks,
-                             const std::vector<Eigen::VectorXd>& starts)
+SubspaceError subspace_error(const Subspace& subspace, const NormalizedPoses& set, const std::vector<CheckPoint>& checks)
 {
-    std::vector<double> errors(checks.size());
-    for_each_task(checks.size(), [&](std::size_t i, std::size_t) {
-        const Eigen::VectorXd q = solver.solve(checks[i].weights, starts[i]).q;
-        errors[i] = relative_distance(set, solver.subspace().shape(q), checks[i].reference);
-    });
     SubspaceError out;
-    for (std::size_t i = 0; i < checks.size(); ++i) {
-        out.mean += errors[i] / double(checks.size());
-        if (i > 0 && errors[i] <= out.largest) continue;
-        out.largest = errors[i];
-        out.worst_weights = checks[i].weights;
+    for (const CheckPoint& check : checks) {
+        const Shape nearest = subspace.shape(project(subspace, check.reference, set.masses));
+        const double error = relative_distance(set, nearest, check.reference);
+        out.mean += error / double(checks.size());
+        out.largest = std::max(out.largest, error);
     }
     return out;
 }

@@ -48,14 +48,11 @@ private:
     RadialFunction predictor_;
 };
 
-// Error of the subspace alone: the exact reduced blend next to each reference average, relative L2. `starts`: coordinates
-// near the blends.
+// How far the references lie from the subspace, relative L2: no surrogate energy brings blends nearer.
 struct SubspaceError {
     double mean = 0, largest = 0;
-    Weights worst_weights;
 };
-SubspaceError subspace_error(const ReducedSolver& solver, const NormalizedPoses& set, const std::vector<CheckPoint>& checks,
-                             const std::vector<Eigen::VectorXd>& starts);
+SubspaceError subspace_error(const Subspace& subspace, const NormalizedPoses& set, const std::vector<CheckPoint>& checks);
 
 // Eigenvalues of the reduced Hessian below this fraction of the largest are treated as this: rigid motions that the subspace
 // holds almost exactly have none, and without a floor they would be amplified without bound.

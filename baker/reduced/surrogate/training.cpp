@@ -8,45 +8,98 @@
 #include <algorithm>
 #include <cmath>
 #include <fmt/core.h>
+#include <memory>
 
 namespace pliant {
 
-ProjectedAverage project_average(const Energy& energy, const Subspace& subspace, const NormalizedPoses& set,
-                                 const Weights& w, const Shape& average)
+namespace {
+
+// Of the inverse squares of distances between weights (Shepard 1968): a mean, so that it is as definite as what it is of.
+Eigen::MatrixXd interpolated_stiffness(const std::vector<ProjectedAverage>& around, const Weights& w)
 {
-    HessianAssembler assembler(energy);
-    assembler.assemble(w, average, HessianKind::exact);
-    const Eigen::MatrixXd forces = assembler.matrix().selfadjointView<Eigen::Lower>() * subspace.basis;
-    const Eigen::MatrixXd stiffness = subspace.basis.transpose() * forces;
-    return { w,
-             &average,
-             project(subspace, average, set.masses),
-             forces.transpose() * (average - subspace.rest),
-             0.5 * (stiffness + stiffness.transpose()),
-             energy_value(energy, w, average) };
+    Eigen::MatrixXd sum = Eigen::MatrixXd::Zero(around[0].stiffness.rows(), around[0].stiffness.cols());
+    double total = 0;
+    for (const ProjectedAverage& average : around) {
+        const double share = 1 / std::max((average.weights - w).squaredNorm(), 1e-12);
+        sum += share * average.stiffness;
+        total += share;
+    }
+    return sum / total;
 }
 
-std::vector<ProjectedAverage> project_averages(const Energy& energy, const Subspace& subspace, const NormalizedPoses& set,
-                                               const std::vector<KnownAverage>& averages, Progress* progress)
+} // namespace
+
+AverageProjector::AverageProjector(const Energy& energy, const Subspace& subspace, const NormalizedPoses& set,
+                                   Progress* progress)
+    : energy_(energy)
+    , subspace_(subspace)
+    , set_(set)
+    , progress_(progress)
+{
+}
+
+std::vector<ProjectedAverage> AverageProjector::project(const std::vector<AverageAt>& averages) const
+{
+    SharedProgress shared(progress_);
+    shared.describe("training", 0, fmt::format("stiffness at {} averages", averages.size()));
+    const Eigen::MatrixXd rows = subspace_.basis.transpose();
+    std::vector<std::unique_ptr<HessianAssembler>> assemblers(worker_count());
+    std::vector<ProjectedAverage> out(averages.size());
+    for_each_task(averages.size(), [&](std::size_t i, std::size_t worker) {
+        shared.update("", 0);
+        std::unique_ptr<HessianAssembler>& assembler = assemblers[worker];
+        if (!assembler) assembler = std::make_unique<HessianAssembler>(energy_);
+        const auto& [w, shape, is_interpolated] = averages[i];
+        assembler->assemble(w, *shape, HessianKind::exact);
+        const Eigen::MatrixXd forces = times_symmetric(rows, assembler->matrix()), stiffness = forces * subspace_.basis;
+        out[i] = { w,
+                   shape,
+                   pliant::project(subspace_, *shape, set_.masses),
+                   forces * (*shape - subspace_.rest),
+                   0.5 * (stiffness + stiffness.transpose()),
+                   energy_value(energy_, w, *shape) };
+    });
+    return out;
+}
+
+std::vector<ProjectedAverage> AverageProjector::project(const std::vector<AverageAt>& averages,
+                                                        const std::vector<ProjectedAverage>& around) const
+{
+    // What the average has outside of the subspace is small, and the forces of a small part of it tell its product with the
+    // Hessian.
+    constexpr double part = 1e-2;
+    SharedProgress shared(progress_);
+    shared.describe("training", 0.5, fmt::format("forces at {} averages", averages.size()));
+    std::vector<ProjectedAverage> out(averages.size());
+    for_each_task(averages.size(), [&](std::size_t i, std::size_t) {
+        shared.update("", 0);
+        const auto& [w, shape, is_interpolated] = averages[i];
+        const Eigen::VectorXd nearest = pliant::project(subspace_, *shape, set_.masses);
+        const Shape outside = *shape - subspace_.shape(nearest);
+        Shape before = Shape::Zero(shape->size()), after = before;
+        const double energy = add_gradient(energy_, w, *shape, before);
+        add_gradient(energy_, w, *shape + part * outside, after);
+        Eigen::MatrixXd stiffness = interpolated_stiffness(around, w);
+        Eigen::VectorXd pull = stiffness * nearest + subspace_.basis.transpose() * ((after - before) / part);
+        out[i] = { w, shape, nearest, std::move(pull), std::move(stiffness), energy };
+    });
+    return out;
+}
+
+std::vector<AverageAt> distinct_averages(const std::vector<KnownAverage>& averages)
 {
     std::vector<Weights> taken;
-    for (std::size_t k = 0; k < set.pose_count(); ++k) taken.push_back(corner_weights(set.pose_count(), k));
-    std::vector<const KnownAverage*> kept;
+    const std::size_t pose_count = averages.empty() ? 0 : std::size_t(averages[0].weights.size());
+    for (std::size_t k = 0; k < pose_count; ++k) taken.push_back(corner_weights(pose_count, k));
+    std::vector<AverageAt> out;
     for (const KnownAverage& average : averages) {
         const bool is_near = std::any_of(taken.begin(), taken.end(), [&](const Weights& other) {
             return (other - average.weights).norm() < closest_centres;
         });
         if (is_near) continue;
         taken.push_back(average.weights);
-        kept.push_back(&average);
+        out.push_back({ average.weights, &average.shape, average.is_interpolated });
     }
-    SharedProgress shared(progress);
-    shared.describe("training", 0, fmt::format("stiffness at {} averages", kept.size()));
-    std::vector<ProjectedAverage> out(kept.size());
-    for_each_task(kept.size(), [&](std::size_t i, std::size_t) {
-        shared.update("", 0);
-        out[i] = project_average(energy, subspace, set, kept[i]->weights, kept[i]->shape);
-    });
     return out;
 }
 
@@ -57,10 +110,12 @@ Eigen::VectorXd reduced_average(const ProjectedAverage& average, Eigen::Index d,
     return stiffness.ldlt().solve(average.pull.head(d) + nearness * average.nearest.head(d));
 }
 
-TrainingSet training_of(const ReducedSolver& reduced, const std::vector<ProjectedAverage>& averages, double nearness)
+TrainingSet training_of(const ReducedSolver& reduced, const std::vector<ProjectedAverage>& averages, std::size_t exact_count,
+                        double nearness)
 {
     const Eigen::Index d = reduced.subspace().dimension();
     TrainingSet training;
+    training.exact_stiffness_count = exact_count;
     Eigen::MatrixXd mean_stiffness = Eigen::MatrixXd::Zero(d, d);
     double energy = 0;
     for (const ProjectedAverage& average : averages) {

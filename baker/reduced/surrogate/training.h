@@ -19,7 +19,18 @@ struct TrainingSet {
     // ones.
     std::vector<const Shape*> shapes;
     std::vector<Eigen::MatrixXd> stiffness; // d x d, in q
+    std::size_t exact_stiffness_count = 0;  // of them; those of the others are interpolated
 };
+
+// An average that lies in some list.
+struct AverageAt {
+    Weights weights;
+    const Shape* shape;
+    bool is_interpolated = false;
+};
+
+// Those of a list without ones next to others, or to poses: radial functions need distinct centres.
+std::vector<AverageAt> distinct_averages(const std::vector<KnownAverage>& averages);
 
 // A full average seen through a subspace: the energy's quadratic model there, and where the average lies.
 struct ProjectedAverage {
@@ -31,22 +42,36 @@ struct ProjectedAverage {
     double energy;             // at the average
 };
 
-// Cost: an assembly of the Hessian.
-ProjectedAverage project_average(const Energy& energy, const Subspace& subspace, const NormalizedPoses& set,
-                                 const Weights& w, const Shape& average);
+// Projects averages, which must outlive the results. Leading parts of these belong to leading dimensions.
+class AverageProjector {
+public:
+    // The references must outlive the projector.
+    AverageProjector(const Energy& energy, const Subspace& subspace, const NormalizedPoses& set, Progress* progress);
 
-// Those of all averages, which must outlive them; ones next to others, or to poses, are left out. Leading parts of the
-// results belong to leading dimensions. Cost: an assembly of the Hessian each.
-std::vector<ProjectedAverage> project_averages(const Energy& energy, const Subspace& subspace, const NormalizedPoses& set,
-                                               const std::vector<KnownAverage>& averages, Progress* progress);
+    // Cost: an assembly of the Hessian each, and its product with the basis.
+    std::vector<ProjectedAverage> project(const std::vector<AverageAt>& averages) const;
+
+    // With a stiffness that is a mean of those at averages around (at least one): smoother than that of interpolated
+    // averages, whose small triangles are creased. Cost: two gradients each.
+    std::vector<ProjectedAverage> project(const std::vector<AverageAt>& averages,
+                                          const std::vector<ProjectedAverage>& around) const;
+
+private:
+    const Energy& energy_;
+    const Subspace& subspace_;
+    const NormalizedPoses& set_;
+    Progress* progress_;
+};
 
 // The q in the first d dimensions that minimizes energy + nearness / 2 |y(q) - a|^2 next to the average a. With nearness 0
 // that is the reduced average, too far from a since a subspace is too stiff; with a large one the projection, as near as
 // can be, but creased where triangles are small. In between soft directions follow the average, stiff ones the energy.
 Eigen::VectorXd reduced_average(const ProjectedAverage& average, Eigen::Index d, double nearness);
 
-// Training data from averages (the first one for equal weights): what reduced_average() makes of them.
-TrainingSet training_of(const ReducedSolver& reduced, const std::vector<ProjectedAverage>& averages, double nearness);
+// Training data from averages (the first one for equal weights): what reduced_average() makes of them. The stiffness of the
+// first `exact_count` is no interpolation.
+TrainingSet training_of(const ReducedSolver& reduced, const std::vector<ProjectedAverage>& averages, std::size_t exact_count,
+                        double nearness);
 
 // Solves the exact reduced problem at all training weights (the equal ones first). Throws Failure (P4401) if the mean does
 // not converge.

@@ -137,13 +137,8 @@ TEST_CASE("the adaptive subspace converges in d, far below Algorithm 1, and fill
     CHECK(found.unconverged_count == 0);
     CHECK(found.checks.size() == weights.size());
     CHECK(found.averages.size() == 40);
-    CHECK(found.interpolated_count == 40 - 1 - known.learned_count());
-    const auto error_of = [&](const Subspace& subspace) {
-        std::vector<Eigen::VectorXd> starts;
-        for (const CheckPoint& check : found.checks) starts.push_back(project(subspace, check.reference, set.masses));
-        return subspace_error(ReducedSolver(energy, subspace, family.mean_hessian(), family.mean().energy), set,
-                              found.checks, starts);
-    };
+    CHECK(found.interpolated_count() == 40 - 1 - known.learned_count());
+    const auto error_of = [&](const Subspace& subspace) { return subspace_error(subspace, set, found.checks); };
     const SubspaceError few = error_of(leading(found.subspace, 9)), many = error_of(leading(found.subspace, 16));
     CHECK(few.mean < 1e-3);
     CHECK(many.mean < 1e-4);
@@ -157,7 +152,7 @@ TEST_CASE("the adaptive subspace converges in d, far below Algorithm 1, and fill
     InterpolatedFamily known_least(family, nullptr);
     const FoundSubspace coarse = build_adaptive_subspace(known_least, training_weights(3, 40, 1), weights, options, nullptr);
     CHECK(known_least.learned_count() == 5); // one wave
-    CHECK(coarse.interpolated_count == 34);
+    CHECK(coarse.interpolated_count() == 34);
 }
 
 TEST_CASE("training weights are spread over the simplex, the equal ones first")
@@ -189,14 +184,15 @@ TEST_CASE("averages next to others or to poses are no training data of their own
     const ReducedSolver reduced(energy, subspace, family.mean_hessian(), family.mean().energy);
     const Weights other = Eigen::Vector2d(0.3, 0.7), near = Eigen::Vector2d(0.5001, 0.4999),
                   corner = Eigen::Vector2d(0.0001, 0.9999);
-    const std::vector<ProjectedAverage> averages = project_averages(
-        energy, subspace, set, { { equal_weights(2), mean }, { near, mean }, { corner, mean }, { other, set.shapes[1] } },
-        nullptr);
+    const std::vector<KnownAverage> known
+        = { { equal_weights(2), mean }, { near, mean }, { corner, mean }, { other, set.shapes[1] } };
+    const std::vector<ProjectedAverage> averages
+        = AverageProjector(energy, subspace, set, nullptr).project(distinct_averages(known));
     REQUIRE(averages.size() == 2);
     CHECK(averages[1].weights == other);
     // What the subspace holds is reproduced, whatever counts more: energy or distance.
     for (double nearness : { 1e-6, 1.0, 1e12 }) {
-        const TrainingSet training = training_of(reduced, averages, nearness);
+        const TrainingSet training = training_of(reduced, averages, 2, nearness);
         CHECK(relative_distance(set, subspace.shape(training.averages[0]), mean) < 1e-9);
         CHECK(relative_distance(set, subspace.shape(training.averages[1]), set.shapes[1]) < 1e-9);
         CHECK(training.energy_scale > 0);
@@ -210,34 +206,69 @@ TEST_CASE("training data lie between the reduced average and the projection of t
     const Shape& mean = family.mean().y;
     const Subspace subspace = build_subspace(set, Eigen::MatrixXd(set.dof_count(), 0), 1); // the difference alone
     const ReducedSolver reduced(energy, subspace, family.mean_hessian(), family.mean().energy);
-    const auto averages = project_averages(energy, subspace, set, { { equal_weights(2), mean } }, nullptr);
+    const auto averages = AverageProjector(energy, subspace, set, nullptr).project({ { equal_weights(2), &mean } });
     const auto shape_at
-        = [&](double nearness) { return subspace.shape(training_of(reduced, averages, nearness).averages[0]); };
+        = [&](double nearness) { return subspace.shape(training_of(reduced, averages, 1, nearness).averages[0]); };
     const Shape nearest = subspace.shape(project(subspace, mean, set.masses));
     CHECK(relative_distance(set, shape_at(1e12), nearest) < 1e-6);
     const double stiff = averages[0].stiffness(0, 0), free = relative_distance(set, shape_at(0), nearest);
     CHECK(relative_distance(set, shape_at(stiff), nearest) == doctest::Approx(free / 2).epsilon(1e-2));
 }
 
-TEST_CASE("the smallest dimension that keeps the tolerance is found, and the last one measured is the one chosen")
+TEST_CASE("an interpolated stiffness gives about the same training data")
+{
+    TubeFamily tube(3);
+    auto& [set, energy, pool, family] = tube;
+    InterpolatedFamily known(family, nullptr);
+    const std::vector<Weights> weights = training_weights(3, 12, 1);
+    const FoundSubspace found = build_adaptive_subspace(known, weights, { weights[11] }, AdaptiveOptions(), nullptr);
+    const Subspace subspace = leading(found.subspace, 4);
+    const AverageProjector projector(energy, subspace, set, nullptr);
+    std::vector<AverageAt> others = distinct_averages(found.averages);
+    const AverageAt last = others.back();
+    others.pop_back();
+    const ProjectedAverage exact = projector.project({ last })[0],
+                           near = projector.project({ last }, projector.project(others))[0];
+    CHECK(near.energy == doctest::Approx(exact.energy));
+    CHECK((near.nearest - exact.nearest).norm() < 1e-12 * exact.nearest.norm());
+    CHECK((near.stiffness - exact.stiffness).norm() < 0.2 * exact.stiffness.norm());
+    for (double nearness : { 0.0, exact.stiffness(3, 3) }) {
+        const Eigen::VectorXd wanted = reduced_average(exact, 4, nearness), found_one = reduced_average(near, 4, nearness);
+        CHECK((found_one - wanted).norm() < 0.5 * (wanted - exact.nearest).norm());
+    }
+}
+
+TEST_CASE("the smallest dimension that keeps the tolerance is found, with few measurements")
 {
     SurrogateOptions options;
     options.tolerance = 1e-2;
-    for (Eigen::Index needed : { 3, 4, 17, 40, 41 }) {
-        Eigen::Index last = 0;
+    const auto found = [&](Eigen::Index most, const auto& mean_at, double largest, double rate) {
         int count = 0;
         const auto error_at = [&](Eigen::Index d) {
-            last = d;
-            ++count;
-            return BlendError { d >= needed ? 1e-3 : 1e-1, 2e-2 };
+            CHECK(++count <= 11);
+            return BlendError { mean_at(d), largest };
         };
-        const Eigen::Index wanted = needed > 40 ? 3 : needed; // out of reach: 3 dimensions are as good as 40
-        CHECK(choose_dimension(3, 12, 40, options, error_at) == wanted);
-        CHECK(last == wanted);
-        CHECK(count <= 11); // the most that steps and bisection take
-    }
+        return choose_dimension(
+            3, most, options, [&](Eigen::Index d) { return std::exp(-rate * double(d)); }, error_at);
+    };
+    for (Eigen::Index needed : { 3, 4, 15, 40, 41 }) // at once, though the prediction knows nothing of it
+        for (double rate : { 0.05, 0.3, 2.0 }) {
+            const auto jumps = [&](Eigen::Index d) { return d >= needed ? 1e-3 : 1e-1; };
+            const Eigen::Index d = found(40, jumps, 2e-2, rate);
+            CHECK(d >= (needed > 40 ? 3 : needed)); // out of reach: 3 dimensions are as good as 40
+            CHECK(d <= (needed > 40 ? 3 : needed + needed / 16));
+        }
+    // A good prediction leads to it directly.
+    int count = 0;
+    const auto falls = [&](Eigen::Index d) { return ++count, 3 * std::exp(-0.2 * double(d)); };
+    const Eigen::Index chosen = found(64, falls, 0, 0.2);
+    CHECK(falls(chosen) < 0.0075);
+    CHECK(falls(chosen - 2) > 0.0075);
+    CHECK(count <= 3 + 2);
     // A largest error that no dimension keeps does not cost dimensions.
-    CHECK(choose_dimension(3, 12, 40, options, [](Eigen::Index d) { return BlendError { d < 9 ? 1.0 : 1e-3, 1.0 }; }) == 9);
+    CHECK(found(
+              40, [](Eigen::Index d) { return d < 9 ? 1.0 : 1e-3; }, 1.0, 0.2)
+          == 9);
     // Parts that drift in the averages themselves: no more is asked of blends.
     CHECK(is_enough({ 1e-4, 1e-4, 0.0091, 0.009 }, options));
     CHECK(!is_enough({ 1e-4, 1e-4, 0.0091, 0.001 }, options));
@@ -271,7 +302,14 @@ TEST_CASE("averages found from their neighbours are those followed from the mean
     InterpolatedFamily known(family, nullptr);
     const std::vector<Weights> weights = training_weights(3, 30, 1);
     const int before = pool.factorization_count();
-    const std::vector<CheckPoint> first = known.learn({ weights.begin() + 1, weights.begin() + 9 }, { "", 0, 8 }).averages;
+    const std::vector<Weights> wave(weights.begin() + 1, weights.begin() + 9);
+    const std::vector<Shape> guesses = known.at(wave);
+    const InterpolatedFamily::Wave learned = known.learn(wave, { "", 0, 8 });
+    const std::vector<CheckPoint>& first = learned.averages;
+    double excess = 0;
+    for (std::size_t i = 0; i < wave.size(); ++i)
+        excess += energy_value(energy, wave[i], guesses[i]) / energy_value(energy, wave[i], first[i].reference) - 1;
+    CHECK(learned.energy_excess == doctest::Approx(excess / 8).epsilon(1e-3));
     const std::vector<CheckPoint> points = known.find({ weights.begin() + 9, weights.end() }, { "", 0, 21 });
     const int found = pool.factorization_count() - before;
     CHECK(known.learned_count() == 8);
@@ -308,6 +346,15 @@ TEST_CASE("averages move with the weights as their derivatives say, whatever the
         const Eigen::MatrixXd directions = weight_directions(3);
         Eigen::MatrixXd derivatives = solver.weight_derivatives(equal_weights(3), mean, directions, false);
         keep_aligned(set, set.shapes[0], mean, derivatives);
+        // The factor of a shape near by leads to the same.
+        Weights beside = equal_weights(3) + 0.03 * directions.col(0);
+        solver.factorize_equilibrium(beside, family.near(mean, beside, 0, nullptr).y);
+        Eigen::MatrixXd rough = solver.rough_weight_derivatives(mean, directions),
+                        refined = solver.weight_derivatives(equal_weights(3), mean, directions, true);
+        keep_aligned(set, set.shapes[0], mean, rough);
+        keep_aligned(set, set.shapes[0], mean, refined);
+        CHECK((refined - derivatives).norm() < 1e-3 * derivatives.norm());
+        CHECK((rough - derivatives).norm() > 3e-3 * derivatives.norm());
         constexpr double step = 1e-3;
         for (Eigen::Index c = 0; c < 2; ++c) {
             const Shape ahead = family.near(mean, equal_weights(3) + step * directions.col(c), 0, nullptr).y,

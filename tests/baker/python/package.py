@@ -82,7 +82,7 @@ def configure(source, binary):
     found = subprocess.run([str(pip.with_name("python")), "-m", "nanobind", "--cmake_dir"], capture_output=True, text=True,
                            check=True)
     call("cmake", "-G", "Ninja", "-S", source / "baker/python", "-B", folder, f"-Dnanobind_DIR={found.stdout.strip()}",
-         f"-DPython_EXECUTABLE={pip.with_name('python')}")
+         f"-DPython_EXECUTABLE={pip.with_name('python')}", "-DCMAKE_UNITY_BUILD=OFF")
     planned = subprocess.run(["ninja", "-C", str(folder), "-n", "_core"], capture_output=True, text=True, check=True).stdout
     for needed in ("baker/bake/bake.cpp", "bfgs.c"):
         if Path(needed).name + ".o" not in planned:
