@@ -13,7 +13,7 @@ namespace pliant {
 Eigen::VectorXd nnls(const Eigen::MatrixXd& gram, const Eigen::VectorXd& right, const Eigen::VectorXd& start = {});
 
 // A batch of columns, or a round, that lowers the residual by less than this part is the last: the rest of it is in no
-// column\'s reach.
+// column's reach.
 constexpr double least_gain = 1e-3;
 
 struct SparseFit {

@@ -14,7 +14,8 @@ namespace pliant {
 
 namespace {
 
-// Of the inverse squares of distances between weights (Shepard 1968): a mean, so that it is as definite as what it is of.
+// Inverse squares of the distances between weights count (Shepard 1968). A mean of positive definite matrices is positive
+// definite.
 Eigen::MatrixXd interpolated_stiffness(const std::vector<ProjectedAverage>& around, const Weights& w)
 {
     Eigen::MatrixXd sum = Eigen::MatrixXd::Zero(around[0].stiffness.rows(), around[0].stiffness.cols());
@@ -65,8 +66,7 @@ std::vector<ProjectedAverage> AverageProjector::project(const std::vector<Averag
 std::vector<ProjectedAverage> AverageProjector::project(const std::vector<AverageAt>& averages,
                                                         const std::vector<ProjectedAverage>& around) const
 {
-    // What the average has outside of the subspace is small, and the forces of a small part of it tell its product with the
-    // Hessian.
+    // What lies outside of the subspace is small: its product with the Hessian is the change of the forces along a part of it.
     constexpr double part = 1e-2;
     SharedProgress shared(progress_);
     shared.describe("training", 0.5, fmt::format("forces at {} averages", averages.size()));

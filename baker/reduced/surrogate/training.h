@@ -22,14 +22,14 @@ struct TrainingSet {
     std::size_t exact_stiffness_count = 0;  // of them; those of the others are interpolated
 };
 
-// An average that lies in some list.
+// Refers to an average in a list, which must outlive it.
 struct AverageAt {
     Weights weights;
     const Shape* shape;
     bool is_interpolated = false;
 };
 
-// Those of a list without ones next to others, or to poses: radial functions need distinct centres.
+// The averages of a list, without those next to others or to poses: radial functions need distinct centres.
 std::vector<AverageAt> distinct_averages(const std::vector<KnownAverage>& averages);
 
 // A full average seen through a subspace: the energy's quadratic model there, and where the average lies.
@@ -42,7 +42,7 @@ struct ProjectedAverage {
     double energy;             // at the average
 };
 
-// Projects averages, which must outlive the results. Leading parts of these belong to leading dimensions.
+// Projects averages into a subspace. Leading parts of the results belong to leading dimensions.
 class AverageProjector {
 public:
     // The references must outlive the projector.
