@@ -66,7 +66,8 @@ std::vector<ProjectedAverage> AverageProjector::project(const std::vector<Averag
 std::vector<ProjectedAverage> AverageProjector::project(const std::vector<AverageAt>& averages,
                                                         const std::vector<ProjectedAverage>& around) const
 {
-    // What lies outside of the subspace is small: its product with the Hessian is the change of the forces along a part of it.
+    // What lies outside of the subspace is small: its product with the Hessian is the change of the forces along a part of
+    // it.
     constexpr double part = 1e-2;
     SharedProgress shared(progress_);
     shared.describe("training", 0.5, fmt::format("forces at {} averages", averages.size()));
