@@ -26,16 +26,12 @@ std::optional<ToleranceMiss> find_miss(const BakeReport& r, const BakeOptions& o
     if (r.check.blends.empty() || r.check.meets_tolerance) return {};
     const bool is_asked = has_tolerance || options.tolerance_max > 0;
     if (!is_asked && (options.dimension || options.subspace != SubspaceKind::adaptive)) return {};
-    return ToleranceMiss { is_asked,
-                           fmt::format("blends miss the tolerance {:.3g}{}: mean error {:.2e} (at best {:.2e} in the "
-                                       "subspace) at d = {} and {} elements, "
-                                       "largest {:.2e} at weights {}",
-                                       options.tolerance,
-                                       options.tolerance_max > 0 ? fmt::format(" (largest {:.3g})", options.tolerance_max)
-                                                                 : "",
-                                       r.check.mean_error, r.fit.subspace_error.mean, r.fit.dimension, r.fit.element_count,
-                                       r.check.largest_error, weights_text(r.check.worst_weights)),
-                           remedy(r, options) };
+    std::string miss = fmt::format("blends miss the tolerance {:.3g}", options.tolerance);
+    if (options.tolerance_max > 0) miss += fmt::format(" (largest {:.3g})", options.tolerance_max);
+    miss += fmt::format(": mean error {:.2e} (at best {:.2e} in the subspace) at d = {} and {} elements", r.check.mean_error,
+                        r.fit.subspace_error.mean, r.fit.dimension, r.fit.element_count);
+    miss += fmt::format(", largest {:.2e} at weights {}", r.check.largest_error, weights_text(r.check.worst_weights));
+    return ToleranceMiss { is_asked, miss, remedy(r, options) };
 }
 
 void warn_of(const ToleranceMiss& miss, Progress& progress) { progress.warn(4404, miss.what, miss.hint); }

@@ -1,6 +1,7 @@
 #include "reduced/subspace/subspace.h"
 
 #include "elastic/average/rigid_modes.h"
+#include "elastic/average/shape_error.h"
 
 #include <Eigen/Dense>
 
@@ -83,6 +84,18 @@ Subspace leading(const Subspace& subspace, Eigen::Index dimension)
 Eigen::VectorXd project(const Subspace& subspace, const Shape& shape, const Eigen::VectorXd& masses)
 {
     return subspace.basis.transpose() * times_mass(shape - subspace.rest, masses);
+}
+
+SubspaceError subspace_error(const Subspace& subspace, const NormalizedPoses& set, const std::vector<CheckPoint>& checks)
+{
+    SubspaceError out;
+    for (const CheckPoint& check : checks) {
+        const Shape nearest = subspace.shape(project(subspace, check.reference, set.masses));
+        const double error = relative_distance(set, nearest, check.reference);
+        out.mean += error / double(checks.size());
+        out.largest = std::max(out.largest, error);
+    }
+    return out;
 }
 
 } // namespace pliant

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "base/mesh/align.h"
+#include "elastic/average/family.h"
 
 namespace pliant {
 
@@ -24,5 +25,11 @@ Subspace leading(const Subspace& subspace, Eigen::Index dimension);
 
 // Coordinates of the shape's projection onto the subspace.
 Eigen::VectorXd project(const Subspace& subspace, const Shape& shape, const Eigen::VectorXd& masses);
+
+// How far the references lie from the subspace, relative L2: no surrogate energy brings blends nearer.
+struct SubspaceError {
+    double mean = 0, largest = 0;
+};
+SubspaceError subspace_error(const Subspace& subspace, const NormalizedPoses& set, const std::vector<CheckPoint>& checks);
 
 } // namespace pliant

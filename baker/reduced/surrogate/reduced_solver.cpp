@@ -1,8 +1,5 @@
 #include "reduced/surrogate/reduced_solver.h"
 
-#include "base/common/parallel.h"
-#include "elastic/average/shape_error.h"
-
 #include <algorithm>
 
 namespace pliant {
@@ -12,8 +9,7 @@ ReducedSolver::ReducedSolver(const Energy& energy, const Subspace& subspace, con
     : reduced_(energy, subspace)
     , energy_scale_(std::max(energy_scale, 1e-13)) // identical poses have no energy
 {
-    const Eigen::MatrixXd hessian
-        = subspace.basis.transpose() * (mean_hessian.selfadjointView<Eigen::Lower>() * subspace.basis);
+    const Eigen::MatrixXd hessian = times_symmetric(subspace.basis.transpose(), mean_hessian) * subspace.basis;
     whitening_ = whitening_of(0.5 * (hessian + hessian.transpose()), metric_floor);
     metric_ = whitening_ * whitening_.transpose();
 }
@@ -62,18 +58,6 @@ Eigen::VectorXd ReducedStarts::operator()(const Weights& w) const
     const Eigen::VectorXd predicted = predictor_(w);
     return energy_value(energy, w, subspace.shape(predicted)) < energy_value(energy, w, subspace.shape(near)) ? predicted
                                                                                                               : near;
-}
-
-SubspaceError subspace_error(const Subspace& subspace, const NormalizedPoses& set, const std::vector<CheckPoint>& checks)
-{
-    SubspaceError out;
-    for (const CheckPoint& check : checks) {
-        const Shape nearest = subspace.shape(project(subspace, check.reference, set.masses));
-        const double error = relative_distance(set, nearest, check.reference);
-        out.mean += error / double(checks.size());
-        out.largest = std::max(out.largest, error);
-    }
-    return out;
 }
 
 } // namespace pliant

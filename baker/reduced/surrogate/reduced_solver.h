@@ -48,12 +48,6 @@ private:
     RadialFunction predictor_;
 };
 
-// How far the references lie from the subspace, relative L2: no surrogate energy brings blends nearer.
-struct SubspaceError {
-    double mean = 0, largest = 0;
-};
-SubspaceError subspace_error(const Subspace& subspace, const NormalizedPoses& set, const std::vector<CheckPoint>& checks);
-
 // Eigenvalues of the reduced Hessian below this fraction of the largest are treated as this: rigid motions that the subspace
 // holds almost exactly have none, and without a floor they would be amplified without bound.
 constexpr double metric_floor = 1e-9;

@@ -97,8 +97,7 @@ Eigen::MatrixXd ReducedEnergy::hessian(const Weights& w, const Eigen::VectorXd& 
 {
     HessianAssembler assembler(energy_);
     assembler.assemble(w, subspace_.shape(q), kind);
-    const Eigen::MatrixXd product = assembler.matrix().selfadjointView<Eigen::Lower>() * subspace_.basis;
-    const Eigen::MatrixXd reduced = subspace_.basis.transpose() * product;
+    const Eigen::MatrixXd reduced = times_symmetric(subspace_.basis.transpose(), assembler.matrix()) * subspace_.basis;
     return 0.5 * (reduced + reduced.transpose());
 }
 
@@ -108,7 +107,7 @@ Eigen::MatrixXd ReducedEnergy::hessian_times(const Weights& w, const Eigen::Vect
     HessianAssembler assembler(energy_);
     assembler.assemble(w, subspace_.shape(q), HessianKind::exact);
     const Eigen::MatrixXd moved = subspace_.basis * directions;
-    return subspace_.basis.transpose() * (assembler.matrix().selfadjointView<Eigen::Lower>() * moved);
+    return (times_symmetric(moved.transpose(), assembler.matrix()) * subspace_.basis).transpose();
 }
 
 template <class Model>

@@ -233,6 +233,7 @@ TEST_CASE("an interpolated stiffness gives about the same training data")
     CHECK((near.nearest - exact.nearest).norm() < 1e-12 * exact.nearest.norm());
     CHECK((near.stiffness - exact.stiffness).norm() < 0.2 * exact.stiffness.norm());
     for (double nearness : { 0.0, exact.stiffness(3, 3) }) {
+        // Without the forces outside of the subspace, training data would be the nearest points: the ratio would be 1.
         const Eigen::VectorXd wanted = reduced_average(exact, 4, nearness), found_one = reduced_average(near, 4, nearness);
         CHECK((found_one - wanted).norm() < 0.5 * (wanted - exact.nearest).norm());
     }
