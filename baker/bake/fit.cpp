@@ -168,7 +168,6 @@ FittedModel Fitter::fit_least(Eigen::Index most, const Quartic* quartic)
     if (!chooses_dimension()) return fit_at(most, quartic);
     std::map<Eigen::Index, FittedModel> fits;
     const auto error_at = [&](Eigen::Index d) {
-        progress_.update("dimension", 0, fmt::format("d = {}", d));
         FittedModel& fit = fits[d] = fit_at(d, quartic);
         fit.subspace = {}; // large, and the same for all
         return fit.report.surrogate.error();

@@ -142,8 +142,9 @@ std::vector<Shape> time_blends(RuntimeBlender& blender, const PoseSet& poses, co
 
 std::vector<Measurement> measure(RuntimeBlender& blender, const std::string& asset_path, const PoseSet& poses,
                                  const EnergyOptions& energy_options, const RenderMesh* surface,
-                                 const MeasureOptions& options, Progress& progress)
+                                 const MeasureOptions& options, Progress& listener)
 {
+    PlannedProgress progress(listener, { { "ties", 0.1 }, { "mean", 0.3 }, { "unreduced averages", 1 } });
     const NormalizedPoses set = normalize(poses, energy_options.keep_placement);
     std::optional<Drawn> drawn;
     if (surface) drawn.emplace(Drawn { *surface, render_mesh_shapes(set, *surface) });

@@ -108,7 +108,7 @@ std::vector<CheckPoint> fresh_averages(OpenedAsset& opened, const InterpolatedFa
     for (const Weights& w : fresh) blends.push_back(opened.blend(w));
     std::vector<CheckPoint> points = known.find(fresh, { "fresh averages", 0, fresh.size() });
     SharedProgress shared(&progress);
-    shared.describe("check", 0.5, fmt::format("averages next to {} blends", fresh.size()));
+    shared.describe("check", 0, fmt::format("averages next to {} blends", fresh.size()));
     for_each_task(fresh.size(), [&](std::size_t i, std::size_t worker) {
         const AverageFamily& family = known.family();
         // Where the interpolation was right, the average is on the branch of the mean; else it is followed from there.

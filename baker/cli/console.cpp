@@ -66,14 +66,13 @@ void ConsoleProgress::update(const std::string& stage, double fraction, const st
     const Clock::time_point now = Clock::now();
     if (stage != stage_) {
         stage_ = stage;
-        stage_start_ = now;
         last_draw_ = {};
         if (!is_terminal_) fmt::print(stderr, "pliant {}: {}\n", verb_, stage);
     }
     // Ten times a second is enough for the eye and costs nothing.
     if (!is_terminal_ || now - last_draw_ < std::chrono::milliseconds(100)) return;
     last_draw_ = now;
-    const double elapsed = std::chrono::duration<double>(now - stage_start_).count();
+    const double elapsed = std::chrono::duration<double>(now - start_).count();
     std::string line = fmt::format("\r\033[Kpliant {}: {} {:.0f} %", verb_, stage, 100 * fraction);
     if (fraction > 0.05 && elapsed > 1) line += ", " + duration_text(elapsed * (1 - fraction) / fraction) + " left";
     if (!detail.empty()) line += " (" + detail + ")";

@@ -9,8 +9,8 @@
 
 namespace pliant {
 
-// Prints progress to stderr: one line redrawn with stage, percentage and remaining time on a terminal, a plain line per
-// stage elsewhere, nothing but warnings when quiet.
+// Prints progress to stderr: one line redrawn with stage, percentage of the whole work and remaining time on a terminal, a
+// plain line per stage elsewhere, nothing but warnings when quiet.
 class ConsoleProgress final : public Progress {
 public:
     ConsoleProgress(std::string verb, bool is_quiet);
@@ -26,7 +26,7 @@ private:
     using Clock = std::chrono::steady_clock;
     std::string verb_, stage_;
     bool is_quiet_, is_terminal_, has_line_ = false;
-    Clock::time_point stage_start_, last_draw_;
+    Clock::time_point start_ = Clock::now(), last_draw_;
     std::vector<Diagnostic> warnings_;
 };
 

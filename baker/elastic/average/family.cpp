@@ -5,7 +5,9 @@
 #include "elastic/average/shape_error.h"
 
 #include <algorithm>
+#include <atomic>
 #include <cmath>
+#include <fmt/core.h>
 
 namespace pliant {
 
@@ -165,8 +167,15 @@ const NewtonResult& AverageFamily::mean()
     for (std::size_t k = 0; k < m; ++k)
         if (!start_pose_ || k == *start_pose_) starts.push_back(k);
     SharedProgress progress(progress_);
-    for_each_task(starts.size(),
-                  [&](std::size_t i, std::size_t worker) { means[starts[i]] = reach_mean(starts[i], worker, &progress); });
+    std::atomic<std::size_t> done { 0 };
+    const auto describe
+        = [&](const std::string& what) { progress.describe("mean", double(done) / double(starts.size() + 1), what); };
+    for_each_task(starts.size(), [&](std::size_t i, std::size_t worker) {
+        if (worker == 0) describe(fmt::format("from {} of {} poses", done.load(), starts.size()));
+        means[starts[i]] = reach_mean(starts[i], worker, &progress);
+        ++done;
+    });
+    describe("last steps");
     // Rough energies are good to a few per cent: all that may be the lowest are polished.
     const Weights w = equal_weights(m);
     double lowest = means[starts[0]].average.energy;

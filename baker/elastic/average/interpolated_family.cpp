@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <atomic>
+#include <cmath>
 #include <fmt/core.h>
 
 namespace pliant {
@@ -124,8 +125,11 @@ std::vector<InterpolatedFamily::Found> InterpolatedFamily::find_all(const std::v
     SharedProgress shared(progress_);
     std::atomic<std::size_t> done { span.done };
     for_each_task(weights.size(), [&](std::size_t i, std::size_t worker) {
-        if (worker == 0)
-            shared.describe(span.stage, double(done) / double(span.total), fmt::format("{} of {}", done.load(), span.total));
+        if (worker == 0) {
+            const double share = double(done) / double(span.total);
+            shared.describe(span.stage, span.may_end_early ? std::sqrt(share) : share,
+                            fmt::format("{} of {}", done.load(), span.total));
+        }
         all[i] = find_one(weights[i], worker, &shared);
         const Shape& y = all[i].point.reference;
         if (learned) (*learned)[i] = with_derivatives(weights[i], y, worker, all[i].has_factor);

@@ -20,6 +20,7 @@ public:
     struct Span {
         const char* stage;
         std::size_t done, total;
+        bool may_end_early = false; // progress is then quicker at first
     };
 
     struct Wave {

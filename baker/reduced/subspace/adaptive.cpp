@@ -45,7 +45,7 @@ void add_training(FoundSubspace& out, InterpolatedFamily& known, const std::vect
     for (std::size_t done = 1; done < training.size() && !explained;) {
         const std::size_t end = std::min(training.size(), done + std::max(smallest_wave, done / 2));
         InterpolatedFamily::Wave wave
-            = known.learn({ &training[done], &training[0] + end }, { "averages", done, training.size() });
+            = known.learn({ &training[done], &training[0] + end }, { "averages", done, training.size(), true });
         explained = is_explained(wave, tolerance);
         add(out, std::move(wave.averages));
         done = end;

@@ -93,7 +93,9 @@ ChosenModel choose_cubature(const ReducedEnergy& reduced, const NormalizedPoses&
         const std::size_t count
             = options.element_count ? options.element_count : count_for(per_dimension, subspace.dimension());
         std::shared_ptr<const SurrogateEnergy> surrogate = fit_elements(fit, count);
-        if (progress) progress->update("cubature", 0.99, fmt::format("{} elements: error of blends", count));
+        if (progress)
+            progress->update("cubature", 0.99,
+                             fmt::format("d = {}, {} elements: error of blends", subspace.dimension(), count));
         ChosenModel here = fit_model(std::move(surrogate), subspace, set, training, checks, true, options);
         here.report.residual = fit.residual();
         const bool gets_convex = here.report.curvature.lowest > 0 && best.report.curvature.lowest <= 0;

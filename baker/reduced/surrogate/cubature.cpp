@@ -213,13 +213,11 @@ void limit_scale(Probe& probe, const Eigen::MatrixXd& target, double energy_scal
 }
 
 Eigen::VectorXd target_rows(const ReducedEnergy& reduced, const TrainingSet& training, std::vector<Probe>& probes,
-                            const Sketch& sketch, Progress* progress)
+                            const Sketch& sketch, Progress& progress)
 {
-    SharedProgress shared(progress);
-    shared.describe("cubature", 0, "targets");
     std::vector<Eigen::MatrixXd> blocks(probes.size());
     for_each_task(probes.size(), [&](std::size_t p, std::size_t) {
-        shared.update("", 0);
+        progress.update("", 0);
         blocks[p] = target_of(reduced, training, probes[p]);
         limit_scale(probes[p], blocks[p], training.energy_scale);
     });
@@ -272,11 +270,13 @@ CubatureFit::CubatureFit(const ReducedEnergy& reduced, const TrainingSet& traini
 void CubatureFit::append_rows(std::vector<Probe> probes, const Sketch& sketch)
 {
     const Eigen::Index before = target_.size();
-    target_.conservativeResize(before + sketch.rows);
-    target_.tail(sketch.rows) = target_rows(reduced_, training_, probes, sketch, progress_);
-    columns_.conservativeResize(before + sketch.rows, Eigen::Index(candidates_.size()));
     SharedProgress shared(progress_);
-    shared.describe("cubature", 0.3, "training rows");
+    const double later = before > 0 ? 0.7 : 0; // rows that are added are few
+    shared.describe("cubature", later, "targets");
+    target_.conservativeResize(before + sketch.rows);
+    target_.tail(sketch.rows) = target_rows(reduced_, training_, probes, sketch, shared);
+    columns_.conservativeResize(before + sketch.rows, Eigen::Index(candidates_.size()));
+    shared.describe("cubature", std::max(later, 0.3), "training rows");
     constexpr std::size_t block_size = 128; // candidates between two looks at the interrupt
     for_each_task((candidates_.size() + block_size - 1) / block_size, [&](std::size_t block, std::size_t) {
         shared.update("", 0);
@@ -305,7 +305,7 @@ SurrogateEnergy CubatureFit::fit(std::size_t element_count)
     const auto report = [&](std::size_t found) {
         if (progress_)
             progress_->update("cubature", 0.7 + 0.3 * double(found) / double(wanted),
-                              fmt::format("{} of {} elements", found, wanted));
+                              fmt::format("d = {}: {} of {} elements", reduced_.subspace().dimension(), found, wanted));
     };
     found_
         = (solver_ == CubatureSolver::nn_htp ? nn_htp : greedy_nnls)(columns_, target_, wanted, std::move(found_), report);

@@ -50,6 +50,30 @@ TEST_CASE("warnings alone are no errors; different advice is all given")
     CHECK(list.diagnostics()[1].hint == "y");
 }
 
+TEST_CASE("one bar for work of several stages never goes back")
+{
+    struct Recorder : Progress {
+        std::vector<double> fractions;
+        void update(const std::string&, double fraction, const std::string&) override { fractions.push_back(fraction); }
+    } recorder;
+    PlannedProgress progress(recorder, { { "first", 0.2 }, { "rounds", 0.8, true }, { "last", 1 } });
+    progress.update("first", 0.5);
+    progress.update("first", 0.25); // a stage without rounds waits for what it had
+    progress.update("unplanned", 0.9);
+    progress.update("rounds", 0);
+    progress.update("rounds", 1);
+    progress.update("rounds", 0.5); // still the first round
+    progress.update("rounds", 0);
+    progress.update("rounds", 0.5); // the second round, up to its middle
+    progress.update("unplanned", 0);
+    progress.update("rounds", 1); // the third
+    progress.update("first", 1);
+    progress.update("last", 2);
+    const std::vector<double> wanted = { 0.1, 0.1, 0.1, 0.2, 0.41, 0.41, 0.41, 0.47825, 0.47825, 0.5908625, 0.5908625, 1 };
+    REQUIRE(recorder.fractions.size() == wanted.size());
+    for (std::size_t i = 0; i < wanted.size(); ++i) CHECK(recorder.fractions[i] == doctest::Approx(wanted[i]));
+}
+
 TEST_CASE("the silent progress")
 {
     Progress progress;

@@ -69,8 +69,8 @@ class Interrupting(unittest.TestCase):
         self.assertIn("after", words)  # the next bake is as good as any
         self.assertEqual(child.process.returncode, 0)
 
-    def test_ctrl_c_in_the_average_of_all(self):
-        self.interrupt("average")
+    def test_ctrl_c_in_the_mean(self):
+        self.interrupt("mean")
 
     def test_ctrl_c_in_averages_on_threads(self):
         self.interrupt("averages")
@@ -78,7 +78,7 @@ class Interrupting(unittest.TestCase):
     # Without numpy's threads: they do not block SIGTERM, and METIS has its own handler there for moments (README,
     # "SIGTERM").
     def test_termination(self):
-        child = Child("average", OPENBLAS_NUM_THREADS="1")
+        child = Child("mean", OPENBLAS_NUM_THREADS="1")
         child.process.send_signal(signal.SIGTERM)
         child.process.communicate(timeout=120)
         self.assertEqual(child.process.returncode, -signal.SIGTERM)
@@ -156,6 +156,8 @@ class Sharing(unittest.TestCase):
         steps = []
         pliant.bake(POSES, FACES, progress=lambda *step: steps.append((*step, threading.current_thread())), **QUICK)
         self.assertTrue(all(0 <= done <= 1 and total == 1 for _, done, total, _ in steps))
+        self.assertEqual([done for _, done, *_ in steps], sorted(done for _, done, *_ in steps))
+        self.assertEqual(steps[-1][1], 1)
         self.assertEqual({thread for *_, thread in steps}, {threading.current_thread()})
         stages = list(dict.fromkeys(stage for stage, *_ in steps))
         self.assertEqual((stages[0], stages[-1]), ("poses", "check"))
