@@ -111,7 +111,8 @@ BakedAsset bake(const PoseSet& poses, const BakeOptions& given, Progress& listen
     SolverPool pool(*energy, set, options.energy.solver);
     watch.end_stage("poses");
 
-    AverageFamily family(pool, average_options(options, set), &progress);
+    const std::unique_ptr<CoarseBody> coarse = make_coarse_body(set, *energy, options.energy);
+    AverageFamily family(pool, average_options(options, set), &progress, {}, coarse.get());
     family.mean(); // by continuation from every pose
     report.start_pose = family.start_pose();
     watch.end_stage("mean");

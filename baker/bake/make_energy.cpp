@@ -14,6 +14,9 @@ namespace pliant {
 
 namespace {
 
+// Each mesh has so many times the vertices of the next coarser one; below this number bodies lose fingers.
+constexpr std::size_t coarsening = 4, least_vertex_count = 1000;
+
 bool is_of_solids(Material material) { return material == Material::stvk || material == Material::mooney_rivlin; }
 
 std::unique_ptr<Energy> make_surface_energy(const NormalizedPoses& set, Material material, const EnergyOptions& options)
@@ -70,6 +73,19 @@ std::unique_ptr<Energy> make_energy(const NormalizedPoses& set, const EnergyOpti
     std::unique_ptr<Energy> energy = tie_parts(std::move(surface), std::move(ties));
     if (auto* tied = dynamic_cast<TiedEnergy*>(energy.get())) calibrate_ties(*tied, set, options.solver, progress);
     return energy;
+}
+
+std::unique_ptr<CoarseBody> make_coarse_body(const NormalizedPoses& set, const Energy& energy, const EnergyOptions& options)
+{
+    const std::size_t count = std::size_t(set.dof_count() / 3) / coarsening;
+    if (count < least_vertex_count || set.is_solid() || !set.is_free() || dynamic_cast<const TiedEnergy*>(&energy))
+        return nullptr;
+    auto body = std::make_unique<CoarseBody>();
+    body->poses = decimate(set, count);
+    if (body->poses.failed_face) return nullptr;
+    body->energy = make_surface_energy(body->poses.set, material_of(options, false), options);
+    body->coarser = make_coarse_body(body->poses.set, *body->energy, options);
+    return body;
 }
 
 namespace {

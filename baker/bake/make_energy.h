@@ -4,6 +4,7 @@
 #include "bake/options.h"
 #include "base/common/progress.h"
 #include "base/mesh/normalized_poses.h"
+#include "elastic/average/prolongation.h"
 
 namespace pliant {
 
@@ -14,6 +15,10 @@ Material material_of(const EnergyOptions& options, bool is_solid);
 // The energy of a shape set. The set must outlive it. Throws as material_of. Of a character in several parts it costs some
 // averages (elastic/parts/calibrate_ties.h).
 std::unique_ptr<Energy> make_energy(const NormalizedPoses& set, const EnergyOptions& options, Progress* progress = nullptr);
+
+// The coarse mesh on which the mean of the poses is searched, or null: of small meshes, of solids, of poses with fixed
+// vertices or ties between parts, and of surfaces that cannot be decimated.
+std::unique_ptr<CoarseBody> make_coarse_body(const NormalizedPoses& set, const Energy& energy, const EnergyOptions& options);
 
 // The options of a bake with their material. Throws Failure (usage, P1206 to P1208) for a surrogate energy
 // that the material does not have, and (bad_input, P2222) for a ghost of a surface that is no manifold.

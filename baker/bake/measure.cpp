@@ -153,7 +153,8 @@ std::vector<Measurement> measure(RuntimeBlender& blender, const std::string& ass
     SolverPool pool(*energy, set, energy_options.solver);
     NewtonOptions newton;
     newton.step_floor = average_floor * mass_norm(set.shapes[0], set.masses);
-    AverageFamily family(pool, newton, &progress, read_start_pose(blender.certificate()));
+    const std::unique_ptr<CoarseBody> coarse = make_coarse_body(set, *energy, energy_options);
+    AverageFamily family(pool, newton, &progress, read_start_pose(blender.certificate()), coarse.get());
     family.mean();
     std::vector<Measurement> samples = draw_samples(options, set.pose_count());
     const std::vector<Shape> blends = time_blends(blender, poses, set, samples);

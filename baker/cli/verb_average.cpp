@@ -176,7 +176,8 @@ ExitCode run_average(const AverageArguments& a)
     options.material = material_of(options, poses.is_solid());
     const std::unique_ptr<Energy> energy = make_energy(set, options, &progress);
     SolverPool pool(*energy, set, a.energy.solver);
-    AverageFamily family(pool, a.newton, &progress);
+    const std::unique_ptr<CoarseBody> coarse = make_coarse_body(set, *energy, options);
+    AverageFamily family(pool, a.newton, &progress, {}, coarse.get());
     family.mean();
     nlohmann::ordered_json averages = nlohmann::ordered_json::array();
     const std::size_t portion = 4 * worker_count(); // in memory together; few, so that files appear as the work goes on

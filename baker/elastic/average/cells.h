@@ -14,6 +14,9 @@ template <std::size_t Corners> using Cell = std::array<std::uint32_t, Corners>;
 // A collapsed cell says nothing about its rotation: what dual() adds of the trace.
 constexpr double collapsed_cell = 1e-6;
 
+// The most_weight of a CellFit for interpolated coordinates: the rotations of slivers are hardly ever interpolated well.
+constexpr double sliver_weight = 2;
+
 // Turns about the vector by its length.
 Eigen::Matrix3d rotation_by(const Eigen::Vector3d& vector);
 

@@ -2,6 +2,7 @@
 
 #include "base/common/parallel.h"
 #include "base/mesh/tets.h"
+#include "elastic/average/prolongation.h"
 #include "elastic/average/shape_error.h"
 
 #include <algorithm>
@@ -35,6 +36,9 @@ constexpr double hopeless_decrement = 1e-2;
 // Means from different poses are computed roughly, and compared with that in mind: energies, and distances.
 constexpr double energy_doubt = 0.02, rough_distance = 0.05;
 
+// The mean of the full mesh is looked for no farther than this from that of the coarse one.
+constexpr double refinement_limit = 0.1;
+
 // A tangent step may change the areas of triangles, the volumes of tetrahedra by this factor.
 constexpr double sound_stretch = 1.5;
 
@@ -62,11 +66,12 @@ struct AverageFamily::Path {
 };
 
 AverageFamily::AverageFamily(SolverPool& pool, NewtonOptions options, Progress* progress,
-                             std::optional<std::size_t> start_pose)
+                             std::optional<std::size_t> start_pose, const CoarseBody* coarse)
     : pool_(pool)
     , options_(options)
     , progress_(progress)
     , start_pose_(start_pose)
+    , coarse_(coarse)
 {
 }
 
@@ -157,9 +162,40 @@ FamilyPoint AverageFamily::reach_mean(std::size_t pose, std::size_t worker, Prog
     return { std::move(path.point), {} };
 }
 
+// The average of the full mesh next to that of the coarse one. False: there is none.
+bool AverageFamily::refine_coarse_mean()
+{
+    const NormalizedPoses& set = pool_.set();
+    SolverPool coarse_pool(*coarse_->energy, coarse_->poses.set, pool_.kind());
+    AverageFamily coarse(coarse_pool, options_, progress_, start_pose_, coarse_->coarser.get());
+    coarse.mean();
+    SharedProgress progress(progress_);
+    progress.describe("mean", 0.5, "on the full mesh");
+    const Weights w = equal_weights(set.pose_count());
+    const Shape guess = prolong(set, coarse_->poses, coarse.start_pose(), w, coarse.mean().y, pool_.kind());
+    NewtonResult fine = near(guess, w, 0, &progress);
+    if (!fine.has_converged || relative_distance(set, fine.y, guess) > refinement_limit) return false;
+    start_pose_ = coarse.start_pose();
+    mean_ = std::move(fine);
+    branches_ = coarse.branches();
+    for (Branch& branch : branches_) branch.vertex = coarse_->poses.vertices[branch.vertex];
+    return true;
+}
+
 const NewtonResult& AverageFamily::mean()
 {
     if (mean_) return *mean_;
+    if (!coarse_ || !refine_coarse_mean()) search_mean();
+    const std::size_t m = pool_.set().pose_count();
+    for (std::size_t k = 0; k < m; ++k)
+        speed_ = std::max(speed_,
+                          relative_distance(pool_.set(), mean_->y, pool_.set().shapes[k])
+                              / (corner_weights(m, k) - equal_weights(m)).lpNorm<1>());
+    return *mean_;
+}
+
+void AverageFamily::search_mean()
+{
     const NormalizedPoses& set = pool_.set();
     const std::size_t m = set.pose_count();
     std::vector<FamilyPoint> means(m);
@@ -200,10 +236,6 @@ const NewtonResult& AverageFamily::mean()
     }
     start_pose_ = best;
     mean_ = std::move(means[best].average);
-    for (std::size_t k = 0; k < m; ++k)
-        speed_ = std::max(
-            speed_, relative_distance(set, mean_->y, set.shapes[k]) / (corner_weights(m, k) - equal_weights(m)).lpNorm<1>());
-    return *mean_;
 }
 
 std::size_t AverageFamily::start_pose()

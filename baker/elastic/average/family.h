@@ -44,14 +44,19 @@ struct CheckPoint {
     std::vector<Branch> branches;
 };
 
+struct CoarseBody;
+
 // a(w) is reached along the straight line in weight space from the equal-weight average. That one is reached from every
 // pose, along the line from the pose's corner; of those that are reached the one of lowest energy counts, and the pose of
-// lowest number that leads there is its start. An elastic average need not be unique; one definition of it is needed where
+// lowest number that leads there is its start. Where there is a coarse mesh, all of that is done there, and the mean is the
+// average next to the one found. An elastic average need not be unique; one definition of it is needed where
 // snapshots, reference averages and measurements are compared.
 class AverageFamily {
 public:
     // `start_pose`: if known (a certificate holds it), the mean is reached from that pose only, which costs a fraction.
-    AverageFamily(SolverPool& pool, NewtonOptions options, Progress* progress, std::optional<std::size_t> start_pose = {});
+    // `coarse`: null, or where the mean is searched; it must outlive the family.
+    AverageFamily(SolverPool& pool, NewtonOptions options, Progress* progress, std::optional<std::size_t> start_pose = {},
+                  const CoarseBody* coarse = nullptr);
 
     // The equal-weight average and the pose from which it is reached, computed at the first call. Not from tasks.
     const NewtonResult& mean();
@@ -94,12 +99,15 @@ private:
     struct Path;
     Shape start_of_step(Path& path, const Weights& to, double share) const;
     void follow(Path& path, const Weights& to, bool is_rough) const;
+    void search_mean();
+    bool refine_coarse_mean();
     FamilyPoint reach_mean(std::size_t pose, std::size_t worker, Progress* progress) const;
 
     SolverPool& pool_;
     NewtonOptions options_;
     Progress* progress_;
     std::optional<std::size_t> start_pose_;
+    const CoarseBody* coarse_;
     std::optional<NewtonResult> mean_;
     std::optional<SparseLower> mean_hessian_;
     double speed_ = 0; // largest relative distance of the mean from a pose per change of weights

@@ -22,9 +22,6 @@ constexpr double least_energy = 1e-13;
 // Closer centres would make the interpolation follow their small errors.
 constexpr double closest_centres_learned = 0.03;
 
-// Rotations of slivers are hardly ever interpolated well.
-constexpr double weight_limit = 2;
-
 } // namespace
 
 InterpolatedFamily::InterpolatedFamily(AverageFamily& family, Progress* progress)
@@ -73,7 +70,7 @@ Shape InterpolatedFamily::interpolated(const Weights& w, std::size_t worker) con
     for (std::size_t i = 0; i < known_.size(); ++i)
         sum += (known_[i].coordinates * shares.col(Eigen::Index(i))).cast<double>();
     std::unique_ptr<CellFit>& fit = fits_[worker];
-    if (!fit) fit = std::make_unique<CellFit>(set(), family_.pool().kind(), weight_limit);
+    if (!fit) fit = std::make_unique<CellFit>(set(), family_.pool().kind(), sliver_weight);
     return coordinates_.shape(sum, *fit);
 }
 

@@ -3,6 +3,7 @@
 #include "base/common/union_find.h"
 #include "base/mesh/align.h"
 #include "elastic/energy/best_rotation.h"
+#include "elastic/energy/hyperelastic.h"
 
 #include <Eigen/Geometry>
 #include <algorithm>
@@ -34,6 +35,12 @@ template <int Edges> struct Motion {
     Matrix3d rotation;
     Strain<Edges> strain;
 };
+
+// The inverse of symmetric().
+SymmetricVector upper_half(const Matrix3d& m)
+{
+    return (SymmetricVector() << m(0, 0), m(0, 1), m(0, 2), m(1, 1), m(1, 2), m(2, 2)).finished();
+}
 
 // Two columns orthonormal in the plane of a triangle.
 Frame<2> frame_of(const Frame<2>& edges)
@@ -263,6 +270,46 @@ Eigen::MatrixXd RotationStrain::derivatives(const Shape& shape, const Eigen::Vec
         out.col(c) = (along(shape + step * displacements.col(c)) - along(shape - step * displacements.col(c))) / (2 * step);
     }
     return out;
+}
+
+Eigen::MatrixXd RotationStrain::at_vertices(const Eigen::VectorXd& coordinates) const
+{
+    Eigen::MatrixXd out = Eigen::MatrixXd::Zero(12, Index(component_of_vertex_.size()));
+    Eigen::VectorXd sizes = Eigen::VectorXd::Zero(out.cols());
+    for (std::size_t i = 0; i < set_.triangles.size(); ++i) {
+        const auto at = coordinates.segment<6>(6 * Index(i));
+        const Frame<2> edges = edges_of(base_, set_.triangles[i]), frame = frame_of(edges);
+        const Matrix3d strain = frame * (Strain<2>() << at[3], at[4], at[4], at[5]).finished() * frame.transpose();
+        const double size = std::abs((frame.transpose() * edges).determinant());
+        for (std::uint32_t v : set_.triangles[i]) {
+            out.col(v).head<3>() += size * at.head<3>();
+            out.col(v).segment<6>(3) += size * upper_half(strain);
+            sizes[v] += size;
+        }
+    }
+    out *= sizes.cwiseMax(1e-300).cwiseInverse().asDiagonal();
+    for (std::size_t v = 0; v < component_of_vertex_.size(); ++v)
+        out.col(Index(v)).tail<3>() = coordinates.segment<3>(centroid_row(component_of_vertex_[v]));
+    return out;
+}
+
+void RotationStrain::add_at_vertices(const Eigen::MatrixXd& fields, Eigen::VectorXd& coordinates) const
+{
+    for (std::size_t i = 0; i < set_.triangles.size(); ++i) {
+        const Triangle& t = set_.triangles[i];
+        const Eigen::Matrix<double, 12, 1> mean = (fields.col(t[0]) + fields.col(t[1]) + fields.col(t[2])) / 3;
+        const Frame<2> frame = frame_of(edges_of(base_, t));
+        const Strain<2> strain = frame.transpose() * symmetric(mean.segment<6>(3)) * frame;
+        auto at = coordinates.segment<6>(6 * Index(i));
+        at.head<3>() += mean.head<3>();
+        at.tail<3>() += Vector3d(strain(0, 0), strain(0, 1), strain(1, 1));
+    }
+    std::vector<bool> is_moved(is_held_.size());
+    for (std::size_t v = 0; v < component_of_vertex_.size(); ++v) {
+        if (is_moved[component_of_vertex_[v]]) continue;
+        is_moved[component_of_vertex_[v]] = true;
+        coordinates.segment<3>(centroid_row(component_of_vertex_[v])) += fields.col(Index(v)).tail<3>();
+    }
 }
 
 Shape RotationStrain::shape(const Eigen::VectorXd& coordinates, const CellFit& fit) const

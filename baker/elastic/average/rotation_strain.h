@@ -23,6 +23,14 @@ public:
     Eigen::MatrixXd derivatives(const Shape& shape, const Eigen::VectorXd& coordinates,
                                 const Eigen::MatrixXd& displacements) const;
 
+    // The coordinates as fields of the body, for meshes of other cells. A column per vertex: the rotation vector and the
+    // strain, a symmetric matrix in the axes of space (xx xy xz yy yz zz), both means over the cells around it, and the
+    // centroid of its component. Surfaces only.
+    Eigen::MatrixXd at_vertices(const Eigen::VectorXd& coordinates) const;
+
+    // Adds to the coordinates of every cell the means of such fields over its corners.
+    void add_at_vertices(const Eigen::MatrixXd& fields, Eigen::VectorXd& coordinates) const;
+
     // The shape whose cells come nearest to these coordinates, aligned to pose 0. Coordinates of a shape give the shape.
     Shape shape(const Eigen::VectorXd& coordinates, const CellFit& fit) const;
 
@@ -32,6 +40,7 @@ private:
     Eigen::Matrix3Xd centroids(const Shape& shape) const;
     Eigen::Index cell_size() const { return set_.is_solid() ? 9 : 6; } // coordinates of a cell
     Eigen::Index cell_count() const { return Eigen::Index(neighbours_.size()); }
+    Eigen::Index centroid_row(std::uint32_t component) const { return cell_size() * cell_count() + 3 * component; }
 
     const NormalizedPoses& set_;
     Shape base_;

@@ -146,7 +146,8 @@ std::vector<double> averages(const PoseSet& poses, const std::vector<Weights>& w
     const std::unique_ptr<Energy> energy = make_energy(set, options);
     SolverPool pool(*energy, set, options.solver);
     const NewtonOptions newton;
-    AverageFamily family(pool, newton, &progress);
+    const std::unique_ptr<CoarseBody> coarse = make_coarse_body(set, *energy, options);
+    AverageFamily family(pool, newton, &progress, {}, coarse.get());
     family.mean();
     std::vector<FamilyPoint> points(wanted.size());
     if (wanted.size() == 1) {

@@ -1,6 +1,7 @@
 // Ghost: a coarse mesh stands for the fine one (the surrogate energy of von Tycowicz et al. 2015 for shells).
 #pragma once
 
+#include "base/mesh/decimate.h"
 #include "reduced/surrogate/surrogate_energy.h"
 
 #include <memory>
@@ -13,8 +14,7 @@ struct Ghost {
     Eigen::MatrixXd basis;               // their rows of U
 };
 
-// Decimates pose 0 to about `vertex_count` vertices by quadrics (OpenMesh). Half-edge collapse keeps a subset of the
-// vertices, so every pose and the basis come over by taking their rows.
+// Decimates pose 0 to about `vertex_count` vertices; the basis comes over as the poses do, by taking its rows.
 Ghost make_ghost(const NormalizedPoses& set, const Subspace& subspace, std::size_t vertex_count);
 
 } // namespace pliant
