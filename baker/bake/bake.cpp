@@ -102,6 +102,7 @@ BakedAsset bake(const PoseSet& poses, const BakeOptions& given, Progress& listen
     const BakeOptions options = resolve_options(given, poses);
     BakeReport report;
     Stopwatch watch;
+    const TimeBudget budget(options.time_limit);
     progress.update("poses", 0);
     const NormalizedPoses set = normalize(poses, options.energy.keep_placement);
     const std::unique_ptr<Energy> energy = make_energy(set, options.energy, &progress);
@@ -112,19 +113,21 @@ BakedAsset bake(const PoseSet& poses, const BakeOptions& given, Progress& listen
     watch.end_stage("poses");
 
     const std::unique_ptr<CoarseBody> coarse = make_coarse_body(set, *energy, options.energy);
-    AverageFamily family(pool, average_options(options, set), &progress, {}, coarse.get());
-    family.mean(); // by continuation from every pose
+    // By continuation from every pose, or from the first one where nothing is to be refined.
+    const std::optional<std::size_t> start_pose = budget.is_spent() ? std::optional<std::size_t>(0) : std::nullopt;
+    AverageFamily family(pool, average_options(options, set), &progress, start_pose, coarse.get());
+    family.mean();
     report.start_pose = family.start_pose();
     watch.end_stage("mean");
 
     InterpolatedFamily known(family, &progress);
-    const FoundSubspace found = find_subspace(known, pool, options, progress);
+    const FoundSubspace found = find_subspace(known, pool, options, budget, progress);
     report.snapshot_count = found.averages.size() - found.interpolated_count();
     report.interpolated_count = found.interpolated_count();
     report.unconverged_snapshot_count = found.unconverged_count;
     watch.end_stage("subspace");
 
-    const FitProblem problem { set, *energy, family, known, found };
+    const FitProblem problem { set, *energy, family, known, found, budget };
     const FittedModel fitted = fit(problem, options, progress);
     report.fit = fitted.report;
     watch.end_stage(name_of(fitted.report.kind));

@@ -207,6 +207,7 @@ std::string write_certificate(const BakeReport& report, const BakeOptions& optio
     if (report.check.ties) certificate["ties"] = ties_of(*report.check.ties);
     certificate["tolerance"] = options.tolerance;
     if (options.tolerance_max > 0) certificate["tolerance_max"] = options.tolerance_max;
+    if (options.time_limit) certificate["time_limit"] = *options.time_limit;
     certificate["meets_tolerance"] = report.check.meets_tolerance;
     certificate["subspace"] = subspace_of(report, options);
     certificate["basis"] = basis_of(report, options);

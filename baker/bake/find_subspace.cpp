@@ -52,20 +52,22 @@ Subspace build_fixed_subspace(SolverPool& pool, const BakeOptions& options, Prog
 
 } // namespace
 
-FoundSubspace find_subspace(InterpolatedFamily& known, SolverPool& pool, const BakeOptions& options, Progress& progress)
+FoundSubspace find_subspace(InterpolatedFamily& known, SolverPool& pool, const BakeOptions& options,
+                            const TimeBudget& budget, Progress& progress)
 {
     const std::size_t m = pool.set().pose_count();
     const std::vector<Weights> check_weights = draw_weights(options.seed + check_seed, m, options.check_count);
     if (options.subspace != SubspaceKind::adaptive) {
         FoundSubspace out;
         out.subspace = build_fixed_subspace(pool, options, progress);
-        out.checks = known.find(check_weights, { "averages to check", 0, check_weights.size() });
+        out.checks = known.find_in_time(check_weights, "averages to check", budget, check_share);
         return out;
     }
     AdaptiveOptions adaptive;
     adaptive.dimension = options.dimension;
     adaptive.tolerance = options.tolerance;
     adaptive.seed = options.seed;
+    adaptive.budget = budget;
     return build_adaptive_subspace(known, training_weights(m, training_count(m), options.seed), check_weights, adaptive,
                                    &progress);
 }

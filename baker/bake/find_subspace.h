@@ -13,6 +13,7 @@ NewtonOptions average_options(const BakeOptions& options, const NormalizedPoses&
 
 // The basis, its snapshots (of an adaptive one) and the unreduced averages at the check weights.
 // Cost: most of a bake; some thousand factorisations for five poses.
-FoundSubspace find_subspace(InterpolatedFamily& known, SolverPool& pool, const BakeOptions& options, Progress& progress);
+FoundSubspace find_subspace(InterpolatedFamily& known, SolverPool& pool, const BakeOptions& options,
+                            const TimeBudget& budget, Progress& progress);
 
 } // namespace pliant

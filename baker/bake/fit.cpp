@@ -27,9 +27,14 @@ constexpr Eigen::Index quartic_dimension_wanted = 32;
 // stiff ones the energy (training_of). With a much larger share training shapes get creased.
 constexpr double nearness_share = 0.003;
 
+// With larger tolerances, training data are kept as near to the averages as with this one: where the stiffness is known at
+// few averages only, energies would lead farther away.
+constexpr double largest_nearness_tolerance = 1e-3;
+
 double nearness_wanted(const NormalizedPoses& set, double mean_energy, double tolerance)
 {
-    const double off = tolerance * mass_norm(set.shapes[0], set.masses); // shapes are centred
+    const double off
+        = std::min(tolerance, largest_nearness_tolerance) * mass_norm(set.shapes[0], set.masses); // shapes are centred
     return 2 * nearness_share * std::max(mean_energy, 1e-13) / (off * off);
 }
 
@@ -68,8 +73,9 @@ private:
     bool chooses_dimension() const { return !averages_.empty() && !options_.dimension && !p_.found.checks.empty(); }
     SurrogateOptions surrogate_options() const
     {
-        return { options_.tolerance, options_.tolerance_max, options_.element_count, options_.seed,
-                 options_.cubature_solver };
+        return { options_.tolerance, options_.tolerance_max,   options_.element_count,
+                 options_.seed,      options_.cubature_solver, drift_limit,
+                 p_.budget };
     }
     double training_error(Eigen::Index d) const;
     Eigen::Index least_dimension() const;

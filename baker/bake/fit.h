@@ -17,6 +17,7 @@ struct FitProblem {
     AverageFamily& family;
     const InterpolatedFamily& known;
     const FoundSubspace& found;
+    const TimeBudget& budget;
 };
 
 // What the runtime will solve, with the data that it was fitted to. Refers to the averages of `found` and to the energy.

@@ -2,6 +2,13 @@
 
 namespace pliant {
 
+void make_preview(BakeOptions& options, bool has_tolerance)
+{
+    constexpr double preview_tolerance = 5e-3;
+    options.time_limit = 0;
+    if (!has_tolerance) options.tolerance = preview_tolerance;
+}
+
 const char* name_of(Material material)
 {
     switch (material) {

@@ -50,10 +50,15 @@ struct BakeOptions {
     int check_count = 24;         // weights at which d, the elements and the dead load are judged
     int fresh_count = 16;         // weights that nothing was chosen by
     double position_error = 1e-5; // of a vertex by storing the basis in few bits, over the diagonal; 0: single precision
-    bool keep_scene = true;       // of poses from glTF: store materials, texture coordinates and images
+    // Seconds from the start of the bake, after which it refines no more and writes the best so far. 0: it refines nothing.
+    std::optional<double> time_limit;
+    bool keep_scene = true; // of poses from glTF: store materials, texture coordinates and images
     // Of a solid: the surface that the asset draws instead of the solid's boundary. Null: the boundary.
     std::shared_ptr<const RenderMesh> render_mesh;
 };
+
+// A bake that refines nothing, at a tolerance of its own where the caller has none.
+void make_preview(BakeOptions& options, bool has_tolerance);
 
 // Names used on the command line and in JSON.
 const char* name_of(Material material);

@@ -99,20 +99,20 @@ double smallest_cell_ratio(const NormalizedPoses& set, const Shape& blend)
 }
 
 // Unreduced averages at fresh weights, and whether another one is next to the blend.
-std::vector<CheckPoint> fresh_averages(OpenedAsset& opened, const InterpolatedFamily& known, const BakeOptions& options,
+std::vector<CheckPoint> fresh_averages(OpenedAsset& opened, const FitProblem& problem, const BakeOptions& options,
                                        Progress& progress)
 {
-    const std::size_t pose_count = known.family().pool().set().pose_count();
-    const std::vector<Weights> fresh = draw_weights(options.seed + fresh_seed, pose_count, options.fresh_count);
+    const std::vector<Weights> fresh
+        = draw_weights(options.seed + fresh_seed, problem.set.pose_count(), options.fresh_count);
+    std::vector<CheckPoint> points = problem.known.find_in_time(fresh, "fresh averages", problem.budget, fresh_share);
     std::vector<Shape> blends;
-    for (const Weights& w : fresh) blends.push_back(opened.blend(w));
-    std::vector<CheckPoint> points = known.find(fresh, { "fresh averages", 0, fresh.size() });
+    for (const CheckPoint& point : points) blends.push_back(opened.blend(point.weights));
     SharedProgress shared(&progress);
-    shared.describe("check", 0, fmt::format("averages next to {} blends", fresh.size()));
-    for_each_task(fresh.size(), [&](std::size_t i, std::size_t worker) {
-        const AverageFamily& family = known.family();
+    shared.describe("check", 0, fmt::format("averages next to {} blends", points.size()));
+    for_each_task(points.size(), [&](std::size_t i, std::size_t worker) {
+        const AverageFamily& family = problem.family;
         // Where the interpolation was right, the average is on the branch of the mean; else it is followed from there.
-        if (points[i].error > branch_distance / 2) points[i] = family.point_at(fresh[i], worker, &shared);
+        if (points[i].error > branch_distance / 2) points[i] = family.point_at(points[i].weights, worker, &shared);
         family.compare(points[i], blends[i], worker, &shared);
     });
     return points;
@@ -206,7 +206,7 @@ CheckedAsset self_check(const CheckProblem& p, const BakeOptions& options, Progr
         = [&](StoredMesh mesh) { return assemble(set, p.fitted, std::move(mesh), p.poses, reachable, options); };
     const AssetModel simulated = assemble_with(simulation_mesh(p.poses, set, options));
     OpenedAsset opened(simulated, training);
-    const std::vector<CheckPoint> fresh = fresh_averages(opened, p.fit.known, options, progress);
+    const std::vector<CheckPoint> fresh = fresh_averages(opened, p.fit, options, progress);
     std::vector<CheckPoint> points = p.fit.found.checks;
     points.insert(points.end(), fresh.begin(), fresh.end());
     CheckReport report = compare_with_averages(opened, p.pool, points, fresh.size(), options);

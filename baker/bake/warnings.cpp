@@ -8,6 +8,7 @@ namespace {
 // Where to turn when the tolerance is missed: what makes averages jump, else the part that misses it.
 std::string remedy(const BakeReport& r, const BakeOptions& options)
 {
+    if (options.time_limit) return "raise --time-limit, leave out --time-limit and --preview, or raise --tolerance";
     if (!r.branches.empty())
         return r.input.material == Material::discrete_shells
             ? "averages jump (P4406): use --material arap"

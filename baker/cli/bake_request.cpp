@@ -76,6 +76,17 @@ void add_bake_options(CLI::App& verb, BakeRequest& r)
             "diagonal; 0 stores single precision, as --fix always does")
         ->check(CLI::Range(0.0, 1e-2))
         ->capture_default_str();
+    verb.add_option_function<double>(
+            "--time-limit", [&r](double seconds) { r.bake.time_limit = seconds; },
+            "Stop refining after so many seconds and write the best asset so far, even if it misses --tolerance (the exit "
+            "code is then 4). The shortest bake is that of --preview. The asset depends on the speed of the machine, except "
+            "with 0")
+        ->check(CLI::Range(0.0, 1e6))
+        ->type_name("FLOAT");
+    verb.add_flag("--preview", r.is_preview,
+                  "Bake a rough asset quickly, to try weights and poses: --time-limit 0 and, unless you set it, --tolerance "
+                  "5e-3")
+        ->excludes("--time-limit");
     verb.add_option("--seed", r.bake.seed, "Random seed")->capture_default_str();
     verb.add_flag_callback(
         "--no-scene", [&r] { r.bake.keep_scene = false; },
@@ -112,6 +123,7 @@ void complete_request(CLI::App& verb, BakeRequest& r)
     r.bake.subspace = r.subspace == "krylov" ? SubspaceKind::krylov
         : r.subspace == "barbic"             ? SubspaceKind::barbic
                                              : SubspaceKind::adaptive;
+    if (r.is_preview) make_preview(r.bake, r.has_tolerance);
     for (SurrogateKind kind : { SurrogateKind::quartic, SurrogateKind::cubature, SurrogateKind::ghost })
         if (r.surrogate == name_of(kind)) r.bake.surrogate = kind;
 }

@@ -16,7 +16,8 @@ struct BakeRequest {
     std::string output, report, surface, depfile, stamp, config;
     std::string subspace = "adaptive", surrogate = "auto";
     BakeOptions bake;
-    bool has_tolerance = false, is_best_effort = false, is_quiet = false, is_dry_run = false, is_print_config = false;
+    bool has_tolerance = false, is_best_effort = false, is_preview = false;
+    bool is_quiet = false, is_dry_run = false, is_print_config = false;
 };
 
 // Registers all options that a configuration may have. `request` must outlive the verb.

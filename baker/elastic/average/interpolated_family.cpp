@@ -22,6 +22,9 @@ constexpr double least_energy = 1e-13;
 // Closer centres would make the interpolation follow their small errors.
 constexpr double closest_centres_learned = 0.03;
 
+// Averages between two looks at the clock.
+constexpr std::size_t group_size = 4;
+
 } // namespace
 
 InterpolatedFamily::InterpolatedFamily(AverageFamily& family, Progress* progress)
@@ -139,6 +142,20 @@ std::vector<CheckPoint> InterpolatedFamily::find(const std::vector<Weights>& wei
 {
     std::vector<CheckPoint> points;
     for (Found& found : find_all(weights, span, nullptr)) points.push_back(std::move(found.point));
+    return points;
+}
+
+std::vector<CheckPoint> InterpolatedFamily::find_in_time(const std::vector<Weights>& weights, const char* stage,
+                                                         const TimeBudget& budget, double share) const
+{
+    if (!budget.has_limit()) return find(weights, { stage, 0, weights.size() });
+    std::vector<CheckPoint> points;
+    do {
+        const auto first = weights.begin() + std::ptrdiff_t(points.size());
+        const std::size_t count = std::min(group_size, weights.size() - points.size());
+        for (CheckPoint& point : find({ first, first + std::ptrdiff_t(count) }, { stage, points.size(), weights.size() }))
+            points.push_back(std::move(point));
+    } while (points.size() < weights.size() && !budget.is_spent(share));
     return points;
 }
 

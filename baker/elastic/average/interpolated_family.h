@@ -1,6 +1,7 @@
 // The family of averages, interpolated between those that are known.
 #pragma once
 
+#include "base/common/time_budget.h"
 #include "base/weights/hermite_interpolation.h"
 #include "elastic/average/family.h"
 #include "elastic/average/rotation_strain.h"
@@ -41,7 +42,11 @@ public:
     // Cost: 1 to 3 factorisations each where the family is smooth, up to some more than path_limit elsewhere.
     std::vector<CheckPoint> find(const std::vector<Weights>& weights, const Span& span) const;
 
-    // The same; those that converge are known afterwards (64 of them at most). Cost: some solves more for each.
+    // The same at the first of the weights, in groups of four until `share` of the time is spent: one group at least.
+    std::vector<CheckPoint> find_in_time(const std::vector<Weights>& weights, const char* stage, const TimeBudget& budget,
+                                         double share) const;
+
+    // The same as find(); those that converge are known afterwards (64 of them at most). Cost: some solves more for each.
     Wave learn(const std::vector<Weights>& weights, const Span& span);
 
     const AverageFamily& family() const { return family_; }

@@ -98,7 +98,8 @@ nb::object bake_poses(const SourcePoses& poses, const nb::dict& given, const Sou
                       const std::string& surface_path, const Listener& listener)
 {
     BakeOptions options = bake_options(given);
-    const bool has_tolerance = given.contains("tolerance"), is_best_effort = given.contains("best_effort");
+    const bool has_tolerance = given.contains("tolerance"),
+               is_best_effort = given.contains("best_effort") || options.time_limit;
     const unsigned threads = given.contains("threads") ? nb::cast<unsigned>(given["threads"]) : 0;
     BakedAsset baked;
     std::optional<ToleranceMiss> miss;

@@ -81,6 +81,8 @@ BakeOptions bake_options(const nb::dict& given)
     take(given, "fresh_samples", options.fresh_count);
     take(given, "position_error", options.position_error);
     take(given, "seed", options.seed);
+    if (given.contains("time_limit")) options.time_limit = nb::cast<double>(given["time_limit"]);
+    if (given.contains("preview")) make_preview(options, given.contains("tolerance"));
     bool has_no_scene = false;
     take(given, "no_scene", has_no_scene);
     options.keep_scene = !has_no_scene;

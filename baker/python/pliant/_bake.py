@@ -58,6 +58,8 @@ def bake(
     check_samples: int | None = None,
     fresh_samples: int | None = None,
     position_error: float | None = None,
+    time_limit: float | None = None,
+    preview: bool = False,
     continuity: Continuity | None = None,
     membrane: Membrane | None = None,
     thickness: float | None = None,
@@ -91,10 +93,12 @@ def bake(
     tolerance       tolerance for the mean relative L2 error of blends, 1e-8 to 1. If it is given and missed, ToleranceError
                     is raised. If not given, the bake aims at 1e-3, and missing that is a warning (P4404)
     tolerance_max   the same for the largest error
-    best_effort     store the asset in the ToleranceError
+    best_effort     store the asset in the ToleranceError, as time_limit and preview do
     subspace, dim, ritz, energy, elements, cubature, ghost_vertices   the reduced model
     check_samples, fresh_samples   numbers of unreduced averages that the errors are measured at
     position_error  largest movement of a vertex by compressing the basis, relative to the diagonal
+    time_limit      seconds after which the bake refines no more and returns the best so far
+    preview         a rough asset quickly: time_limit=0 and, if not given, tolerance=5e-3
     no_scene        do not store materials and images of glTF poses
     solver, seed    results depend on them
     threads         results do not depend on it; None: all cores
@@ -116,7 +120,8 @@ def bake(
             "material": material, "tolerance": tolerance, "tolerance_max": tolerance_max, "best_effort": best_effort,
             "subspace": subspace, "dim": dim, "ritz": ritz, "energy": energy, "elements": elements, "cubature": cubature,
             "ghost_vertices": ghost_vertices, "check_samples": check_samples, "fresh_samples": fresh_samples,
-            "position_error": position_error, "continuity": continuity, "membrane": membrane, "thickness": thickness,
+            "position_error": position_error, "time_limit": time_limit, "preview": preview,
+            "continuity": continuity, "membrane": membrane, "thickness": thickness,
             "foldover_damping": foldover_damping, "poisson": poisson, "weld": weld, "fix": fix, "no_align": no_align,
             "no_scene": no_scene, "solver": solver, "seed": seed, "threads": threads,
         },

@@ -18,6 +18,7 @@ RANGES: dict[str, tuple[float, float]] = {
     "weld": (0.0, 1e-3),
     "poisson": (0.0, 0.499),
     "position_error": (0.0, 1e-2),
+    "time_limit": (0.0, 1e6),
     "ritz": (0, 32),
     "dim": (1, 256),
     "elements": (1, 1000000),
@@ -28,7 +29,7 @@ RANGES: dict[str, tuple[float, float]] = {
     "seed": (0, 2**64 - 1),
 }
 _WHOLE = {"ritz", "dim", "elements", "ghost_vertices", "check_samples", "fresh_samples", "threads", "seed"}
-_FLAGS = {"no_align", "no_scene", "best_effort"}
+_FLAGS = {"no_align", "no_scene", "best_effort", "preview"}
 
 
 def _number(name: str, value: object) -> float | int:

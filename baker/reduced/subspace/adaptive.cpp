@@ -18,6 +18,9 @@ constexpr std::size_t batch_size = 8;
 // surrogate energy long before it shows in the shapes.
 constexpr double mean_explained = 1, largest_explained = 4, excess_explained = 1e-4;
 
+// Averages for each pose that are interpolated when the time for snapshots is spent.
+constexpr std::size_t least_training = 8;
+
 void add(FoundSubspace& out, std::vector<CheckPoint> points)
 {
     for (CheckPoint& point : points) {
@@ -38,15 +41,24 @@ bool is_explained(const InterpolatedFamily::Wave& wave, double tolerance)
 }
 
 // Averages at the training weights: unreduced ones in waves, each half as large as all before it, until one is explained.
-void add_training(FoundSubspace& out, InterpolatedFamily& known, const std::vector<Weights>& training, double tolerance)
+void add_training(FoundSubspace& out, InterpolatedFamily& known, std::vector<Weights> training,
+                  const AdaptiveOptions& options)
 {
     const std::size_t smallest_wave = training[0].size() + 2;
+    const TimeBudget& budget = options.budget;
     bool explained = false;
+    double seconds = 0; // of an average in the last wave
     for (std::size_t done = 1; done < training.size() && !explained;) {
         const std::size_t end = std::min(training.size(), done + std::max(smallest_wave, done / 2));
+        const double start = budget.elapsed();
+        if (budget.is_spent(snapshot_share, seconds * double(end - done))) {
+            training.resize(std::min(training.size(), std::max(done, least_training * std::size_t(training[0].size()))));
+            break;
+        }
         InterpolatedFamily::Wave wave
             = known.learn({ &training[done], &training[0] + end }, { "averages", done, training.size(), true });
-        explained = is_explained(wave, tolerance);
+        explained = is_explained(wave, options.tolerance);
+        seconds = (budget.elapsed() - start) / double(end - done);
         add(out, std::move(wave.averages));
         done = end;
     }
@@ -70,14 +82,14 @@ FoundSubspace build_adaptive_subspace(InterpolatedFamily& known, const std::vect
     const NormalizedPoses& set = known.family().pool().set();
     FoundSubspace out;
     out.averages.push_back({ training[0], known.mean() });
-    add_training(out, known, training, options.tolerance);
+    add_training(out, known, training, options);
     Random random(options.seed);
     while (Eigen::Index(out.averages.size()) < options.dimension) {
         std::vector<Weights> batch;
         for (std::size_t i = 0; i < batch_size; ++i) batch.push_back(mixed_weights(random, set.pose_count(), i));
         add(out, known.find(batch, { "averages", 0, batch.size() }));
     }
-    out.checks = known.find(check_weights, { "averages to check", 0, check_weights.size() });
+    out.checks = known.find_in_time(check_weights, "averages to check", options.budget, check_share);
     if (progress) progress->update("subspace", 0.9, fmt::format("leading directions of {} snapshots", out.averages.size()));
     Eigen::MatrixXd directions(set.dof_count(), Eigen::Index(out.averages.size()));
     for (std::size_t i = 0; i < out.averages.size(); ++i)

@@ -1,6 +1,7 @@
 // A subspace of snapshots: unreduced averages at training weights, and of them the leading directions (POD).
 #pragma once
 
+#include "base/common/time_budget.h"
 #include "elastic/average/interpolated_family.h"
 #include "reduced/subspace/subspace.h"
 
@@ -15,12 +16,13 @@ struct AdaptiveOptions {
     // Averages that the interpolation of the others gives to a part of this (relative L2) are not computed.
     double tolerance = 1e-3;
     std::uint64_t seed = 1;
+    TimeBudget budget;
 };
 
 struct FoundSubspace {
     Subspace subspace;                  // leading directions first: fewer columns are the best smaller space
     std::vector<KnownAverage> averages; // the mean, those at the training weights, more for a dimension asked for
-    std::vector<CheckPoint> checks;     // unreduced averages at `check_weights`
+    std::vector<CheckPoint> checks;     // unreduced averages at `check_weights`, or the first of them
     int unconverged_count = 0;          // averages that Newton left unconverged
 
     std::size_t interpolated_count() const; // of the averages; the others are unreduced averages

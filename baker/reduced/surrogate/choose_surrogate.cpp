@@ -26,6 +26,9 @@ constexpr double usual_ratio = 1.5;
 // Where the tolerance is missed with the most dimensions, an error this much larger is as good.
 constexpr double reachable = 1.1;
 
+// Candidates of the cubature when the time is spent before the first fit.
+constexpr std::size_t least_candidate_count = 2000;
+
 // Blends follow the reference averages: where those drift, nothing that is fitted to them can be asked to drift less.
 double wanted_drift(const BlendError& error, const SurrogateOptions& options)
 {
@@ -84,6 +87,7 @@ ChosenModel choose_cubature(const ReducedEnergy& reduced, const NormalizedPoses&
 {
     const Subspace& subspace = reduced.subspace();
     CubatureOptions cubature;
+    if (options.budget.is_spent(fit_share)) cubature.candidate_count = least_candidate_count;
     cubature.seed = options.seed;
     cubature.solver = options.cubature;
     CubatureFit fit(reduced, training, cubature, progress);
@@ -104,7 +108,7 @@ ChosenModel choose_cubature(const ReducedEnergy& reduced, const NormalizedPoses&
         if (is_better) best = std::move(here);
         const bool is_convex = best.report.curvature.lowest > 0;
         if (is_convex && (is_enough(best.report.error(), options) || !is_better)) break;
-        if (options.element_count || checks.empty()) break;
+        if (options.element_count || checks.empty() || options.budget.is_spent(fit_share)) break;
     }
     return best;
 }
@@ -127,21 +131,23 @@ public:
 
     Eigen::Index run()
     {
-        if (!climb()) settle_for_reachable();
-        while (high_ - low_ > low_ / 16) {
+        if (!climb() && !is_out_of_time()) settle_for_reachable();
+        while (high_ - low_ > low_ / 16 && !is_out_of_time()) {
             const Eigen::Index third = (high_ - low_) / 3;
             measure(std::clamp(promising(), low_ + third, high_ - 1 - third));
         }
-        return high_;
+        return measured_.count(high_) ? high_ : best_measured();
     }
 
 private:
-    // False if no dimension is enough.
+    bool is_out_of_time() const { return wanted_.budget.is_spent(fit_share); }
+
+    // False if no dimension is enough, or none of those that there was time for.
     bool climb()
     {
         Eigen::Index next = promising();
         for (Eigen::Index step = std::max<Eigen::Index>(1, next / 16); !measure(next); step *= 2) {
-            if (next == most_) return false;
+            if (next == most_ || is_out_of_time()) return false;
             next = std::min(most_, std::max(promising(), next + step));
         }
         return true;
@@ -173,6 +179,13 @@ private:
                 high_ = std::min(high_, d);
             else
                 low_ = std::max(low_, std::min(d + 1, most_));
+    }
+
+    Eigen::Index best_measured() const
+    {
+        const auto is_better
+            = [&](const auto& a, const auto& b) { return score(a.second, wanted_) < score(b.second, wanted_); };
+        return std::min_element(measured_.begin(), measured_.end(), is_better)->first;
     }
 
     Eigen::Index promising() const

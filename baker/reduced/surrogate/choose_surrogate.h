@@ -2,6 +2,7 @@
 // dimensions.
 #pragma once
 
+#include "base/common/time_budget.h"
 #include "elastic/parts/calibrate_ties.h"
 #include "reduced/surrogate/blend_model.h"
 #include "reduced/surrogate/cubature.h"
@@ -17,6 +18,7 @@ struct SurrogateOptions {
     std::uint64_t seed = 1;
     CubatureSolver cubature = CubatureSolver::nnls;
     double drift = drift_limit; // wanted of the parts of a character
+    TimeBudget budget;          // when it is spent, the best fit so far is taken
 
     double largest() const { return tolerance_max > 0 ? tolerance_max : 3 * tolerance; }
 };

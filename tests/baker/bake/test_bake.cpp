@@ -385,6 +385,27 @@ TEST_CASE("a bake says what it measured, and the certificate holds it")
     CHECK_FALSE(bake(tube_poses(3), options, silent).report.check.meets_tolerance);
 }
 
+TEST_CASE("a preview is cheap, the same each time, and certified; a limit that is not reached changes nothing")
+{
+    Progress silent;
+    const PoseSet poses = tube_poses(4);
+    BakeOptions options, preview;
+    make_preview(preview, false);
+    CHECK(preview.tolerance > options.tolerance);
+    const BakedAsset quick = bake(poses, preview, silent), whole = bake(poses, options, silent);
+    CHECK(bake(poses, preview, silent).bytes == quick.bytes);
+    CHECK(quick.report.snapshot_count == 1); // the mean
+    CHECK(quick.report.check.blends.size() == 8);
+    CHECK(quick.report.check.mean_error < preview.tolerance);
+    CHECK(quick.report.factorization_count < whole.report.factorization_count / 3);
+    CHECK(quick.report.certificate.find("\"time_limit\": 0.0") != std::string::npos);
+    CHECK(whole.report.certificate.find("time_limit") == std::string::npos);
+    options.time_limit = 1e6;
+    const BakeReport limited = bake(poses, options, silent).report;
+    CHECK(limited.check.mean_error == whole.report.check.mean_error);
+    CHECK(limited.check.blends.size() == whole.report.check.blends.size());
+}
+
 TEST_CASE("the average at a pose's own weights is the pose: forces there are rounding")
 {
     TubeFamily tube(3);
