@@ -105,17 +105,17 @@ BakedAsset bake(const PoseSet& poses, const BakeOptions& given, Progress& listen
     const TimeBudget budget(options.time_limit);
     progress.update("poses", 0);
     const NormalizedPoses set = normalize(poses, options.energy.keep_placement);
-    const std::unique_ptr<Energy> energy = make_energy(set, options.energy, &progress);
-    report.input = describe(poses, set, *energy);
+    const ElasticModel model = make_model(set, options.energy, &progress);
+    const Energy& energy = *model.energy;
+    report.input = describe(poses, set, energy);
     report.input.material = *options.energy.material;
     warn_of_foldover(report.input, options.energy, progress);
-    SolverPool pool(*energy, set, options.energy.solver);
+    SolverPool pool(energy, set, options.energy.solver);
     watch.end_stage("poses");
 
-    const std::unique_ptr<CoarseBody> coarse = make_coarse_body(set, *energy, options.energy);
     // By continuation from every pose, or from the first one where nothing is to be refined.
     const std::optional<std::size_t> start_pose = budget.is_spent() ? std::optional<std::size_t>(0) : std::nullopt;
-    AverageFamily family(pool, average_options(options, set), &progress, start_pose, coarse.get());
+    AverageFamily family(pool, average_options(options, set), &progress, start_pose, model.coarse.get());
     family.mean();
     report.start_pose = family.start_pose();
     watch.end_stage("mean");
@@ -127,7 +127,7 @@ BakedAsset bake(const PoseSet& poses, const BakeOptions& given, Progress& listen
     report.unconverged_snapshot_count = found.unconverged_count;
     watch.end_stage("subspace");
 
-    const FitProblem problem { set, *energy, family, known, found, budget };
+    const FitProblem problem { set, energy, family, known, found, budget };
     const FittedModel fitted = fit(problem, options, progress);
     report.fit = fitted.report;
     watch.end_stage(name_of(fitted.report.kind));

@@ -60,6 +60,7 @@ public:
                                                 [](const AverageAt& average) { return !average.is_interpolated; });
         averages_ = projector.project({ averages.begin(), rest });
         exact_count_ = averages_.size();
+        if (!p_.found.has_sound_interpolations) averages.erase(rest, averages.end());
         std::vector<ProjectedAverage> interpolated = projector.project({ rest, averages.end() }, averages_);
         checks_
             = exact_count_ > 0 ? projector.project(checks_of(p_.found), averages_) : projector.project(checks_of(p_.found));

@@ -62,7 +62,38 @@ Material material_of(const EnergyOptions& options, bool is_solid)
                            is_solid ? "use stvk or mooney-rivlin" : "use discrete-shells or arap"));
 }
 
-std::unique_ptr<Energy> make_energy(const NormalizedPoses& set, const EnergyOptions& options, Progress* progress)
+namespace {
+
+std::unique_ptr<CoarseBody> make_coarse_body(const NormalizedPoses& set, const EnergyOptions& options, Progress* progress)
+{
+    const std::size_t count = std::size_t(set.dof_count() / 3) / coarsening;
+    if (count < least_vertex_count || set.is_solid() || !set.is_free()) return nullptr;
+    auto body = std::make_unique<CoarseBody>();
+    body->poses = decimate(set, count);
+    if (body->poses.failed_face) return nullptr;
+    ElasticModel model = make_model(body->poses.set, options, progress);
+    body->energy = std::move(model.energy);
+    body->coarser = std::move(model.coarse);
+    return body;
+}
+
+bool has_ties(const Energy& energy) { return ties_of(energy) != nullptr; }
+
+// Null of a surface without ties: it needs no coarse mesh here.
+std::unique_ptr<CoarseBody> calibrate(Energy& energy, const NormalizedPoses& set, const EnergyOptions& options,
+                                      Progress* progress)
+{
+    auto* tied = dynamic_cast<TiedEnergy*>(&energy);
+    if (!tied) return nullptr;
+    std::unique_ptr<CoarseBody> coarse = make_coarse_body(set, options, progress);
+    if (coarse && !has_ties(*coarse->energy)) coarse = nullptr;
+    calibrate_ties(*tied, set, options.solver, coarse.get(), progress);
+    return coarse;
+}
+
+// `coarse`: set where the ties were calibrated by it.
+std::unique_ptr<Energy> make_energy(const NormalizedPoses& set, const EnergyOptions& options, Progress* progress,
+                                    std::unique_ptr<CoarseBody>& coarse)
 {
     const Material material = material_of(options, set.is_solid());
     if (material == Material::stvk) return std::make_unique<Solid>(set, SolidOptions { SolidLaw::stvk, options.poisson });
@@ -71,21 +102,24 @@ std::unique_ptr<Energy> make_energy(const NormalizedPoses& set, const EnergyOpti
     std::unique_ptr<Energy> surface = make_surface_energy(set, material, options);
     TieSet ties = ties_for(set, centres_of_cells(*surface));
     std::unique_ptr<Energy> energy = tie_parts(std::move(surface), std::move(ties));
-    if (auto* tied = dynamic_cast<TiedEnergy*>(energy.get())) calibrate_ties(*tied, set, options.solver, progress);
+    coarse = calibrate(*energy, set, options, progress);
     return energy;
 }
 
-std::unique_ptr<CoarseBody> make_coarse_body(const NormalizedPoses& set, const Energy& energy, const EnergyOptions& options)
+} // namespace
+
+std::unique_ptr<Energy> make_energy(const NormalizedPoses& set, const EnergyOptions& options, Progress* progress)
 {
-    const std::size_t count = std::size_t(set.dof_count() / 3) / coarsening;
-    if (count < least_vertex_count || set.is_solid() || !set.is_free() || dynamic_cast<const TiedEnergy*>(&energy))
-        return nullptr;
-    auto body = std::make_unique<CoarseBody>();
-    body->poses = decimate(set, count);
-    if (body->poses.failed_face) return nullptr;
-    body->energy = make_surface_energy(body->poses.set, material_of(options, false), options);
-    body->coarser = make_coarse_body(body->poses.set, *body->energy, options);
-    return body;
+    std::unique_ptr<CoarseBody> coarse;
+    return make_energy(set, options, progress, coarse);
+}
+
+ElasticModel make_model(const NormalizedPoses& set, const EnergyOptions& options, Progress* progress)
+{
+    ElasticModel model;
+    model.energy = make_energy(set, options, progress, model.coarse);
+    if (!has_ties(*model.energy)) model.coarse = make_coarse_body(set, options, progress);
+    return model;
 }
 
 namespace {

@@ -16,9 +16,13 @@ Material material_of(const EnergyOptions& options, bool is_solid);
 // averages (elastic/parts/calibrate_ties.h).
 std::unique_ptr<Energy> make_energy(const NormalizedPoses& set, const EnergyOptions& options, Progress* progress = nullptr);
 
-// The coarse mesh on which the mean of the poses is searched, or null: of small meshes, of solids, of poses with fixed
-// vertices or ties between parts, and of surfaces that cannot be decimated.
-std::unique_ptr<CoarseBody> make_coarse_body(const NormalizedPoses& set, const Energy& energy, const EnergyOptions& options);
+// The same energy, and the coarse mesh on which the mean of the poses is searched. Null: of small meshes, of solids, of poses
+// with fixed vertices, of surfaces that cannot be decimated, and where a decimated character would have no ties.
+struct ElasticModel {
+    std::unique_ptr<Energy> energy;
+    std::unique_ptr<CoarseBody> coarse;
+};
+ElasticModel make_model(const NormalizedPoses& set, const EnergyOptions& options, Progress* progress = nullptr);
 
 // The options of a bake with their material. Throws Failure (usage, P1206 to P1208) for a surrogate energy
 // that the material does not have, and (bad_input, P2222) for a ghost of a surface that is no manifold.

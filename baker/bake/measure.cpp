@@ -149,12 +149,11 @@ std::vector<Measurement> measure(RuntimeBlender& blender, const std::string& ass
     std::optional<Drawn> drawn;
     if (surface) drawn.emplace(Drawn { *surface, render_mesh_shapes(set, *surface) });
     check_same_poses(blender, drawn_set(poses, set, drawn ? &*drawn : nullptr), asset_path);
-    const std::unique_ptr<Energy> energy = make_energy(set, energy_options, &progress);
-    SolverPool pool(*energy, set, energy_options.solver);
+    const ElasticModel model = make_model(set, energy_options, &progress);
+    SolverPool pool(*model.energy, set, energy_options.solver);
     NewtonOptions newton;
     newton.step_floor = average_floor * mass_norm(set.shapes[0], set.masses);
-    const std::unique_ptr<CoarseBody> coarse = make_coarse_body(set, *energy, energy_options);
-    AverageFamily family(pool, newton, &progress, read_start_pose(blender.certificate()), coarse.get());
+    AverageFamily family(pool, newton, &progress, read_start_pose(blender.certificate()), model.coarse.get());
     family.mean();
     std::vector<Measurement> samples = draw_samples(options, set.pose_count());
     const std::vector<Shape> blends = time_blends(blender, poses, set, samples);

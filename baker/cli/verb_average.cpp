@@ -174,10 +174,9 @@ ExitCode run_average(const AverageArguments& a)
     const NormalizedPoses set = normalize(poses, a.energy.keep_placement);
     EnergyOptions options = a.energy;
     options.material = material_of(options, poses.is_solid());
-    const std::unique_ptr<Energy> energy = make_energy(set, options, &progress);
-    SolverPool pool(*energy, set, a.energy.solver);
-    const std::unique_ptr<CoarseBody> coarse = make_coarse_body(set, *energy, options);
-    AverageFamily family(pool, a.newton, &progress, {}, coarse.get());
+    const ElasticModel model = make_model(set, options, &progress);
+    SolverPool pool(*model.energy, set, a.energy.solver);
+    AverageFamily family(pool, a.newton, &progress, {}, model.coarse.get());
     family.mean();
     nlohmann::ordered_json averages = nlohmann::ordered_json::array();
     const std::size_t portion = 4 * worker_count(); // in memory together; few, so that files appear as the work goes on

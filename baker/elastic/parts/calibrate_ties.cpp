@@ -245,12 +245,13 @@ private:
 
 } // namespace
 
-void calibrate_ties(TiedEnergy& energy, const NormalizedPoses& set, SolverKind solver, Progress* progress)
+void calibrate_ties(TiedEnergy& energy, const NormalizedPoses& set, SolverKind solver, const CoarseBody* coarse,
+                    Progress* progress)
 {
     const std::vector<Weights> weights = probe_weights(set.pose_count());
     TieCalibration calibration(energy, set, weights);
     SolverPool pool(energy, set, solver);
-    AverageFamily family(pool, rough_options(set), progress);
+    AverageFamily family(pool, rough_options(set), progress, {}, coarse);
     family.mean();
     std::vector<Shape> averages(weights.size());
     SharedProgress shared(progress);

@@ -144,11 +144,10 @@ std::vector<double> averages(const PoseSet& poses, const std::vector<Weights>& w
 {
     const NormalizedPoses set = normalize(poses, options.keep_placement);
     options.material = material_of(options, poses.is_solid());
-    const std::unique_ptr<Energy> energy = make_energy(set, options);
-    SolverPool pool(*energy, set, options.solver);
+    const ElasticModel model = make_model(set, options, &progress);
+    SolverPool pool(*model.energy, set, options.solver);
     const NewtonOptions newton;
-    const std::unique_ptr<CoarseBody> coarse = make_coarse_body(set, *energy, options);
-    AverageFamily family(pool, newton, &progress, {}, coarse.get());
+    AverageFamily family(pool, newton, &progress, {}, model.coarse.get());
     family.mean();
     std::vector<FamilyPoint> points(wanted.size());
     if (wanted.size() == 1) {

@@ -13,9 +13,9 @@ namespace {
 // More snapshots for a dimension that was asked for come in groups of this.
 constexpr std::size_t batch_size = 8;
 
-// A wave is explained if its interpolations were off by at most these multiples of the tolerance, and their energy by this
-// part of itself on average. With more energy they are creased, and forces and stiffness there are wrong, which spoils the
-// surrogate energy long before it shows in the shapes.
+// The shapes of a wave are explained if their interpolations were off by at most these multiples of the tolerance, and all of
+// it if their energy was off by this part of itself on average. With more energy they are creased, and forces and stiffness
+// there are wrong, which spoils the surrogate energy long before it shows in the shapes.
 constexpr double mean_explained = 1, largest_explained = 4, excess_explained = 1e-4;
 
 // Averages for each pose that are interpolated when the time for snapshots is spent.
@@ -29,39 +29,48 @@ void add(FoundSubspace& out, std::vector<CheckPoint> points)
     }
 }
 
-bool is_explained(const InterpolatedFamily::Wave& wave, double tolerance)
+enum class Explained { nothing, shapes, all };
+
+Explained explained_part(const InterpolatedFamily::Wave& wave, double tolerance)
 {
     double mean = 0, largest = 0;
     for (const CheckPoint& point : wave.averages) {
         mean += point.error / double(wave.averages.size());
         largest = std::max(largest, point.error);
     }
-    return mean <= mean_explained * tolerance && largest <= largest_explained * tolerance
-        && wave.energy_excess <= excess_explained;
+    if (mean > mean_explained * tolerance || largest > largest_explained * tolerance) return Explained::nothing;
+    return wave.energy_excess > excess_explained ? Explained::shapes : Explained::all;
 }
+
+// Averages that are enough to fit a surrogate energy to if only the shapes of others are explained.
+std::size_t sound_count(std::size_t pose_count) { return pose_count * (pose_count + 2); }
 
 // Averages at the training weights: unreduced ones in waves, each half as large as all before it, until one is explained.
 void add_training(FoundSubspace& out, InterpolatedFamily& known, std::vector<Weights> training,
                   const AdaptiveOptions& options)
 {
-    const std::size_t smallest_wave = training[0].size() + 2;
+    const std::size_t pose_count = std::size_t(training[0].size()), smallest_wave = pose_count + 2;
     const TimeBudget& budget = options.budget;
-    bool explained = false;
+    Explained explained = Explained::nothing;
     double seconds = 0; // of an average in the last wave
-    for (std::size_t done = 1; done < training.size() && !explained;) {
+    const auto is_enough = [&](std::size_t count) {
+        return explained == Explained::all || (explained == Explained::shapes && count >= sound_count(pose_count));
+    };
+    for (std::size_t done = 1; done < training.size() && !is_enough(done);) {
         const std::size_t end = std::min(training.size(), done + std::max(smallest_wave, done / 2));
         const double start = budget.elapsed();
         if (budget.is_spent(snapshot_share, seconds * double(end - done))) {
-            training.resize(std::min(training.size(), std::max(done, least_training * std::size_t(training[0].size()))));
+            training.resize(std::min(training.size(), std::max(done, least_training * pose_count)));
             break;
         }
         InterpolatedFamily::Wave wave
             = known.learn({ &training[done], &training[0] + end }, { "averages", done, training.size(), true });
-        explained = is_explained(wave, options.tolerance);
+        explained = explained_part(wave, options.tolerance);
         seconds = (budget.elapsed() - start) / double(end - done);
         add(out, std::move(wave.averages));
         done = end;
     }
+    out.has_sound_interpolations = explained != Explained::shapes;
     const std::vector<Weights> rest(training.begin() + std::ptrdiff_t(out.averages.size()), training.end());
     std::vector<Shape> shapes = known.at(rest);
     for (std::size_t i = 0; i < rest.size(); ++i) out.averages.push_back({ rest[i], std::move(shapes[i]), true });

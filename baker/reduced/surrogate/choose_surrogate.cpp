@@ -147,22 +147,25 @@ private:
     {
         Eigen::Index next = promising();
         for (Eigen::Index step = std::max<Eigen::Index>(1, next / 16); !measure(next); step *= 2) {
-            if (next == most_ || is_out_of_time()) return false;
+            if (next == most_ || stagnates() || is_out_of_time()) return false;
             next = std::min(most_, std::max(promising(), next + step));
         }
         return true;
     }
 
-    // What is out of reach is brought as near as the most dimensions do, but not by more of them than that takes.
+    // What is out of reach is brought as near as the best dimension does, but not by more of them than that takes.
     void settle_for_reachable()
     {
-        const BlendError& best = measured_.at(most_);
+        const BlendError& best = measured_.at(best_measured());
         wanted_.tolerance = std::max(wanted_.tolerance, reachable * best.mean / aim);
         wanted_.tolerance_max = std::max(wanted_.largest(), reachable * best.largest / aim);
         wanted_.drift = std::max(wanted_.drift, reachable * best.drift / aim);
         low_ = least_;
         narrow();
     }
+
+    // On the way up: neither of the last two dimensions was better than the best one before.
+    bool stagnates() const { return measured_.size() > 2 && best_measured() <= std::next(measured_.rbegin(), 2)->first; }
 
     bool measure(Eigen::Index d)
     {

@@ -76,12 +76,11 @@ TEST_CASE("a pose of the coarse mesh becomes that pose of the full one")
 TEST_CASE("the mean by way of a coarse mesh is the mean, at a lower cost")
 {
     const NormalizedPoses set = fine_set();
-    const std::unique_ptr<Energy> energy = make_energy(set, {});
-    const std::unique_ptr<CoarseBody> coarse = make_coarse_body(set, *energy, {});
-    REQUIRE(coarse);
-    CHECK_FALSE(coarse->coarser);
-    SolverPool direct_pool(*energy, set, default_solver()), coarse_pool(*energy, set, default_solver());
-    AverageFamily direct(direct_pool, {}, nullptr), by_coarse(coarse_pool, {}, nullptr, {}, coarse.get());
+    const ElasticModel model = make_model(set, {});
+    REQUIRE(model.coarse);
+    CHECK_FALSE(model.coarse->coarser);
+    SolverPool direct_pool(*model.energy, set, default_solver()), coarse_pool(*model.energy, set, default_solver());
+    AverageFamily direct(direct_pool, {}, nullptr), by_coarse(coarse_pool, {}, nullptr, {}, model.coarse.get());
     const double distance = relative_distance(set, by_coarse.mean().y, direct.mean().y);
     MESSAGE("factorisations " << coarse_pool.factorization_count() << " instead of " << direct_pool.factorization_count()
                               << ", distance of the means " << distance);
@@ -93,5 +92,5 @@ TEST_CASE("the mean by way of a coarse mesh is the mean, at a lower cost")
 TEST_CASE("small meshes have no coarse one")
 {
     const NormalizedPoses set = normalize(tube_poses(4));
-    CHECK_FALSE(make_coarse_body(set, *make_energy(set, {}), {}));
+    CHECK_FALSE(make_model(set, {}).coarse);
 }
