@@ -16,8 +16,8 @@ Material material_of(const EnergyOptions& options, bool is_solid);
 // averages (elastic/parts/calibrate_ties.h).
 std::unique_ptr<Energy> make_energy(const NormalizedPoses& set, const EnergyOptions& options, Progress* progress = nullptr);
 
-// The same energy, and the coarse mesh on which the mean of the poses is searched. Null: of small meshes, of solids, of poses
-// with fixed vertices, of surfaces that cannot be decimated, and where a decimated character would have no ties.
+// The same energy, and the coarse mesh on which the mean of the poses is searched. Null: of small meshes, of solids, of
+// poses with fixed vertices, of surfaces that cannot be decimated, and where a decimated character would have no ties.
 struct ElasticModel {
     std::unique_ptr<Energy> energy;
     std::unique_ptr<CoarseBody> coarse;

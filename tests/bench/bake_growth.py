@@ -1,7 +1,7 @@
 """bake_growth.py [--levels N] [--poses POSE...] [--options TEXT]: how the cost of a bake grows with the mesh.
-Takes poses (binary PLY; the creature's rest, reach and curl if none are given), cuts every triangle in four N times (2), and
-bakes each size. Prints a Markdown table with the exponent p of n^p from each size to the next, and draws the seconds over the
-vertices in build/bench/growth.svg. The tool is built in build/release. GiB: the largest resident set."""
+Takes poses (binary PLY; the creature's rest, reach and curl if none are given), cuts every triangle in four N times (2),
+bakes each size, and prints a Markdown table with the exponent p of n^p from each size to the next. Draws the seconds over
+the vertices in build/bench/growth.svg. The tool is built in build/release. GiB: the largest resident set."""
 import argparse
 import json
 import math
@@ -90,10 +90,11 @@ def draw(points, path):
             near, far = ((10.0**power, 10.0**low[1]), (10.0**power, 10.0**high[1])) if axis == 0 else (
                 (10.0**low[0], 10.0**power), (10.0**high[0], 10.0**power))
             x, y = map(float, place(near).split(","))
-            parts.append(line([near, far], 'stroke="#ddd"'))
-            parts.append(f'<text x="{x - 10 if axis == 0 else x - 45}" y="{y + 18 if axis == 0 else y + 4}">1e{power}</text>')
+            x, y = (x - 10, y + 18) if axis == 0 else (x - 45, y + 4)
+            parts += [line([near, far], 'stroke="#ddd"'), f'<text x="{x}" y="{y}">1e{power}</text>']
     parts += [line(wanted, 'stroke="#888" stroke-dasharray="5 4"'), line(points, 'stroke="#06c" stroke-width="2"'),
-              '<text x="180" y="362">vertices (dashed: n^1.3)</text>', '<text x="8" y="18">seconds of a bake</text>', "</svg>"]
+              '<text x="180" y="362">vertices (dashed: n^1.3)</text>', '<text x="8" y="18">seconds of a bake</text>',
+              "</svg>"]
     path.parent.mkdir(parents=True, exist_ok=True)
     path.write_text("\n".join(parts) + "\n")
 

@@ -13,9 +13,9 @@ namespace {
 // More snapshots for a dimension that was asked for come in groups of this.
 constexpr std::size_t batch_size = 8;
 
-// The shapes of a wave are explained if their interpolations were off by at most these multiples of the tolerance, and all of
-// it if their energy was off by this part of itself on average. With more energy they are creased, and forces and stiffness
-// there are wrong, which spoils the surrogate energy long before it shows in the shapes.
+// The shapes of a wave are explained if their interpolations were off by at most these multiples of the tolerance, and the
+// whole wave if their energy was off by this part of itself on average. With more energy they are creased, and forces and
+// stiffness there are wrong, which spoils the surrogate energy long before it shows in the shapes.
 constexpr double mean_explained = 1, largest_explained = 4, excess_explained = 1e-4;
 
 // Averages for each pose that are interpolated when the time for snapshots is spent.

@@ -23,7 +23,7 @@ struct FoundSubspace {
     Subspace subspace;                  // leading directions first: fewer columns are the best smaller space
     std::vector<KnownAverage> averages; // the mean, those at the training weights, more for a dimension asked for
     std::vector<CheckPoint> checks;     // unreduced averages at `check_weights`, or the first of them
-    // Interpolated averages are good enough to fit a surrogate energy to, too: their energies are known as well as their shapes.
+    // The energies of interpolated averages are right as well as their shapes: a surrogate energy can be fitted to them.
     bool has_sound_interpolations = true;
     int unconverged_count = 0; // averages that Newton left unconverged
 
@@ -32,8 +32,8 @@ struct FoundSubspace {
 
 // The family of averages a(w) is smooth in w, so that a basis of snapshots converges exponentially where the Krylov basis of
 // Algorithm 1 stalls (reduced/THEORY.md, section 1). Averages at the training weights (the equal ones first, where the mean
-// is) are learned in waves until the interpolation of those before says what a wave finds; the rest is interpolated. Where it
-// says the shapes but not their energies, m (m + 2) averages of m poses are learned.
+// is) are learned in waves until the interpolation of those before says what a wave finds; the rest is interpolated. Where
+// it says the shapes but not their energies, m (m + 2) averages of m poses are learned.
 // Differences of the poses are kept exactly, and of the averages the leading directions. No snapshot is taken at the checks.
 FoundSubspace build_adaptive_subspace(InterpolatedFamily& known, const std::vector<Weights>& training,
                                       const std::vector<Weights>& check_weights, const AdaptiveOptions& options,
