@@ -39,8 +39,8 @@ constexpr int reuse_limit = 12;
 constexpr double first_stiffness = 0.1, stiffness_growth = 3;
 constexpr int restraint_limit = 6;
 
-// A step of a stiffened model is followed by others. Derivatives are data of an interpolation.
-constexpr ConjugateGradients of_step { 1e-3, 20 }, of_derivative { 1e-8, 20 };
+// Derivatives are data of an interpolation.
+constexpr ConjugateGradients of_derivative { 1e-8, 20 };
 
 // The distance left after such a step is estimated from the rate at which the steps shrink. Rates are clamped: a single one
 // may be small by chance.
@@ -232,9 +232,12 @@ bool NewtonSolver::Descent::advance(const Shape& step, double slope, double leng
 NewtonSolver::Displaced NewtonSolver::Descent::restrain(Shape& step, bool& is_restrained)
 {
     Displaced displaced = solver_.displace(at_.y, step);
+    Shape restrained = step;
     double share = first_stiffness;
     for (int i = 0; i < restraint_limit && !displaced.collapsing.empty(); ++i, share *= stiffness_growth) {
-        step = solver_.restrained_step(at_.gradient, displaced.collapsing, share);
+        pliant::restrain(solver_.assembler_.matrix(), solver_.set_, displaced.collapsing, share, solver_.pins_, restrained);
+        if (!(at_.gradient.dot(restrained) < 0)) break;
+        step = restrained;
         displaced = solver_.displace(at_.y, step);
         is_restrained = true;
     }
@@ -343,18 +346,6 @@ Eigen::MatrixXd NewtonSolver::solve_free(const Eigen::MatrixXd& loads, const Sol
 Eigen::MatrixXd NewtonSolver::solve_equilibrium(const Eigen::MatrixXd& loads) const
 {
     return solve_free(loads, [&](const Eigen::MatrixXd& right) { return cholesky_.solve(right); });
-}
-
-Shape NewtonSolver::restrained_step(const Shape& gradient, const std::vector<std::uint32_t>& cells, double share)
-{
-    SparseLower& matrix = assembler_.matrix();
-    stiffen(matrix, set_, cells, share);
-    pin(matrix, pins_);
-    return solve_free(-gradient, [&](const Eigen::MatrixXd& right) -> Eigen::MatrixXd {
-        return conjugate_gradients(
-                   matrix, right, [&](const Eigen::MatrixXd& load) { return cholesky_.solve(load); }, of_step)
-            .x;
-    });
 }
 
 Eigen::MatrixXd NewtonSolver::weight_loads(const Shape& y, const Eigen::MatrixXd& directions) const

@@ -88,9 +88,6 @@ private:
 
     Eigen::MatrixXd weight_loads(const Shape& y, const Eigen::MatrixXd& directions) const;
 
-    // The Newton step of the last model, made stiffer in these cells by a share of its diagonal.
-    Shape restrained_step(const Shape& gradient, const std::vector<std::uint32_t>& cells, double share);
-
     // `solve` for the matrix with its pins; loads and solutions as of solve_equilibrium().
     using Solve = std::function<Eigen::MatrixXd(const Eigen::MatrixXd&)>;
     Eigen::MatrixXd solve_free(const Eigen::MatrixXd& loads, const Solve& solve) const;

@@ -13,8 +13,11 @@ namespace pliant {
 // inverted.
 std::vector<std::uint32_t> collapsing_cells(const NormalizedPoses& set, const Shape& y, const Shape& moved);
 
-// Adds springs between the corners of these cells. Their stiffness: this share of the largest diagonal entry there. The
-// pattern stays, since every two corners of a cell have an element in common.
-void stiffen(SparseLower& hessian, const NormalizedPoses& set, const std::vector<std::uint32_t>& cells, double share);
+// Adds springs between the corners of these cells to the model. Their stiffness: this share of the largest diagonal entry
+// there. The pattern stays, since every two corners of a cell have an element in common. `step` minimizes the model before;
+// then, up to a few edges from the cells, the stiffened one with the rest of the step as it is. Pins do not move. Cost: a
+// look at all cells, and a factorization for some hundred vertices a cell.
+void restrain(SparseLower& hessian, const NormalizedPoses& set, const std::vector<std::uint32_t>& cells, double share,
+              const std::vector<Eigen::Index>& pins, Shape& step);
 
 } // namespace pliant
