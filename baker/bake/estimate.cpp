@@ -36,15 +36,19 @@ BakeEstimate estimate_bake(std::size_t vertex_count, std::size_t pose_count, con
         = is_adaptive ? std::min(64.0, 4 * m * (m - 1) / 2) : (m - 1) + m * (m - 1) * (1 + options.ritz_count);
     estimate.dimension = Eigen::Index(options.dimension ? double(options.dimension) : std::min(expected, 256.0));
     const double d = double(estimate.dimension);
-    // Orders of magnitude from the runs in tests/bench: seconds of a factorisation with its Hessian and the steps taken
-    // with it, and of a reduced gradient.
-    const double factorisation = 0.35 * std::pow(n / 1e4, 1.3), gradient = 1.5e-6 * n * (1 + d / 60);
+    // From bakes of human_pair, creature, ict_face and makehuman on two cores: seconds of a factorisation with its Hessian
+    // and the steps taken with it, and of a reduced gradient. Within a factor of two of these; too little where many
+    // averages snap.
+    const double factorisation = 0.14 * std::pow(n / 1e4, 1.3), gradient = 0.6e-6 * n * (1 + d / 60);
     const double training = is_adaptive ? double(training_count(pose_count)) : 0;
     const double averages = training + double(options.check_count);
     // A training average takes about 1.4; half of them are interpolated, more or less.
-    const double factorisations = 8 * m + 0.7 * training + 1.5 * double(options.check_count + options.fresh_count);
+    const double factorisations = 8 * m + 0.7 * training + double(options.check_count + options.fresh_count);
     const double solves = double(options.check_count) + (is_adaptive ? 0 : double(training_count(pose_count)));
-    estimate.seconds = factorisations * factorisation + solves * 20 * gradient + d * d * 1e-2;
+    estimate.seconds = factorisations * factorisation + solves * 20 * gradient + d * d * 4e-3;
+    constexpr double preview_share = 0.2; // of the seconds of a whole bake
+    if (options.time_limit)
+        estimate.seconds = std::clamp(*options.time_limit, preview_share * estimate.seconds, estimate.seconds);
     // Factor and Hessian of every thread, all averages three times over while their directions are found, up to 64 with
     // their derivatives as rotations and strains (48 bytes a vertex of a surface), a few copies of the basis.
     const double derivatives = 2 * m * std::min(training, 64 + m);
