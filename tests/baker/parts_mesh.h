@@ -9,11 +9,12 @@ namespace pliant {
 struct PartsMesh {
     bool has_eye = true, has_jacket = true, has_vertex = true;
     double eye_turn = 0.5; // radians between two poses
+    Tube body = {};
 
     PoseSet poses(std::size_t count) const
     {
         static const double bends[] = { 0, 1.6, 0.4, -1.2 }, twists[] = { 0, 0, 1.5, 0.6 };
-        PoseSet out = tube_poses(count);
+        PoseSet out = tube_poses(count, body);
         std::vector<std::vector<Eigen::RowVector3d>> added(count);
         const std::size_t body_count = out.vertex_count();
         std::vector<Triangle> faces;

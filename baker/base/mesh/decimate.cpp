@@ -1,5 +1,7 @@
 #include "base/mesh/decimate.h"
 
+#include "base/mesh/tets.h"
+
 #include <OpenMesh/Core/Mesh/TriMesh_ArrayKernelT.hh>
 #include <OpenMesh/Tools/Decimater/DecimaterT.hh>
 #include <OpenMesh/Tools/Decimater/ModNormalFlippingT.hh>
@@ -77,7 +79,7 @@ DecimatedPoses decimate(const NormalizedPoses& set, std::size_t vertex_count)
     for (const Shape& shape : set.shapes) {
         Shape coarse(3 * n);
         for (Eigen::Index v = 0; v < n; ++v) coarse.segment<3>(3 * v) = point(shape, out.vertices[std::size_t(v)]);
-        out.set.masses += lumped_masses(coarse, out.set.triangles) / double(set.pose_count());
+        out.set.masses += cell_masses(out.set, coarse) / double(set.pose_count());
         out.set.shapes.push_back(std::move(coarse));
     }
     out.set.centre = set.centre;

@@ -174,7 +174,7 @@ bool AverageFamily::refine_coarse_mean()
     const Weights w = equal_weights(set.pose_count());
     const Shape guess = prolong(set, coarse_->poses, coarse.start_pose(), w, coarse.mean().y, pool_.kind());
     NewtonResult fine = near(guess, w, 0, &progress);
-    if (!fine.has_converged || relative_distance(set, fine.y, guess) > refinement_limit) return false;
+    if (!fine.has_converged || !(relative_distance(set, fine.y, guess) <= refinement_limit)) return false;
     start_pose_ = coarse.start_pose();
     mean_ = std::move(fine);
     branches_ = coarse.branches();

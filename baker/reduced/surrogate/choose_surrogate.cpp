@@ -23,7 +23,10 @@ constexpr double aim = 0.75;
 // What the surrogate energy adds to the error of its training data makes it about this many times as large.
 constexpr double usual_ratio = 1.5;
 
-// Where the tolerance is missed with the most dimensions, an error this much larger is as good.
+// So many larger dimensions are tried that are no better.
+constexpr std::ptrdiff_t patience = 3;
+
+// Where the tolerance is missed with the best dimension, an error this much larger is as good.
 constexpr double reachable = 1.1;
 
 // Candidates of the cubature when the time is spent before the first fit.
@@ -164,8 +167,13 @@ private:
         narrow();
     }
 
-    // On the way up: neither of the last two dimensions was better than the best one before.
-    bool stagnates() const { return measured_.size() > 2 && best_measured() <= std::next(measured_.rbegin(), 2)->first; }
+    // On the way up: none of the last dimensions was better than the best one before, whose subspace is good enough.
+    bool stagnates() const
+    {
+        if (std::ptrdiff_t(measured_.size()) <= patience) return false;
+        const Eigen::Index best = best_measured();
+        return best <= std::next(measured_.rbegin(), patience)->first && predicted_(best) < aim * wanted_.tolerance / 2;
+    }
 
     bool measure(Eigen::Index d)
     {

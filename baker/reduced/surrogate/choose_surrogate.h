@@ -54,8 +54,8 @@ ChosenModel fit_model(std::shared_ptr<const SurrogateEnergy> surrogate, const Su
 
 // The smallest dimension from `least` to `most` with enough accuracy, or one that is larger by a sixteenth at most.
 // `error_at` measures one, at most once; `predicted` is an error that falls with the dimension and to which the measured
-// ones are about proportional. Where the tolerance is out of reach
-// (at `most`, or after two larger dimensions that were no better), the smallest that is about as good as the best.
+// ones are about proportional. Where the tolerance is out of reach, the smallest that is about as good as the best of
+// those that were measured: up to `most`, or to three that were no better than one with half the error predicted.
 Eigen::Index choose_dimension(Eigen::Index least, Eigen::Index most, const SurrogateOptions& options,
                               const std::function<double(Eigen::Index)>& predicted,
                               const std::function<BlendError(Eigen::Index)>& error_at);

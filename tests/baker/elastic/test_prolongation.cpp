@@ -1,11 +1,12 @@
 // The mean of a large surface: a coarse mesh of the same poses, where its vertices lie, shapes carried over, and the same
 // average at a lower cost.
-#include "../tube.h"
+#include "../parts_mesh.h"
 #include "bake/make_energy.h"
 #include "base/mesh/align.h"
 #include "elastic/average/family.h"
 #include "elastic/average/prolongation.h"
 #include "elastic/average/shape_error.h"
+#include "elastic/parts/tied_energy.h"
 
 #include <doctest/doctest.h>
 
@@ -87,6 +88,20 @@ TEST_CASE("the mean by way of a coarse mesh is the mean, at a lower cost")
     CHECK(distance < 1e-4);
     CHECK(2 * coarse_pool.factorization_count() < direct_pool.factorization_count());
     CHECK(by_coarse.start_pose() == direct.start_pose());
+}
+
+TEST_CASE("a character in parts has a coarse mesh with ties of its own")
+{
+    PartsMesh parts;
+    parts.body = fine_tube;
+    const NormalizedPoses set = normalize(parts.poses(4));
+    const ElasticModel model = make_model(set, {});
+    REQUIRE(model.coarse);
+    CHECK(ties_of(*model.coarse->energy));
+    SolverPool direct_pool(*model.energy, set, default_solver()), coarse_pool(*model.energy, set, default_solver());
+    AverageFamily direct(direct_pool, {}, nullptr), by_coarse(coarse_pool, {}, nullptr, {}, model.coarse.get());
+    CHECK(relative_distance(set, by_coarse.mean().y, direct.mean().y) < 1e-4);
+    CHECK(coarse_pool.factorization_count() < direct_pool.factorization_count());
 }
 
 TEST_CASE("small meshes have no coarse one")
