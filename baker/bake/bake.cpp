@@ -1,12 +1,14 @@
 #include "bake/bake.h"
 
 #include "bake/certificate.h"
+#include "bake/estimate.h"
 #include "bake/find_subspace.h"
 #include "bake/fit.h"
 #include "bake/make_energy.h"
 #include "bake/self_check.h"
 #include "bake/stopwatch.h"
 #include "bake/warnings.h"
+#include "base/common/memory.h"
 #include "base/mesh/align.h"
 #include "elastic/energy/reinforced_shells.h"
 #include "elastic/parts/tied_energy.h"
@@ -100,6 +102,7 @@ BakedAsset bake(const PoseSet& poses, const BakeOptions& given, Progress& listen
 {
     PlannedProgress progress(listener, plan_stages());
     const BakeOptions options = resolve_options(given, poses);
+    warn_of_memory(estimate_bake(poses.vertex_count(), poses.pose_count(), options).memory, available_memory(), progress);
     BakeReport report;
     Stopwatch watch;
     const TimeBudget budget(options.time_limit);

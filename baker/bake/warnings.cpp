@@ -95,6 +95,15 @@ void warn_of_inversion(const BakeReport& report, Progress& progress)
 
 } // namespace
 
+void warn_of_memory(double needed, double available, Progress& progress)
+{
+    if (needed <= available) return;
+    constexpr double gibibyte = 1073741824.0;
+    progress.warn(4411,
+                  fmt::format("needs about {:.1f} GiB of memory, there are {:.1f}", needed / gibibyte, available / gibibyte),
+                  "lower --threads, bake a coarser mesh, or use a machine with more memory");
+}
+
 void warn_of_foldover(const InputReport& input, const EnergyOptions& energy, Progress& progress)
 {
     if (!input.foldover_count) return;

@@ -37,6 +37,9 @@ const char* hint_for_jumps(Material material);
 void warn_of_jumps(const FamilyPoint& point, const PoseSet& poses, Material material, const std::string& frame,
                    Progress& progress);
 
+// P4411 where a bake needs more bytes than there are.
+void warn_of_memory(double needed, double available, Progress& progress);
+
 // P4403: hinges whose bending is damped.
 void warn_of_foldover(const InputReport& input, const EnergyOptions& energy, Progress& progress);
 

@@ -1,5 +1,6 @@
 #include "cli/verbs.h"
 
+#include "base/common/memory.h"
 #include "cli/manifest.h"
 #include "input/io/source_file.h"
 #include "input/io/write_file.h"
@@ -7,10 +8,8 @@
 #include <algorithm>
 #include <chrono>
 #include <fmt/core.h>
-#include <fstream>
 #include <memory>
 #include <thread>
-#include <unistd.h>
 
 namespace pliant {
 
@@ -27,17 +26,6 @@ struct BatchArguments {
 
 // A fifth is for the system and for what estimates miss.
 constexpr double memory_share = 0.8;
-
-// Of the machine, or of the container (control groups, version 2 and 1) if that has less.
-double available_memory()
-{
-    double bytes = double(::sysconf(_SC_PHYS_PAGES)) * double(::sysconf(_SC_PAGESIZE));
-    for (const char* path : { "/sys/fs/cgroup/memory.max", "/sys/fs/cgroup/memory/memory.limit_in_bytes" }) {
-        double limit = 0; // "max" is no number, and no limit
-        if (std::ifstream(path) >> limit && limit > 0) bytes = std::min(bytes, limit);
-    }
-    return bytes;
-}
 
 unsigned threads_for_each(std::size_t job_count)
 {

@@ -6,6 +6,7 @@
 #include "bake/certificate.h"
 #include "bake/make_energy.h"
 #include "bake/warnings.h"
+#include "base/common/memory.h"
 #include "base/weights/sampling.h"
 #include "elastic/average/interpolated_family.h"
 #include "elastic/average/shape_error.h"
@@ -18,6 +19,7 @@
 #include <doctest/doctest.h>
 #include <fmt/core.h>
 #include <string>
+#include <sys/resource.h>
 
 using namespace pliant;
 
@@ -368,6 +370,26 @@ TEST_CASE("averages move with the weights as their derivatives say, whatever the
             CHECK((moved - derivatives.col(c)).norm() < 1e-3 * moved.norm());
         }
     }
+}
+
+TEST_CASE("a bake that needs more memory than there is warns before it starts")
+{
+    struct Listener : Progress {
+        void warn(int number, const std::string&, const std::string&) override { last = number; }
+        int last = 0;
+    } listener;
+    warn_of_memory(1e9, 2e9, listener);
+    CHECK(listener.last == 0);
+    warn_of_memory(2e9, 1e9, listener);
+    CHECK(listener.last == 4411);
+    const double before = available_memory();
+    CHECK(before > 1e8);
+    rlimit limit {};
+    getrlimit(RLIMIT_AS, &limit);
+    const rlimit less { rlim_t(before / 2), limit.rlim_max };
+    setrlimit(RLIMIT_AS, &less);
+    CHECK(available_memory() <= before / 2);
+    setrlimit(RLIMIT_AS, &limit);
 }
 
 TEST_CASE("a bake says what it measured, and the certificate holds it")
