@@ -1,5 +1,8 @@
 #include "cli/verbs.h"
 
+#include "base/common/parallel.h"
+#include "base/common/version.h"
+#include "elastic/average/sparse_cholesky.h"
 #include "output/asset/asset_facts.h"
 #include "output/asset/runtime_blender.h"
 #include "output/page/foreign_json.h"
@@ -20,8 +23,24 @@ using Json = nlohmann::ordered_json;
 
 struct InfoArguments {
     std::string asset;
-    bool is_json = false;
+    bool is_json = false, is_build = false;
 };
+
+// What the tool was built with and runs on.
+ExitCode run_build_info(const InfoArguments& a)
+{
+    const Json build
+        = { { "version", version },      { "format", fmt::format("{}.{}", PLIANT_FORMAT_MAJOR, PLIANT_FORMAT_MINOR) },
+            { "compiler", __VERSION__ }, { "solver", version_of(default_solver()) },
+            { "blas", blas_in_use() },   { "threads", worker_count() } };
+    if (a.is_json) {
+        fmt::print("{}\n", build.dump(1));
+        return ExitCode::done;
+    }
+    for (const auto& [key, value] : build.items())
+        fmt::print("{:<9} {}\n", key, value.is_string() ? value.get<std::string>() : value.dump());
+    return ExitCode::done;
+}
 
 Json chunk_table(const pliant_asset& asset)
 {
@@ -192,8 +211,18 @@ CLI::App* add_asset_verb(CLI::App& app, const char* name, const char* help, cons
 Verb add_info(CLI::App& app)
 {
     auto a = std::make_shared<InfoArguments>();
-    add_asset_verb(app, "info", "Show the contents of an asset", "Example:\n  pliant info hero.pliant", a);
-    return [a] { return run_info(*a); };
+    CLI::App* verb = add_asset_verb(app, "info", "Show the contents of an asset, or what this tool was built with",
+                                    "Examples:\n  pliant info hero.pliant\n  pliant info --build", a);
+    CLI::Option* build = verb->add_flag(
+        "--build", a->is_build, "Show version, compiler, sparse solver and the kernels of its BLAS instead of an asset");
+    verb->get_option("asset")->required(false)->excludes(build);
+    return [a] {
+        if (a->is_build) return run_build_info(*a);
+        if (a->asset.empty())
+            throw Failure(ExitCode::usage,
+                          error_at(1101, "", "asset is required", "`pliant info --help` lists the arguments"));
+        return run_info(*a);
+    };
 }
 
 Verb add_validate(CLI::App& app)

@@ -4,14 +4,18 @@
 
 #include <Eigen/SparseCholesky>
 #include <cstring>
+#include <fmt/core.h>
 #include <mutex>
 #include <new>
+#include <sstream>
 
 #ifdef PLIANT_WITH_CHOLMOD
 #include <suitesparse/cholmod.h>
 // Present when the BLAS behind CHOLMOD is OpenBLAS; its thread count changes the last bits of a factorisation.
 extern "C" void openblas_set_num_threads(int) __attribute__((weak));
 extern "C" int openblas_get_parallel() __attribute__((weak)); // 0: built without threads
+extern "C" char* openblas_get_config() __attribute__((weak));
+extern "C" char* openblas_get_corename() __attribute__((weak));
 // Present when CHOLMOD was built with OpenMP: it asks for four threads by itself, which then spin against each other.
 extern "C" void omp_set_max_active_levels(int) __attribute__((weak));
 #endif
@@ -35,6 +39,29 @@ bool has_cholmod()
     return true;
 #else
     return false;
+#endif
+}
+
+std::string version_of(SolverKind kind)
+{
+#ifdef PLIANT_WITH_CHOLMOD
+    if (kind == SolverKind::cholmod)
+        return fmt::format("CHOLMOD {}.{}.{}", CHOLMOD_MAIN_VERSION, CHOLMOD_SUB_VERSION, CHOLMOD_SUBSUB_VERSION);
+#endif
+    (void)kind;
+    return fmt::format("Eigen {}.{}.{}", EIGEN_WORLD_VERSION, EIGEN_MAJOR_VERSION, EIGEN_MINOR_VERSION);
+}
+
+std::string blas_in_use()
+{
+#ifdef PLIANT_WITH_CHOLMOD
+    if (!openblas_get_config || !openblas_get_corename) return {};
+    std::istringstream config(openblas_get_config()); // "OpenBLAS 0.3.21 NO_LAPACKE ..."
+    std::string name, number;
+    config >> name >> number;
+    return name + " " + number + ", " + openblas_get_corename();
+#else
+    return {};
 #endif
 }
 

@@ -4,6 +4,7 @@
 #include "elastic/average/hessian.h"
 
 #include <memory>
+#include <string>
 
 namespace pliant {
 
@@ -12,6 +13,12 @@ enum class SolverKind { cholmod, eigen };
 // What the build offers: CHOLMOD if it was compiled in.
 SolverKind default_solver();
 bool has_cholmod();
+
+// "CHOLMOD 3.0.14", "Eigen 3.4.0".
+std::string version_of(SolverKind kind);
+
+// The BLAS behind CHOLMOD and the kernels that it chose: "OpenBLAS 0.3.21, Haswell". Empty of another BLAS.
+std::string blas_in_use();
 
 class SparseCholesky {
 public:
