@@ -29,10 +29,15 @@ struct InfoArguments {
 // What the tool was built with and runs on.
 ExitCode run_build_info(const InfoArguments& a)
 {
+#ifdef __clang__
+    const std::string compiler = __VERSION__; // with its name
+#else
+    const std::string compiler = "GCC " __VERSION__;
+#endif
     const Json build
-        = { { "version", version },      { "format", fmt::format("{}.{}", PLIANT_FORMAT_MAJOR, PLIANT_FORMAT_MINOR) },
-            { "compiler", __VERSION__ }, { "solver", version_of(default_solver()) },
-            { "blas", blas_in_use() },   { "threads", worker_count() } };
+        = { { "version", version },    { "format", fmt::format("{}.{}", PLIANT_FORMAT_MAJOR, PLIANT_FORMAT_MINOR) },
+            { "compiler", compiler },  { "solver", version_of(default_solver()) },
+            { "blas", blas_in_use() }, { "threads", worker_count() } };
     if (a.is_json) {
         fmt::print("{}\n", build.dump(1));
         return ExitCode::done;
