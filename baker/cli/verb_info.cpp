@@ -26,7 +26,7 @@ struct InfoArguments {
     bool is_json = false, is_build = false;
 };
 
-// What the tool was built with and runs on.
+// Version, compiler, solver and BLAS of this tool.
 ExitCode run_build_info(const InfoArguments& a)
 {
 #ifdef __clang__
@@ -216,7 +216,7 @@ CLI::App* add_asset_verb(CLI::App& app, const char* name, const char* help, cons
 Verb add_info(CLI::App& app)
 {
     auto a = std::make_shared<InfoArguments>();
-    CLI::App* verb = add_asset_verb(app, "info", "Show the contents of an asset, or what this tool was built with",
+    CLI::App* verb = add_asset_verb(app, "info", "Show the contents of an asset, or the build of this tool",
                                     "Examples:\n  pliant info hero.pliant\n  pliant info --build", a);
     CLI::Option* build = verb->add_flag(
         "--build", a->is_build, "Show version, compiler, sparse solver and the kernels of its BLAS instead of an asset");

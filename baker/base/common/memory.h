@@ -1,4 +1,4 @@
-// How much memory a process may use.
+// The memory that a process may use.
 #pragma once
 
 namespace pliant {

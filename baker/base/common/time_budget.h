@@ -1,4 +1,4 @@
-// How long work that may stop early goes on.
+// A limit of time for work that can stop early.
 #pragma once
 
 #include <chrono>
