@@ -39,10 +39,6 @@ constexpr double energy_doubt = 0.02, rough_distance = 0.05;
 // The mean of the full mesh is looked for no farther than this from that of the coarse one.
 constexpr double refinement_limit = 0.1;
 
-// So many times as many steps as elsewhere may lead there: on a fine mesh slivers open one by one, and a search on it costs
-// far more.
-constexpr int patience = 3;
-
 // A tangent step may change the areas of triangles, the volumes of tetrahedra by this factor.
 constexpr double sound_stretch = 1.5;
 
@@ -177,10 +173,7 @@ bool AverageFamily::refine_coarse_mean()
     progress.describe("mean", 0.5, "on the full mesh");
     const Weights w = equal_weights(set.pose_count());
     const Shape guess = prolong(set, coarse_->poses, coarse.start_pose(), w, coarse.mean().y, pool_.kind());
-    NewtonOptions options = options_;
-    options.max_iterations *= patience;
-    NewtonResult fine = pool_.at(0).minimize(w, guess, options, &progress);
-    fix_gauge(set, fine.y);
+    NewtonResult fine = near(guess, w, 0, &progress);
     if (!fine.has_converged || !(relative_distance(set, fine.y, guess) <= refinement_limit)) return false;
     start_pose_ = coarse.start_pose();
     mean_ = std::move(fine);
