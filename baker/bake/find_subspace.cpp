@@ -21,6 +21,9 @@ const double default_tolerance = BakeOptions().tolerance;
 // Averages are wanted to this part of the tolerance.
 constexpr double average_share = 0.05;
 
+// Of a limited time: when the last snapshots and the last checks are to be known.
+constexpr double snapshot_share = 0.4, check_share = 0.5;
+
 // Added to the seed, so that checks are no training weights.
 constexpr std::uint64_t check_seed = 1000003;
 
@@ -60,14 +63,15 @@ FoundSubspace find_subspace(InterpolatedFamily& known, SolverPool& pool, const B
     if (options.subspace != SubspaceKind::adaptive) {
         FoundSubspace out;
         out.subspace = build_fixed_subspace(pool, options, progress);
-        out.checks = known.find_in_time(check_weights, "averages to check", budget, check_share);
+        out.checks = known.find_in_time(check_weights, "averages to check", budget.part(check_share));
         return out;
     }
     AdaptiveOptions adaptive;
     adaptive.dimension = options.dimension;
     adaptive.tolerance = options.tolerance;
     adaptive.seed = options.seed;
-    adaptive.budget = budget;
+    adaptive.snapshot_time = budget.part(snapshot_share);
+    adaptive.check_time = budget.part(check_share);
     return build_adaptive_subspace(known, training_weights(m, training_count(m), options.seed), check_weights, adaptive,
                                    &progress);
 }

@@ -23,6 +23,9 @@ namespace {
 // many times as much: the table grows with the fourth power of the dimension.
 constexpr Eigen::Index quartic_dimension_wanted = 32;
 
+// Of a limited time: when the last fit is to end.
+constexpr double fit_share = 0.85;
+
 // Share of the mean's energy that an error of one tolerance may cost. Soft directions then follow the unreduced average,
 // stiff ones the energy (training_of). With a much larger share training shapes get creased.
 constexpr double nearness_share = 0.003;
@@ -74,9 +77,10 @@ private:
     bool chooses_dimension() const { return !averages_.empty() && !options_.dimension && !p_.found.checks.empty(); }
     SurrogateOptions surrogate_options() const
     {
-        return { options_.tolerance, options_.tolerance_max,   options_.element_count,
-                 options_.seed,      options_.cubature_solver, drift_limit,
-                 p_.budget };
+        return { options_.tolerance,       options_.tolerance_max,
+                 options_.element_count,   options_.seed,
+                 options_.cubature_solver, drift_limit,
+                 p_.budget.part(fit_share) };
     }
     double training_error(Eigen::Index d) const;
     Eigen::Index least_dimension() const;

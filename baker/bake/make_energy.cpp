@@ -79,21 +79,7 @@ std::unique_ptr<CoarseBody> make_coarse_body(const NormalizedPoses& set, const E
 
 bool has_ties(const Energy& energy) { return ties_of(energy) != nullptr; }
 
-// Null of a surface without ties: it needs no coarse mesh here.
-std::unique_ptr<CoarseBody> calibrate(Energy& energy, const NormalizedPoses& set, const EnergyOptions& options,
-                                      Progress* progress)
-{
-    auto* tied = dynamic_cast<TiedEnergy*>(&energy);
-    if (!tied) return nullptr;
-    std::unique_ptr<CoarseBody> coarse = make_coarse_body(set, options, progress);
-    if (coarse && !has_ties(*coarse->energy)) coarse = nullptr;
-    calibrate_ties(*tied, set, options.solver, coarse.get(), progress);
-    return coarse;
-}
-
-// `coarse`: set where the ties were calibrated by it.
-std::unique_ptr<Energy> make_energy(const NormalizedPoses& set, const EnergyOptions& options, Progress* progress,
-                                    std::unique_ptr<CoarseBody>& coarse)
+std::unique_ptr<Energy> make_uncalibrated(const NormalizedPoses& set, const EnergyOptions& options)
 {
     const Material material = material_of(options, set.is_solid());
     if (material == Material::stvk) return std::make_unique<Solid>(set, SolidOptions { SolidLaw::stvk, options.poisson });
@@ -101,23 +87,31 @@ std::unique_ptr<Energy> make_energy(const NormalizedPoses& set, const EnergyOpti
         return std::make_unique<Solid>(set, SolidOptions { SolidLaw::mooney_rivlin, options.poisson });
     std::unique_ptr<Energy> surface = make_surface_energy(set, material, options);
     TieSet ties = ties_for(set, centres_of_cells(*surface));
-    std::unique_ptr<Energy> energy = tie_parts(std::move(surface), std::move(ties));
-    coarse = calibrate(*energy, set, options, progress);
-    return energy;
+    return tie_parts(std::move(surface), std::move(ties));
+}
+
+// With the coarse mesh that the ties were calibrated by, if there are ties.
+ElasticModel make_calibrated(const NormalizedPoses& set, const EnergyOptions& options, Progress* progress)
+{
+    ElasticModel model { make_uncalibrated(set, options), nullptr };
+    auto* tied = dynamic_cast<TiedEnergy*>(model.energy.get());
+    if (!tied) return model;
+    model.coarse = make_coarse_body(set, options, progress);
+    if (model.coarse && !has_ties(*model.coarse->energy)) model.coarse = nullptr;
+    calibrate_ties(*tied, set, options.solver, model.coarse.get(), progress);
+    return model;
 }
 
 } // namespace
 
 std::unique_ptr<Energy> make_energy(const NormalizedPoses& set, const EnergyOptions& options, Progress* progress)
 {
-    std::unique_ptr<CoarseBody> coarse;
-    return make_energy(set, options, progress, coarse);
+    return make_calibrated(set, options, progress).energy;
 }
 
 ElasticModel make_model(const NormalizedPoses& set, const EnergyOptions& options, Progress* progress)
 {
-    ElasticModel model;
-    model.energy = make_energy(set, options, progress, model.coarse);
+    ElasticModel model = make_calibrated(set, options, progress);
     if (!has_ties(*model.energy)) model.coarse = make_coarse_body(set, options, progress);
     return model;
 }

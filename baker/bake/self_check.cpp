@@ -20,6 +20,9 @@ namespace {
 // Added to the seed, so that fresh weights are neither training weights nor checks.
 constexpr std::uint64_t fresh_seed = 2000003;
 
+// Of a limited time: when the last fresh averages are to be known.
+constexpr double fresh_share = 0.95;
+
 constexpr std::size_t answer_count = 8;
 
 std::vector<float> to_floats(const Weights& w)
@@ -104,7 +107,7 @@ std::vector<CheckPoint> fresh_averages(OpenedAsset& opened, const FitProblem& pr
 {
     const std::vector<Weights> fresh
         = draw_weights(options.seed + fresh_seed, problem.set.pose_count(), options.fresh_count);
-    std::vector<CheckPoint> points = problem.known.find_in_time(fresh, "fresh averages", problem.budget, fresh_share);
+    std::vector<CheckPoint> points = problem.known.find_in_time(fresh, "fresh averages", problem.budget.part(fresh_share));
     std::vector<Shape> blends;
     for (const CheckPoint& point : points) blends.push_back(opened.blend(point.weights));
     SharedProgress shared(&progress);

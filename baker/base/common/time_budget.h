@@ -6,9 +6,6 @@
 
 namespace pliant {
 
-// Shares of a bake's time, if that is limited, at which its stages stop refining.
-constexpr double snapshot_share = 0.4, check_share = 0.5, fit_share = 0.85, fresh_share = 0.95;
-
 class TimeBudget {
 public:
     // The clock starts here. Without seconds there is no limit; 0 seconds are spent at once, on any machine.
@@ -19,8 +16,16 @@ public:
 
     bool has_limit() const { return seconds_.has_value(); }
 
-    // Whether this share of the time will be spent in so many seconds from now.
-    bool is_spent(double share = 1, double ahead = 0) const { return seconds_ && elapsed() + ahead >= share * *seconds_; }
+    // The first part of the time, from the same start: this share of it.
+    TimeBudget part(double share) const
+    {
+        TimeBudget out = *this;
+        if (seconds_) out.seconds_ = share * *seconds_;
+        return out;
+    }
+
+    // Whether the time is over, or will be in so many seconds.
+    bool is_spent(double ahead = 0) const { return seconds_ && elapsed() + ahead >= *seconds_; }
 
     double elapsed() const { return std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count(); }
 

@@ -146,7 +146,7 @@ std::vector<CheckPoint> InterpolatedFamily::find(const std::vector<Weights>& wei
 }
 
 std::vector<CheckPoint> InterpolatedFamily::find_in_time(const std::vector<Weights>& weights, const char* stage,
-                                                         const TimeBudget& budget, double share) const
+                                                         const TimeBudget& budget) const
 {
     if (!budget.has_limit()) return find(weights, { stage, 0, weights.size() });
     std::vector<CheckPoint> points;
@@ -155,7 +155,7 @@ std::vector<CheckPoint> InterpolatedFamily::find_in_time(const std::vector<Weigh
         const std::size_t count = std::min(group_size, weights.size() - points.size());
         for (CheckPoint& point : find({ first, first + std::ptrdiff_t(count) }, { stage, points.size(), weights.size() }))
             points.push_back(std::move(point));
-    } while (points.size() < weights.size() && !budget.is_spent(share));
+    } while (points.size() < weights.size() && !budget.is_spent());
     return points;
 }
 

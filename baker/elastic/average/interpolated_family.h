@@ -42,9 +42,9 @@ public:
     // Cost: 1 to 3 factorisations each where the family is smooth, up to some more than path_limit elsewhere.
     std::vector<CheckPoint> find(const std::vector<Weights>& weights, const Span& span) const;
 
-    // The same at the first of the weights, in groups of four until `share` of the time is spent: one group at least.
-    std::vector<CheckPoint> find_in_time(const std::vector<Weights>& weights, const char* stage, const TimeBudget& budget,
-                                         double share) const;
+    // The same at the first of the weights, in groups of four until the time is spent: one group at least.
+    std::vector<CheckPoint> find_in_time(const std::vector<Weights>& weights, const char* stage,
+                                         const TimeBudget& budget) const;
 
     // The same as find(); those that converge are known afterwards (64 of them at most). Cost: some solves more for each.
     Wave learn(const std::vector<Weights>& weights, const Span& span);

@@ -50,7 +50,7 @@ void add_training(FoundSubspace& out, InterpolatedFamily& known, std::vector<Wei
                   const AdaptiveOptions& options)
 {
     const std::size_t pose_count = std::size_t(training[0].size()), smallest_wave = pose_count + 2;
-    const TimeBudget& budget = options.budget;
+    const TimeBudget& budget = options.snapshot_time;
     Explained explained = Explained::nothing;
     double seconds = 0; // of an average in the last wave
     const auto is_enough = [&](std::size_t count) {
@@ -59,7 +59,7 @@ void add_training(FoundSubspace& out, InterpolatedFamily& known, std::vector<Wei
     for (std::size_t done = 1; done < training.size() && !is_enough(done);) {
         const std::size_t end = std::min(training.size(), done + std::max(smallest_wave, done / 2));
         const double start = budget.elapsed();
-        if (budget.is_spent(snapshot_share, seconds * double(end - done))) {
+        if (budget.is_spent(seconds * double(end - done))) {
             training.resize(std::min(training.size(), std::max(done, least_training * pose_count)));
             break;
         }
@@ -70,7 +70,7 @@ void add_training(FoundSubspace& out, InterpolatedFamily& known, std::vector<Wei
         add(out, std::move(wave.averages));
         done = end;
     }
-    out.has_sound_interpolations = explained != Explained::shapes;
+    out.has_sound_interpolations = explained != Explained::shapes || out.averages.size() < sound_count(pose_count);
     const std::vector<Weights> rest(training.begin() + std::ptrdiff_t(out.averages.size()), training.end());
     std::vector<Shape> shapes = known.at(rest);
     for (std::size_t i = 0; i < rest.size(); ++i) out.averages.push_back({ rest[i], std::move(shapes[i]), true });
@@ -98,7 +98,7 @@ FoundSubspace build_adaptive_subspace(InterpolatedFamily& known, const std::vect
         for (std::size_t i = 0; i < batch_size; ++i) batch.push_back(mixed_weights(random, set.pose_count(), i));
         add(out, known.find(batch, { "averages", 0, batch.size() }));
     }
-    out.checks = known.find_in_time(check_weights, "averages to check", options.budget, check_share);
+    out.checks = known.find_in_time(check_weights, "averages to check", options.check_time);
     if (progress) progress->update("subspace", 0.9, fmt::format("leading directions of {} snapshots", out.averages.size()));
     Eigen::MatrixXd directions(set.dof_count(), Eigen::Index(out.averages.size()));
     for (std::size_t i = 0; i < out.averages.size(); ++i)

@@ -16,7 +16,7 @@ struct AdaptiveOptions {
     // Averages that the interpolation of the others gives to a part of this (relative L2) are not computed.
     double tolerance = 1e-3;
     std::uint64_t seed = 1;
-    TimeBudget budget;
+    TimeBudget snapshot_time, check_time; // no wave starts that would end later; as find_in_time()
 };
 
 struct FoundSubspace {

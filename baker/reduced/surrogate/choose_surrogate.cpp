@@ -90,7 +90,7 @@ ChosenModel choose_cubature(const ReducedEnergy& reduced, const NormalizedPoses&
 {
     const Subspace& subspace = reduced.subspace();
     CubatureOptions cubature;
-    if (options.budget.is_spent(fit_share)) cubature.candidate_count = least_candidate_count;
+    if (options.budget.is_spent()) cubature.candidate_count = least_candidate_count;
     cubature.seed = options.seed;
     cubature.solver = options.cubature;
     CubatureFit fit(reduced, training, cubature, progress);
@@ -111,7 +111,7 @@ ChosenModel choose_cubature(const ReducedEnergy& reduced, const NormalizedPoses&
         if (is_better) best = std::move(here);
         const bool is_convex = best.report.curvature.lowest > 0;
         if (is_convex && (is_enough(best.report.error(), options) || !is_better)) break;
-        if (options.element_count || checks.empty() || options.budget.is_spent(fit_share)) break;
+        if (options.element_count || checks.empty() || options.budget.is_spent()) break;
     }
     return best;
 }
@@ -143,7 +143,7 @@ public:
     }
 
 private:
-    bool is_out_of_time() const { return wanted_.budget.is_spent(fit_share); }
+    bool is_out_of_time() const { return wanted_.budget.is_spent(); }
 
     // False if no dimension is enough, or none of those that there was time for.
     bool climb()
