@@ -3,12 +3,12 @@
 #include "base/common/diagnostics.h"
 #include "elastic/average/conjugate_gradients.h"
 #include "elastic/average/lbfgs.h"
-#include "elastic/average/restraint.h"
 #include "elastic/average/rigid_modes.h"
 
 #include <algorithm>
 #include <cmath>
 #include <fmt/core.h>
+#include <limits>
 
 namespace pliant {
 
@@ -33,11 +33,11 @@ constexpr int longest_pause = 8;
 constexpr double least_progress = 0.5, least_gain = 0.15;
 constexpr int reuse_limit = 12;
 
-// Cells that a step would collapse are made stiffer: by this share of the Hessian's diagonal, then by three times as much,
-// and so on, six times at most. After that the line search shortens the whole step. With a first share of 3, slivers stay
-// closed that should open.
-constexpr double first_stiffness = 0.1, stiffness_growth = 3;
-constexpr int restraint_limit = 6;
+// The energy of an element rises after a step if it does by more than this share of the decrease that the step promises.
+constexpr double rising_share = 1e-3;
+
+// Parts of a step: shorter ones are not tried; below the second one cells may collapse, which is rounding.
+constexpr double shortest_length = 1e-10, shortest_checked = 1e-6;
 
 // Derivatives are data of an interpolation.
 constexpr ConjugateGradients of_derivative { 1e-8, 20 };
@@ -128,6 +128,12 @@ NewtonSolver::Displaced NewtonSolver::displace(const Shape& y, const Shape& step
     return straight.collapsing.size() < curved.collapsing.size() ? straight : curved;
 }
 
+const Relaxation& NewtonSolver::relaxation()
+{
+    if (!relaxation_) relaxation_ = std::make_unique<Relaxation>(energy_, set_);
+    return *relaxation_;
+}
+
 // A shape with the energy and the forces there.
 struct NewtonSolver::Iterate {
     Shape y, gradient;
@@ -171,10 +177,10 @@ public:
 private:
     void factorize(Progress* progress);
     bool newton_step();
-    Displaced restrain(Shape& step, bool& is_restrained);
-    bool accept(Displaced displaced, double slope, double length);
+    bool take(const Shape& step, double slope);
+    bool keeps_cells(Displaced& displaced, double length);
     bool reuse_factor(const Iterate& before);
-    bool advance(const Shape& step, double slope, double length);
+    bool advance(const Shape& step, double slope, double length, bool may_relax = false);
     Shape direction() const { return -solver_.solve_equilibrium(at_.gradient); }
     double doubt() const { return is_exact_ ? 1 : projected_doubt; }
     double relative_decrement(double slope) const { return -slope / 2 / scale_of(at_.energy); }
@@ -188,6 +194,7 @@ private:
     const NewtonOptions& options_;
     Iterate at_;
     bool tried_exact_ = false;       // the last iteration tried the exact Hessian
+    bool is_relaxed_ = false;        // single patches moved after the last step
     bool is_exact_ = false;          // the factor is that of the exact Hessian
     int failures_ = 0, exact_pause_; // of the exact Hessian
 };
@@ -213,58 +220,57 @@ void NewtonSolver::Descent::factorize(Progress* progress)
     result.projected_iterations += !is_exact_;
 }
 
-// Goes on to the end of `length` of a step with the given slope if that collapses no cell and decreases the energy.
-bool NewtonSolver::Descent::accept(Displaced displaced, double slope, double length)
+// Whether the move collapses no cell, if need be after single patches have been relaxed.
+bool NewtonSolver::Descent::keeps_cells(Displaced& displaced, double length)
 {
-    if (!displaced.collapsing.empty() && length > 1e-6) return false;
+    if (displaced.collapsing.empty() || length <= shortest_checked) return true;
+    return is_relaxed_ = solver_.relaxation().mend(w_, at_.y, displaced.collapsing, displaced.shape);
+}
+
+// Goes along a step with the given slope if that collapses no cell and decreases the energy, if need be and allowed after
+// patches have been relaxed where it rises.
+bool NewtonSolver::Descent::advance(const Shape& step, double slope, double length, bool may_relax)
+{
+    is_relaxed_ = false;
+    Displaced displaced = solver_.displace(at_.y, length * step);
+    if (!keeps_cells(displaced, length)) return false;
+    const double wanted = is_noise(slope) ? std::numeric_limits<double>::infinity() : at_.energy + 1e-4 * length * slope;
     Iterate next = solver_.evaluate(w_, std::move(displaced.shape));
-    if (!is_noise(slope) && !(next.energy <= at_.energy + 1e-4 * length * slope)) return false;
+    if (!(next.energy <= wanted) && may_relax
+        && solver_.relaxation().lower(w_, at_.y, -rising_share * length * slope, next.y)) {
+        is_relaxed_ = true;
+        next = solver_.evaluate(w_, std::move(next.y));
+    }
+    if (!(next.energy <= wanted)) return false;
     at_ = std::move(next);
     return true;
 }
 
-bool NewtonSolver::Descent::advance(const Shape& step, double slope, double length)
+// The longest part of a step that decreases the energy. Half of it without relaxed patches is better than all of it with:
+// from a step that is too long they may end in another minimum.
+bool NewtonSolver::Descent::take(const Shape& step, double slope)
 {
-    return accept(solver_.displace(at_.y, length * step), slope, length);
-}
-
-// The end of a Newton step. A step that collapses cells is first replaced by one of a model that is stiffer there.
-NewtonSolver::Displaced NewtonSolver::Descent::restrain(Shape& step, bool& is_restrained)
-{
-    Displaced displaced = solver_.displace(at_.y, step);
-    Shape restrained = step;
-    double share = first_stiffness;
-    for (int i = 0; i < restraint_limit && !displaced.collapsing.empty(); ++i, share *= stiffness_growth) {
-        pliant::restrain(solver_.assembler_.matrix(), solver_.set_, displaced.collapsing, share, solver_.pins_, restrained);
-        if (!(at_.gradient.dot(restrained) < 0)) break;
-        step = restrained;
-        displaced = solver_.displace(at_.y, step);
-        is_restrained = true;
-    }
-    return displaced;
+    if (advance(step, slope, 1) || advance(step, slope, 0.5)) return true;
+    for (double length = 1; length >= shortest_length; length /= 2)
+        if (advance(step, slope, length, true)) return true;
+    return false;
 }
 
 bool NewtonSolver::Descent::newton_step()
 {
-    Shape step = direction();
-    const double full_slope = at_.gradient.dot(step);
-    result.decrement = relative_decrement(full_slope);
-    if (is_small() || is_noise(full_slope)) exact_pause_ = 0; // time to know
+    const Shape step = direction();
+    const double slope = at_.gradient.dot(step);
+    result.decrement = relative_decrement(slope);
+    if (is_small() || is_noise(slope)) exact_pause_ = 0; // time to know
     const bool is_last
         = (is_small() && is_exact_) || is_near(doubt() * mass_norm(step, solver_.set_.masses), at_.y + step - start_);
-    const bool is_last_digit = is_noise(full_slope) && tried_exact_ && at_.residual <= options_.residual;
-    bool is_restrained = false;
-    Displaced displaced = restrain(step, is_restrained);
-    const double slope = at_.gradient.dot(step);
+    const bool is_last_digit = is_noise(slope) && tried_exact_ && at_.residual <= options_.residual;
     const Iterate before = at_;
-    double length = 1;
-    bool is_taken = accept(std::move(displaced), slope, length);
-    while (!is_taken && length >= 2e-10) is_taken = advance(step, slope, length /= 2);
-    if (!is_taken) { // no decrease along a descent direction: rounding rules here
+    if (!take(step, slope)) { // no decrease along a descent direction: rounding rules here
         result.has_converged = result.decrement <= options_.decrement;
         return true;
     }
-    result.has_converged = (is_last && !is_restrained) || is_last_digit;
+    result.has_converged = (is_last && !is_relaxed_) || is_last_digit;
     return result.has_converged || reuse_factor(before);
 }
 
@@ -296,7 +302,7 @@ bool NewtonSolver::Descent::reuse_factor(const Iterate& before)
         memory.add(at_.y - last.y, at_.gradient - last.gradient);
         gain = last.energy - at_.energy;
         last_length = length;
-        result.has_converged = is_last;
+        result.has_converged = is_last && !is_relaxed_;
     }
     return result.has_converged;
 }

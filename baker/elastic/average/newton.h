@@ -3,10 +3,13 @@
 
 #include "base/common/progress.h"
 #include "base/mesh/align.h"
+#include "elastic/average/hessian.h"
+#include "elastic/average/relaxation.h"
 #include "elastic/average/sparse_cholesky.h"
 #include "elastic/average/warp.h"
 
 #include <functional>
+#include <memory>
 
 namespace pliant {
 
@@ -84,6 +87,7 @@ private:
     void hold(const Shape& y); // chooses pins_ and modes_
     Iterate evaluate(const Weights& w, Shape y) const;
 
+    const Relaxation& relaxation();
     Displaced displace(const Shape& y, const Shape& step) const;
 
     Eigen::MatrixXd weight_loads(const Shape& y, const Eigen::MatrixXd& directions) const;
@@ -97,6 +101,7 @@ private:
     HessianAssembler assembler_;
     SparseCholesky cholesky_;
     Warp warp_;
+    std::unique_ptr<Relaxation> relaxation_; // made where it is needed
     std::vector<Eigen::Index>
         pins_;              // degrees of freedom that are held: those of fixed vertices, or six against rigid motions
     Eigen::MatrixXd modes_; // rigid modes of the factored shape, none of a body with fixed vertices
