@@ -61,7 +61,8 @@ build_suite() {
 }
 
 # test_suite <preset> [<ctest option>...]: runs it and adds to the counts. They come from ctest's own result file; a test
-# that could not start is a failure there, not a skip.
+# that could not start is a failure there, not a skip. count_results.py also names the slowest tests and those that took
+# longer than tests/budgets.txt allows.
 test_suite() {
     local preset=$1 results=$PWD/build/$1/results.xml counts
     shift

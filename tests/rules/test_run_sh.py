@@ -1,5 +1,6 @@
 """tests/run.sh reports honestly: stand-ins for cmake and ctest play a good build, a broken build, failures, skips and
-programs that are missing; the last line and the exit code must tell. test_run_sh.py TESTS_FOLDER"""
+programs that are missing; the last line and the exit code must tell. Slow tests are named and never fail.
+test_run_sh.py TESTS_FOLDER"""
 import os
 import shutil
 import subprocess
@@ -13,6 +14,16 @@ SKIPPED = ('<testcase name="left_out" status="notrun"><skipped message="SKIP_RET
            "<system-out>skipped: no data</system-out></testcase>")
 MISSING = '<testcase name="lost" status="notrun"><skipped message="Unable to find executable"/></testcase>'
 DISABLED = '<testcase name="off" status="disabled"/>'
+
+# Tests on both sides of these budgets, and what both suites must say of them.
+BUDGETS = "# test seconds sanitized\n* 30 45\n\nlisted 60 90 # a comment\nlonger 60 90\n"
+TIMED = "".join(f'<testcase name="{name}" status="run" time="{time}"/>' for name, time in (
+    ("quick", 0.04), ("in_time", 30.4), ("over", 41.2), ("listed", 59), ("longer", 95.1)))
+TIME_LINES = """slowest tests of dev: longer 95.1 s, listed 59.0 s, over 41.2 s
+tests/run.sh: warning: longer took 95 s, its budget is 60 s (tests/budgets.txt)
+tests/run.sh: warning: over took 41 s, its budget is 30 s (tests/budgets.txt)
+slowest tests of asan: longer 95.1 s, listed 59.0 s, over 41.2 s
+tests/run.sh: warning: longer took 95 s, its budget is 90 s (tests/budgets.txt)""".splitlines()
 
 # Finds where to write the results, as ctest does, and writes what the test prepared.
 FAKE_CTEST = """#!/bin/bash
@@ -46,13 +57,15 @@ CASES = [
 ]
 
 
-def run(folder, tests, options, results, build_result):
-    """Runs a copy of run.sh in an empty project."""
+def run(folder, tests, options, results, build_result, budgets=None):
+    """Runs a copy of run.sh in an empty project, with other budgets if they are given."""
     project = Path(folder, "project")
     shutil.rmtree(project, ignore_errors=True)
     (project / "tests").mkdir(parents=True)
-    for name in ("run.sh", "count_results.py"):
+    for name in ("run.sh", "count_results.py", "budgets.txt"):
         shutil.copy(tests / name, project / "tests" / name)
+    if budgets is not None:
+        (project / "tests/budgets.txt").write_text(budgets)
     tools = project / "tools"
     tools.mkdir()
     for name, text in (("cmake", FAKE_CMAKE), ("ctest", FAKE_CTEST), ("clang++", "#!/bin/bash\n")):
@@ -77,7 +90,12 @@ def main(tests):
         if run(folder, tests, ["--wrong"], PASSED, 0).returncode != 2:
             bad += 1
             print("an unknown option is not refused")
-    print(f"{len(CASES) + 1} cases, {bad} bad")
+        result = run(folder, tests, [], TIMED, 0, BUDGETS)
+        lines = [line for line in result.stdout.splitlines() if line.startswith("slowest") or "warning" in line]
+        if lines != TIME_LINES or result.returncode != 0 or "10 passed, 0 failed, 0 skipped" not in result.stdout:
+            bad += 1
+            print(f"slow tests are reported otherwise, exit code {result.returncode}, output:\n{result.stdout}")
+    print(f"{len(CASES) + 2} cases, {bad} bad")
     return 1 if bad else 0
 
 
