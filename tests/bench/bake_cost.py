@@ -1,7 +1,7 @@
 """bake_cost.py [--against COMMIT] [--only TEXT] [--runs N]: bakes of another commit and of this tree side by side,
 as a Markdown table. Both tools are built here, in build/release and in build/bench/COMMIT. Every set is baked N times (3) by
 both in turns; seconds are medians. Errors are those of the certificates, mean / largest. Data: PLIANT_DATA; sets that are
-not there are left out, and the creature is generated."""
+not there are left out. The creature, the bars, and the poses of the cow (Spot, a solid) are made here."""
 import argparse
 import json
 import os
@@ -17,6 +17,8 @@ sys.path.insert(0, str(ROOT / "tests" / "baker" / "bake"))
 import continuity  # noqa: E402: its sets of poses are ours
 
 SETS = ["human_pair", "ict_face, 7 poses", "makehuman, 4 poses", "mhr, 5 poses"]
+MOONEY_RIVLIN = ["--material", "mooney-rivlin"]
+OPTIONS = {"PLIANT_BUILD_SAMPLES": "creature", "PLIANT_BUILD_TESTS": "pliant_bar"}
 HEAD = ["set", "seconds", "now", "ratio", "factorisations", "now", "d", "now", "error", "now"]
 
 
@@ -26,7 +28,8 @@ def call(*command, **options):
 
 def build(source, *targets):
     """The folder of a release build of the tree `source`, brought up to date."""
-    call("cmake", "--preset", "release", "-DPLIANT_BUILD_SAMPLES=" + ("ON" if "creature" in targets else "OFF"), cwd=source)
+    options = [f"-D{option}={'ON' if target in targets else 'OFF'}" for option, target in OPTIONS.items()]
+    call("cmake", "--preset", "release", *options, cwd=source)
     call("cmake", "--build", "--preset", "release", "--target", *targets, "--parallel", os.cpu_count(), cwd=source)
     return source / "build" / "release"
 
@@ -39,13 +42,29 @@ def checkout(commit):
     return folder
 
 
+def solids(binary, folder):
+    """Bars, straight and twisted by a quarter of a turn, and a cow in three poses."""
+    call(binary / "tests" / "paper" / "pliant_bar", "--write", folder)
+    bars = [str(folder / f"bar_{name}.msh") for name in ("straight", "90")]
+    yield "bar, stvk", bars, []
+    yield "bar, mooney-rivlin", bars, MOONEY_RIVLIN
+    cow = continuity.DATA / "tet_mid" / "spot.msh"
+    poses = [str(cow)]
+    for name in ("look", "leap") if cow.exists() else ():
+        poses.append(str(folder / f"spot_{name}.msh"))
+        script = ROOT / "samples" / "pose_scripts" / f"spot_{name}.txt"
+        call(binary / "baker" / "pliant", "pose", cow, script, "-o", poses[-1])
+    yield "cow, mooney-rivlin", poses, MOONEY_RIVLIN
+
+
 def sets(binary, folder):
-    """Name, poses and options; the creature's poses are made in `folder`."""
+    """Name, poses and options; the poses that are made go to `folder`."""
     call(binary / "samples" / "creature" / "creature", "-o", folder)
     yield "creature", [str(folder / f"creature_{pose}.ply") for pose in ("rest", "reach", "curl", "leap", "twist")], []
     for name, patterns, options in continuity.SETS:
         if name in SETS:
             yield name, [str(continuity.DATA / pattern) for pattern in patterns], options
+    yield from solids(binary, folder)
 
 
 def bake(tool, poses, options, asset):
@@ -75,7 +94,7 @@ def main():
     parser.add_argument("--only", default="", metavar="TEXT")
     parser.add_argument("--runs", type=int, default=3)
     arguments = parser.parse_args()
-    binary = build(ROOT, "pliant", "creature")
+    binary = build(ROOT, "pliant", "creature", "pliant_bar")
     tools = [build(checkout(arguments.against), "pliant") / "baker" / "pliant", binary / "baker" / "pliant"]
     print(continuity.line(HEAD), continuity.line(["---"] * len(HEAD)), sep="\n", flush=True)
     with tempfile.TemporaryDirectory(prefix="pliant-creature-") as folder:
