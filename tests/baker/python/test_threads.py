@@ -119,15 +119,20 @@ class Sharing(unittest.TestCase):
                 counts[0] += 1
                 time.sleep(0)
 
-        seen = []
+        during_bakes = 0
         counter = threading.Thread(target=count)
         counter.start()
         try:
-            pliant.bake(POSES, FACES, progress=lambda *_: seen.append(counts[0]), **QUICK)
+            for _ in range(100):  # one bake is so short that the system may not let the other thread run at all
+                seen = []
+                pliant.bake(POSES, FACES, progress=lambda *_: seen.append(counts[0]), **QUICK)
+                during_bakes += seen[-1] - seen[0]
+                if during_bakes > 100:
+                    break
         finally:
             is_over.set()
             counter.join()
-        self.assertGreater(seen[-1], seen[0] + 100, "the other thread stood still")
+        self.assertGreater(during_bakes, 100, "the other thread stood still")
 
     def test_bakes_take_turns_and_blends_do_not_wait(self):
         asset = pliant.bake(POSES, FACES, **QUICK)
