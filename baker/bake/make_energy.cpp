@@ -70,7 +70,7 @@ std::unique_ptr<CoarseBody> make_coarse_body(const NormalizedPoses& set, const E
     if (count < least_vertex_count || set.is_solid() || !set.is_free()) return nullptr;
     auto body = std::make_unique<CoarseBody>();
     body->poses = decimate(set, count);
-    if (body->poses.failed_face) return nullptr;
+    if (body->poses.failed_face || body->poses.vertices.size() > 2 * count) return nullptr;
     ElasticModel model = make_model(body->poses.set, options, progress);
     body->energy = std::move(model.energy);
     body->coarser = std::move(model.coarse);

@@ -4,6 +4,7 @@
 
 #include <OpenMesh/Core/Mesh/TriMesh_ArrayKernelT.hh>
 #include <OpenMesh/Tools/Decimater/DecimaterT.hh>
+#include <OpenMesh/Tools/Decimater/ModAspectRatioT.hh>
 #include <OpenMesh/Tools/Decimater/ModNormalFlippingT.hh>
 #include <OpenMesh/Tools/Decimater/ModQuadricT.hh>
 
@@ -39,6 +40,9 @@ std::optional<std::size_t> join_half_edges(const NormalizedPoses& set, HalfEdgeM
     return {};
 }
 
+// Longest edge over height. In a plane every collapse has the quadric error 0, those that leave no area, too.
+constexpr float largest_aspect = 10;
+
 void collapse(HalfEdgeMesh& mesh, std::size_t vertex_count)
 {
     OpenMesh::Decimater::DecimaterT<HalfEdgeMesh> decimater(mesh);
@@ -47,6 +51,9 @@ void collapse(HalfEdgeMesh& mesh, std::size_t vertex_count)
     decimater.add(quadric);
     decimater.module(quadric).unset_max_err(); // as many collapses as asked for, in the order of their error
     decimater.add(flipping);
+    OpenMesh::Decimater::ModAspectRatioT<HalfEdgeMesh>::Handle aspect;
+    decimater.add(aspect);
+    decimater.module(aspect).set_aspect_ratio(largest_aspect);
     decimater.initialize();
     decimater.decimate_to(vertex_count);
     mesh.garbage_collection();

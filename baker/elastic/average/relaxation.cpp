@@ -134,6 +134,7 @@ Relaxation::Elements Relaxation::elements_around(const std::vector<std::uint32_t
 bool Relaxation::mend(const Weights& w, const Shape& before, const std::vector<std::uint32_t>& cells, Shape& y) const
 {
     const std::vector<Patch> patches = patches_near(elements_around(cells));
+    if (vertex_count(patches) > largest_share * double(elements_.size())) return false;
     for (const Patch& patch : patches)
         if (!LocalProblem(energy_, set_, w, patch).smooth(before, y)) return false;
     for (const Patch& patch : patches) LocalProblem(energy_, set_, w, patch).minimize(y);
