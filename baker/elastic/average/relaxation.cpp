@@ -11,8 +11,10 @@ namespace {
 // Vertices move that are no more elements than this away from those in question.
 constexpr int reach = 2;
 
-// Patches with more of the vertices are no small part of the body: a step of all of it serves them better.
+// Patches with more of the vertices are no small part of the body: a step of all of it serves them better. Fewer vertices
+// than this are little work anyhow.
 constexpr double largest_share = 0.5;
+constexpr std::size_t always_local = 1000;
 
 void sort_unique(std::vector<std::uint32_t>& numbers)
 {
@@ -36,13 +38,6 @@ std::vector<double> element_energies(const Energy& energy, const Weights& w, con
         }
     });
     return out;
-}
-
-double vertex_count(const std::vector<Patch>& patches)
-{
-    std::size_t count = 0;
-    for (const Patch& patch : patches) count += patch.vertices.size();
-    return double(count);
 }
 
 template <class Visit> void for_vertices(const Energy& energy, std::uint32_t element, Visit visit)
@@ -131,14 +126,21 @@ Relaxation::Elements Relaxation::elements_around(const std::vector<std::uint32_t
     return elements;
 }
 
+bool Relaxation::are_local(const std::vector<Patch>& patches) const
+{
+    std::size_t count = 0;
+    for (const Patch& patch : patches) count += patch.vertices.size();
+    return count > 0 && (count <= always_local || double(count) <= largest_share * double(elements_.size()));
+}
+
 bool Relaxation::mend(const Weights& w, const Shape& before, const std::vector<std::uint32_t>& cells, Shape& y) const
 {
     const std::vector<Patch> patches = patches_near(elements_around(cells));
-    if (vertex_count(patches) > largest_share * double(elements_.size())) return false;
+    if (!are_local(patches)) return false;
     for (const Patch& patch : patches)
         if (!LocalProblem(energy_, set_, w, patch).smooth(before, y)) return false;
     for (const Patch& patch : patches) LocalProblem(energy_, set_, w, patch).minimize(y);
-    return !patches.empty();
+    return true;
 }
 
 bool Relaxation::lower(const Weights& w, const Shape& before, double rise, Shape& y) const
@@ -149,9 +151,9 @@ bool Relaxation::lower(const Weights& w, const Shape& before, double rise, Shape
     for (std::uint32_t e = 0; e < energies.size(); ++e)
         if (!(energies[e] <= old_energies[e] + rise)) rising.push_back(e);
     const std::vector<Patch> patches = patches_near(rising);
-    if (vertex_count(patches) > largest_share * double(elements_.size())) return false;
+    if (!are_local(patches)) return false;
     for (const Patch& patch : patches) LocalProblem(energy_, set_, w, patch).minimize(y);
-    return !patches.empty();
+    return true;
 }
 
 } // namespace pliant

@@ -13,7 +13,8 @@ public:
     Relaxation(const Energy& energy, const NormalizedPoses& set);
 
     // The move from `before` to y collapses these cells: around them it is replaced by a smooth one, and W(w, y) is lowered
-    // there. False: smooth ones collapse some, too, or the cells are everywhere. Cost: factorizations for some hundred vertices a cell.
+    // there. False: smooth ones collapse some, too, or the cells are everywhere. Cost: factorizations for some hundred
+    // vertices a cell.
     bool mend(const Weights& w, const Shape& before, const std::vector<std::uint32_t>& cells, Shape& y) const;
 
     // Lowers W(w, y) around the elements whose energy is more than `rise` above that at `before`. False: there are none, or
@@ -25,6 +26,7 @@ private:
     std::vector<std::uint32_t> vertices_near(const Elements& elements) const; // ascending
     std::vector<Patch> patches_near(const Elements& elements) const;
     Patch grow_patch(std::uint32_t start, std::vector<bool>& is_free) const;
+    bool are_local(const std::vector<Patch>& patches) const;
     Elements elements_around(const std::vector<std::uint32_t>& cells) const;
 
     const Energy& energy_;
