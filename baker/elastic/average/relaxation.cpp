@@ -1,7 +1,5 @@
 #include "elastic/average/relaxation.h"
 
-#include "base/common/parallel.h"
-
 #include <algorithm>
 
 namespace pliant {
@@ -20,24 +18,6 @@ void sort_unique(std::vector<std::uint32_t>& numbers)
 {
     std::sort(numbers.begin(), numbers.end());
     numbers.erase(std::unique(numbers.begin(), numbers.end()), numbers.end());
-}
-
-std::vector<double> element_energies(const Energy& energy, const Weights& w, const Shape& y)
-{
-    std::vector<double> out(energy.element_count());
-    for_each_piece(out.size(), [&](std::size_t, std::size_t begin, std::size_t end) {
-        ElementResult result;
-        std::vector<double> x;
-        for (std::size_t e = begin; e < end; ++e) {
-            std::size_t count = 0;
-            const std::uint32_t* vertices = energy.element_vertices(e, count);
-            x.resize(3 * count);
-            gather(vertices, count, y, x.data());
-            energy.evaluate(e, w.data(), x.data(), Order::value, HessianKind::exact, result);
-            out[e] = result.value;
-        }
-    });
-    return out;
 }
 
 template <class Visit> void for_vertices(const Energy& energy, std::uint32_t element, Visit visit)

@@ -50,6 +50,17 @@ double energy_value(const Energy& energy, const Weights& w, const Shape& y)
     return std::accumulate(sums.begin(), sums.end(), 0.0);
 }
 
+std::vector<double> element_energies(const Energy& energy, const Weights& w, const Shape& y)
+{
+    std::vector<double> values(energy.element_count());
+    for_each_piece(values.size(), [&](std::size_t, std::size_t begin, std::size_t end) {
+        auto value = values.begin() + std::ptrdiff_t(begin);
+        for_elements(energy, w, y, Order::value, begin, end,
+                     [&](const ElementResult& r, const std::uint32_t*, std::size_t) { *value++ = r.value; });
+    });
+    return values;
+}
+
 double add_gradient(const Energy& energy, const Weights& w, const Shape& y, Shape& gradient, double* force_scale)
 {
     std::array<double, piece_count> sums {};

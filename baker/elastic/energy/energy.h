@@ -67,6 +67,9 @@ void gather(const std::uint32_t* vertices, std::size_t count, const Shape& y, do
 
 double energy_value(const Energy& energy, const Weights& w, const Shape& y);
 
+// The value of every element.
+std::vector<double> element_energies(const Energy& energy, const Weights& w, const Shape& y);
+
 // Adds the gradient (3n) to `gradient`, returns the value. If `force_scale` is given, adds to it the sum over elements of
 // the norms of their forces per vertex, squared and rooted over vertices: the scale against which a gradient is small.
 double add_gradient(const Energy& energy, const Weights& w, const Shape& y, Shape& gradient, double* force_scale = nullptr);
