@@ -40,7 +40,7 @@ std::optional<std::size_t> join_half_edges(const NormalizedPoses& set, HalfEdgeM
     return {};
 }
 
-// Longest edge over height. In a plane every collapse has the quadric error 0, those that leave no area, too.
+// Longest edge over height. In a plane every collapse has quadric error 0, even one that leaves triangles without area.
 constexpr float largest_aspect = 10;
 
 void collapse(HalfEdgeMesh& mesh, std::size_t vertex_count)

@@ -12,7 +12,7 @@ struct Patch {
     std::vector<std::uint32_t> vertices;        // ascending
     std::vector<std::uint32_t> elements, cells; // those with one of the vertices, ascending
 
-    // Of the first coordinate among those of the patch; -1 of a vertex that is held.
+    // Index of the vertex's first coordinate among those of the patch; -1 if the vertex is held.
     Eigen::Index place_of(std::uint32_t vertex) const;
 };
 

@@ -36,7 +36,7 @@ constexpr int reuse_limit = 12;
 // The energy of an element rises after a step if it does by more than this share of the decrease that the step promises.
 constexpr double rising_share = 1e-3;
 
-// Parts of a step: shorter ones are not tried; below the second one cells may collapse, which is rounding.
+// The line search ends at this part of a step. Cells that collapse over a part below the second one do so by rounding.
 constexpr double shortest_length = 1e-10, shortest_checked = 1e-6;
 
 // Derivatives are data of an interpolation.

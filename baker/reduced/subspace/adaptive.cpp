@@ -70,7 +70,7 @@ void add_training(FoundSubspace& out, InterpolatedFamily& known, std::vector<Wei
         add(out, std::move(wave.averages));
         done = end;
     }
-    // Where the time was over before, training data with creases are better than hardly any.
+    // If the time ended earlier, creased training data are better than almost none.
     out.has_sound_interpolations = explained != Explained::shapes || out.averages.size() < sound_count(pose_count);
     const std::vector<Weights> rest(training.begin() + std::ptrdiff_t(out.averages.size()), training.end());
     std::vector<Shape> shapes = known.at(rest);
