@@ -13,8 +13,8 @@ public:
     Relaxation(const Energy& energy, const NormalizedPoses& set);
 
     // The move from `before` to y collapses these cells: around them it is replaced by a smooth one, and W(w, y) is lowered
-    // there. False: smooth ones collapse some, too, or the patches are most of the body. Cost: factorizations for some hundred
-    // vertices a cell.
+    // there. False: smooth ones collapse some, too, or the patches are most of the body. Cost: factorizations for some
+    // hundred vertices a cell.
     bool mend(const Weights& w, const Shape& before, const std::vector<std::uint32_t>& cells, Shape& y) const;
 
     // Lowers W(w, y) around the elements whose energy is more than `rise` above that at `before`. False: there are none, or
