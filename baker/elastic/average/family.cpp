@@ -173,7 +173,7 @@ bool AverageFamily::refine_coarse_mean()
     progress.describe("mean", 0.5, "on the full mesh");
     const Weights w = equal_weights(set.pose_count());
     const Shape guess = prolong(set, coarse_->poses, coarse.start_pose(), w, coarse.mean().y, pool_.kind());
-    NewtonResult fine = near(guess, w, 0, &progress);
+    NewtonResult fine = near(pool_.at(0).settled(w, guess), w, 0, &progress);
     if (!fine.has_converged || !(relative_distance(set, fine.y, guess) <= refinement_limit)) return false;
     start_pose_ = coarse.start_pose();
     mean_ = std::move(fine);
@@ -278,12 +278,9 @@ CheckPoint AverageFamily::point_at(const Weights& w, std::size_t worker, Progres
     return { w, std::move(point.average.y), 0, 0, point.average.has_converged, std::move(point.jumps) };
 }
 
-NewtonResult AverageFamily::near(const Shape& shape, const Weights& w, std::size_t worker, Progress* progress,
-                                 bool starts_exact) const
+NewtonResult AverageFamily::near(const Shape& shape, const Weights& w, std::size_t worker, Progress* progress) const
 {
-    NewtonOptions options = options_;
-    options.starts_exact = starts_exact;
-    NewtonResult result = pool_.at(worker).minimize(w, shape, options, progress);
+    NewtonResult result = pool_.at(worker).minimize(w, shape, options_, progress);
     fix_gauge(pool_.set(), result.y);
     return result;
 }
@@ -294,7 +291,7 @@ void AverageFamily::compare(CheckPoint& point, const Shape& blend, std::size_t w
     const NormalizedPoses& set = pool_.set();
     point.error = point.nearest_error = relative_distance(set, blend, point.reference);
     if (point.error < branch_distance / 2 && point.has_converged) return;
-    if (!beside) beside = near(blend, point.weights, worker, progress);
+    if (!beside) beside = near(pool_.at(worker).settled(point.weights, blend), point.weights, worker, progress);
     point.nearest_error = relative_distance(set, blend, beside->y);
     const double distance = relative_distance(set, beside->y, point.reference);
     if (distance > branch_distance) {
@@ -315,7 +312,7 @@ CheckPoint AverageFamily::check(const Weights& w, const Shape& blend, double sus
 {
     std::optional<NewtonResult> beside;
     if (suspicion > 0) {
-        beside = near(blend, w, worker, progress);
+        beside = near(pool_.at(worker).settled(w, blend), w, worker, progress);
         const double error = relative_distance(pool_.set(), blend, beside->y);
         if (error <= suspicion && beside->has_converged) return { w, std::move(beside->y), error, error, true, {} };
     }

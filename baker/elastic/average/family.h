@@ -76,11 +76,9 @@ public:
     // The same, to be compared with a blend.
     CheckPoint point_at(const Weights& w, std::size_t worker, Progress* progress) const;
 
-    // The same along the straight line from another average that is known, and the average next to a shape. starts_exact: as
-    // in NewtonOptions.
+    // The same along the straight line from another average that is known, and the average next to a shape.
     FamilyPoint from(const KnownAverage& known, const Weights& w, std::size_t worker, Progress* progress) const;
-    NewtonResult near(const Shape& shape, const Weights& w, std::size_t worker, Progress* progress,
-                      bool starts_exact = false) const;
+    NewtonResult near(const Shape& shape, const Weights& w, std::size_t worker, Progress* progress) const;
 
     // Compares a blend with the reference average of `point`: sets the errors. Where the blend is not next to it (half of
     // branch_distance), Newton's method goes on from the blend; if it ends at another average, that is recorded, and if only

@@ -19,6 +19,9 @@ constexpr std::size_t centre_limit = 64;
 // Rounding of an energy.
 constexpr double least_energy = 1e-13;
 
+// Creases with less of the energy of an average are not worth a look at every interpolated shape.
+constexpr double least_crease_energy = 1e-5;
+
 // Closer centres would make the interpolation follow their small errors.
 constexpr double closest_centres_learned = 0.03;
 
@@ -66,7 +69,7 @@ InterpolatedFamily::Known InterpolatedFamily::with_derivatives(const Weights& w,
     return known;
 }
 
-Shape InterpolatedFamily::interpolated(const Weights& w, std::size_t worker) const
+Shape InterpolatedFamily::unsettled(const Weights& w, std::size_t worker) const
 {
     const Eigen::MatrixXf shares = interpolation_->shares(w).cast<float>();
     Eigen::VectorXd sum = Eigen::VectorXd::Zero(known_[0].coordinates.rows());
@@ -77,6 +80,11 @@ Shape InterpolatedFamily::interpolated(const Weights& w, std::size_t worker) con
     return coordinates_.shape(sum, *fit);
 }
 
+Shape InterpolatedFamily::settled(const Weights& w, Shape shape, std::size_t worker) const
+{
+    return has_creases_ ? family_.pool().at(worker).settled(w, std::move(shape)) : shape;
+}
+
 std::vector<Shape> InterpolatedFamily::at(const std::vector<Weights>& weights) const
 {
     std::vector<Shape> shapes(weights.size());
@@ -84,7 +92,7 @@ std::vector<Shape> InterpolatedFamily::at(const std::vector<Weights>& weights) c
     shared.describe("averages", 1, fmt::format("{} interpolated", weights.size()));
     for_each_task(weights.size(), [&](std::size_t i, std::size_t worker) {
         shared.update("", 0);
-        shapes[i] = interpolated(weights[i], worker);
+        shapes[i] = settled(weights[i], unsettled(weights[i], worker), worker);
     });
     return shapes;
 }
@@ -101,12 +109,14 @@ KnownAverage InterpolatedFamily::nearest(const Weights& w) const
 InterpolatedFamily::Found InterpolatedFamily::find_one(const Weights& w, std::size_t worker, Progress* progress) const
 {
     Found found;
-    const Shape guess = interpolated(w, worker);
-    NewtonResult near = family_.near(guess, w, worker, progress, starts_exact_);
-    const double corrected = relative_distance(set(), near.y, guess);
-    found.started_definite = near.projected_iterations == 0;
+    Shape guess = unsettled(w, worker);
+    const double unsettled_energy = energy_value(family_.pool().energy(), w, guess);
+    guess = settled(w, std::move(guess), worker);
+    NewtonResult near = family_.near(guess, w, worker, progress);
+    const double corrected = relative_distance(set(), near.y, guess), scale = std::max(near.energy, least_energy);
     found.has_factor = near.iterations > 0;
-    found.energy_excess = (near.start_energy - near.energy) / std::max(near.energy, least_energy);
+    found.energy_excess = (near.start_energy - near.energy) / scale;
+    found.crease_energy = (unsettled_energy - near.start_energy) / scale;
     if (near.has_converged && corrected < correction_limit) {
         found.point = { w, std::move(near.y), corrected, 0, true, {} };
         return found;
@@ -163,13 +173,13 @@ InterpolatedFamily::Wave InterpolatedFamily::learn(const std::vector<Weights>& w
 {
     std::vector<Known> learned;
     Wave wave;
-    std::size_t definite_count = 0;
+    double crease_energy = 0;
     for (Found& found : find_all(weights, span, learned_count() < centre_limit ? &learned : nullptr)) {
-        definite_count += found.started_definite;
+        crease_energy += found.crease_energy / double(weights.size());
         wave.energy_excess += found.energy_excess / double(weights.size());
         wave.averages.push_back(std::move(found.point));
     }
-    if (starts_exact_) starts_exact_ = 2 * definite_count >= weights.size();
+    has_creases_ = has_creases_ && crease_energy > least_crease_energy;
     for (std::size_t i = 0; i < learned.size() && learned_count() < centre_limit; ++i) {
         const bool is_close = std::any_of(known_.begin(), known_.end(), [&](const Known& other) {
             return (other.weights - weights[i]).norm() < closest_centres_learned;

@@ -66,15 +66,16 @@ private:
     // An average, and what is known about how it was found.
     struct Found {
         CheckPoint point;
-        double energy_excess = 0;     // of the interpolated shape, relative
-        bool has_factor = true;       // the solver's last one is that of a shape near to it
-        bool started_definite = true; // the exact Hessian at the interpolated shape
+        double energy_excess = 0; // of the interpolated shape, relative
+        double crease_energy = 0; // what it had more before it was settled, relative
+        bool has_factor = true;   // the solver's last one is that of a shape near to it
     };
 
     const NormalizedPoses& set() const { return family_.pool().set(); }
     Found find_one(const Weights& w, std::size_t worker, Progress* progress) const;
     KnownAverage nearest(const Weights& w) const;
-    Shape interpolated(const Weights& w, std::size_t worker) const;
+    Shape unsettled(const Weights& w, std::size_t worker) const;
+    Shape settled(const Weights& w, Shape shape, std::size_t worker) const;
     Known with_derivatives(const Weights& w, const Shape& y, std::size_t worker, bool has_near_factor) const;
     std::vector<Found> find_all(const std::vector<Weights>& weights, const Span& span, std::vector<Known>* learned) const;
     void fit();
@@ -83,7 +84,7 @@ private:
     Progress* progress_;
     RotationStrain coordinates_;
     mutable std::vector<std::unique_ptr<CellFit>> fits_; // one for each worker, made when it is needed
-    bool starts_exact_ = true;                           // most interpolated shapes of the last wave had definite Hessians
+    bool has_creases_ = true;                            // the interpolated shapes of the last wave had some
     std::vector<Known> known_;                           // the poses, the mean, the averages learned
     std::optional<HermiteInterpolation> interpolation_;
 };

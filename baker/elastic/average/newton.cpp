@@ -36,6 +36,9 @@ constexpr int reuse_limit = 12;
 // The energy of an element rises after a step if it does by more than this share of the decrease that the step promises.
 constexpr double rising_share = 1e-3;
 
+// Vertices that could lower the energy by this part alone are settled.
+constexpr double settled_share = 1e-6;
+
 // The line search ends at this part of a step. Cells that collapse over a part below the second one do so by rounding.
 constexpr double shortest_length = 1e-10, shortest_checked = 1e-6;
 
@@ -134,6 +137,12 @@ const Relaxation& NewtonSolver::relaxation()
     return *relaxation_;
 }
 
+Shape NewtonSolver::settled(const Weights& w, Shape y)
+{
+    relaxation().settle(w, settled_share * energy_value(energy_, w, y), y);
+    return y;
+}
+
 // A shape with the energy and the forces there.
 struct NewtonSolver::Iterate {
     Shape y, gradient;
@@ -164,7 +173,6 @@ public:
         , start_(start)
         , options_(options)
         , at_(solver.evaluate(w, start))
-        , exact_pause_(options.starts_exact ? 0 : 1)
     {
     }
 
@@ -196,7 +204,7 @@ private:
     bool tried_exact_ = false;       // the last iteration tried the exact Hessian
     bool is_relaxed_ = false;        // single patches moved after the last step
     bool is_exact_ = false;          // the factor is that of the exact Hessian
-    int failures_ = 0, exact_pause_; // of the exact Hessian
+    int failures_ = 0, exact_pause_ = 0; // of the exact Hessian
 };
 
 // Whether the shape at the end of the way counts as the minimizer if it is `left` away from it.
@@ -217,7 +225,6 @@ void NewtonSolver::Descent::factorize(Progress* progress)
         exact_pause_ = std::min(longest_pause, 1 << failures_++);
     else
         --exact_pause_;
-    result.projected_iterations += !is_exact_;
 }
 
 // Whether the move collapses no cell, if need be after single patches have been relaxed.

@@ -27,9 +27,6 @@ struct NewtonOptions {
     double step_ratio = 0;
     double step_decrement = 1e-5; // far from a minimum a stiff projected model makes small steps too
     int max_iterations = 80;
-    // Whether the first iteration tries the exact Hessian. Interpolated shapes are compressed a little, and there it is
-    // mostly indefinite.
-    bool starts_exact = true;
 };
 
 struct NewtonResult {
@@ -39,7 +36,6 @@ struct NewtonResult {
     double decrement = 0; // of the last iteration, relative to the energy
     double residual = 0;  // unbalanced force over the forces that cancel
     int iterations = 0;
-    int projected_iterations = 0; // how many had an indefinite Hessian
     bool has_converged = false;
 };
 
@@ -52,6 +48,9 @@ public:
     // (may be null) once an iteration, which is a factorisation and the steps taken with it.
     // Fixed vertices stay where they are in `start`.
     NewtonResult minimize(const Weights& w, const Shape& start, const NewtonOptions& options, Progress* progress = nullptr);
+
+    // A shape near a minimizer without its small creases: Relaxation::settle() down to a millionth of the energy.
+    Shape settled(const Weights& w, Shape y);
 
     // Factors the exact Hessian of W(w, .) at an equilibrium y (a pose, an average) for solve_equilibrium. Throws Failure
     // (P4302) if it has negative or further zero eigenvalues.

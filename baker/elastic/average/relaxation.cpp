@@ -1,6 +1,8 @@
 #include "elastic/average/relaxation.h"
 
+#include <Eigen/Eigenvalues>
 #include <algorithm>
+#include <numeric>
 
 namespace pliant {
 
@@ -13,6 +15,16 @@ constexpr int reach = 2;
 // than this are little work anyhow.
 constexpr double largest_share = 0.5;
 constexpr std::size_t always_local = 1000;
+
+// What is around a patch that has settled may be unsettled then. Little is after the second time.
+constexpr int settle_limit = 2;
+
+// What a vertex gains that moves alone by Newton's method, with curvatures taken as positive.
+double gain_alone(const Eigen::Vector3d& force, const Eigen::Matrix3d& hessian)
+{
+    const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> axes(hessian);
+    return 0.5 * (axes.eigenvectors().transpose() * force).cwiseAbs2().cwiseQuotient(axes.eigenvalues().cwiseAbs()).sum();
+}
 
 void sort_unique(std::vector<std::uint32_t>& numbers)
 {
@@ -95,15 +107,20 @@ std::vector<Patch> Relaxation::patches_near(const Elements& elements) const
     return patches;
 }
 
-Relaxation::Elements Relaxation::elements_around(const std::vector<std::uint32_t>& cells) const
+Relaxation::Elements Relaxation::elements_at(const std::vector<std::uint32_t>& vertices) const
 {
     Elements elements;
-    const auto add = [&](const auto& corners) {
-        for (const std::uint32_t v : corners) elements.insert(elements.end(), elements_[v].begin(), elements_[v].end());
-    };
-    for (const std::uint32_t c : cells) set_.is_solid() ? add(set_.tets[c]) : add(set_.triangles[c]);
+    for (const std::uint32_t v : vertices) elements.insert(elements.end(), elements_[v].begin(), elements_[v].end());
     sort_unique(elements);
     return elements;
+}
+
+Relaxation::Elements Relaxation::elements_around(const std::vector<std::uint32_t>& cells) const
+{
+    std::vector<std::uint32_t> corners;
+    const auto add = [&](const auto& cell) { corners.insert(corners.end(), cell.begin(), cell.end()); };
+    for (const std::uint32_t c : cells) set_.is_solid() ? add(set_.tets[c]) : add(set_.triangles[c]);
+    return elements_at(corners);
 }
 
 bool Relaxation::are_local(const std::vector<Patch>& patches) const
@@ -134,6 +151,63 @@ bool Relaxation::lower(const Weights& w, const Shape& before, double rise, Shape
     if (!are_local(patches)) return false;
     for (const Patch& patch : patches) LocalProblem(energy_, set_, w, patch).minimize(y);
     return true;
+}
+
+// What elements say of one of their vertices.
+struct Relaxation::VertexTerms {
+    Eigen::Vector3d force = Eigen::Vector3d::Zero();
+    Eigen::Matrix3d hessian = Eigen::Matrix3d::Zero();
+    std::size_t element_count = 0;
+};
+
+std::vector<Relaxation::VertexTerms> Relaxation::vertex_terms(const Weights& w, const Shape& y, const Elements& elements) const
+{
+    std::vector<VertexTerms> terms(elements_.size());
+    ElementResult result;
+    std::vector<double> x;
+    for (const std::uint32_t e : elements) {
+        std::size_t count = 0;
+        const std::uint32_t* vertices = energy_.element_vertices(e, count);
+        x.resize(3 * count);
+        gather(vertices, count, y, x.data());
+        energy_.evaluate(e, w.data(), x.data(), Order::hessian, HessianKind::exact, result);
+        for (std::size_t i = 0; i < count; ++i) {
+            VertexTerms& of_vertex = terms[vertices[i]];
+            of_vertex.force += result.gradient.segment<3>(3 * Eigen::Index(i));
+            of_vertex.hessian += result.hessian.block<3, 3>(3 * Eigen::Index(i), 3 * Eigen::Index(i));
+            ++of_vertex.element_count;
+        }
+    }
+    return terms;
+}
+
+// Among the vertices all of whose elements are given.
+std::vector<std::uint32_t> Relaxation::unsettled_vertices(const Weights& w, double gain, const Shape& y,
+                                                          const Elements& elements) const
+{
+    const std::vector<VertexTerms> terms = vertex_terms(w, y, elements);
+    std::vector<std::uint32_t> unsettled;
+    for (std::uint32_t v = 0; v < terms.size(); ++v)
+        if (terms[v].element_count > 0 && terms[v].element_count == elements_[v].size() && !is_fixed_[v]
+            && gain_alone(terms[v].force, terms[v].hessian) > gain)
+            unsettled.push_back(v);
+    return unsettled;
+}
+
+void Relaxation::settle(const Weights& w, double gain, Shape& y) const
+{
+    Elements elements(energy_.element_count());
+    std::iota(elements.begin(), elements.end(), 0u);
+    for (int i = 0; i < settle_limit; ++i) {
+        const std::vector<Patch> patches = patches_near(elements_at(unsettled_vertices(w, gain, y, elements)));
+        if (!are_local(patches)) return;
+        std::vector<std::uint32_t> moved;
+        for (const Patch& patch : patches) {
+            LocalProblem(energy_, set_, w, patch).minimize(y);
+            moved.insert(moved.end(), patch.vertices.begin(), patch.vertices.end());
+        }
+        elements = elements_at(vertices_near(elements_at(moved)));
+    }
 }
 
 } // namespace pliant

@@ -21,12 +21,21 @@ public:
     // they are most of the body. Cost: two looks at all elements, and that of mend().
     bool lower(const Weights& w, const Shape& before, double rise, Shape& y) const;
 
+    // Lowers W(w, y) around the vertices that could lower it by more than `gain` if they moved alone: small creases of a shape
+    // that is nearly an average. Cost: a look at the Hessians of all elements, and that of mend().
+    void settle(const Weights& w, double gain, Shape& y) const;
+
 private:
     using Elements = std::vector<std::uint32_t>;
+    struct VertexTerms;
     std::vector<std::uint32_t> vertices_near(const Elements& elements) const; // ascending
     std::vector<Patch> patches_near(const Elements& elements) const;
     Patch grow_patch(std::uint32_t start, std::vector<bool>& is_free) const;
     bool are_local(const std::vector<Patch>& patches) const;
+    Elements elements_at(const std::vector<std::uint32_t>& vertices) const;
+    std::vector<VertexTerms> vertex_terms(const Weights& w, const Shape& y, const Elements& elements) const;
+    std::vector<std::uint32_t> unsettled_vertices(const Weights& w, double gain, const Shape& y,
+                                                  const Elements& elements) const;
     Elements elements_around(const std::vector<std::uint32_t>& cells) const;
 
     const Energy& energy_;

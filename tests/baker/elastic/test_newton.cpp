@@ -209,6 +209,26 @@ TEST_CASE("patches move where the energy of elements rises, and nothing else doe
     CHECK(still == pushed);
 }
 
+TEST_CASE("vertices settle that are far from balance, and nothing else moves")
+{
+    const NormalizedPoses set = bent_tube(1);
+    const ReinforcedShells shells(set, ShellOptions());
+    const Weights w = corner_weights(2, 0);
+    const Shape y = set.shapes[0];
+    const Triangle& t = set.triangles[40];
+    Shape pushed = y;
+    pushed.segment<3>(3 * Eigen::Index(t[0])) += 0.1 * (point(y, t[1]) - point(y, t[0]));
+    const double before = energy_value(shells, w, pushed);
+    const Relaxation relaxation(shells, set);
+    Shape settled = pushed;
+    relaxation.settle(w, before / 100, settled);
+    CHECK(energy_value(shells, w, settled) < 1e-3 * before);
+    CHECK(moved_count(pushed, settled) < std::size_t(set.dof_count()) / 6); // half of the vertices
+    Shape still = pushed;
+    relaxation.settle(w, 2 * before, still);
+    CHECK(still == pushed);
+}
+
 TEST_CASE("fixed vertices are no part of a patch")
 {
     NormalizedPoses set = bent_tube(1);
