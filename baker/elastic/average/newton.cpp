@@ -201,9 +201,9 @@ private:
     const Shape& start_;
     const NewtonOptions& options_;
     Iterate at_;
-    bool tried_exact_ = false;       // the last iteration tried the exact Hessian
-    bool is_relaxed_ = false;        // single patches moved after the last step
-    bool is_exact_ = false;          // the factor is that of the exact Hessian
+    bool tried_exact_ = false;           // the last iteration tried the exact Hessian
+    bool is_relaxed_ = false;            // single patches moved after the last step
+    bool is_exact_ = false;              // the factor is that of the exact Hessian
     int failures_ = 0, exact_pause_ = 0; // of the exact Hessian
 };
 

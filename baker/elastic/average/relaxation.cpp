@@ -160,7 +160,8 @@ struct Relaxation::VertexTerms {
     std::size_t element_count = 0;
 };
 
-std::vector<Relaxation::VertexTerms> Relaxation::vertex_terms(const Weights& w, const Shape& y, const Elements& elements) const
+std::vector<Relaxation::VertexTerms> Relaxation::vertex_terms(const Weights& w, const Shape& y,
+                                                              const Elements& elements) const
 {
     std::vector<VertexTerms> terms(elements_.size());
     ElementResult result;

@@ -21,8 +21,8 @@ public:
     // they are most of the body. Cost: two looks at all elements, and that of mend().
     bool lower(const Weights& w, const Shape& before, double rise, Shape& y) const;
 
-    // Lowers W(w, y) around the vertices that could lower it by more than `gain` if they moved alone: small creases of a shape
-    // that is nearly an average. Cost: a look at the Hessians of all elements, and that of mend().
+    // Lowers W(w, y) around the vertices that could lower it by more than `gain` if they moved alone: small creases of a
+    // shape that is nearly an average. Cost: the Hessians of all elements, and that of mend().
     void settle(const Weights& w, double gain, Shape& y) const;
 
 private:
