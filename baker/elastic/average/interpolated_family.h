@@ -33,7 +33,7 @@ public:
     // Cost: m + 1 factorisations for m poses.
     InterpolatedFamily(AverageFamily& family, Progress* progress);
 
-    // The interpolated shapes.
+    // The interpolated shapes, without their small creases (NewtonSolver::settled).
     std::vector<Shape> at(const std::vector<Weights>& weights) const;
 
     // Averages at these weights, in their order; `error` is that of the interpolated shape. Where Newton's method goes far
