@@ -278,9 +278,12 @@ CheckPoint AverageFamily::point_at(const Weights& w, std::size_t worker, Progres
     return { w, std::move(point.average.y), 0, 0, point.average.has_converged, std::move(point.jumps) };
 }
 
-NewtonResult AverageFamily::near(const Shape& shape, const Weights& w, std::size_t worker, Progress* progress) const
+NewtonResult AverageFamily::near(const Shape& shape, const Weights& w, std::size_t worker, Progress* progress,
+                                 bool has_near_factor) const
 {
-    NewtonResult result = pool_.at(worker).minimize(w, shape, options_, progress);
+    NewtonOptions options = options_;
+    options.has_near_factor = has_near_factor;
+    NewtonResult result = pool_.at(worker).minimize(w, shape, options, progress);
     fix_gauge(pool_.set(), result.y);
     return result;
 }

@@ -78,7 +78,9 @@ public:
 
     // The same along the straight line from another average that is known, and the average next to a shape.
     FamilyPoint from(const KnownAverage& known, const Weights& w, std::size_t worker, Progress* progress) const;
-    NewtonResult near(const Shape& shape, const Weights& w, std::size_t worker, Progress* progress) const;
+    // `has_near_factor`: NewtonOptions.
+    NewtonResult near(const Shape& shape, const Weights& w, std::size_t worker, Progress* progress,
+                      bool has_near_factor = false) const;
 
     // Compares a blend with the reference average of `point`: sets the errors. Where the blend is not next to it (half of
     // branch_distance), Newton's method goes on from the blend; if it ends at another average, that is recorded, and if only

@@ -8,6 +8,7 @@
 #include <atomic>
 #include <cmath>
 #include <fmt/core.h>
+#include <numeric>
 
 namespace pliant {
 
@@ -25,8 +26,51 @@ constexpr double least_crease_energy = 1e-5;
 // Closer centres would make the interpolation follow their small errors.
 constexpr double closest_centres_learned = 0.03;
 
-// Averages between two looks at the clock.
-constexpr std::size_t group_size = 4;
+// Where interpolated shapes have less energy above the averages than this share, most averages are found with the factor of
+// a neighbour. Where they have more, steps with it mostly fail.
+constexpr double smooth_excess = 1e-5;
+
+// Averages of a chain are found one after the other. Longer chains save more factorisations and keep fewer threads busy.
+constexpr std::size_t chain_length = 4;
+
+// Averages between two looks at the clock: single ones, or two chains.
+constexpr std::size_t group_size = 4, smooth_group_size = 2 * chain_length;
+
+using Chain = std::vector<std::size_t>;
+
+// Numbers of the weights from `begin` to `end`, each next to the one before it.
+Chain by_neighbourhood(const std::vector<Weights>& weights, std::size_t begin, std::size_t end)
+{
+    Chain chain(end - begin);
+    std::iota(chain.begin(), chain.end(), begin);
+    for (std::size_t i = 1; i < chain.size(); ++i) {
+        const auto distance = [&](std::size_t t) { return (weights[t] - weights[chain[i - 1]]).lpNorm<1>(); };
+        const auto next = std::min_element(chain.begin() + std::ptrdiff_t(i), chain.end(),
+                                           [&](std::size_t a, std::size_t b) { return distance(a) < distance(b); });
+        std::swap(chain[i], *next);
+    }
+    return chain;
+}
+
+// Two chains of each group.
+std::vector<Chain> chains_of(const std::vector<Weights>& weights)
+{
+    std::vector<Chain> chains;
+    for (std::size_t begin = 0; begin < weights.size(); begin += smooth_group_size) {
+        const Chain group = by_neighbourhood(weights, begin, std::min(begin + smooth_group_size, weights.size()));
+        const auto middle = group.begin() + std::ptrdiff_t((group.size() + 1) / 2);
+        chains.emplace_back(group.begin(), middle);
+        chains.emplace_back(middle, group.end());
+    }
+    return chains;
+}
+
+std::vector<Chain> single_ones(std::size_t count)
+{
+    std::vector<Chain> chains(count);
+    for (std::size_t i = 0; i < count; ++i) chains[i] = { i };
+    return chains;
+}
 
 } // namespace
 
@@ -106,15 +150,16 @@ KnownAverage InterpolatedFamily::nearest(const Weights& w) const
     return { known.weights, known.shape };
 }
 
-InterpolatedFamily::Found InterpolatedFamily::find_one(const Weights& w, std::size_t worker, Progress* progress) const
+InterpolatedFamily::Found InterpolatedFamily::find_one(const Weights& w, bool has_near_factor, std::size_t worker,
+                                                       Progress* progress) const
 {
     Found found;
     Shape guess = unsettled(w, worker);
     const double unsettled_energy = energy_value(family_.pool().energy(), w, guess);
     guess = settled(w, std::move(guess), worker);
-    NewtonResult near = family_.near(guess, w, worker, progress);
+    NewtonResult near = family_.near(guess, w, worker, progress, has_near_factor);
     const double corrected = relative_distance(set(), near.y, guess), scale = std::max(near.energy, least_energy);
-    found.has_factor = near.iterations > 0;
+    found.has_factor = has_near_factor || near.iterations > 0;
     found.energy_excess = (near.start_energy - near.energy) / scale;
     found.crease_energy = (unsettled_energy - near.start_energy) / scale;
     if (near.has_converged && corrected < correction_limit) {
@@ -134,16 +179,20 @@ std::vector<InterpolatedFamily::Found> InterpolatedFamily::find_all(const std::v
     if (learned) learned->resize(weights.size());
     SharedProgress shared(progress_);
     std::atomic<std::size_t> done { span.done };
-    for_each_task(weights.size(), [&](std::size_t i, std::size_t worker) {
+    const auto find = [&](std::size_t i, bool has_near_factor, std::size_t worker) {
         if (worker == 0) {
             const double share = double(done) / double(span.total);
             shared.describe(span.stage, span.may_end_early ? std::sqrt(share) : share,
                             fmt::format("{} of {}", done.load(), span.total));
         }
-        all[i] = find_one(weights[i], worker, &shared);
+        all[i] = find_one(weights[i], has_near_factor, worker, &shared);
         const Shape& y = all[i].point.reference;
         if (learned) (*learned)[i] = with_derivatives(weights[i], y, worker, all[i].has_factor);
         ++done;
+    };
+    const std::vector<Chain> chains = is_smooth_ ? chains_of(weights) : single_ones(weights.size());
+    for_each_task(chains.size(), [&](std::size_t chain, std::size_t worker) {
+        for (std::size_t i : chains[chain]) find(i, i != chains[chain].front(), worker);
     });
     return all;
 }
@@ -162,7 +211,7 @@ std::vector<CheckPoint> InterpolatedFamily::find_in_time(const std::vector<Weigh
     std::vector<CheckPoint> points;
     do {
         const auto first = weights.begin() + std::ptrdiff_t(points.size());
-        const std::size_t count = std::min(group_size, weights.size() - points.size());
+        const std::size_t count = std::min(is_smooth_ ? smooth_group_size : group_size, weights.size() - points.size());
         for (CheckPoint& point : find({ first, first + std::ptrdiff_t(count) }, { stage, points.size(), weights.size() }))
             points.push_back(std::move(point));
     } while (points.size() < weights.size() && !budget.is_spent());
@@ -179,6 +228,7 @@ InterpolatedFamily::Wave InterpolatedFamily::learn(const std::vector<Weights>& w
         wave.energy_excess += found.energy_excess / double(weights.size());
         wave.averages.push_back(std::move(found.point));
     }
+    is_smooth_ = wave.energy_excess < smooth_excess;
     has_creases_ = has_creases_ && crease_energy > least_crease_energy;
     for (std::size_t i = 0; i < learned.size() && learned_count() < centre_limit; ++i) {
         const bool is_close = std::any_of(known_.begin(), known_.end(), [&](const Known& other) {

@@ -42,7 +42,8 @@ public:
     // Cost: 1 to 3 factorisations each where the family is smooth, up to some more than path_limit elsewhere.
     std::vector<CheckPoint> find(const std::vector<Weights>& weights, const Span& span) const;
 
-    // The same at the first of the weights, in groups of four until the time is spent: one group at least.
+    // The same at the first of the weights, in groups of four (eight on a smooth family) until the time is
+    // spent: one group at least.
     std::vector<CheckPoint> find_in_time(const std::vector<Weights>& weights, const char* stage,
                                          const TimeBudget& budget) const;
 
@@ -72,7 +73,7 @@ private:
     };
 
     const NormalizedPoses& set() const { return family_.pool().set(); }
-    Found find_one(const Weights& w, std::size_t worker, Progress* progress) const;
+    Found find_one(const Weights& w, bool has_near_factor, std::size_t worker, Progress* progress) const;
     KnownAverage nearest(const Weights& w) const;
     Shape unsettled(const Weights& w, std::size_t worker) const;
     Shape settled(const Weights& w, Shape shape, std::size_t worker) const;
@@ -85,6 +86,7 @@ private:
     RotationStrain coordinates_;
     mutable std::vector<std::unique_ptr<CellFit>> fits_; // one for each worker, made when it is needed
     bool has_creases_ = true;                            // the interpolated shapes of the last wave had some
+    bool is_smooth_ = false;                             // they were next to the averages
     std::vector<Known> known_;                           // the poses, the mean, the averages learned
     std::optional<HermiteInterpolation> interpolation_;
 };

@@ -184,6 +184,7 @@ public:
 
 private:
     void factorize(Progress* progress);
+    bool near_steps();
     bool newton_step();
     bool take(const Shape& step, double slope);
     bool keeps_cells(Displaced& displaced, double length);
@@ -204,6 +205,7 @@ private:
     bool tried_exact_ = false;           // the last iteration tried the exact Hessian
     bool is_relaxed_ = false;            // single patches moved after the last step
     bool is_exact_ = false;              // the factor is that of the exact Hessian
+    bool is_borrowed_ = false;           // the factor is that of another average
     int failures_ = 0, exact_pause_ = 0; // of the exact Hessian
 };
 
@@ -298,9 +300,9 @@ bool NewtonSolver::Descent::reuse_factor(const Iterate& before)
         result.decrement = relative_decrement(slope);
         // A Newton step with the exact Hessian finds out whether this is a minimum. Steps of a projected one say too little
         // about how far that is.
-        if ((is_small() && !is_exact_) || is_noise(slope)) {
+        if ((is_small() && !is_exact_ && !is_borrowed_) || is_noise(slope)) {
             exact_pause_ = 0;
-            return false;
+            return result.has_converged = is_borrowed_ && is_small();
         }
         const double length = mass_norm(step, masses), rate = std::clamp(length / last_length, least_rate, most_rate);
         const bool is_last = is_near(doubt() * length * rate / (1 - rate), at_.y + step - start_);
@@ -314,12 +316,27 @@ bool NewtonSolver::Descent::reuse_factor(const Iterate& before)
     return result.has_converged;
 }
 
+// Steps with the factor of another average. True: converged.
+bool NewtonSolver::Descent::near_steps()
+{
+    const Shape step = direction();
+    const double slope = at_.gradient.dot(step);
+    result.decrement = relative_decrement(slope);
+    if (is_noise(slope)) return false;
+    const Iterate before = at_;
+    is_borrowed_ = true;
+    const bool has_converged = advance(step, slope, 1) && reuse_factor(before);
+    is_borrowed_ = false;
+    return has_converged;
+}
+
 bool NewtonSolver::Descent::iterate(Progress* progress)
 {
     if (at_.energy < no_energy) { // of forces that are rounding no step follows
         result.decrement = at_.residual = 0;
         return result.has_converged = true;
     }
+    if (options_.has_near_factor && result.iterations == 0 && near_steps()) return true;
     factorize(progress);
     ++result.iterations;
     return newton_step();

@@ -27,6 +27,9 @@ struct NewtonOptions {
     double step_ratio = 0;
     double step_decrement = 1e-5; // far from a minimum a stiff projected model makes small steps too
     int max_iterations = 80;
+    // Whether the solver's last factor is that of an average near the one wanted: then steps with it come first. Without
+    // progress, or near the last digits of the energy, Newton steps follow.
+    bool has_near_factor = false;
 };
 
 struct NewtonResult {

@@ -6,6 +6,7 @@
 #include "elastic/average/lbfgs.h"
 #include "elastic/average/newton.h"
 #include "elastic/average/relaxation.h"
+#include "elastic/average/rigid_modes.h"
 #include "elastic/average/warp.h"
 #include "elastic/energy/reinforced_shells.h"
 #include "elastic/energy/solid.h"
@@ -140,6 +141,26 @@ TEST_CASE("an average of poses far apart takes few factorisations")
     };
     CHECK(count(shells, tube) <= 5); // 7 without steps that reuse a factor
     CHECK(count(solid, bar) <= 6);   // 8 without warped steps
+}
+
+TEST_CASE("an average next to the last one needs no factorisation")
+{
+    const NormalizedPoses set = bent_tube(0.5);
+    const ReinforcedShells shells(set, ShellOptions());
+    NewtonOptions options;
+    options.step_floor = 1e-5 * mass_norm(set.shapes[0], set.masses);
+    NewtonSolver solver(shells, set, default_solver());
+    const Shape mean = solver.minimize(equal_weights(2), set.shapes[0], NewtonOptions()).y;
+    const Weights w = equal_weights(2) + 0.1 * (corner_weights(2, 1) - corner_weights(2, 0));
+    solver.factorize_equilibrium(equal_weights(2), mean);
+    const int count = solver.factorization_count();
+    options.has_near_factor = true;
+    const NewtonResult near = solver.minimize(w, mean, options);
+    CHECK(near.has_converged);
+    CHECK(solver.factorization_count() == count);
+    const Shape exact = solver.minimize(w, mean, NewtonOptions()).y;
+    CHECK(mass_norm(near.y - exact, set.masses) < 2 * options.step_floor);
+    CHECK(mass_norm(mean - exact, set.masses) > 20 * options.step_floor);
 }
 
 TEST_CASE("slivers that open and close do not hold back the whole body")
