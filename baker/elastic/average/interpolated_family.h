@@ -39,7 +39,7 @@ public:
     // Averages at these weights, in their order; `error` is that of the interpolated shape. Where Newton's method goes far
     // from that, the average is followed along the straight line from the nearest known one. On a family that is smooth both
     // give a(w), and the neighbours keep all averages on one branch of it where there are several.
-    // Cost: 1 to 3 factorisations each where the family is smooth, up to some more than path_limit elsewhere.
+    // Cost: up to 3 factorisations each where the family is smooth, up to some more than path_limit elsewhere.
     std::vector<CheckPoint> find(const std::vector<Weights>& weights, const Span& span) const;
 
     // The same at the first of the weights, in groups of four (eight on a smooth family) until the time is
