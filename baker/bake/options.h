@@ -41,7 +41,7 @@ struct BakeOptions {
     double tolerance = 1e-3;    // total relative L2, mean over the checks
     double tolerance_max = 0;   // the largest over them; 0: not bounded
     int ritz_count = 2;         // krylov: vectors per tangent
-    Eigen::Index dimension = 0; // 0: what the tolerance or ritz_count asks for (barbic: 4 modes a pose); else exactly this
+    Eigen::Index dimension = 0; // 0: what the tolerance or ritz_count asks for (barbic: 4 modes); else exactly this
     SurrogateKind surrogate = SurrogateKind::automatic; // quartic for stvk up to 32 dimensions, else cubature
     std::size_t element_count = 0;                      // cubature elements; 0: as few as keep the tolerance
     CubatureSolver cubature_solver = CubatureSolver::nnls;

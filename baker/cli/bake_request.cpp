@@ -18,7 +18,7 @@ void add_bake_options(CLI::App& verb, BakeRequest& r)
             "--subspace", r.subspace,
             "How to build the reduced space: adaptive (from unreduced averages, with the fewest dimensions that meet "
             "--tolerance), krylov (Algorithm 1 of von Tycowicz et al. 2015: faster to bake, far less accurate) or barbic "
-            "(Barbic et al. 2009: tangents and linear modes; for comparison)")
+            "(Barbic et al. 2009: tangents, modes and derivatives of the first pose; for comparison)")
         ->check(CLI::IsMember({ "adaptive", "krylov", "barbic" }))
         ->capture_default_str()
         ->type_name("NAME");

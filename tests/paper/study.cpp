@@ -28,7 +28,7 @@ struct Options {
     std::vector<std::string> poses;
     std::size_t tube_pose_count = 0; // instead of files
     std::vector<Eigen::Index> dimensions = { 3, 5, 9, 17 };
-    std::vector<std::string> kinds = { "krylov", "barbic", "pod" };
+    std::vector<std::string> kinds = { "krylov", "krylov_differences", "barbic", "pod" };
     std::vector<std::string> bases, assets; // NAME=FILE
     std::size_t train_count = 24, fresh_count = 12;
     std::uint64_t seed = 7;
@@ -164,6 +164,8 @@ private:
     Subspace build(const std::string& kind, Eigen::Index d)
     {
         if (kind == "krylov") return build_krylov_subspace(solver_, { 0, d, 256 }, nullptr);
+        if (kind == "krylov_differences")
+            return build_krylov_subspace(solver_, { 0, d, 256, KrylovStart::differences }, nullptr);
         if (kind == "barbic") return build_barbic_subspace(solver_, { 0, d, 256 }, nullptr);
         Eigen::MatrixXd snapshots(set_.dof_count(), Eigen::Index(train_.size()));
         for (std::size_t i = 0; i < train_.size(); ++i) snapshots.col(Eigen::Index(i)) = train_[i].shape - set_.shapes[0];
@@ -280,9 +282,9 @@ try {
     app.add_option("poses", options.poses, "Pose files");
     app.add_option("--tube", options.tube_pose_count, "Built-in poses of a tube instead of files")->check(CLI::Range(2, 4));
     app.add_option("--dims", options.dimensions, "Dimensions")->delimiter(',');
-    app.add_option("--kinds", options.kinds, "Of krylov, barbic, pod; or none")
+    app.add_option("--kinds", options.kinds, "Of krylov, krylov_differences, barbic, pod; or none")
         ->delimiter(',')
-        ->check(CLI::IsMember({ "krylov", "barbic", "pod", "none" }));
+        ->check(CLI::IsMember({ "krylov", "krylov_differences", "barbic", "pod", "none" }));
     app.add_option("--basis", options.bases, "NAME=ASSET: measure the leading dimensions of this asset's subspace")
         ->allow_extra_args(false);
     app.add_option("--asset", options.assets, "NAME=ASSET: measure the runtime's blends of this asset")

@@ -80,14 +80,14 @@ def main(study, tool):
         check_subspaces(rows_of(folder / "tube_subspace.csv"))
 
         poses, asset = write_poses(folder), folder / "tube.pliant"
-        run(tool, "bake", *poses, "-o", asset, "--subspace", "barbic", "--dim", 5, "--elements", 40, "--check-samples", 0,
+        run(tool, "bake", *poses, "-o", asset, "--subspace", "krylov", "--dim", 5, "--elements", 40, "--check-samples", 0,
             "--continuity", "off", "--quiet", "--position-error", 0)
-        run(study, "-o", folder / "tube_b", "--dims", "3,5", "--kinds", "krylov", "--train", 1, "--fresh", 7, "--basis",
-            f"barbic={asset}", "--asset", f"barbic={asset}", *poses)
+        run(study, "-o", folder / "tube_b", "--dims", "3,5", "--kinds", "barbic", "--train", 1, "--fresh", 7, "--basis",
+            f"krylov={asset}", "--asset", f"krylov={asset}", *poses)
         check_assets(rows_of(folder / "tube_b_assets.csv"))
         # Read back through an asset, the basis is the same one.
-        direct = mean(rows_of(folder / "tube_subspace.csv"), "solved_l2", basis="barbic", d="5")
-        assert (abs(mean(rows_of(folder / "tube_b_subspace.csv"), "solved_l2", basis="barbic", d="5") - direct)
+        direct = mean(rows_of(folder / "tube_subspace.csv"), "solved_l2", basis="krylov", d="5")
+        assert (abs(mean(rows_of(folder / "tube_b_subspace.csv"), "solved_l2", basis="krylov", d="5") - direct)
                 < 0.02 * direct + 1e-6)
 
         tables.main(folder)
@@ -99,12 +99,12 @@ def main(study, tool):
                 assert float(row["L2 mean"]) >= 0.99 * mean(spaces, "L2 mean", space="linear", columns=row["columns"]), row
 
         sheet = folder / "sheet.png"
-        run(sys.executable, HERE / "sheet.py", "--tool", tool, "-o", sheet, "--size", "90x100", "--asset", f"barbic={asset}",
+        run(sys.executable, HERE / "sheet.py", "--tool", tool, "-o", sheet, "--size", "90x100", "--asset", f"krylov={asset}",
             "--weights", "0.5,0.5", *poses)
         picture = np.asarray(Image.open(sheet).convert("L"), float)
         assert picture.shape[1] == 3 * 96 + 6 and picture.std() > 5, "the sheet is empty"
-        linear, barbic = (float(row["relative_l2"]) for row in rows_of(folder / "sheet.csv"))
-        assert barbic < 0.5 * linear, "the asset blends worse than linear"
+        linear, krylov = (float(row["relative_l2"]) for row in rows_of(folder / "sheet.csv"))
+        assert krylov < 0.5 * linear, "the asset blends worse than linear"
         # The Python error measure: blind to rigid motions, and not to others.
         shape, _ = read_ply(poses[1])
         masses = np.load(folder / "tube_masses.npy").ravel()
