@@ -4,7 +4,7 @@
 #
 #   --quick      two poses only (human_pair, creature), few weights: some minutes instead of some forty
 #   --out DIR    where tables, plots and assets go (default: build/paper/results)
-#   --only PART  subspace, standin, sheets or manifold; may be repeated (default: all)
+#   --only PART  subspace, standin, sheets, manifold or rivals; may be repeated (default: all)
 #   --threads N  threads of each program (default: all cores)
 #   --build DIR  an existing build folder to use (default: build/paper, configured if it is not there)
 #
@@ -35,10 +35,10 @@ while (($#)); do
     esac
     shift
 done
-((${#parts[@]})) || parts=(subspace standin sheets manifold)
+((${#parts[@]})) || parts=(subspace standin sheets manifold rivals)
 for part in "${parts[@]}"; do
     case $part in
-        subspace | standin | sheets | manifold) ;;
+        subspace | standin | sheets | manifold | rivals) ;;
         *) echo "run.sh: unknown part '$part'" >&2; exit 2 ;;
     esac
 done
@@ -49,7 +49,7 @@ done
 build=${build:-$root/build/paper}
 out=${out:-$build/results}
 [[ -e $build/CMakeCache.txt ]] || cmake -S "$root" -B "$build" -G Ninja -DCMAKE_BUILD_TYPE=Release > /dev/null
-cmake --build "$build" --target pliant_tool pliant_study creature > /dev/null
+cmake --build "$build" --target pliant_tool pliant_study pliant_rivals creature > /dev/null
 tool=$build/baker/pliant study=$build/tests/paper/pliant_study
 mkdir -p "$out/assets" "$out/creature"
 out=$(cd "$out" && pwd)
@@ -135,6 +135,18 @@ sheet() {
     say "sheet $set: $((SECONDS - start)) s"
 }
 
+# rivals SET [OPTION...]: other ways to blend beside the elastic average and the runtime.
+rivals() {
+    local poses start=$SECONDS set=$1
+    poses_of "$set" || return 0
+    shift
+    asset_of "${set}_rival" --tolerance 2e-3 || return 0
+    "$build/tests/paper/pliant_rivals" -o "$out/rivals/$set" --fresh 1 --asset "$out/assets/${set}_rival.pliant" "$@" \
+        "${poses[@]}" 2>> "$out/study.log" || return 0
+    ways+=("$set=$out/rivals/$set")
+    say "rivals $set: $((SECONDS - start)) s"
+}
+
 say "study of $("$tool" --version 2> /dev/null || echo pliant), $(nproc) cores"
 if wants subspace; then
     if ((quick)); then
@@ -176,6 +188,22 @@ if wants manifold; then
     else
         say "manifolds need the averages that the part 'subspace' writes"
     fi
+fi
+if wants rivals; then
+    mkdir -p "$out/rivals"
+    ways=()
+    for bar in bend120 twist180 twist360; do
+        "$build/tests/paper/pliant_rivals" -o "$out/rivals/$bar" --bar "$bar" 2>> "$out/study.log"
+        ways+=("$bar=$out/rivals/$bar")
+    done
+    rivals human_pair
+    if ((!quick)); then
+        rivals creature5
+        rivals makehuman4
+        rivals ict_face7
+    fi
+    "$python" "$here/rivals/table.py" -o "$out/rivals".md --pictures "$out/rivals" \
+        --z-up bend120 --z-up twist180 --z-up twist360 --z-up creature5 "${ways[@]}"
 fi
 "$python" "$here/tables.py" "$out"
 say "tables and plots: $out"
