@@ -16,7 +16,7 @@ pliant_packages() {
             ;;
         player)
             # fonts-dejavu-core: without it the player's texts are drawn with a coarse built-in font.
-            printf '%s\n' libglfw3-dev libglm-dev libepoxy-dev libimgui-dev xvfb xauth libgl1-mesa-dri \
+            printf '%s\n' libglfw3-dev libglm-dev libepoxy-dev libimgui-dev libtinygltf-dev xvfb xauth libgl1-mesa-dri \
                 libegl1-mesa-dev libgl1-mesa-dev fonts-dejavu-core
             ;;
         tests)

@@ -1,0 +1,156 @@
+#include "elastic_model.h"
+
+#include <algorithm>
+#include <cstring>
+#include <stdexcept>
+
+namespace game {
+
+namespace {
+
+constexpr char extension[] = "PLIANT_elastic_blend";
+
+void check(pliant_result result, const std::string& what)
+{
+    if (result != PLIANT_OK) throw std::runtime_error(what + ": " + pliant_result_text(result));
+}
+
+// 8-aligned memory of at least so many bytes, from a multiple of 16 on.
+void* aligned(std::vector<std::uint64_t>& memory, std::size_t size)
+{
+    memory.resize(size / 8 + 3);
+    const auto address = reinterpret_cast<std::uintptr_t>(memory.data());
+    return memory.data() + (address % 16 ? 1 : 0);
+}
+
+tinygltf::Model load(const std::string& path)
+{
+    tinygltf::TinyGLTF loader;
+    tinygltf::Model model;
+    std::string error, warning;
+    if (!loader.LoadBinaryFromFile(&model, &error, &warning, path))
+        throw std::runtime_error(path + ": " + (error.empty() ? "cannot be read as a GLB" : error));
+    return model;
+}
+
+// The first byte of an element of an accessor, and the bytes from one to the next. Accessors come from the file: a game
+// that loads files of strangers checks more than this.
+struct Elements {
+    const unsigned char* first;
+    std::size_t stride, count;
+};
+
+Elements elements_of(const tinygltf::Model& model, int number)
+{
+    const tinygltf::Accessor& accessor = model.accessors.at(std::size_t(number));
+    const tinygltf::BufferView& view = model.bufferViews.at(std::size_t(accessor.bufferView));
+    const tinygltf::Buffer& buffer = model.buffers.at(std::size_t(view.buffer));
+    const int stride = accessor.ByteStride(view);
+    const std::size_t begin = view.byteOffset + accessor.byteOffset,
+                      end = begin + (accessor.count ? (accessor.count - 1) * std::size_t(stride) + 1 : 0);
+    if (stride <= 0 || end > buffer.data.size()) throw std::runtime_error("an accessor reaches beyond its buffer");
+    return { buffer.data.data() + begin, std::size_t(stride), accessor.count };
+}
+
+std::vector<std::uint32_t> indices_of(const tinygltf::Model& model, const tinygltf::Primitive& primitive)
+{
+    const tinygltf::Accessor& accessor = model.accessors.at(std::size_t(primitive.indices));
+    const Elements elements = elements_of(model, primitive.indices);
+    std::vector<std::uint32_t> indices(elements.count);
+    for (std::size_t i = 0; i < indices.size(); ++i) {
+        const unsigned char* at = elements.first + i * elements.stride;
+        if (accessor.componentType == TINYGLTF_COMPONENT_TYPE_UNSIGNED_BYTE) {
+            indices[i] = *at;
+        } else if (accessor.componentType == TINYGLTF_COMPONENT_TYPE_UNSIGNED_SHORT) {
+            std::uint16_t index;
+            std::memcpy(&index, at, 2);
+            indices[i] = index;
+        } else {
+            std::memcpy(&indices[i], at, 4);
+        }
+    }
+    return indices;
+}
+
+// Vertex 0 of the primitive is this one of the asset (formats/SPEC.md, section 7).
+std::uint32_t first_vertex_of(const tinygltf::Primitive& primitive)
+{
+    if (!primitive.extras.Has("pliant")) return 0;
+    const tinygltf::Value& ours = primitive.extras.Get("pliant");
+    return ours.Has("first_vertex") ? std::uint32_t(ours.Get("first_vertex").GetNumberAsInt()) : 0;
+}
+
+} // namespace
+
+ElasticModel::ElasticModel(const std::string& path)
+    : gltf_(load(path))
+{
+    const auto mesh = std::find_if(gltf_.meshes.begin(), gltf_.meshes.end(), [](const tinygltf::Mesh& candidate) {
+        return candidate.extensions.count(extension) > 0;
+    });
+    if (mesh == gltf_.meshes.end())
+        throw std::runtime_error(path + ": no mesh has the extension " + extension
+                                 + "; write it with `pliant export --embed`");
+    open_asset(*mesh);
+    for (const tinygltf::Primitive& primitive : mesh->primitives) read_part(primitive);
+    blend(std::vector<float>(pose_count(), 1));
+}
+
+// The runtime opens the asset in place. tinygltf's buffer is not aligned for it, so it is copied once.
+void ElasticModel::open_asset(const tinygltf::Mesh& mesh)
+{
+    const int number = mesh.extensions.at(extension).Get("bufferView").GetNumberAsInt();
+    const tinygltf::BufferView& view = gltf_.bufferViews.at(std::size_t(number));
+    const std::vector<unsigned char>& buffer = gltf_.buffers.at(std::size_t(view.buffer)).data;
+    if (view.byteOffset > buffer.size() || view.byteLength > buffer.size() - view.byteOffset)
+        throw std::runtime_error("the asset reaches beyond its buffer");
+    void* blob = aligned(blob_, view.byteLength);
+    std::memcpy(blob, buffer.data() + view.byteOffset, view.byteLength);
+    check(pliant_asset_open(&asset_, blob, view.byteLength, 0), "the asset cannot be opened");
+
+    const pliant_solver_desc desc = pliant_solver_desc_default();
+    const std::size_t solver_size = pliant_solver_memory(&asset_, &desc), normals_size = pliant_normals_memory(&asset_);
+    check(pliant_solver_init(&solver_, &asset_, &desc, aligned(solver_memory_, solver_size), solver_size), "the solver");
+    check(pliant_normals_init(&normals_, &asset_, aligned(normals_memory_, normals_size), normals_size), "the normals");
+    q_.resize(asset_.dimension);
+    vertices_.resize(asset_.vertex_count); // those inside a solid are in no triangle
+}
+
+void ElasticModel::read_part(const tinygltf::Primitive& primitive)
+{
+    const std::uint32_t first = first_vertex_of(primitive);
+    Part part;
+    part.indices = indices_of(gltf_, primitive);
+    for (std::uint32_t& index : part.indices) {
+        index += first;
+        if (index >= vertices_.size()) throw std::runtime_error("a triangle has a vertex that the asset does not have");
+    }
+    const auto uv = primitive.attributes.find("TEXCOORD_0");
+    if (uv != primitive.attributes.end()) {
+        const Elements elements = elements_of(gltf_, uv->second);
+        for (std::size_t i = 0; i < elements.count && first + i < vertices_.size(); ++i)
+            std::memcpy(vertices_[first + i].uv, elements.first + i * elements.stride, sizeof(Vertex::uv));
+    }
+    if (primitive.material >= 0) {
+        const auto& surface = gltf_.materials.at(std::size_t(primitive.material)).pbrMetallicRoughness;
+        std::copy_n(surface.baseColorFactor.begin(), std::min<std::size_t>(4, surface.baseColorFactor.size()), part.color);
+        if (surface.baseColorTexture.index >= 0)
+            part.image = gltf_.textures.at(std::size_t(surface.baseColorTexture.index)).source;
+    }
+    parts_.push_back(std::move(part));
+}
+
+// What a game does in every frame in which the weights changed: solve for some dozens of coordinates, then rebuild the
+// vertices, here straight into the array that goes to the graphics processor.
+void ElasticModel::blend(const std::vector<float>& weights)
+{
+    if (weights.size() != pose_count())
+        throw std::runtime_error(std::to_string(weights.size()) + " weights for " + std::to_string(pose_count()) + " poses");
+    pliant_solve_info info;
+    check(pliant_solve(solver_, weights.data(), q_.data(), &info), "the weights");
+    const auto count = std::uint32_t(vertices_.size());
+    pliant_reconstruct(&asset_, q_.data(), 0, count, vertices_[0].position, sizeof(Vertex));
+    pliant_normals_compute(&normals_, vertices_[0].position, sizeof(Vertex), 0, count, vertices_[0].normal, sizeof(Vertex));
+}
+
+} // namespace game

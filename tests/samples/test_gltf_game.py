@@ -1,0 +1,77 @@
+"""gltf_game draws what `pliant blend` writes: test_gltf_game.py GLTF_GAME PLIANT. Without a display there is no picture."""
+import shutil
+import subprocess
+import sys
+import tempfile
+from pathlib import Path
+
+import numpy as np
+
+ROOT = Path(__file__).resolve().parents[2]
+sys.path.insert(0, str(ROOT / "tests" / "baker" / "output" / "engines"))
+sys.path.insert(0, str(ROOT / "tests" / "paper"))
+import textured  # noqa: E402
+from shapes import read_ply  # noqa: E402
+
+GAME, TOOL = sys.argv[1:]
+
+
+def run(*command, expected=0):
+    result = subprocess.run([str(part) for part in command], capture_output=True, text=True)
+    assert result.returncode == expected, f"{command}: {result.returncode}\n{result.stderr}"
+    return result.stderr
+
+
+def shown(glb, folder, *arguments):
+    path = folder / "positions.f32"
+    run(GAME, glb, "--headless", path, *arguments)
+    return np.fromfile(path, "<f4").reshape(-1, 3)
+
+
+def blended(asset, folder, weights):
+    path = folder / "blend.ply"
+    run(TOOL, "blend", asset, "--weights", weights, "-o", path)
+    return read_ply(path)[0]
+
+
+def check_refusals(glb, folder):
+    plain = folder / "plain.glb"
+    run(TOOL, "export", folder / "tube.pliant", "-o", plain)
+    assert "PLIANT_elastic_blend" in run(GAME, plain, "--headless", folder / "x", expected=1)
+    assert "nothing.glb" in run(GAME, folder / "nothing.glb", "--headless", folder / "x", expected=1)
+    assert "3 weights for 2 poses" in run(GAME, glb, "--headless", folder / "x", "--weights", "1,1,1", expected=1)
+    assert "hint" in run(GAME, glb, "--weights", "1,x", expected=2)
+    assert "hint" in run(GAME, expected=2)
+    assert not (folder / "x").exists()
+
+
+def check_picture(glb, folder):
+    """The texture's stripes and the lid's own colour are there."""
+    path = folder / "picture.ppm"
+    result = subprocess.run(["xvfb-run", "-a", GAME, glb, "--picture", path], capture_output=True, text=True)
+    if "no OpenGL" in result.stderr or "no display" in result.stderr:
+        print("no picture here:", result.stderr)
+        return
+    assert result.returncode == 0, result.stderr
+    head, size, _, pixels = path.read_bytes().split(b"\n", 3)
+    width, height = map(int, size.split())
+    picture = np.frombuffer(pixels, np.uint8).reshape(height, width, 3).astype(int)
+    character = np.abs(picture - picture[0, 0]).sum(axis=2) > 30
+    assert 0.02 < character.mean() < 0.6, character.mean()
+    assert len(np.unique(picture[character] // 48, axis=0)) > 6, "one colour only"
+
+
+with tempfile.TemporaryDirectory() as name:
+    folder = Path(name)
+    source, asset, glb = folder / "source.glb", folder / "tube.pliant", folder / "tube.glb"
+    textured.write(source)
+    run(TOOL, "bake", source, "-o", asset, "--quiet")
+    run(TOOL, "export", asset, "--embed", "-o", glb)
+    for weights in ("1,1", "1,0", "0.3,0.7"):
+        difference = np.abs(shown(glb, folder, "--weights", weights) - blended(asset, folder, weights)).max()
+        assert difference == 0, f"weights {weights}: {difference}"
+    assert (shown(glb, folder) == shown(glb, folder, "--weights", "1,1")).all(), "equal weights are the default"
+    check_refusals(glb, folder)
+    if shutil.which("xvfb-run"):
+        check_picture(glb, folder)
+print("gltf_game: ok")
