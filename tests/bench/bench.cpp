@@ -8,6 +8,7 @@
 #include "cli/console.h"
 #include "input/io/write_file.h"
 #include "input/poses/load_poses.h"
+#include "output/asset/asset_facts.h"
 #include "output/asset/runtime_blender.h"
 
 #include <algorithm>
@@ -123,8 +124,7 @@ Row measure(const std::string& name, const std::vector<std::string>& paths, cons
         times.push_back(microseconds_since(begin));
     }
     row.reconstruct_us = median(times);
-    const double bytes = 12.0 * double(row.report.input.vertex_count) * double(row.report.fit.dimension + 1);
-    row.bandwidth_share = bytes / (row.reconstruct_us * 1e-6) / bandwidth;
+    row.bandwidth_share = double(frame_size(blender.asset())) / (row.reconstruct_us * 1e-6) / bandwidth;
     return row;
 }
 
@@ -135,19 +135,30 @@ double seconds_of(const BakeReport& report, const std::string& stage)
     return 0;
 }
 
+// Mean over the blends that nothing was chosen by.
+std::string fresh_error(const CheckReport& report)
+{
+    double sum = 0;
+    int count = 0;
+    for (const BlendCheck& check : report.blends) {
+        sum += check.is_fresh ? check.error.relative_l2 : 0;
+        count += check.is_fresh;
+    }
+    return count ? fmt::format("{:.1e}", sum / count) : "-";
+}
+
 // One cell per column: for the table on screen and for the CSV file.
 std::vector<std::pair<std::string, std::string>> cells(const Row& r)
 {
-    double error = 0;
-    for (const auto& check : r.report.check.blends) error += check.error.relative_l2 / double(r.report.check.blends.size());
     return { { "set", r.name },
              { "n", std::to_string(r.report.input.vertex_count) },
              { "m", std::to_string(r.report.input.pose_count) },
              { "d", std::to_string(r.report.fit.dimension) },
              { "elements", std::to_string(r.report.fit.element_count) },
+             { "mean s", fmt::format("{:.1f}", seconds_of(r.report, "mean")) },
              { "subspace s", fmt::format("{:.1f}", seconds_of(r.report, "subspace")) },
-             { "training s", fmt::format("{:.1f}", seconds_of(r.report, "reduced averages")) },
-             { "cubature s", fmt::format("{:.1f}", seconds_of(r.report, "cubature")) },
+             { "surrogate s", fmt::format("{:.1f}", seconds_of(r.report, name_of(r.report.fit.kind))) },
+             { "check s", fmt::format("{:.1f}", seconds_of(r.report, "check")) },
              { "bake s", fmt::format("{:.1f}", r.bake_seconds) },
              { "MiB", fmt::format("{:.1f}", r.megabytes) },
              { "us/evaluation", fmt::format("{:.2f}", r.jump.microseconds / r.jump.evaluations) },
@@ -158,7 +169,7 @@ std::vector<std::pair<std::string, std::string>> cells(const Row& r)
              { "not converged", std::to_string(r.drag.unconverged + r.jump.unconverged) },
              { "reconstruct us", fmt::format("{:.0f}", r.reconstruct_us) },
              { "of bandwidth", fmt::format("{:.0f} %", 100 * r.bandwidth_share) },
-             { "relative L2", r.report.check.blends.empty() ? "-" : fmt::format("{:.1e}", error) } };
+             { "fresh L2", fresh_error(r.report.check) } };
 }
 
 void print(const std::vector<Row>& rows, double bandwidth)
