@@ -2,10 +2,10 @@
 // et al. 2009 that is made of them.
 #include "../tube.h"
 
-#include "bake/bake.h"
 #include "base/mesh/tets.h"
 #include "elastic/average/hessian.h"
 #include "elastic/average/rigid_modes.h"
+#include "elastic/energy/discrete_shells.h"
 #include "reduced/subspace/barbic.h"
 #include "reduced/subspace/krylov.h"
 #include "reduced/subspace/tangents.h"
