@@ -46,8 +46,10 @@ Elements elements_of(const tinygltf::Model& model, int number)
     const tinygltf::BufferView& view = model.bufferViews.at(std::size_t(accessor.bufferView));
     const tinygltf::Buffer& buffer = model.buffers.at(std::size_t(view.buffer));
     const int stride = accessor.ByteStride(view);
-    const std::size_t begin = view.byteOffset + accessor.byteOffset,
-                      end = begin + (accessor.count ? (accessor.count - 1) * std::size_t(stride) + 1 : 0);
+    const std::size_t size = std::size_t(tinygltf::GetComponentSizeInBytes(std::uint32_t(accessor.componentType))
+                                         * tinygltf::GetNumComponentsInType(std::uint32_t(accessor.type))),
+                      begin = view.byteOffset + accessor.byteOffset,
+                      end = begin + (accessor.count ? (accessor.count - 1) * std::size_t(stride) + size : 0);
     if (stride <= 0 || end > buffer.data.size()) throw std::runtime_error("an accessor reaches beyond its buffer");
     return { buffer.data.data() + begin, std::size_t(stride), accessor.count };
 }
@@ -126,7 +128,8 @@ void ElasticModel::read_part(const tinygltf::Primitive& primitive)
         if (index >= vertices_.size()) throw std::runtime_error("a triangle has a vertex that the asset does not have");
     }
     const auto uv = primitive.attributes.find("TEXCOORD_0");
-    if (uv != primitive.attributes.end()) {
+    if (uv != primitive.attributes.end()
+        && gltf_.accessors.at(std::size_t(uv->second)).componentType == TINYGLTF_COMPONENT_TYPE_FLOAT) {
         const Elements elements = elements_of(gltf_, uv->second);
         for (std::size_t i = 0; i < elements.count && first + i < vertices_.size(); ++i)
             std::memcpy(vertices_[first + i].uv, elements.first + i * elements.stride, sizeof(Vertex::uv));

@@ -3,8 +3,6 @@
 
 #include "elastic_model.h"
 
-#include <memory>
-
 struct GLFWwindow;
 
 namespace game {

@@ -44,7 +44,7 @@ public:
     }
     Shape blend(const Weights& w) override
     {
-        std::vector<FaceMotion> blended = known_frames(w);
+        std::vector<FaceMotion> blended = blend_motions(motions_, w); // of the known faces, and all stretches
         solve_frames(w, blended);
         return put_together(set_, fit_, w, blended);
     }
@@ -59,22 +59,6 @@ private:
         for (std::size_t k = 0; k < motions_.size(); ++k)
             connection.turns.push_back(rotation_vector(connection.at_pose_0.transpose() * map(k)));
         return connection;
-    }
-
-    // Stretches, and the rotations of the faces that hold each connected part.
-    std::vector<FaceMotion> known_frames(const Weights& w) const
-    {
-        std::vector<FaceMotion> blended(set_.triangles.size());
-        for (std::size_t i = 0; i < blended.size(); ++i) {
-            Eigen::Vector3d turn = Eigen::Vector3d::Zero();
-            blended[i].stretch.setZero();
-            for (std::size_t k = 0; k < motions_.size(); ++k) {
-                turn += w[Index(k)] * rotation_vector(motions_[k][i].rotation);
-                blended[i].stretch += w[Index(k)] * motions_[k][i].stretch;
-            }
-            blended[i].rotation = rotation_by(turn);
-        }
-        return blended;
     }
 
     // Least squares over all connections of |second - first * map|^2; the rows of a frame are unknowns of their own, with

@@ -37,6 +37,21 @@ Eigen::Vector3d rotation_vector(const Eigen::Matrix3d& rotation)
     return turned.angle() * turned.axis();
 }
 
+std::vector<FaceMotion> blend_motions(const std::vector<std::vector<FaceMotion>>& motions, const Weights& w)
+{
+    std::vector<FaceMotion> blended(motions[0].size());
+    for (std::size_t i = 0; i < blended.size(); ++i) {
+        Eigen::Vector3d turn = Eigen::Vector3d::Zero();
+        blended[i].stretch.setZero();
+        for (std::size_t k = 0; k < motions.size(); ++k) {
+            turn += w[Eigen::Index(k)] * rotation_vector(motions[k][i].rotation);
+            blended[i].stretch += w[Eigen::Index(k)] * motions[k][i].stretch;
+        }
+        blended[i].rotation = rotation_by(turn);
+    }
+    return blended;
+}
+
 Shape linear_blend(const NormalizedPoses& set, const Weights& w)
 {
     Shape blend = Shape::Zero(set.dof_count());

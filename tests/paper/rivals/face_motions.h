@@ -19,6 +19,9 @@ std::vector<FaceMotion> face_motions(const NormalizedPoses& set, const Shape& sh
 // The rotation vector, at most half a turn long, and the rotation by it: Eigen's logarithm and exponential.
 Eigen::Vector3d rotation_vector(const Eigen::Matrix3d& rotation);
 
+// The motion of each face, blended over the poses: logarithms of rotations, and stretches. motions[k]: those of pose k.
+std::vector<FaceMotion> blend_motions(const std::vector<std::vector<FaceMotion>>& motions, const Weights& w);
+
 Shape linear_blend(const NormalizedPoses& set, const Weights& w);
 
 // The shape whose triangles come nearest to those of pose 0 after `motions`, in least squares; its connected parts have the

@@ -19,20 +19,7 @@ public:
                                           "triangles turn by more than half a turn" };
         return traits;
     }
-    Shape blend(const Weights& w) override
-    {
-        std::vector<FaceMotion> blended(set_.triangles.size());
-        for (std::size_t i = 0; i < blended.size(); ++i) {
-            Eigen::Vector3d turn = Eigen::Vector3d::Zero();
-            blended[i].stretch.setZero();
-            for (std::size_t k = 0; k < motions_.size(); ++k) {
-                turn += w[Eigen::Index(k)] * rotation_vector(motions_[k][i].rotation);
-                blended[i].stretch += w[Eigen::Index(k)] * motions_[k][i].stretch;
-            }
-            blended[i].rotation = rotation_by(turn);
-        }
-        return put_together(set_, fit_, w, blended);
-    }
+    Shape blend(const Weights& w) override { return put_together(set_, fit_, w, blend_motions(motions_, w)); }
 
 private:
     const NormalizedPoses& set_;
