@@ -4,6 +4,7 @@
 #include "elastic/average/rigid_modes.h"
 
 #include <Eigen/Dense>
+#include <fmt/core.h>
 
 namespace pliant {
 
@@ -32,6 +33,13 @@ Eigen::VectorXd nearest_point(const NormalizedPoses& set, const Subspace& subspa
 }
 
 } // namespace
+
+std::string weights_cell(const Weights& w)
+{
+    std::string text;
+    for (double value : w) text += fmt::format("{}{:.6g}", text.empty() ? "" : ";", value);
+    return text;
+}
 
 Eigen::MatrixXd solve_reduced(const Energy& energy, const NormalizedPoses& set, const Subspace& subspace,
                               const std::vector<Reference>& references)

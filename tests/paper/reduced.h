@@ -19,6 +19,9 @@ struct Reference {
     bool has_converged = false;
 };
 
+// Numbers between semicolons.
+std::string weights_cell(const Weights& w);
+
 // The exact reduced averages, all elements evaluated on the full mesh: the subspace alone is to blame for their errors.
 // Newton's method starts at the point of the subspace nearest to the reference average: where there are several minima, this
 // is the reference average's (on human_pair another one is 5e-4 away and hardly higher). What it costs to land in another

@@ -2,10 +2,12 @@
 //   pliant_study -o PREFIX [options] POSE...
 // Writes PREFIX_subspace.csv, with --asset PREFIX_assets.csv, with --snapshots the averages themselves as PREFIX_*.npy.
 #include "../baker/tube.h"
+#include "cubatures.h"
 #include "npy.h"
+#include "pipeline.h"
 #include "reduced.h"
 
-#include "bake/bake.h"
+#include "bake/estimate.h"
 #include "bake/make_energy.h"
 #include "base/common/parallel.h"
 #include "elastic/average/family.h"
@@ -33,19 +35,16 @@ struct Options {
     std::size_t train_count = 24, fresh_count = 12;
     std::uint64_t seed = 7;
     bool writes_snapshots = false;
+    Eigen::Index cubature_dimension = 0; // 0: no cubatures
+    CubatureStudy cubature;
+    Eigen::Index pipeline_dimension = 0; // 0: the errors; else only the time of the paper's pipeline
+    EnergyOptions energy;
 };
 
 void tell(const std::string& text)
 {
     fmt::print(stderr, "pliant_study: {}\n", text);
     std::fflush(stderr);
-}
-
-std::string weights_text(const Weights& w)
-{
-    std::string text;
-    for (double value : w) text += fmt::format("{}{:.6g}", text.empty() ? "" : ";", value);
-    return text;
 }
 
 // Fresh weights. Two poses: a regular grid, which has a quarter, a half and three quarters if count + 1 is a multiple of 4.
@@ -111,25 +110,18 @@ std::vector<Named> split_names(const std::vector<std::string>& pairs)
     return out;
 }
 
-// Thin shells.
-EnergyOptions energy_of_paper()
-{
-    EnergyOptions options;
-    options.continuity = Continuity::off;
-    return options;
-}
-
 class Study {
 public:
     Study(const Options& options, const PoseSet& poses)
         : options_(options)
         , set_(normalize(poses))
-        , energy_(make_energy(set_, energy_of_paper()))
+        , energy_(make_energy(set_, options.energy))
         , solver_(*energy_, set_, default_solver())
     {
         SolverPool pool(*energy_, set_, default_solver());
         AverageFamily family(pool, NewtonOptions(), nullptr);
-        family.mean();
+        mean_energy_ = family.mean().energy;
+        mean_hessian_ = family.mean_hessian();
         fresh_ = fresh_weights(set_.pose_count(), options.fresh_count, options.seed);
         train_ = train_weights(set_.pose_count(), options.train_count, options.seed);
         tell(fmt::format("{} unreduced averages", fresh_.size() + train_.size()));
@@ -142,6 +134,7 @@ public:
         if (options_.writes_snapshots) write_snapshots();
         subspaces();
         if (!options_.assets.empty()) assets();
+        if (options_.cubature_dimension > 0) cubatures();
     }
 
 private:
@@ -176,7 +169,7 @@ private:
     {
         const ShapeError error = shape_error(*energy_, set_, reference.weights, blend, reference.shape);
         csv_ += fmt::format("{},{},{},{},{:.6e},{:.6e},{:.6e},{}\n", basis, d, reference.kind,
-                            weights_text(reference.weights), error.relative_l2, error.largest_distance, projected,
+                            weights_cell(reference.weights), error.relative_l2, error.largest_distance, projected,
                             int(reference.has_converged));
     }
 
@@ -227,13 +220,27 @@ private:
                 const Shape reduced = subspace.shape(q.col(Eigen::Index(i)));
                 const ShapeError error = shape_error(*energy_, set_, reference.weights, blend, reference.shape);
                 csv += fmt::format("{},{},{},{},{},{:.6e},{:.6e},{:.6e},{:.6e},{},{}\n", named.name, subspace.dimension(),
-                                   element_count, reference.kind, weights_text(reference.weights), error.relative_l2,
+                                   element_count, reference.kind, weights_cell(reference.weights), error.relative_l2,
                                    error.largest_distance, relative_distance(set_, reduced, reference.shape),
                                    relative_distance(set_, blend, reduced), info.iterations, int(reference.has_converged));
             }
             tell(fmt::format("asset {}: d = {}, {} elements", named.name, subspace.dimension(), element_count));
         }
         write_file_atomically(options_.prefix + "_assets.csv", csv);
+    }
+
+    // In the subspace of Algorithm 1, as the paper has it.
+    void cubatures()
+    {
+        const Subspace subspace = build("krylov", options_.cubature_dimension);
+        const ReducedSolver reduced(*energy_, subspace, mean_hessian_, mean_energy_);
+        const std::size_t m = set_.pose_count();
+        const TrainingSet training
+            = solve_training_set(reduced, set_, training_weights(m, training_count(m), options_.seed + 1), nullptr);
+        const Eigen::MatrixXd exact = solve_reduced(*energy_, set_, subspace, fresh_);
+        tell(fmt::format("cubatures, d = {}", subspace.dimension()));
+        write_file_atomically(options_.prefix + "_cubatures.csv",
+                              cubature_rows(reduced, set_, training, fresh_, exact, options_.cubature));
     }
 
     // In normalized units: relative to pose 0's centroid, mean area 1, total mass 1.
@@ -268,6 +275,8 @@ private:
     NormalizedPoses set_;
     std::unique_ptr<Energy> energy_;
     NewtonSolver solver_;
+    double mean_energy_ = 0;
+    SparseLower mean_hessian_;
     std::vector<Reference> fresh_, train_;
     std::string csv_;
 };
@@ -277,6 +286,7 @@ private:
 int main(int argc, char** argv)
 try {
     Options options;
+    options.energy.continuity = Continuity::off; // thin shells, as in the paper
     CLI::App app("Errors of subspaces and assets against unreduced averages; tests/paper says what for");
     app.add_option("-o,--output", options.prefix, "Prefix of what is written")->required();
     app.add_option("poses", options.poses, "Pose files");
@@ -292,6 +302,19 @@ try {
     app.add_option("--train", options.train_count, "Snapshots for the POD bound")->check(CLI::Range(1, 10000));
     app.add_option("--fresh", options.fresh_count, "Weights at which errors are measured")->check(CLI::Range(1, 10000));
     app.add_option("--seed", options.seed, "Seed of the weights");
+    app.add_option("--cubatures", options.cubature_dimension,
+                   "Compare the paper's cubature with ours in Algorithm 1's subspace of so many dimensions");
+    app.add_option("--cubature-poses", options.cubature.pose_count, "Training poses of each example pose for it")
+        ->check(CLI::Range(1, 10000))
+        ->capture_default_str();
+    app.add_option("--pipeline", options.pipeline_dimension,
+                   "Only the time of the paper's pipeline in so many dimensions, as PREFIX_pipeline.csv");
+    const std::map<std::string, Material> materials = { { "discrete-shells", Material::discrete_shells },
+                                                        { "arap", Material::arap },
+                                                        { "stvk", Material::stvk },
+                                                        { "mooney-rivlin", Material::mooney_rivlin } };
+    app.add_option("--material", options.energy.material, "Default: discrete-shells for surfaces, stvk for solids")
+        ->transform(CLI::CheckedTransformer(materials));
     app.add_flag("--snapshots", options.writes_snapshots, "Also write the averages, for numpy");
     app.add_option_function<unsigned>("--threads", set_thread_count, "Threads for element loops")
         ->check(CLI::Range(1u, 256u));
@@ -300,7 +323,12 @@ try {
         tell("give pose files or --tube");
         return int(ExitCode::usage);
     }
-    Study(options, options.tube_pose_count ? tube_poses(options.tube_pose_count) : load_poses(options.poses)).run();
+    const PoseSet poses = options.tube_pose_count ? tube_poses(options.tube_pose_count) : load_poses(options.poses);
+    if (options.pipeline_dimension > 0)
+        write_file_atomically(options.prefix + "_pipeline.csv",
+                              pipeline_csv(poses, options.energy, options.pipeline_dimension));
+    else
+        Study(options, poses).run();
     return 0;
 } catch (const Failure& failure) {
     tell(failure.what());

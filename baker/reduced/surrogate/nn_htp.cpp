@@ -1,5 +1,7 @@
 #include "reduced/surrogate/nnls.h"
 
+#include "base/common/random.h"
+
 #include <algorithm>
 #include <numeric>
 
@@ -7,7 +9,18 @@ namespace pliant {
 
 namespace {
 
-constexpr int round_limit = 40;
+constexpr int pass_limit = 8;            // over all columns
+constexpr std::size_t subset_factor = 5; // columns that compete in a round, per column wanted
+
+// All columns in random order. Neighbouring elements have nearly the same columns: among all of them the largest gradients
+// belong to a few places, among a random few to many.
+std::vector<std::size_t> shuffled(std::size_t count, Random& random)
+{
+    std::vector<std::size_t> order(count);
+    std::iota(order.begin(), order.end(), std::size_t(0));
+    for (std::size_t i = 0; i < count; ++i) std::swap(order[i], order[i + random.below(count - i)]);
+    return order;
+}
 
 // The `count` largest entries, those above zero only.
 std::vector<std::size_t> largest(const Eigen::VectorXd& x, std::size_t count)
@@ -24,17 +37,32 @@ std::vector<std::size_t> largest(const Eigen::VectorXd& x, std::size_t count)
     return order;
 }
 
-// Length of the step along the gradient that is best within the columns of `support`, whose columns of A have unit norm.
-double step_length(const Eigen::MatrixXf& unit, const Eigen::VectorXd& gradient, const std::vector<std::size_t>& support)
+// A gradient step within the columns of the fit and of `subset`, whose best length is that within `support`, and the largest
+// of what comes out. Columns count as if they had unit norm.
+std::vector<std::size_t> next_support(const Eigen::MatrixXf& a, const Eigen::VectorXd& norms, const SparseFit& fit,
+                                      const Eigen::VectorXd& residual, const std::vector<std::size_t>& subset,
+                                      std::size_t count)
 {
-    Eigen::VectorXd moved = Eigen::VectorXd::Zero(unit.rows());
+    Eigen::VectorXd x = Eigen::VectorXd::Zero(a.cols()), gradient = x;
+    const auto slope = [&](std::size_t column) {
+        const Eigen::Index c = Eigen::Index(column);
+        gradient[c] = double(a.col(c).dot(residual.cast<float>())) / norms[c];
+    };
+    for (std::size_t column : subset) slope(column);
+    for (std::size_t i = 0; i < fit.columns.size(); ++i) {
+        slope(fit.columns[i]);
+        x[Eigen::Index(fit.columns[i])] = fit.weights[Eigen::Index(i)] * norms[Eigen::Index(fit.columns[i])];
+    }
+    const std::vector<std::size_t> support = fit.columns.empty() ? largest(gradient, count) : fit.columns;
+    Eigen::VectorXd moved = Eigen::VectorXd::Zero(a.rows());
     double square = 0;
     for (std::size_t column : support) {
         const double g = gradient[Eigen::Index(column)];
-        moved += g * unit.col(Eigen::Index(column)).cast<double>();
+        moved += g / norms[Eigen::Index(column)] * a.col(Eigen::Index(column)).cast<double>();
         square += g * g;
     }
-    return moved.squaredNorm() > 0 ? square / moved.squaredNorm() : 0;
+    const double length = moved.squaredNorm() > 0 ? square / moved.squaredNorm() : 0;
+    return largest((x + length * gradient).cwiseMax(0.0), count);
 }
 
 } // namespace
@@ -43,28 +71,29 @@ SparseFit nn_htp(const Eigen::MatrixXf& a, const Eigen::VectorXd& b, std::size_t
                  const std::function<void(std::size_t)>& keep_going)
 {
     const Eigen::VectorXd norms = a.colwise().norm().cwiseMax(1e-30f).cast<double>();
-    Eigen::MatrixXf unit = a;
-    for (Eigen::Index i = 0; i < a.cols(); ++i) unit.col(i) /= float(norms[i]);
-    SparseFit best, fit = std::move(start);
+    const std::size_t size = std::size_t(a.cols()), subset_size = std::min(size, subset_factor * count);
+    SparseFit best = std::move(start), fit = best;
     Eigen::MatrixXd gram;
     Eigen::VectorXd residual = fit.columns.empty() ? b : refit(a, b, fit, gram);
-    for (int round = 0; round < round_limit; ++round) {
-        keep_going(fit.columns.size());
-        const Eigen::VectorXd gradient = (unit.transpose() * residual.cast<float>()).cast<double>();
-        std::vector<std::size_t> support = fit.columns.empty() ? largest(gradient, count) : fit.columns;
-        Eigen::VectorXd x = Eigen::VectorXd::Zero(a.cols());
-        for (std::size_t i = 0; i < fit.columns.size(); ++i)
-            x[Eigen::Index(fit.columns[i])] = fit.weights[Eigen::Index(i)] * norms[Eigen::Index(fit.columns[i])];
-        x += step_length(unit, gradient, support) * gradient;
-        fit.columns = largest(x.cwiseMax(0.0), count);
-        fit.weights.resize(0); // refitted from nothing: the columns are others
-        if (fit.columns.empty()) break;
-        gram.resize(0, 0);
-        residual = refit(a, b, fit, gram);
-        fit.residual = residual.norm() / b.norm();
-        const bool is_better = best.columns.empty() || fit.residual < (1 - least_gain) * best.residual;
-        if (best.columns.empty() || fit.residual < best.residual) best = fit;
-        if (!is_better) break;
+    best.residual = residual.norm() / b.norm();
+    Random random(1);
+    for (int pass = 0; pass < pass_limit; ++pass) {
+        const double before = best.residual;
+        const std::vector<std::size_t> order = shuffled(size, random);
+        for (std::size_t first = 0; first < size; first += subset_size) {
+            keep_going(fit.columns.size());
+            const std::vector<std::size_t> subset(order.begin() + std::ptrdiff_t(first),
+                                                  order.begin() + std::ptrdiff_t(std::min(size, first + subset_size)));
+            const std::vector<std::size_t> support = next_support(a, norms, fit, residual, subset, count);
+            if (support.empty()) continue;
+            fit.columns = support;
+            fit.weights.resize(0); // refitted from nothing: the columns are others
+            gram.resize(0, 0);
+            residual = refit(a, b, fit, gram);
+            fit.residual = residual.norm() / b.norm();
+            if (best.columns.empty() || fit.residual < best.residual) best = fit;
+        }
+        if (best.residual >= (1 - least_gain) * before) break;
     }
     return best;
 }

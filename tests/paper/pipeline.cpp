@@ -1,0 +1,170 @@
+#include "pipeline.h"
+
+#include "bake/assemble.h"
+#include "bake/estimate.h"
+#include "bake/make_energy.h"
+#include "output/asset/runtime_blender.h"
+#include "reduced/subspace/krylov.h"
+#include "reduced/surrogate/cubature.h"
+
+#include <chrono>
+#include <fmt/core.h>
+#include <numeric>
+
+namespace pliant {
+
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+double elapsed(Clock::time_point start) { return std::chrono::duration<double>(Clock::now() - start).count(); }
+
+constexpr std::size_t points_per_dimension = 3; // the paper's
+constexpr std::size_t pipeline_training_count = 16;
+constexpr std::size_t drag_corners = 8, frames_per_side = 60; // of the path of weights
+
+// A sum of all elements, seen through a basis.
+std::shared_ptr<const SurrogateEnergy> all_elements(const Energy& energy, const Shape& rest, const Eigen::MatrixXd& basis)
+{
+    std::vector<std::size_t> elements(energy.element_count());
+    std::iota(elements.begin(), elements.end(), std::size_t(0));
+    const Eigen::VectorXd ones = Eigen::VectorXd::Ones(Eigen::Index(elements.size()));
+    return std::make_shared<const SurrogateEnergy>(energy, rest, basis, std::move(elements), ones);
+}
+
+// Reduced averages of `energy`, in the metric of its Hessian half way between the poses.
+TrainingSet train(const ReducedSolver& reduced, const NormalizedPoses& set)
+{
+    return solve_training_set(reduced, set, training_weights(set.pose_count(), pipeline_training_count, 1), nullptr);
+}
+
+ReducedSolver solver_of(const Energy& energy, const NormalizedPoses& set, const Subspace& subspace)
+{
+    const Weights equal = Weights::Constant(Eigen::Index(set.pose_count()), 1.0 / double(set.pose_count()));
+    const Shape middle = subspace.shape(subspace.pose_coordinates * equal);
+    HessianAssembler hessian(energy);
+    hessian.assemble(equal, middle, HessianKind::projected);
+    return ReducedSolver(energy, subspace, hessian.matrix(), energy_value(energy, equal, middle));
+}
+
+// Seconds for frames and how many steps they took, as a user drags.
+struct Drag {
+    double shape_us = 0, step_us = 0, steps = 0, vertices_ms = 0;
+};
+
+Drag drag(RuntimeBlender& blender, std::size_t pose_count)
+{
+    Random random(5);
+    Drag out;
+    std::vector<float> q;
+    Weights from = random_weights(random, pose_count, false);
+    const double count = double(drag_corners * frames_per_side);
+    double seconds = 0;
+    for (std::size_t corner = 0; corner < drag_corners; ++corner) {
+        const Weights to = random_weights(random, pose_count, false);
+        for (std::size_t frame = 0; frame < frames_per_side; ++frame) {
+            const Eigen::VectorXf w = (from + (to - from) * double(frame) / double(frames_per_side)).cast<float>();
+            pliant_solve_info info {};
+            const std::vector<float> weights(w.data(), w.data() + w.size());
+            const Clock::time_point start = Clock::now();
+            q = blender.solve(weights, true, &info);
+            seconds += elapsed(start);
+            out.steps += info.iterations / count;
+        }
+        from = to;
+    }
+    const Clock::time_point start = Clock::now();
+    for (int i = 0; i < 10; ++i) blender.positions(q);
+    out.vertices_ms = 100 * elapsed(start);
+    out.shape_us = 1e6 * seconds / count;
+    out.step_us = out.shape_us / std::max(out.steps, 1e-9);
+    return out;
+}
+
+class Pipeline {
+public:
+    Pipeline(const PoseSet& poses, const EnergyOptions& options, Eigen::Index dimension)
+        : poses_(poses)
+        , options_(options)
+        , set_(normalize(poses))
+        , energy_(make_energy(set_, options))
+    {
+        NewtonSolver solver(*energy_, set_, default_solver());
+        const Clock::time_point start = Clock::now();
+        fitted_.subspace = build_krylov_subspace(solver, { 0, dimension, 256 }, nullptr);
+        basis_s_ = elapsed(start);
+    }
+
+    std::string csv()
+    {
+        const Clock::time_point start = Clock::now();
+        const auto surrogate = make_surrogate();
+        const double surrogate_s = elapsed(start);
+        fitted_.model = plain_model(surrogate, fitted_.training, fitted_.subspace);
+        RuntimeBlender blender = open();
+        const Drag measured = drag(blender, set_.pose_count());
+        return fmt::format(
+            "vertices,cells,poses,d,surrogate,elements,basis_s,surrogate_s,steps,step_us,shape_us,vertices_ms\n"
+            "{},{},{},{},{},{},{:.2f},{:.2f},{:.2f},{:.3f},{:.3f},{:.3f}\n",
+            set_.dof_count() / 3, poses_.is_solid() ? set_.tets.size() : set_.triangles.size(), set_.pose_count(),
+            fitted_.subspace.dimension(), kind_, surrogate->element_count(), basis_s_, surrogate_s, measured.steps,
+            measured.step_us, measured.shape_us, measured.vertices_ms);
+    }
+
+private:
+    std::shared_ptr<const SurrogateEnergy> make_surrogate()
+    {
+        if (!poses_.is_solid()) return make_ghost_surrogate();
+        const Solid& solid = dynamic_cast<const Solid&>(*energy_);
+        const bool is_quartic = solid.law() == SolidLaw::stvk;
+        kind_ = is_quartic ? "quartic" : "cubature";
+        std::shared_ptr<const SurrogateEnergy> quartic;
+        if (is_quartic)
+            quartic = std::make_shared<const SurrogateEnergy>(*energy_, Quartic(solid, fitted_.subspace, nullptr));
+        const ReducedSolver reduced = solver_of(*energy_, set_, fitted_.subspace);
+        fitted_.training = train(reduced, set_);
+        if (is_quartic) return quartic;
+        CubatureFit fit(reduced.energy(), fitted_.training, { 8000, CubatureSolver::nn_htp, 1 }, nullptr);
+        return std::make_shared<const SurrogateEnergy>(
+            fit.fit(points_per_dimension * std::size_t(fitted_.subspace.dimension())));
+    }
+
+    std::shared_ptr<const SurrogateEnergy> make_ghost_surrogate()
+    {
+        kind_ = "ghost";
+        fitted_.ghost = std::make_unique<Ghost>(make_ghost(set_, fitted_.subspace, BakeOptions().ghost_vertex_count));
+        const Ghost& ghost = *fitted_.ghost;
+        fitted_.ghost_energy = make_energy(ghost.set, options_);
+        const Subspace coarse { ghost.set.shapes[0], ghost.basis, fitted_.subspace.pose_coordinates };
+        fitted_.training = train(solver_of(*fitted_.ghost_energy, ghost.set, coarse), ghost.set);
+        return all_elements(*fitted_.ghost_energy, ghost.set.shapes[0], ghost.basis);
+    }
+
+    RuntimeBlender open() const
+    {
+        BakeOptions options;
+        options.position_error = 0;
+        const AssetModel asset = assemble(set_, fitted_, simulation_mesh(poses_, set_, options), poses_,
+                                          reachable_coordinates(fitted_), options);
+        AssetRecord record; // the format wants an answer; nothing here asks for it
+        record.answers = { { fitted_.training.weights[0], asset.shape.frame.stored(fitted_.model.mean).cast<float>() } };
+        return RuntimeBlender(encode_asset(asset, record), "the asset");
+    }
+
+    const PoseSet& poses_;
+    const EnergyOptions& options_;
+    NormalizedPoses set_;
+    std::unique_ptr<Energy> energy_;
+    FittedModel fitted_;
+    double basis_s_ = 0;
+    std::string kind_;
+};
+
+} // namespace
+
+std::string pipeline_csv(const PoseSet& poses, const EnergyOptions& options, Eigen::Index dimension)
+{
+    return Pipeline(poses, options, dimension).csv();
+}
+
+} // namespace pliant
