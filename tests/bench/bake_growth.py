@@ -17,39 +17,16 @@ import numpy as np
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 sys.path[:0] = [str(ROOT / "tests" / "bench"), str(ROOT / "tests" / "paper")]
 import bake_cost  # noqa: E402: builds the tool
-import shapes  # noqa: E402: reads PLY
+import shapes  # noqa: E402: reads, cuts and writes triangles
 
 HEAD = ["vertices", "seconds", "exponent", "GiB", "factorisations", "d", "error, mean / largest"]
-
-
-def midpoints(triangles, vertex_count):
-    """The pairs of vertices (e, 2) with a new vertex between them, and the triangles (4 f, 3) that they make."""
-    corners = triangles[:, [0, 1, 1, 2, 2, 0]].reshape(-1, 2)
-    edges, inverse = np.unique(np.sort(corners, axis=1), axis=0, return_inverse=True)
-    ab, bc, ca = (inverse.reshape(-1, 3) + vertex_count).T
-    a, b, c = triangles.T
-    parts = [(a, ab, ca), (b, bc, ab), (c, ca, bc), (ab, bc, ca)]
-    return edges, np.concatenate([np.stack(part, axis=1) for part in parts])
-
-
-def subdivide(poses, triangles):
-    edges, finer = midpoints(triangles, len(poses[0]))
-    return [np.concatenate([pose, pose[edges].mean(axis=1)]) for pose in poses], finer
-
-
-def write_ply(path, positions, triangles):
-    faces = np.empty(len(triangles), [("count", "u1"), ("vertices", "<i4", 3)])
-    faces["count"], faces["vertices"] = 3, triangles
-    header = (f"ply\nformat binary_little_endian 1.0\nelement vertex {len(positions)}\nproperty float x\nproperty float y\n"
-              f"property float z\nelement face {len(triangles)}\nproperty list uchar int vertex_indices\nend_header\n")
-    path.write_bytes(header.encode() + positions.astype("<f4").tobytes() + faces.tobytes())
 
 
 def bake(tool, poses, triangles, options, folder):
     """Seconds, GiB and the certificate."""
     files = [folder / f"pose_{k}.ply" for k in range(len(poses))]
     for file, pose in zip(files, poses):
-        write_ply(file, pose, triangles)
+        shapes.write_ply(file, pose, triangles)
     asset = folder / "a.pliant"
     start = time.monotonic()
     process = subprocess.Popen([tool, "bake", *files, *options, "-o", asset, "--best-effort", "--quiet"])
@@ -118,7 +95,7 @@ def main():
         points = []
         for level in range(arguments.levels + 1):
             if level > 0:
-                poses, triangles = subdivide(poses, triangles)
+                poses, triangles = shapes.subdivide(poses, triangles)
             seconds, memory, certificate = bake(binary / "baker" / "pliant", poses, triangles, arguments.options.split(),
                                                 folder)
             points.append((len(poses[0]), seconds))

@@ -4,7 +4,7 @@
 #
 #   --quick      two poses only (human_pair, creature), few weights: some minutes instead of some forty
 #   --out DIR    where tables, plots and assets go (default: build/paper/results)
-#   --only PART  subspace, standin, sheets, manifold or rivals; may be repeated (default: all)
+#   --only PART  bar, times, subspace, standin, cubature, sheets, manifold or rivals; may be repeated (default: all)
 #   --threads N  threads of each program (default: all cores)
 #   --build DIR  an existing build folder to use (default: build/paper, configured if it is not there)
 #
@@ -35,10 +35,10 @@ while (($#)); do
     esac
     shift
 done
-((${#parts[@]})) || parts=(subspace standin sheets manifold rivals)
+((${#parts[@]})) || parts=(bar times subspace standin cubature sheets manifold rivals)
 for part in "${parts[@]}"; do
     case $part in
-        subspace | standin | sheets | manifold | rivals) ;;
+        bar | times | subspace | standin | cubature | sheets | manifold | rivals) ;;
         *) echo "run.sh: unknown part '$part'" >&2; exit 2 ;;
     esac
 done
@@ -49,9 +49,9 @@ done
 build=${build:-$root/build/paper}
 out=${out:-$build/results}
 [[ -e $build/CMakeCache.txt ]] || cmake -S "$root" -B "$build" -G Ninja -DCMAKE_BUILD_TYPE=Release > /dev/null
-cmake --build "$build" --target pliant_tool pliant_study pliant_rivals creature > /dev/null
+cmake --build "$build" --target pliant_tool pliant_study pliant_bar pliant_rivals creature > /dev/null
 tool=$build/baker/pliant study=$build/tests/paper/pliant_study
-mkdir -p "$out/assets" "$out/creature"
+mkdir -p "$out/assets" "$out/creature" "$out/bars"
 out=$(cd "$out" && pwd)
 "$build/samples/creature/creature" -o "$out/creature" > /dev/null
 
@@ -60,15 +60,20 @@ say() { printf '%s  %s\n' "$(date +%T)" "$*" | tee -a "$out/log.txt"; }
 
 # poses_of SET: sets the array `poses`; false, with a word, if the data is not there.
 poses_of() {
-    local creature=$out/creature/creature pose
+    local creature=$out/creature/creature pose cow=$data/tet_mid/spot.msh
     case $1 in
         human_pair) poses=("$data"/human_pair/{man,woman}.ply) ;;
         creature2) poses=("${creature}"_{rest,curl}.ply) ;;
         creature5) poses=("${creature}"_{rest,reach,curl,leap,twist}.ply) ;;
         makehuman4) poses=("$data"/makehuman_body/{tpose,dance1_f00,walk1_f03,zombieWalk1_f20}.ply) ;;
         ict_face7) poses=("$data"/ict_face/{neutral,jaw_open,smile,pucker,cheek_puff,sneer_frown,blink_brow_down}.ply) ;;
+        bar*) poses=("$out"/bars/bar_{straight,180}.msh) ;;
+        cow*) poses=("$cow" "$out/spot_leap.msh") ;;
         mhr5) poses=("$data"/mhr_body/{rest,pose0,pose1,pose2,pose3}.ply) ;;
     esac
+    if [[ $1 == cow* && -e $cow && ! -e $out/spot_leap.msh ]]; then
+        "$tool" pose "$cow" "$root/samples/pose_scripts/spot_leap.txt" -o "$out/spot_leap.msh" > /dev/null 2>> "$out/bakes.log"
+    fi
     for pose in "${poses[@]}"; do
         [[ -e $pose ]] || { say "skipping $1: $pose is not there"; return 1; }
     done
@@ -98,6 +103,26 @@ subspace() {
     "$study" -o "$out/$1" --dims "$2" --train "$3" --fresh "$4" --basis "adaptive=$out/assets/$1.pliant" --snapshots \
         "${threads[@]}" "${poses[@]}" 2>> "$out/study.log"
     say "subspace $1: $((SECONDS - start)) s"
+}
+
+# energy SET MATERIAL DIMS FRESH: Algorithm 1 and Barbic et al. over d for another energy.
+energy() {
+    local poses start=$SECONDS
+    poses_of "$1" || return 0
+    "$study" -o "$out/$1_$2" --material "$2" --dims "$3" --train 1 --fresh "$4" --kinds krylov,barbic "${threads[@]}" \
+        "${poses[@]}" 2>> "$out/study.log"
+    say "subspace $1, $2: $((SECONDS - start)) s"
+}
+
+# cubature SET DIM FRESH: the paper's cubature beside ours.
+cubature() {
+    local poses start=$SECONDS
+    poses_of "$1" || return 0
+    mkdir -p "$out/cubature"
+    "$study" -o "$out/cubature/$1" --dims 1 --kinds none --train 1 --fresh "$3" --cubatures "$2" "${threads[@]}" \
+        "${poses[@]}" 2>> "$out/study.log"
+    mv "$out/cubature/$1_cubatures.csv" "$out/"
+    say "cubature $1: $((SECONDS - start)) s"
 }
 
 # standin SET DIM FRESH "COUNTS" "GHOSTS": cubature with COUNTS elements per dimension, ghosts with GHOSTS vertices.
@@ -135,6 +160,23 @@ sheet() {
     say "sheet $set: $((SECONDS - start)) s"
 }
 
+# bases SET OPTION...: pictures of the bases side by side, as the paper's Figures 5 and 7.
+bases() {
+    local poses start=$SECONDS set=$1 dim assets=()
+    poses_of "$set" || return 0
+    shift
+    asset_of "${set}_barbic17" --subspace barbic --dim 17 || return 0
+    assets+=(--asset "Barbic et al., d 17=$out/assets/${set}_barbic17.pliant")
+    for dim in 3 9 17; do
+        asset_of "${set}_krylov$dim" --subspace krylov --dim "$dim" || return 0
+        assets+=(--asset "Algorithm 1, d $dim=$out/assets/${set}_krylov$dim.pliant")
+    done
+    asset_of "${set}17" "${adaptive[@]}" --dim 17 || return 0
+    "$python" "$here/sheet.py" --tool "$tool" -o "$out/${set}_bases.png" --title "$set, bases" "${assets[@]}" \
+        --asset "adaptive, d 17=$out/assets/${set}17.pliant" "$@" "${poses[@]}" 2>> "$out/sheets.log"
+    say "bases $set: $((SECONDS - start)) s"
+}
+
 # rivals SET [OPTION...]: other ways to blend beside the elastic average and the runtime.
 rivals() {
     local poses start=$SECONDS set=$1
@@ -148,6 +190,18 @@ rivals() {
 }
 
 say "study of $("$tool" --version 2> /dev/null || echo pliant), $(nproc) cores"
+if wants bar; then
+    start=$SECONDS sizes=()
+    ((quick)) && sizes=(--cells 4 --length-cells 24 --samples 21)
+    "$build/tests/paper/pliant_bar" -o "$out/bar.csv" "${sizes[@]}" "${threads[@]}" > /dev/null 2>> "$out/study.log"
+    say "bar: $((SECONDS - start)) s"
+fi
+if wants times; then
+    start=$SECONDS sizes=()
+    ((quick)) && sizes=(--quick)
+    "$python" "$here/table1.py" --build "$build" --data "$data" -o "$out" "${sizes[@]}" "${threads[@]}" 2>> "$out/study.log"
+    say "times: $((SECONDS - start)) s"
+fi
 if wants subspace; then
     if ((quick)); then
         subspace human_pair 3,5,9 7 7
@@ -159,6 +213,12 @@ if wants subspace; then
         subspace makehuman4 12,24,36 24 9
         subspace creature5 16,32,48 36 9
         subspace mhr5 16,32,48 36 9
+        "$build/tests/paper/pliant_bar" --write "$out/bars" --degrees 180 2>> "$out/study.log"
+        energy bar mooney-rivlin 3,9,17 7
+        energy cow stvk 3,9,17 3
+        energy cow mooney-rivlin 3,9,17 3
+        energy human_pair arap 3,9,17 7
+        energy creature2 arap 3,9,17 7
     fi
 fi
 if wants standin; then
@@ -169,7 +229,15 @@ if wants standin; then
         standin creature2 17 15 "1 2 4 6 8 12" "200 500 1000"
     fi
 fi
+if wants cubature; then
+    cubature human_pair 9 7
+    if ((!quick)); then
+        cubature creature5 32 7
+        cubature ict_face7 16 7
+    fi
+fi
 if wants sheets; then
+    bases creature2 --weights 0.5,0.5 --weights 0.25,0.75 --up z
     if ((quick)); then
         sheet creature2 17 --weights 0.5,0.5 --weights 0.25,0.75 --up z
     else

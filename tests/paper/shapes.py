@@ -1,4 +1,5 @@
-"""Shapes in numpy: reading the PLY files of poses and blends, masses, rigid alignment, the relative L2 error."""
+"""Shapes in numpy: reading and writing the PLY files of poses and blends, masses, rigid alignment, the relative L2 error,
+subdivision."""
 import numpy as np
 
 SCALARS = {"char": "i1", "uchar": "u1", "short": "i2", "ushort": "u2", "int": "i4", "uint": "u4", "float": "f4",
@@ -89,3 +90,26 @@ def largest_distance(blend, truth, masses, diagonal):
 
 def diagonal_of(positions):
     return np.linalg.norm(positions.max(axis=0) - positions.min(axis=0))
+
+
+def midpoints(triangles, vertex_count):
+    """The pairs of vertices (e, 2) with a new vertex between them, and the triangles (4 f, 3) that they make."""
+    corners = triangles[:, [0, 1, 1, 2, 2, 0]].reshape(-1, 2)
+    edges, inverse = np.unique(np.sort(corners, axis=1), axis=0, return_inverse=True)
+    ab, bc, ca = (inverse.reshape(-1, 3) + vertex_count).T
+    a, b, c = triangles.T
+    parts = [(a, ab, ca), (b, bc, ab), (c, ca, bc), (ab, bc, ca)]
+    return edges, np.concatenate([np.stack(part, axis=1) for part in parts])
+
+
+def subdivide(poses, triangles):
+    edges, finer = midpoints(triangles, len(poses[0]))
+    return [np.concatenate([pose, pose[edges].mean(axis=1)]) for pose in poses], finer
+
+
+def write_ply(path, positions, triangles):
+    faces = np.empty(len(triangles), [("count", "u1"), ("vertices", "<i4", 3)])
+    faces["count"], faces["vertices"] = 3, triangles
+    header = (f"ply\nformat binary_little_endian 1.0\nelement vertex {len(positions)}\nproperty float x\nproperty float y\n"
+              f"property float z\nelement face {len(triangles)}\nproperty list uchar int vertex_indices\nend_header\n")
+    path.write_bytes(header.encode() + positions.astype("<f4").tobytes() + faces.tobytes())

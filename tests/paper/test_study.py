@@ -67,6 +67,21 @@ def check_assets(rows):
         assert int(row["elements"]) == 40 and float(row["stand_in_l2"]) > 0, row
 
 
+def check_cubatures(rows):
+    """One set of elements for all poses is better than one for every pose with as many elements, and a dead load helps."""
+    error = lambda way, points: mean(rows, "surrogate_l2", cubature=way, elements=str(points))
+    assert all(row["has_converged"] == "1" and int(row["iterations_h0_at_mean"]) < 40 for row in rows)
+    assert error("joint, NN-HTP", 15) < 0.3 * error("per pose, NN-HTP", 30) < 0.02
+    assert error("joint, greedy", 30) < 0.3 * error("per pose, greedy", 30)
+    assert error("joint, greedy, dead load", 30) < 0.5 * error("joint, greedy", 30)
+
+
+def check_pipeline(rows):
+    row, = rows
+    assert row["surrogate"] == "ghost" and int(row["d"]) == 5 and int(row["elements"]) > 1000
+    assert all(float(row[key]) > 0 for key in ("basis_s", "surrogate_s", "shape_us", "vertices_ms")), row
+
+
 def run(*command):
     result = subprocess.run([str(part) for part in command], stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True,
                             check=False)
@@ -76,8 +91,12 @@ def run(*command):
 def main(study, tool):
     with tempfile.TemporaryDirectory(prefix="pliant_study_") as name:
         folder = Path(name)
-        run(study, "-o", folder / "tube", "--tube", 2, "--dims", "3,5", "--train", 11, "--fresh", 7, "--snapshots")
+        run(study, "-o", folder / "tube", "--tube", 2, "--dims", "3,5", "--train", 11, "--fresh", 7, "--snapshots",
+            "--cubatures", 5, "--cubature-poses", 200)
         check_subspaces(rows_of(folder / "tube_subspace.csv"))
+        check_cubatures(rows_of(folder / "tube_cubatures.csv"))
+        run(study, "-o", folder / "tube", "--tube", 2, "--pipeline", 5)
+        check_pipeline(rows_of(folder / "tube_pipeline.csv"))
 
         poses, asset = write_poses(folder), folder / "tube.pliant"
         run(tool, "bake", *poses, "-o", asset, "--subspace", "krylov", "--dim", 5, "--elements", 40, "--check-samples", 0,
