@@ -25,7 +25,7 @@ Eigen::VectorXd boundary_positions(const RuntimeBlender& blender, const std::vec
 }
 
 // What coordinate j moves per unit. The coordinate that moves far enough is found by trying: a basis may be of any scale,
-// and a column may be zero, which takes all rounds.
+// and a column may be zero, which takes all rounds. The runtime's floats may then overflow: infinity times zero.
 Eigen::VectorXd column_of(const RuntimeBlender& blender, std::uint32_t j, const Eigen::VectorXd& at_zero)
 {
     std::vector<float> q(blender.asset().dimension, 0.0f);
@@ -37,7 +37,8 @@ Eigen::VectorXd column_of(const RuntimeBlender& blender, std::uint32_t j, const 
         if (most > 0.1 * far && most < 10 * far) break;
         q[j] *= float(most > 0 ? std::min(far / most, 1e6) : 1e6);
     }
-    return moved() / double(q[j]);
+    const Eigen::VectorXd far_moved = moved();
+    return far_moved.allFinite() ? Eigen::VectorXd(far_moved / double(q[j])) : Eigen::VectorXd::Zero(far_moved.size());
 }
 
 Box box_of_targets(const MorphMesh& mesh)

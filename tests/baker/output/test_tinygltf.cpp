@@ -1,31 +1,23 @@
 // What `pliant export` writes, read by the loader that games link (tinygltf, MIT), and written again by it.
-#include "../tube.h"
+#define TINYGLTF_IMPLEMENTATION // with Draco, for all that is compiled with this file
+#include "../tinygltf_model.h"
+#undef TINYGLTF_IMPLEMENTATION
+
+#include "../parts_mesh.h"
 
 #include "bake/bake.h"
+#include "input/gltf/render_scene.h"
 #include "output/export/export_asset.h"
 
-#include <cstring>
-#include <doctest/doctest.h>
-#include <fmt/core.h>
 #include <sstream>
-#include <tiny_gltf.h>
 
 using namespace pliant;
+using pliant_test::corners_of;
+using pliant_test::difference;
+using pliant_test::load_glb;
+using pliant_test::numbers_of;
 
 namespace {
-
-tinygltf::Model load(const std::string& bytes)
-{
-    tinygltf::TinyGLTF loader;
-    tinygltf::Model model;
-    std::string error, warning;
-    const bool is_read = loader.LoadBinaryFromMemory(
-        &model, &error, &warning, reinterpret_cast<const unsigned char*>(bytes.data()), unsigned(bytes.size()));
-    CHECK_MESSAGE(is_read, error);
-    CHECK(error == "");
-    CHECK(warning == "");
-    return model;
-}
 
 std::string save(const tinygltf::Model& model)
 {
@@ -33,28 +25,6 @@ std::string save(const tinygltf::Model& model)
     tinygltf::TinyGLTF writer;
     CHECK(writer.WriteGltfSceneToStream(&model, stream, false, true));
     return stream.str();
-}
-
-// The floats of an accessor without gaps.
-Eigen::MatrixXf floats_of(const tinygltf::Model& model, int number)
-{
-    const tinygltf::Accessor& accessor = model.accessors.at(std::size_t(number));
-    REQUIRE(accessor.componentType == TINYGLTF_COMPONENT_TYPE_FLOAT);
-    const tinygltf::BufferView& view = model.bufferViews.at(std::size_t(accessor.bufferView));
-    const int rows = tinygltf::GetNumComponentsInType(std::uint32_t(accessor.type));
-    REQUIRE(accessor.ByteStride(view) == 4 * rows);
-    Eigen::MatrixXf values(rows, Eigen::Index(accessor.count));
-    const std::size_t begin = view.byteOffset + accessor.byteOffset, size = 4 * std::size_t(values.size());
-    REQUIRE(begin + size <= model.buffers.at(std::size_t(view.buffer)).data.size());
-    std::memcpy(values.data(), model.buffers[std::size_t(view.buffer)].data.data() + begin, size);
-    return values;
-}
-
-const tinygltf::Primitive& only_primitive(const tinygltf::Model& model)
-{
-    REQUIRE(model.meshes.size() == 1);
-    REQUIRE(model.meshes[0].primitives.size() == 1);
-    return model.meshes[0].primitives[0];
 }
 
 // A GLB in memory that is aligned as the runtime wants it.
@@ -74,50 +44,253 @@ private:
     char* begin_;
 };
 
+RuntimeBlender baked(const PoseSet& poses, const BakeOptions& options)
+{
+    Progress silent;
+    return RuntimeBlender(bake(poses, options, silent).bytes, "tube");
+}
+
 RuntimeBlender& tube()
 {
-    static Progress silent;
-    static RuntimeBlender blender(bake(tube_poses(3), BakeOptions(), silent).bytes, "tube");
+    static RuntimeBlender blender = baked(tube_poses(3), BakeOptions());
     return blender;
 }
 
-std::string exported(bool with_asset, bool with_morph_targets, int bone_count = 0)
+const std::string image_bytes("\x89PNG\0 as encoded", 16);
+
+constexpr const char* materials = R"({"materials":[{"name":"cloth","alphaMode":"MASK","alphaCutoff":0.25,)"
+                                  R"("pbrMetallicRoughness":{"baseColorTexture":{"index":0}}},{"name":"skin"}],)"
+                                  R"("textures":[{"source":0,"sampler":0}],"samplers":[{"wrapS":33071}],)"
+                                  R"("images":[{"mimeType":"image/png","name":"stripes"}]})";
+
+// Two parts, each with a material and texture coordinates; the body has the first vertices and faces.
+RenderScene scene_of(const PoseSet& all, const PoseSet& body)
+{
+    const auto vertices = std::uint32_t(body.vertex_count()), faces = std::uint32_t(body.triangles.size());
+    RenderScene scene;
+    scene.vertex_count = std::uint32_t(all.vertex_count());
+    scene.triangles = all.triangles;
+    const std::uint32_t others = scene.vertex_count - vertices, other_faces = std::uint32_t(all.triangles.size()) - faces;
+    scene.parts.push_back({ "body", 1, 0, vertices, 0, faces, { "TEXCOORD_0" } });
+    scene.parts.push_back({ "jacket", 0, vertices, others, faces, other_faces, { "TEXCOORD_0" } });
+    scene.attributes = { { "TEXCOORD_0", 2, {} } };
+    for (std::uint32_t i = 0; i < 2 * scene.vertex_count; ++i)
+        scene.attributes[0].values.push_back(0.37f * float(i % 101) - 3);
+    scene.materials = materials;
+    scene.images = { image_bytes };
+    return scene;
+}
+
+const PoseSet& painted_poses()
+{
+    static const PoseSet poses = [] {
+        PartsMesh mesh;
+        mesh.has_eye = mesh.has_vertex = false;
+        mesh.body = { 12, 8 };
+        PoseSet all = mesh.poses(3);
+        all.repairs.component_count = 2;
+        all.scene = std::make_shared<const RenderScene>(scene_of(all, tube_poses(3, mesh.body)));
+        return all;
+    }();
+    return poses;
+}
+
+// Krylov keeps columns that no blend needs. The asset has no bits for them, and an export must do without them.
+RuntimeBlender& painted()
+{
+    static RuntimeBlender blender = [] {
+        BakeOptions options;
+        options.subspace = SubspaceKind::krylov;
+        options.element_count = 24; // these numbers make it quick
+        options.check_count = options.fresh_count = 4;
+        return baked(painted_poses(), options);
+    }();
+    return blender;
+}
+
+// Whether some coordinate moves no vertex.
+bool has_empty_column(const RuntimeBlender& blender)
+{
+    std::vector<float> q(blender.asset().dimension, 0.0f);
+    const std::vector<float> at_zero = blender.positions(q);
+    for (float& coordinate : q) {
+        coordinate = 1;
+        if (blender.positions(q) == at_zero) return true;
+        coordinate = 0;
+    }
+    return false;
+}
+
+struct Kind {
+    bool with_asset = false, with_morph_targets = false;
+    int bone_count = 0;
+    bool with_compression = false;
+};
+
+// All but the compressed ones.
+constexpr Kind kinds[] = { { false, true, 0 }, { true, false, 0 }, { true, true, 0 }, { false, false, 4 } };
+
+Kind compressed(Kind kind)
+{
+    kind.with_compression = true;
+    return kind;
+}
+
+tinygltf::Model exported_model(RuntimeBlender& blender, const Kind& kind)
 {
     ExportOptions options;
-    options.with_asset = with_asset;
-    options.with_morph_targets = with_morph_targets;
-    options.bone_count = decltype(options.bone_count)(bone_count);
+    options.with_asset = kind.with_asset;
+    options.with_morph_targets = kind.with_morph_targets;
+    options.bone_count = kind.bone_count;
+    options.with_compression = kind.with_compression;
     options.frames_per_second = 5;
-    options.path = bone_count ? default_path(3, 2, 5) : options.path;
-    return export_asset(tube(), options).bytes;
+    if (kind.bone_count) options.path = default_path(3, 2, 5);
+    return load_glb(export_asset(blender, options).bytes);
+}
+
+const tinygltf::Primitive& only_primitive(const tinygltf::Model& model)
+{
+    REQUIRE(model.meshes.size() == 1);
+    REQUIRE(model.meshes[0].primitives.size() == 1);
+    return model.meshes[0].primitives[0];
+}
+
+// The mesh at the coordinates q: base and weighted targets, part after part.
+std::vector<double> morphed_shape(const tinygltf::Model& model, const pliant_asset& asset, const std::vector<float>& q)
+{
+    std::vector<float> weights(asset.dimension);
+    REQUIRE(pliant_morph_weights(&asset, q.data(), weights.data()) == PLIANT_OK);
+    std::vector<double> all;
+    for (const tinygltf::Primitive& primitive : model.meshes.at(0).primitives) {
+        REQUIRE(primitive.targets.size() == weights.size());
+        std::vector<double> shape = numbers_of(model, primitive.attributes.at("POSITION")).values;
+        for (std::size_t j = 0; j < weights.size(); ++j) {
+            const std::vector<double> deltas = numbers_of(model, primitive.targets[j].at("POSITION")).values;
+            for (std::size_t i = 0; i < shape.size(); ++i) shape[i] += double(weights[j]) * deltas.at(i);
+        }
+        all.insert(all.end(), shape.begin(), shape.end());
+    }
+    return all;
+}
+
+std::size_t corner_count(const tinygltf::Model& model)
+{
+    std::size_t count = 0;
+    for (const tinygltf::Primitive& primitive : model.meshes.at(0).primitives) count += corners_of(model, primitive).size();
+    return count;
+}
+
+// The blends of the runtime and its triangles; `tolerance` of a coordinate.
+void check_blends(RuntimeBlender& blender, const Kind& kind, double tolerance)
+{
+    const tinygltf::Model model = exported_model(blender, kind);
+    CHECK(corner_count(model) == blender.faces().indices.size());
+    for (const std::vector<float>& weights : { std::vector<float> { 1, 2, 0.5f }, { 0, 0, 1 } }) {
+        const std::vector<float> q = blender.solve(weights, false);
+        CHECK(difference(morphed_shape(model, blender.asset(), q), blender.positions(q)) < tolerance);
+    }
+}
+
+// Half a step of the grid along the longest side (output/export/draco_mesh.h), and the rounding of floats.
+double quantisation(const std::vector<double>& positions)
+{
+    const std::array<double, 3> sides = pliant_test::sides_of(positions);
+    const double largest = difference(positions, std::vector<double>(positions.size()));
+    return 0.5 * *std::max_element(sides.begin(), sides.end()) / ((1 << 20) - 1) + 2e-7 * largest;
+}
+
+// Triangles and all that is not compressed are the same, vertices lie on the grid, normals turn by less than 0.05 degrees.
+void check_decoded(const tinygltf::Model& packed, const tinygltf::Primitive& decoded, const tinygltf::Model& plain,
+                   const tinygltf::Primitive& wanted)
+{
+    CHECK(decoded.extensions.count("KHR_draco_mesh_compression"));
+    const bool has_same_corners = corners_of(packed, decoded) == corners_of(plain, wanted);
+    CHECK(has_same_corners);
+    CHECK(decoded.material == wanted.material);
+    CHECK(decoded.attributes.size() == wanted.attributes.size());
+    for (const auto& [name, number] : wanted.attributes) {
+        CAPTURE(name);
+        const std::vector<double> expected = numbers_of(plain, number).values;
+        const double off = difference(numbers_of(packed, decoded.attributes.at(name)).values, expected);
+        CHECK(off <= (name == "POSITION" ? quantisation(expected) : name == "NORMAL" ? 0.05 * 3.1416 / 180 : 0));
+    }
+    REQUIRE(decoded.targets.size() == wanted.targets.size());
+    for (std::size_t j = 0; j < wanted.targets.size(); ++j)
+        CHECK(difference(numbers_of(packed, decoded.targets[j].at("POSITION")).values,
+                         numbers_of(plain, wanted.targets[j].at("POSITION")).values)
+              == 0);
+}
+
+void check_painting(const tinygltf::Model& model)
+{
+    REQUIRE(model.materials.size() == 2);
+    const tinygltf::Material& cloth = model.materials[0];
+    CHECK(cloth.name == "cloth");
+    CHECK(cloth.alphaMode == "MASK");
+    CHECK(cloth.alphaCutoff == 0.25);
+    CHECK(cloth.pbrMetallicRoughness.baseColorTexture.index == 0);
+    CHECK(model.textures.at(0).source == 0);
+    CHECK(model.samplers.at(std::size_t(model.textures[0].sampler)).wrapS == TINYGLTF_TEXTURE_WRAP_CLAMP_TO_EDGE);
+    REQUIRE(model.images.size() == 1);
+    CHECK(std::string(model.images[0].image.begin(), model.images[0].image.end()) == image_bytes);
+    const RenderScene& scene = *painted_poses().scene;
+    const std::vector<float>& places = scene.find("TEXCOORD_0")->values;
+    REQUIRE(model.meshes.at(0).primitives.size() == scene.parts.size());
+    for (std::size_t i = 0; i < scene.parts.size(); ++i) {
+        const tinygltf::Primitive& primitive = model.meshes[0].primitives[i];
+        CHECK(primitive.material == scene.parts[i].material);
+        CHECK(primitive.extras.Get("pliant").Get("first_vertex").GetNumberAsInt() == int(scene.parts[i].first_vertex));
+        const auto first = places.begin() + std::ptrdiff_t(2 * scene.parts[i].first_vertex);
+        const std::vector<float> wanted(first, first + std::ptrdiff_t(2 * scene.parts[i].vertex_count));
+        CHECK(difference(numbers_of(model, primitive.attributes.at("TEXCOORD_0")).values, wanted) == 0);
+    }
 }
 
 } // namespace
 
-TEST_CASE("tinygltf reads morph targets: base and targets give the shapes of the runtime")
+TEST_CASE("tinygltf reads morph targets: base and targets give the shapes of the runtime, with Draco to its grid")
 {
-    const tinygltf::Model model = load(exported(false, true));
-    const tinygltf::Primitive& primitive = only_primitive(model);
-    const pliant_asset& asset = tube().asset();
-    REQUIRE(primitive.targets.size() == asset.dimension);
-    CHECK(model.accessors.at(std::size_t(primitive.indices)).count == 3 * tube_poses(3).triangles.size());
-    const std::vector<float> q = tube().solve({ 1, 2, 0.5f }, false), expected = tube().positions(q);
-    std::vector<float> weights(asset.dimension);
-    REQUIRE(pliant_morph_weights(&asset, q.data(), weights.data()) == PLIANT_OK);
-    Eigen::MatrixXf shape = floats_of(model, primitive.attributes.at("POSITION"));
-    for (std::size_t j = 0; j < weights.size(); ++j)
-        shape += weights[j] * floats_of(model, primitive.targets[j].at("POSITION"));
-    REQUIRE(shape.size() == Eigen::Index(expected.size()));
-    CHECK((shape.reshaped() - Eigen::Map<const Eigen::VectorXf>(expected.data(), shape.size())).cwiseAbs().maxCoeff()
-          < 1e-5);
+    for (RuntimeBlender* blender : { &tube(), &painted() }) {
+        check_blends(*blender, { false, true }, 1e-5);
+        check_blends(*blender, compressed({ false, true }), 1.5e-5); // half a step of the grid is 3e-6
+    }
+    CHECK(has_empty_column(painted()));
+}
+
+TEST_CASE("tinygltf decodes what every kind of export compresses with Draco")
+{
+    for (RuntimeBlender* blender : { &tube(), &painted() })
+        for (const Kind& kind : kinds) {
+            CAPTURE(kind.with_asset);
+            CAPTURE(kind.bone_count);
+            const tinygltf::Model plain = exported_model(*blender, kind),
+                                  packed = exported_model(*blender, compressed(kind));
+            CHECK(packed.extensionsRequired == std::vector<std::string> { "KHR_draco_mesh_compression" });
+            const std::vector<tinygltf::Primitive>&wanted = plain.meshes.at(0).primitives,
+                  decoded = packed.meshes.at(0).primitives;
+            REQUIRE(wanted.size() == (blender == &painted() ? 2 : 1));
+            REQUIRE(decoded.size() == wanted.size());
+            for (std::size_t i = 0; i < wanted.size(); ++i) check_decoded(packed, decoded[i], plain, wanted[i]);
+            CHECK(packed.skins.size() == plain.skins.size());
+            CHECK(packed.animations.size() == plain.animations.size());
+        }
+}
+
+TEST_CASE("materials, texture, image and texture coordinates come through every kind of export")
+{
+    for (const Kind& kind : kinds) {
+        CAPTURE(kind.with_asset);
+        CAPTURE(kind.bone_count);
+        check_painting(exported_model(painted(), kind));
+        check_painting(exported_model(painted(), compressed(kind)));
+    }
 }
 
 TEST_CASE("an embedded asset lies where its extension says, and is found again after tinygltf has saved the file")
 {
-    for (const bool with_morph_targets : { false, true }) {
-        const std::string bytes = exported(true, with_morph_targets);
-        const pliant_asset& asset = tube().asset();
-        const tinygltf::Model model = load(bytes);
+    const pliant_asset& asset = tube().asset();
+    for (const Kind& kind : { Kind { true, false }, Kind { true, true }, compressed({ true, false }) }) {
+        const tinygltf::Model model = exported_model(tube(), kind);
         const tinygltf::Mesh& mesh = model.meshes.at(0);
         REQUIRE(mesh.extensions.count("PLIANT_elastic_blend"));
         CHECK(mesh.extensions.at("PLIANT_elastic_blend").Get("bufferView").GetNumberAsInt() == 0);
@@ -134,19 +307,21 @@ TEST_CASE("an embedded asset lies where its extension says, and is found again a
         const AlignedCopy copy(saved.data() + offset, size);
         pliant_asset again;
         CHECK(pliant_asset_open(&again, copy.data(), asset.blob_size, PLIANT_OPEN_VERIFY_CHECKSUMS) == PLIANT_OK);
-        CHECK(load(saved).meshes.at(0).extensions.count("PLIANT_elastic_blend"));
+        CHECK(load_glb(saved).meshes.at(0).extensions.count("PLIANT_elastic_blend"));
     }
 }
 
 TEST_CASE("tinygltf reads a skin and its animation")
 {
-    const tinygltf::Model model = load(exported(false, false, 4));
+    const tinygltf::Model model = exported_model(tube(), { false, false, 4 });
     REQUIRE(model.skins.size() == 1);
     CHECK(model.skins[0].joints.size() == 4);
     CHECK(model.accessors.at(std::size_t(model.skins[0].inverseBindMatrices)).count == 4);
-    const tinygltf::Primitive& primitive = only_primitive(model);
-    const Eigen::MatrixXf weights = floats_of(model, primitive.attributes.at("WEIGHTS_0"));
-    CHECK((weights.colwise().sum().array() - 1).abs().maxCoeff() < 1e-5);
+    const pliant_test::Numbers weights = numbers_of(model, only_primitive(model).attributes.at("WEIGHTS_0"));
+    REQUIRE(weights.width == 4);
+    REQUIRE(weights.count() == tube().asset().vertex_count);
+    for (auto four = weights.values.begin(); four != weights.values.end(); four += 4)
+        CHECK(std::accumulate(four, four + 4, 0.0) == doctest::Approx(1).epsilon(1e-5));
     REQUIRE(model.animations.size() == 1);
     for (const tinygltf::AnimationSampler& sampler : model.animations[0].samplers)
         CHECK(model.accessors.at(std::size_t(sampler.input)).count == default_path(3, 2, 5).size());

@@ -1,7 +1,7 @@
 // read_poses_tool FOLDER POSE...: reads poses without asking whether they can be blended. Writes positions (f64, 3 a vertex)
 // of pose k to FOLDER/k.positions, the corners of triangles (u32) of the first one to FOLDER/triangles, its normals (f32,
-// where it has them) to FOLDER/normals; prints a line "pose NAME VERTICES TRIANGLES PARTS" each. For test_gltf.py, which
-// computes the same independently.
+// where it has them) to FOLDER/normals; prints a line "pose NAME VERTICES TRIANGLES PARTS" each. For test_gltf_reading.py,
+// which computes the same independently.
 #include "input/gltf/render_scene.h"
 #include "input/poses/pose_source.h"
 
