@@ -27,8 +27,8 @@ def machine():
 
 
 def commit():
-    git = lambda *words: subprocess.run(["git", "-C", HERE, *words], capture_output=True, text=True, check=True).stdout.strip()
-    return git("rev-parse", "--short=10", "HEAD") + (" with changes" if git("status", "--porcelain", "-uno") else "")
+    git = lambda *words: subprocess.run(["git", "-C", HERE, *words], capture_output=True, text=True, check=True).stdout
+    return git("rev-parse", "--short=10", "HEAD").strip() + (" with changes" if git("status", "--porcelain", "-uno") else "")
 
 
 def keep_picture(source, target):
@@ -50,8 +50,8 @@ def keep_tables(study, folder):
         if plot.exists():
             keep_picture(plot, folder / plot.name)
             text.append(f"![{path.stem}]({plot.name})\n")
-    rivals = study / "rivals.md"
-    return text + (["## Rivals\n", rivals.read_text()] if rivals.exists() else [])
+    rivals = list(study.glob("rivals" + ".md"))
+    return text + [f"## Rivals\n\n{path.read_text()}" for path in rivals]
 
 
 def keep_pictures(study, folder):
@@ -72,8 +72,8 @@ def main():
     with tempfile.TemporaryDirectory(prefix="pliant-keep-", dir=options.output.resolve().parent) as name:
         folder = Path(name)
         log = (options.study / "log.txt").read_text().strip().splitlines()
-        head = [f"# Results of the study\n\n`bash tests/paper/run.sh`, {datetime.date.today()}, commit {commit()},\n{machine()}.\n",
-                "```", *log, "```\n"]
+        run = f"`bash tests/paper/run.sh`, {datetime.date.today()}, commit {commit()},\n{machine()}."
+        head = [f"# Results of the study\n\n{run}\n", "```", *log, "```\n"]
         body = keep_tables(options.study, folder) + ["## Pictures\n", *keep_pictures(options.study, folder)]
         (folder / "README.md").write_text("\n".join(head + body))
         size = sum(path.stat().st_size for path in folder.iterdir())
@@ -81,6 +81,7 @@ def main():
             sys.exit(f"keep.py: {size} bytes are more than {LIMIT}: nothing was changed")
         shutil.rmtree(options.output, ignore_errors=True)
         shutil.copytree(folder, options.output)
+        options.output.chmod(0o755)  # a temporary folder is private
     print(f"kept {size / 1e6:.2f} MB in {options.output}")
 
 

@@ -72,7 +72,7 @@ poses_of() {
         mhr5) poses=("$data"/mhr_body/{rest,pose0,pose1,pose2,pose3}.ply) ;;
     esac
     if [[ $1 == cow* && -e $cow && ! -e $out/spot_leap.msh ]]; then
-        "$tool" pose "$cow" "$root/samples/pose_scripts/spot_leap.txt" -o "$out/spot_leap.msh" > /dev/null 2>> "$out/bakes.log"
+        "$tool" pose "$cow" "$root/samples/pose_scripts/spot_leap.txt" -o "$out/spot_leap.msh" >> "$out/bakes.log" 2>&1
     fi
     for pose in "${poses[@]}"; do
         [[ -e $pose ]] || { say "skipping $1: $pose is not there"; return 1; }

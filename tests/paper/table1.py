@@ -3,8 +3,8 @@
 Every row of the paper gets the nearest poses that can be had: shared sets, the creature, a bar of as many vertices, with
 every triangle cut in four where that comes nearer. `pliant_study --pipeline` runs the paper's pipeline on them and times it:
 Algorithm 1, a ghost of 800 vertices (surfaces), the quartic (St. Venant-Kirchhoff) or three points per dimension
-(Mooney-Rivlin), and the runtime while weights move. Writes OUT/table1.csv and OUT/table1.md. --quick: meshes below 30,000
-vertices. Sets whose data is not there are left out.
+(Mooney-Rivlin), and the runtime while weights move. Writes the table to OUT, as CSV and Markdown. --quick: meshes below
+30,000 vertices. Sets whose data is not there are left out.
 """
 import argparse
 import csv

@@ -35,8 +35,8 @@ def write_table(path, title, note, header, rows):
     with open(path.with_suffix(".csv"), "w", newline="") as file:
         csv.writer(file, lineterminator="\n").writerows([header, *rows])
     line = lambda cells: "| " + " | ".join(str(c) for c in cells) + " |\n"
-    path.with_suffix(".md").write_text(f"## {title}\n\n{textwrap.fill(note, 99)}\n\n" + line(header) + line(["---"] * len(header))
-                                       + "".join(map(line, rows)))
+    path.with_suffix(".md").write_text(f"## {title}\n\n{textwrap.fill(note, 99)}\n\n" + line(header)
+                                       + line(["---"] * len(header)) + "".join(map(line, rows)))
 
 
 def by_basis(rows):
@@ -113,8 +113,8 @@ def hausdorff(out, sets):
     if table:
         write_table(out / "hausdorff", "Distances in % of the bounding-box diagonal (the paper's Table III)",
                     "Largest distance of corresponding vertices after rigid alignment: an upper bound of the Hausdorff "
-                    "distance that the paper gives, 0.2 to 9 % for its dinosaur (a solid) and its dragon (a shell) at d = 3, "
-                    "9, 17. Subspace alone.", header, table)
+                    "distance that the paper gives, 0.2 to 9 % for its dinosaur (a solid) and its dragon (a shell) at "
+                    "d = 3, 9, 17. Subspace alone.", header, table)
 
 
 def stand_in(out, name, rows):
@@ -165,8 +165,8 @@ def cubatures(out, name, rows):
     write_table(out / f"{name}_cubature", f"{name}: one cubature per pose, or one for all, d = {rows[0]['d']}",
                 "Relative L2 in the subspace of Algorithm 1. Per pose: the paper's protocol, three points per dimension for "
                 "every pose, trained on 1,000 poses drawn around it. Joint: trained on reduced averages. Surrogate energy: "
-                "blends against exact reduced averages; total: against unreduced ones. Steps of BFGS from the mean, with the "
-                "paper's H_0 and with the Hessian averaged over weights.", header, table)
+                "blends against exact reduced averages; total: against unreduced ones. Steps of BFGS from the mean, with "
+                "the paper's H_0 and with the Hessian averaged over weights.", header, table)
 
 
 def bars(out, rows):
@@ -182,8 +182,8 @@ def bars(out, rows):
     table = [[basis, d, *(cell for angle in angles for cell in line(groups[basis, d, angle]))]
              for basis, d in dict.fromkeys(key[:2] for key in groups)]
     write_table(out / "table2", "Table II: a twisted bar, relative L2 in 1e-4",
-                f"Bars of St. Venant-Kirchhoff material at {len(next(iter(groups.values())))} weights, exact reduced averages "
-                "against unreduced ones, beside the paper's means.", header, table)
+                f"Bars of St. Venant-Kirchhoff material at {len(next(iter(groups.values())))} weights, exact reduced "
+                "averages against unreduced ones, beside the paper's means.", header, table)
     if pyplot:
         figure, panels = pyplot.subplots(1, len(angles), figsize=(5 * len(angles), 4.2), sharey=True, squeeze=False)
         for axes, angle in zip(panels[0], angles):
@@ -195,7 +195,8 @@ def bars(out, rows):
                     axes.semilogy(column(g, "weight"), column(g, "relative_l2"), style, color=colour,
                                   label=f"{label}, d = {d}")
             axes.set(xlabel="weight of the twisted bar", ylabel="relative L2", title=f"bar, {angle:g} degrees")
-        finish(figure, panels[0][0], out / "table2.png")
+            axes.grid(True, which="major", color="#dddddd", linewidth=0.6)
+        finish(figure, panels[0][-1], out / "table2.png")  # below the curves of the last one there is room
 
 
 def finish(figure, axes, path):
