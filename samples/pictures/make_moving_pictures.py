@@ -26,7 +26,7 @@ BYTES_ALLOWED = 3_000_000  # both pictures together
 
 
 def stop(code, reason, hint):
-    print(f"make_moving_pictures.py: error: {reason}\nhint: {hint}", file=sys.stderr)
+    print(f"{Path(sys.argv[0]).name}: error: {reason}\nhint: {hint}", file=sys.stderr)
     sys.exit(code)
 
 
@@ -46,17 +46,21 @@ def find_tools(build):
     return tools
 
 
-def load_pillow():
+def load_pillow(font_size=20):
     try:
-        from PIL import Image, ImageDraw, ImageFont, features
-        font = ImageFont.truetype("DejaVuSans-Bold.ttf", 20)
+        from PIL import Image, ImageDraw, ImageFont
+        font = ImageFont.truetype("DejaVuSans-Bold.ttf", font_size)
     except ImportError:
         stop(2, "Pillow is not installed for this Python", "apt-get install python3-pil, then run /usr/bin/python3")
     except OSError:
         stop(2, "the font DejaVu Sans is not installed", "apt-get install fonts-dejavu-core")
+    return Image, ImageDraw, font
+
+
+def require_animated_webp():
+    from PIL import features
     if not features.check("webp_anim"):
         stop(2, "this Pillow writes no animated WebP", "apt-get install python3-pil, then run /usr/bin/python3")
-    return Image, ImageDraw, font
 
 
 def bar_surface(cells, layers, length):
@@ -103,14 +107,14 @@ def bake_bar(tools, work):
     return bake(tools, poses, asset, "--fix", fixed)
 
 
-def bake_creature(tools, work):
-    """The asset of samples/demo.sh."""
-    asset, folder = work / "creature.pliant", work / "poses"
+def bake_creature(tools, work, name="creature", *options):
+    """The asset of samples/demo.sh, or with options of `pliant bake` another one of the same poses."""
+    asset, folder = work / f"{name}.pliant", work / "poses"
     if is_baked(asset, tools):
         return asset
     folder.mkdir(exist_ok=True)
     run(tools["creature"], "-o", folder)
-    return bake(tools, [folder / f"creature_{name}.ply" for name in CREATURE_POSES], asset)
+    return bake(tools, [folder / f"creature_{pose}.ply" for pose in CREATURE_POSES], asset, *options)
 
 
 def is_baked(asset, tools):
@@ -136,16 +140,19 @@ def eased_path(stops, count):
 
 def draw_frames(tools, asset, path, size, view):
     """Pictures of both kinds of blend, from one camera: {kind: [PNG file]}."""
+    return {kind: draw_sequence(tools, asset, path, size, view, kind, *option)
+            for kind, option in (("linear", ["--linear"]), ("elastic", []))}
+
+
+def draw_sequence(tools, asset, path, size, view, kind, *options):
+    """One picture for each weight of the path, drawn by the player: [PNG file], in a folder beside the asset."""
     weights = asset.with_suffix(".csv")
     weights.write_text("".join(",".join(f"{w:.5f}" for w in line) + "\n" for line in path))
-    frames = {}
-    for kind, option in (("linear", ["--linear"]), ("elastic", [])):
-        folder = asset.with_name(f"{asset.stem}_{kind}")
-        folder.mkdir(exist_ok=True)
-        run("xvfb-run", "-a", "-s", "-screen 0 1280x1024x24", tools["player"], asset, "--up", "z", f"--view={view}",
-            "--size", size, "--path", weights, "--sequence", folder / "%03d.png", *option)
-        frames[kind] = [folder / f"{i:03d}.png" for i in range(len(path))]
-    return frames
+    folder = asset.with_name(f"{asset.stem}_{kind}")
+    folder.mkdir(exist_ok=True)
+    run("xvfb-run", "-a", "-s", "-screen 0 1280x1024x24", tools["player"], asset, "--up", "z", f"--view={view}",
+        "--size", size, "--path", weights, "--sequence", folder / "%03d.png", *options)
+    return [folder / f"{i:03d}.png" for i in range(len(path))]
 
 
 def join(pillow, pair):
@@ -175,6 +182,7 @@ def main():
     parser.add_argument("--out", type=Path, default=ROOT / "samples/pictures")
     options = parser.parse_args()
     pillow, tools, work = load_pillow(), find_tools(options.build.resolve()), ROOT / "build/demo"
+    require_animated_webp()
     for folder in (work, options.out):
         folder.mkdir(parents=True, exist_ok=True)
     pictures = [
