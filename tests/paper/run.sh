@@ -109,7 +109,7 @@ subspace() {
 energy() {
     local poses start=$SECONDS
     poses_of "$1" || return 0
-    "$study" -o "$out/$1_$2" --material "$2" --dims "$3" --train 1 --fresh "$4" --kinds krylov,barbic "${threads[@]}" \
+    "$study" -o "$out/$1_$2" --material "$2" --dims "$3" --kinds krylov,barbic --train 1 --fresh "$4" "${threads[@]}" \
         "${poses[@]}" 2>> "$out/study.log"
     say "subspace $1, $2: $((SECONDS - start)) s"
 }
@@ -210,9 +210,9 @@ if wants subspace; then
         subspace human_pair 3,5,9,17 17 19
         subspace creature2 3,5,9,17 17 19
         subspace ict_face7 8,12,16 24 9
-        subspace makehuman4 12,24,36 24 9
-        subspace creature5 16,32,48 36 9
-        subspace mhr5 16,32,48 36 9
+        subspace makehuman4 12,36 12 6
+        subspace creature5 16,48 36 9
+        subspace mhr5 16,48 12 6
         "$build/tests/paper/pliant_bar" --write "$out/bars" --degrees 180 2>> "$out/study.log"
         energy bar mooney-rivlin 3,9,17 7
         energy cow stvk 3,9,17 3

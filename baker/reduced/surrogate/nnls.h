@@ -30,8 +30,8 @@ SparseFit greedy_nnls(const Eigen::MatrixXf& a, const Eigen::VectorXd& b, std::s
 
 // Non-negative hard thresholding pursuit (Foucart 2011; for cubature: von Tycowicz, Schulz, Seidel, Hildebrandt 2013): a
 // gradient step within the columns of the fit and a random subset, the `count` largest weights are kept and refitted by
-// nnls, and so on until all columns have had their turn without a gain. The method of the paper's cubature; greedy_nnls
-// finds better fits of as many columns (tests/paper). At most `count` columns, as few as nnls leaves positive.
+// nnls, and so on until all columns have had their turn without a gain. The method of the paper's cubature, compared with
+// greedy_nnls in tests/paper. At most `count` columns, as few as nnls leaves positive.
 SparseFit nn_htp(const Eigen::MatrixXf& a, const Eigen::VectorXd& b, std::size_t count, SparseFit start,
                  const std::function<void(std::size_t)>& keep_going);
 
