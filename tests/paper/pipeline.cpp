@@ -1,7 +1,6 @@
 #include "pipeline.h"
 
 #include "bake/assemble.h"
-#include "bake/estimate.h"
 #include "bake/make_energy.h"
 #include "output/asset/runtime_blender.h"
 #include "reduced/subspace/krylov.h"

@@ -17,7 +17,7 @@ HERE = Path(__file__).parent
 sys.path.insert(0, str(HERE))
 import manifold  # noqa: E402
 import tables  # noqa: E402
-from shapes import align, read_ply, relative_l2  # noqa: E402
+from shapes import align, read_ply, relative_l2, write_ply  # noqa: E402
 
 
 def rows_of(path):
@@ -37,12 +37,7 @@ def write_poses(folder):
     paths = []
     for k, pose in enumerate(poses):
         path = folder / f"tube{k}.ply"
-        header = (f"ply\nformat binary_little_endian 1.0\nelement vertex {pose.size // 3}\nproperty float x\n"
-                  "property float y\n"
-                  f"property float z\nelement face {len(faces)}\nproperty list uchar int vertex_indices\nend_header\n")
-        rows = np.zeros(len(faces), np.dtype([("size", "u1"), ("corners", "<i4", (3,))]))
-        rows["size"], rows["corners"] = 3, faces
-        path.write_bytes(header.encode() + pose.astype("<f4").tobytes() + rows.tobytes())
+        write_ply(path, pose.reshape(-1, 3), faces)
         paths.append(str(path))
     return paths
 

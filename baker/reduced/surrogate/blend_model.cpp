@@ -30,8 +30,7 @@ double mean_energy(const SurrogateEnergy& surrogate, const TrainingSet& training
     return std::max(energy / double(training.weights.size()), 1e-13); // identical poses have no energy
 }
 
-// Mean of the Hessians at the averages: it serves all weights better than the one at the mean does, which is softer in
-// directions that stiffen away from there.
+// Mean of the Hessians at the averages: a metric for all weights (THEORY.md, section 6).
 Eigen::MatrixXd mean_hessian(const SurrogateEnergy& surrogate, const TrainingSet& training)
 {
     std::vector<Eigen::MatrixXd> hessians(training.weights.size());
