@@ -1,8 +1,9 @@
 // Table II of von Tycowicz et al. 2015: a bar of St. Venant-Kirchhoff material, straight and twisted by 90 and 180 degrees,
 // blended in subspaces of several sorts and sizes.
 //   pliant_bar [-o OUT.csv] [options]
-// Writes the table to standard output (Markdown, errors in 1e-4 beside those that the paper prints) and every error to
-// OUT.csv. The paper gives neither Poisson's ratio nor the bar's proportions: those are the options' defaults.
+// Writes the error at each weight, beside the mean that the paper prints (in 1e-4, 0: none), as CSV to OUT.csv or to
+// standard output; tables.py makes the table. The paper gives neither Poisson's ratio nor the bar's proportions: those are
+// the options' defaults.
 //   pliant_bar --write FOLDER [--degrees 90,180]
 // writes the bars as pose files instead, for `pliant bake`.
 #include "../baker/twisted_bar.h"
@@ -24,7 +25,6 @@
 #include <algorithm>
 #include <chrono>
 #include <fmt/core.h>
-#include <fstream>
 
 using namespace pliant;
 
@@ -38,10 +38,6 @@ struct Options {
 };
 
 double radians(double degrees) { return degrees * 3.14159265358979323846 / 180; }
-
-struct Error {
-    double mean = 0, largest = 0;
-};
 
 // What the paper prints, in 1e-4; 0: nothing.
 struct Row {
@@ -90,8 +86,8 @@ public:
         follow(options.sample_count);
     }
 
-    // Mean and largest relative L2 error over all weights, and each of them.
-    Error measure(const std::string& kind, Eigen::Index d, std::vector<double>& errors)
+    // The relative L2 error at each weight.
+    std::vector<double> measure(const std::string& kind, Eigen::Index d)
     {
         const Subspace subspace = subspace_of(kind, d);
         const auto start = std::chrono::steady_clock::now();
@@ -100,18 +96,13 @@ public:
         tell(fmt::format("{}, d = {}: quartic of {} tetrahedra and 2 poses in {:.2f} s on {} threads", kind, d,
                          set_.tets.size(), seconds.count(), worker_count()));
         const SurrogateEnergy exact(solid_, std::move(quartic));
-        errors.assign(truths_.size(), 0);
+        std::vector<double> errors(truths_.size());
         for_each_task(truths_.size(), [&](std::size_t i, std::size_t) {
             const MinimizeResult found
                 = minimize_newton(exact, weights_[i], project(subspace, truths_[i], set_.masses), 1e-12, 60);
             errors[i] = relative_distance(set_, subspace.shape(found.q), truths_[i]);
         });
-        Error out;
-        for (double error : errors) {
-            out.mean += error / double(errors.size());
-            out.largest = std::max(out.largest, error);
-        }
-        return out;
+        return errors;
     }
 
     double second_weight(std::size_t i) const { return weights_[i][1]; }
@@ -162,40 +153,21 @@ private:
     std::optional<Subspace> adaptive_;
 };
 
-std::string cell(double value, double paper)
-{
-    return paper > 0 ? fmt::format("{:.4f} ({:.2f})", 1e4 * value, paper) : fmt::format("{:.2e}", 1e4 * value);
-}
-
 void run(const Options& options)
 {
-    std::ofstream csv;
-    if (!options.output.empty()) {
-        csv.open(options.output);
-        csv << "degrees,basis,d,weight,relative_l2,paper_mean_1e4\n";
-    }
-    std::string table = "| basis | d |";
-    for (double degrees : options.degrees) table += fmt::format(" {:g} degrees, mean | largest |", degrees);
-    table += "\n|---|---|";
-    for (std::size_t i = 0; i < options.degrees.size(); ++i) table += "---|---|";
     std::vector<std::unique_ptr<Bar>> bars;
     for (double degrees : options.degrees) bars.push_back(std::make_unique<Bar>(options, degrees));
-    for (const Row& row : rows) {
-        table += fmt::format("\n| {} | {} |", row.kind, row.d);
+    std::string csv = "degrees,basis,d,weight,relative_l2,paper_mean_1e4\n";
+    for (const Row& row : rows)
         for (std::size_t b = 0; b < bars.size(); ++b) {
-            std::vector<double> errors;
-            const Error error = bars[b]->measure(row.kind, row.d, errors);
+            const std::vector<double> errors = bars[b]->measure(row.kind, row.d);
             const double degrees = options.degrees[b];
             const double paper = degrees == 90 ? row.paper_90 : degrees == 180 ? row.paper_180 : 0;
-            table += fmt::format(" {} | {} |", cell(error.mean, paper), cell(error.largest, 0));
             for (std::size_t i = 0; i < errors.size(); ++i)
-                if (csv.is_open())
-                    csv << fmt::format("{:g},{},{},{:.6g},{:.6e},{:g}\n", degrees, row.kind, row.d,
-                                       bars[b]->second_weight(i), errors[i], paper);
+                csv += fmt::format("{:g},{},{},{:.6g},{:.6e},{:g}\n", degrees, row.kind, row.d, bars[b]->second_weight(i),
+                                   errors[i], paper);
         }
-    }
-    fmt::print("Relative L2 error in 1e-4 over {} weights (in brackets: the paper's)\n\n{}\n", options.sample_count, table);
-    if (csv.is_open() && !csv.flush()) throw std::runtime_error("cannot write " + options.output);
+    options.output.empty() ? fmt::print("{}", csv) : write_file_atomically(options.output, csv);
 }
 
 void write_poses(const Options& options)
@@ -214,7 +186,7 @@ int main(int argc, char** argv)
 {
     Options options;
     CLI::App app("Table II: errors of reduced blends of a twisted bar");
-    app.add_option("-o,--output", options.output, "Also every error")->type_name("OUT.csv");
+    app.add_option("-o,--output", options.output, "Where the errors go; default: standard output")->type_name("OUT.csv");
     app.add_option("--write", options.folder, "Write the bars as pose files, and no table")->type_name("FOLDER");
     app.add_option("--cells", options.cells, "Cubes across")->check(CLI::Range(1, 64))->capture_default_str();
     app.add_option("--length-cells", options.length_cells, "Cubes along")->check(CLI::Range(2, 384))->capture_default_str();

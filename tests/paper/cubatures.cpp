@@ -30,11 +30,7 @@ double seconds_since(Clock::time_point start) { return std::chrono::duration<dou
 
 std::vector<std::size_t> random_elements(std::size_t count, std::size_t wanted, std::uint64_t seed)
 {
-    std::vector<std::size_t> all(count);
-    std::iota(all.begin(), all.end(), std::size_t(0));
-    Random random(seed);
-    for (std::size_t i = 0; i < wanted && wanted < count; ++i) std::swap(all[i], all[i + random.below(count - i)]);
-    all.resize(std::min(count, wanted));
+    std::vector<std::size_t> all = Random(seed).distinct(count, std::min(count, wanted));
     std::sort(all.begin(), all.end());
     return all;
 }

@@ -193,7 +193,7 @@ say "study of $("$tool" --version 2> /dev/null || echo pliant), $(nproc) cores"
 if wants bar; then
     start=$SECONDS sizes=()
     ((quick)) && sizes=(--cells 4 --length-cells 24 --samples 21)
-    "$build/tests/paper/pliant_bar" -o "$out/bar.csv" "${sizes[@]}" "${threads[@]}" > /dev/null 2>> "$out/study.log"
+    "$build/tests/paper/pliant_bar" -o "$out/bar.csv" "${sizes[@]}" "${threads[@]}" 2>> "$out/study.log"
     say "bar: $((SECONDS - start)) s"
 fi
 if wants times; then

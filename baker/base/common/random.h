@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <random>
+#include <vector>
 
 namespace pliant {
 
@@ -17,6 +18,8 @@ public:
     double uniform() { return double(engine_() >> 11) * 0x1p-53; } // [0, 1)
     double normal();
     std::size_t below(std::size_t count) { return std::size_t(uniform() * double(count)); }
+    // `wanted` different numbers below `count` (not more than there are), in random order.
+    std::vector<std::size_t> distinct(std::size_t count, std::size_t wanted);
 
 private:
     std::mt19937_64 engine_;

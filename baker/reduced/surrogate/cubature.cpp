@@ -159,10 +159,11 @@ void fill_column(const Energy& energy, std::size_t element, const Eigen::VectorX
 // `wanted` of the numbers first .. first + count - 1, all if there are no more.
 void append_random(std::size_t first, std::size_t count, std::size_t wanted, Random& random, std::vector<std::size_t>& out)
 {
-    std::vector<std::size_t> all(count);
-    std::iota(all.begin(), all.end(), first);
-    for (std::size_t i = 0; i < wanted && wanted < count; ++i) std::swap(all[i], all[i + random.below(count - i)]);
-    out.insert(out.end(), all.begin(), all.begin() + std::ptrdiff_t(std::min(wanted, count)));
+    const std::size_t before = out.size();
+    out.resize(before + std::min(wanted, count));
+    std::iota(out.begin() + std::ptrdiff_t(before), out.end(), std::size_t(0));
+    if (wanted < count) std::copy_n(random.distinct(count, wanted).begin(), wanted, out.begin() + std::ptrdiff_t(before));
+    for (std::size_t i = before; i < out.size(); ++i) out[i] += first;
 }
 
 // Ties are few among many, and only they resist where parts move against each other: as many of them as may be half of all.

@@ -12,16 +12,6 @@ namespace {
 constexpr int pass_limit = 8;            // over all columns
 constexpr std::size_t subset_factor = 5; // columns that compete in a round, per column wanted
 
-// All columns in random order. Neighbouring elements have nearly the same columns: among all of them the largest gradients
-// belong to a few places, among a random few to many.
-std::vector<std::size_t> shuffled(std::size_t count, Random& random)
-{
-    std::vector<std::size_t> order(count);
-    std::iota(order.begin(), order.end(), std::size_t(0));
-    for (std::size_t i = 0; i < count; ++i) std::swap(order[i], order[i + random.below(count - i)]);
-    return order;
-}
-
 // The `count` largest entries, those above zero only.
 std::vector<std::size_t> largest(const Eigen::VectorXd& x, std::size_t count)
 {
@@ -79,7 +69,9 @@ SparseFit nn_htp(const Eigen::MatrixXf& a, const Eigen::VectorXd& b, std::size_t
     Random random(1);
     for (int pass = 0; pass < pass_limit; ++pass) {
         const double before = best.residual;
-        const std::vector<std::size_t> order = shuffled(size, random);
+        // Neighbouring elements have nearly the same columns: among all of them the largest gradients belong to a few
+        // places, among a random few to many.
+        const std::vector<std::size_t> order = random.distinct(size, size);
         for (std::size_t first = 0; first < size; first += subset_size) {
             keep_going(fit.columns.size());
             const std::vector<std::size_t> subset(order.begin() + std::ptrdiff_t(first),
