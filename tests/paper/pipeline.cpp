@@ -31,12 +31,28 @@ std::shared_ptr<const SurrogateEnergy> all_elements(const Energy& energy, const 
     return std::make_shared<const SurrogateEnergy>(energy, rest, basis, std::move(elements), ones);
 }
 
-// Reduced averages of `energy`, in the metric of its Hessian half way between the poses.
-TrainingSet train(const ReducedSolver& reduced, const NormalizedPoses& set)
+// The surrogate energy's own averages, from the linear blends by BFGS in the metric of its Hessian at the mean.
+TrainingSet train(const SurrogateEnergy& surrogate, const Subspace& subspace)
 {
-    return solve_training_set(reduced, set, training_weights(set.pose_count(), pipeline_training_count, 1), nullptr);
+    TrainingSet training;
+    training.weights = training_weights(std::size_t(subspace.pose_coordinates.cols()), pipeline_training_count, 1);
+    const Weights equal = training.weights[0];
+    const MinimizeResult mean = minimize_newton(surrogate, equal, subspace.pose_coordinates * equal, 1e-6);
+    training.whitening = whitening_of(surrogate.hessian(equal, mean.q, HessianKind::projected), metric_floor);
+    training.energy_scale = std::max(mean.value, 1e-13);
+    MinimizeOptions options;
+    options.scale = training.energy_scale;
+    for (const Weights& w : training.weights) {
+        const auto energy = [&](const Eigen::VectorXd& q, Eigen::VectorXd& g) { return surrogate.gradient(w, q, g); };
+        const MinimizeResult found
+            = minimize(energy, subspace.pose_coordinates * w, training.whitening * training.whitening.transpose(), options);
+        training.unconverged_count += !found.has_converged;
+        training.averages.push_back(found.q);
+    }
+    return training;
 }
 
+// For cubature: reduced averages on the full mesh, in the metric of its Hessian half way between the poses.
 ReducedSolver solver_of(const Energy& energy, const NormalizedPoses& set, const Subspace& subspace)
 {
     const Weights equal = Weights::Constant(Eigen::Index(set.pose_count()), 1.0 / double(set.pose_count()));
@@ -103,40 +119,42 @@ public:
         RuntimeBlender blender = open();
         const Drag measured = drag(blender, set_.pose_count());
         return fmt::format(
-            "vertices,cells,poses,d,surrogate,elements,basis_s,surrogate_s,steps,step_us,shape_us,vertices_ms\n"
-            "{},{},{},{},{},{},{:.2f},{:.2f},{:.2f},{:.3f},{:.3f},{:.3f}\n",
+            "vertices,cells,poses,d,surrogate,elements,unconverged,basis_s,surrogate_s,steps,step_us,shape_us,vertices_ms\n"
+            "{},{},{},{},{},{},{},{:.2f},{:.2f},{:.2f},{:.3f},{:.3f},{:.3f}\n",
             set_.dof_count() / 3, poses_.is_solid() ? set_.tets.size() : set_.triangles.size(), set_.pose_count(),
-            fitted_.subspace.dimension(), kind_, surrogate->element_count(), basis_s_, surrogate_s, measured.steps,
-            measured.step_us, measured.shape_us, measured.vertices_ms);
+            fitted_.subspace.dimension(), kind_, surrogate->element_count(), fitted_.training.unconverged_count, basis_s_,
+            surrogate_s, measured.steps, measured.step_us, measured.shape_us, measured.vertices_ms);
     }
 
 private:
     std::shared_ptr<const SurrogateEnergy> make_surrogate()
     {
-        if (!poses_.is_solid()) return make_ghost_surrogate();
-        const Solid& solid = dynamic_cast<const Solid&>(*energy_);
-        const bool is_quartic = solid.law() == SolidLaw::stvk;
-        kind_ = is_quartic ? "quartic" : "cubature";
-        std::shared_ptr<const SurrogateEnergy> quartic;
-        if (is_quartic)
-            quartic = std::make_shared<const SurrogateEnergy>(*energy_, Quartic(solid, fitted_.subspace, nullptr));
-        const ReducedSolver reduced = solver_of(*energy_, set_, fitted_.subspace);
-        fitted_.training = train(reduced, set_);
-        if (is_quartic) return quartic;
-        CubatureFit fit(reduced.energy(), fitted_.training, { 8000, CubatureSolver::nn_htp, 1 }, nullptr);
-        return std::make_shared<const SurrogateEnergy>(
-            fit.fit(points_per_dimension * std::size_t(fitted_.subspace.dimension())));
+        const auto* solid = dynamic_cast<const Solid*>(energy_.get());
+        if (solid && solid->law() == SolidLaw::mooney_rivlin) return make_cubature();
+        kind_ = solid ? "quartic" : "ghost";
+        auto surrogate = solid
+            ? std::make_shared<const SurrogateEnergy>(*energy_, Quartic(*solid, fitted_.subspace, nullptr))
+            : make_ghost_surrogate();
+        fitted_.training = train(*surrogate, fitted_.subspace);
+        return surrogate;
     }
 
     std::shared_ptr<const SurrogateEnergy> make_ghost_surrogate()
     {
-        kind_ = "ghost";
         fitted_.ghost = std::make_unique<Ghost>(make_ghost(set_, fitted_.subspace, BakeOptions().ghost_vertex_count));
-        const Ghost& ghost = *fitted_.ghost;
-        fitted_.ghost_energy = make_energy(ghost.set, options_);
-        const Subspace coarse { ghost.set.shapes[0], ghost.basis, fitted_.subspace.pose_coordinates };
-        fitted_.training = train(solver_of(*fitted_.ghost_energy, ghost.set, coarse), ghost.set);
-        return all_elements(*fitted_.ghost_energy, ghost.set.shapes[0], ghost.basis);
+        fitted_.ghost_energy = make_energy(fitted_.ghost->set, options_);
+        return all_elements(*fitted_.ghost_energy, fitted_.ghost->set.shapes[0], fitted_.ghost->basis);
+    }
+
+    std::shared_ptr<const SurrogateEnergy> make_cubature()
+    {
+        kind_ = "cubature";
+        const ReducedSolver reduced = solver_of(*energy_, set_, fitted_.subspace);
+        fitted_.training
+            = solve_training_set(reduced, set_, training_weights(set_.pose_count(), pipeline_training_count, 1), nullptr);
+        CubatureFit fit(reduced.energy(), fitted_.training, { 8000, CubatureSolver::nn_htp, 1 }, nullptr);
+        return std::make_shared<const SurrogateEnergy>(
+            fit.fit(points_per_dimension * std::size_t(fitted_.subspace.dimension())));
     }
 
     RuntimeBlender open() const

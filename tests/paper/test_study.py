@@ -74,6 +74,7 @@ def check_cubatures(rows):
 def check_pipeline(rows):
     row, = rows
     assert row["surrogate"] == "ghost" and int(row["d"]) == 5 and int(row["elements"]) > 1000
+    assert row["unconverged"] == "0", row
     assert all(float(row[key]) > 0 for key in ("basis_s", "surrogate_s", "shape_us", "vertices_ms")), row
 
 
