@@ -40,18 +40,18 @@ def keep_picture(source, target):
 
 def keep_tables(study, folder):
     """The Markdown of all tables, those of the paper first; their CSV files and plots go to `folder`."""
-    tables = sorted((path for path in study.glob("*.md") if path.stem not in ("study", "rivals")),
+    tables = sorted((path for path in study.glob("*.md") if path.stem != "study"),
                     key=lambda path: (not path.stem.startswith("table"), path.stem))
     text = []
     for path in tables:
         text.append(path.read_text())
-        shutil.copy(path.with_suffix(".csv"), folder)
+        if path.with_suffix(".csv").exists():
+            shutil.copy(path.with_suffix(".csv"), folder)
         plot = path.with_suffix(".png")
         if plot.exists():
             keep_picture(plot, folder / plot.name)
             text.append(f"![{path.stem}]({plot.name})\n")
-    rivals = list(study.glob("rivals" + ".md"))
-    return text + [f"## Rivals\n\n{path.read_text()}" for path in rivals]
+    return text
 
 
 def keep_pictures(study, folder):

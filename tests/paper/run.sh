@@ -2,7 +2,7 @@
 # The study of the paper's evaluation on our data: bash tests/paper/run.sh [--quick] [--out DIR] [--only PART]... [--threads
 # N]
 #
-#   --quick      two poses only (human_pair, creature), few weights: some minutes instead of some forty
+#   --quick      two poses only (human_pair, creature), few weights
 #   --out DIR    where tables, plots and assets go (default: build/paper/results)
 #   --only PART  bar, times, subspace, standin, cubature, sheets, manifold or rivals; may be repeated (default: all)
 #   --threads N  threads of each program (default: all cores)

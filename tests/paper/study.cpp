@@ -1,6 +1,7 @@
 // Errors of subspaces and of whole assets against unreduced averages, for the study (README.md in this folder).
 //   pliant_study -o PREFIX [options] POSE...
-// Writes PREFIX_subspace.csv, with --asset PREFIX_assets.csv, with --snapshots the averages themselves as PREFIX_*.npy.
+// Writes PREFIX_subspace.csv, with --asset PREFIX_assets.csv, with --cubatures PREFIX_cubatures.csv, with --snapshots the
+// averages themselves as PREFIX_*.npy. With --pipeline PREFIX_pipeline.csv alone.
 #include "../baker/tube.h"
 #include "cubatures.h"
 #include "npy.h"

@@ -91,7 +91,7 @@ def main():
     options = parser.parse_args()
     pairs = [pair.split("=", 1) for pair in options.sets]
     tables = [traits([prefix for _, prefix in pairs]), *(table(name, prefix) for name, prefix in pairs)]
-    Path(options.output).write_text("\n".join(tables))
+    Path(options.output).write_text("\n".join(["## Rivals\n", *tables]))
     for name, prefix in pairs if options.pictures else []:
         picture(prefix, "z" if name in options.z_up else "y").save(Path(options.pictures) / f"{name}.png", optimize=True)
 
