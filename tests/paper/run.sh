@@ -69,7 +69,6 @@ poses_of() {
         ict_face7) poses=("$data"/ict_face/{neutral,jaw_open,smile,pucker,cheek_puff,sneer_frown,blink_brow_down}.ply) ;;
         bar*) poses=("$out"/bars/bar_{straight,180}.msh) ;;
         cow*) poses=("$cow" "$out/spot_leap.msh") ;;
-        mhr5) poses=("$data"/mhr_body/{rest,pose0,pose1,pose2,pose3}.ply) ;;
     esac
     if [[ $1 == cow* && -e $cow && ! -e $out/spot_leap.msh ]]; then
         "$tool" pose "$cow" "$root/samples/pose_scripts/spot_leap.txt" -o "$out/spot_leap.msh" >> "$out/bakes.log" 2>&1
@@ -156,7 +155,7 @@ sheet() {
     "$python" "$here/sheet.py" --tool "$tool" -o "$out/${set}_sheet.png" --title "$set, d = $dim" \
         --asset "Algorithm 1, cubature=$out/assets/${set}_krylov.pliant" \
         --asset "Algorithm 1, ghost=$out/assets/${set}_krylov_ghost.pliant" \
-        --asset "adaptive, cubature=$out/assets/$set.pliant" "$@" "${poses[@]}" 2>> "$out/sheets.log"
+        --asset "adaptive, cubature=$out/assets/$set.pliant" --continuity off "$@" "${poses[@]}" 2>> "$out/sheets.log"
     say "sheet $set: $((SECONDS - start)) s"
 }
 
@@ -173,7 +172,7 @@ bases() {
     done
     asset_of "${set}17" "${adaptive[@]}" --dim 17 || return 0
     "$python" "$here/sheet.py" --tool "$tool" -o "$out/${set}_bases.png" --title "$set, bases" "${assets[@]}" \
-        --asset "adaptive, d 17=$out/assets/${set}17.pliant" "$@" "${poses[@]}" 2>> "$out/sheets.log"
+        --asset "adaptive, d 17=$out/assets/${set}17.pliant" --continuity off "$@" "${poses[@]}" 2>> "$out/sheets.log"
     say "bases $set: $((SECONDS - start)) s"
 }
 
@@ -208,11 +207,10 @@ if wants subspace; then
         subspace creature2 3,5,9,17 15 7
     else
         subspace human_pair 3,5,9,17 17 19
-        subspace creature2 3,5,9,17 17 19
-        subspace ict_face7 8,12,16 24 9
+        subspace creature2 3,9,17 15 7
+        subspace ict_face7 8,16 16 5
         subspace makehuman4 12,36 12 6
         subspace creature5 16,48 36 9
-        subspace mhr5 16,48 12 6
         "$build/tests/paper/pliant_bar" --write "$out/bars" --degrees 180 2>> "$out/study.log"
         energy bar mooney-rivlin 3,9,17 7
         energy cow stvk 3,9,17 3
@@ -232,7 +230,7 @@ fi
 if wants cubature; then
     cubature human_pair 9 7
     if ((!quick)); then
-        cubature creature5 32 7
+        cubature creature5 16 7
         cubature ict_face7 16 7
     fi
 fi
@@ -241,13 +239,12 @@ if wants sheets; then
     if ((quick)); then
         sheet creature2 17 --weights 0.5,0.5 --weights 0.25,0.75 --up z
     else
-        sheet mhr5 48 --weights 1,1,1,1,1 --weights 0,1,0,1,0 --weights 0,0,1,0,2 --weights 3,0,1,1,1 --up y
         sheet makehuman4 36 --weights 1,1,1,1 --weights 1,1,0,0 --weights 0,1,0,1 --weights 1,0,2,1 --up y
     fi
 fi
 if wants manifold; then
     sets=()
-    for set in creature2 creature5 mhr5; do
+    for set in creature2 creature5; do
         [[ -e $out/${set}_train.npy ]] && sets+=("$set")
     done
     if ((${#sets[@]})); then

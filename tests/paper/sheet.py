@@ -57,7 +57,7 @@ def draw(positions, triangles, colours, view, window, size):
     return picture.resize(size, Image.LANCZOS)
 
 
-def blend_shapes(tool, poses, assets, weights, extra):
+def blend_shapes(tool, poses, assets, weights, continuity):
     """(label, positions) of every column."""
     base = [read_ply(path) for path in poses]
     masses = np.mean([lumped_masses(*pose) for pose in base], axis=0)
@@ -70,8 +70,8 @@ def blend_shapes(tool, poses, assets, weights, extra):
         for label, path in assets:
             subprocess.run([tool, "blend", path, "--weights", text, "-o", target], check=True, stdout=subprocess.DEVNULL)
             columns.append((label, read_ply(target)[0]))
-        subprocess.run([tool, "average", *poses, "--weights", text, "-o", target, "--quiet", *extra], check=True,
-                       stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+        subprocess.run([tool, "average", *poses, "--weights", text, "-o", target, "--quiet", "--continuity", continuity],
+                       check=True, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
         columns.append(("unreduced", read_ply(target)[0]))
     return columns, base[0][1], masses, aligned
 
@@ -95,6 +95,7 @@ def main():
     parser.add_argument("--tilt", type=float, default=12, help="degrees from above")
     parser.add_argument("--up", choices="yz", default="y", help="axis of the files that points up")
     parser.add_argument("--scale", type=float, default=0.03, help="distance that is drawn red, of the diagonal")
+    parser.add_argument("--continuity", choices=["auto", "off"], default="auto", help="of the average, as of the assets")
     parser.add_argument("--title", default="")
     options = parser.parse_args()
     size = tuple(int(n) for n in options.size.split("x"))
@@ -108,7 +109,7 @@ def main():
     rows, table = [], []
     for text in options.weights:
         weights = [float(w) for w in text.split(",")]
-        columns, triangles, masses, aligned = blend_shapes(options.tool, options.poses, assets, weights, [])
+        columns, triangles, masses, aligned = blend_shapes(options.tool, options.poses, assets, weights, options.continuity)
         diagonal, truth = diagonal_of(aligned[0]), columns[-1][1]
         seen = truth @ view.T
         centre, extent = (seen.max(axis=0) + seen.min(axis=0)) / 2, (seen.max(axis=0) - seen.min(axis=0))[:2].max() * 1.12

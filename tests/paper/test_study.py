@@ -114,8 +114,8 @@ def main(study, tool):
                 assert float(row["L2 mean"]) >= 0.99 * mean(spaces, "L2 mean", space="linear", columns=row["columns"]), row
 
         sheet = folder / "sheet.png"
-        run(sys.executable, HERE / "sheet.py", "--tool", tool, "-o", sheet, "--size", "90x100", "--asset", f"krylov={asset}",
-            "--weights", "0.5,0.5", *poses)
+        run(sys.executable, HERE / "sheet.py", "--tool", tool, "-o", sheet, "--size", "90x100", "--continuity", "off",
+            "--asset", f"krylov={asset}", "--weights", "0.5,0.5", *poses)
         picture = np.asarray(Image.open(sheet).convert("L"), float)
         assert picture.shape[1] == 3 * 96 + 6 and picture.std() > 5, "the sheet is empty"
         linear, krylov = (float(row["relative_l2"]) for row in rows_of(folder / "sheet.csv"))
