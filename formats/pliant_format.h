@@ -1,4 +1,4 @@
-/* The structures of a .pliant asset, as defined by SPEC.md (format 1.3). C99 and C++11. The runtime reads them, the baker
+/* The structures of a .pliant asset, as defined by SPEC.md (format 1.4). C99 and C++11. The runtime reads them, the baker
    writes them. Plain little-endian data without pointers and padding. */
 #ifndef PLIANT_FORMAT_H
 #define PLIANT_FORMAT_H
@@ -6,10 +6,11 @@
 #include <stdint.h>
 
 #define PLIANT_FORMAT_MAJOR 1
-#define PLIANT_FORMAT_MINOR 3       /* the newest; a file states the oldest that supports its contents */
-#define PLIANT_FORMAT_MINOR_LOAD 1  /* first version with LOAD */
-#define PLIANT_FORMAT_MINOR_SOLID 2 /* first version with QUAR, VERT and elements for tetrahedra */
-#define PLIANT_FORMAT_MINOR_PARTS 3 /* first version with BASC, BNDS, SMTH, GLTF, MRNG and ties between parts */
+#define PLIANT_FORMAT_MINOR 4          /* the newest; a file states the oldest that supports its contents */
+#define PLIANT_FORMAT_MINOR_LOAD 1     /* first version with LOAD */
+#define PLIANT_FORMAT_MINOR_SOLID 2    /* first version with QUAR, VERT and elements for tetrahedra */
+#define PLIANT_FORMAT_MINOR_PARTS 3    /* first version with BASC, BNDS, SMTH, GLTF, MRNG and ties between parts */
+#define PLIANT_FORMAT_MINOR_FACTORED 4 /* first version with BASF */
 
 /* "«PLIANT»", then CR LF EOF LF: a transfer in text mode breaks it visibly. */
 #define PLIANT_FORMAT_IDENTIFIER                                               \
@@ -36,6 +37,7 @@
 #define PLIANT_CHUNK_SCENE PLIANT_FORMAT_TAG('G', 'L', 'T', 'F')
 #define PLIANT_CHUNK_BASIS PLIANT_FORMAT_TAG('B', 'A', 'S', 'I')
 #define PLIANT_CHUNK_COMPACT PLIANT_FORMAT_TAG('B', 'A', 'S', 'C')
+#define PLIANT_CHUNK_FACTORED PLIANT_FORMAT_TAG('B', 'A', 'S', 'F')
 #define PLIANT_CHUNK_BOUNDS PLIANT_FORMAT_TAG('B', 'N', 'D', 'S')
 
 #define PLIANT_CHUNK_FLAG_REQUIRED 1u
@@ -52,9 +54,11 @@
 #define PLIANT_FORMAT_MAX_VALENCE 32u
 #define PLIANT_FORMAT_MAX_CENTRES 4096u
 #define PLIANT_FORMAT_MAX_ANSWERS 64u
-#define PLIANT_FORMAT_MAX_WIDTH 24u /* bits of a field of BASC: single precision holds them exactly */
+#define PLIANT_FORMAT_MAX_WIDTH 24u /* bits of a field of BASC and BASF: single precision holds them exactly */
 #define PLIANT_FORMAT_MAX_SHIFT 15u /* shift of a column's bases in BASC */
 #define PLIANT_FORMAT_MAX_CLUSTERS 256u
+#define PLIANT_FORMAT_MAX_BLOCK_VERTICES 65536u /* vertices of a block of BASF */
+#define PLIANT_FORMAT_MAX_PRODUCT_COLUMNS 192u  /* columns of the left factor of a tile of BASF */
 
 #define PLIANT_FORMAT_BLOB_ALIGNMENT 16u
 #define PLIANT_FORMAT_CHUNK_ALIGNMENT 64u
@@ -64,6 +68,8 @@
 #define PLIANT_FORMAT_TILE_FLOATS 48u
 #define PLIANT_FORMAT_COMPACT_PARTS 4u     /* number of REST tiles in a tile of BASC */
 #define PLIANT_FORMAT_COMPACT_VERTICES 64u /* vertices of a tile of BASC */
+#define PLIANT_FORMAT_AFFINE_ROWS 12u      /* rows of a right factor of BASF before those of its columns */
+#define PLIANT_FORMAT_ROW_GROUP 8u         /* the rows of a right factor are padded to a multiple of this */
 #define PLIANT_FORMAT_QUARTIC_LANES 8u     /* rows of QUAR start and end at multiples of this */
 
 typedef struct pliant_format_header {
@@ -128,6 +134,23 @@ typedef struct pliant_format_field {
     int16_t base[3]; /* of x, y and z */
     uint16_t width;
 } pliant_format_field; /* 8 bytes */
+
+/* First 64 bytes of BASF. */
+typedef struct pliant_format_factored {
+    uint32_t tile_count;
+    float position_error;    /* as in BASC */
+    uint32_t block_vertices; /* consecutive vertices that share tiles */
+    uint32_t reserved[13];
+} pliant_format_factored;
+
+/* A tile of BASF: at most 64 vertices of one block. */
+typedef struct pliant_format_product {
+    uint32_t offset; /* of its data, in words of 4 bytes from the start of the data */
+    uint16_t vertex_count;
+    uint16_t column_count; /* of the left factor */
+    float rest_origin[3];  /* rest = rest_origin + rest_scale * number */
+    float rest_scale;      /* 0: the tile is still, rest positions are in single precision */
+} pliant_format_product;   /* 24 bytes */
 
 /* A cluster of BNDS has 1 + d of these: one for its vertices at q = 0, then one for each column. */
 typedef struct pliant_format_interval {
@@ -240,5 +263,57 @@ static inline uint64_t pliant_format_compact_data(uint32_t dimension, uint32_t t
 /* Size of one part of a tile in words of 4 bytes: 6 words per 4 bits, rounded up. `bits` is the sum over the columns of bits
    per lane. */
 static inline uint32_t pliant_format_compact_part(uint32_t bits) { return (bits + 3) / 4 * 6; }
+
+/* Offsets from the start of BASF: its blocks (the first tile of each, and the number of tiles behind the last), its tiles
+   and its data. `block_vertices` is not 0. */
+static inline uint64_t pliant_format_factored_blocks(uint32_t dimension) { return pliant_format_compact_tiles(dimension); }
+
+static inline uint32_t pliant_format_block_count(uint32_t vertex_count, uint32_t block_vertices)
+{
+    return (vertex_count - 1) / block_vertices + 1;
+}
+
+static inline uint64_t pliant_format_factored_tiles(uint32_t dimension, uint32_t block_count)
+{
+    const uint64_t end = pliant_format_factored_blocks(dimension) + (block_count + (uint64_t)1) * sizeof(uint32_t);
+    return (end + PLIANT_FORMAT_CHUNK_ALIGNMENT - 1) / PLIANT_FORMAT_CHUNK_ALIGNMENT * PLIANT_FORMAT_CHUNK_ALIGNMENT;
+}
+
+static inline uint64_t pliant_format_factored_data(uint32_t dimension, uint32_t block_count, uint32_t tile_count)
+{
+    const uint64_t end
+        = pliant_format_factored_tiles(dimension, block_count) + tile_count * (uint64_t)sizeof(pliant_format_product);
+    return (end + PLIANT_FORMAT_CHUNK_ALIGNMENT - 1) / PLIANT_FORMAT_CHUNK_ALIGNMENT * PLIANT_FORMAT_CHUNK_ALIGNMENT;
+}
+
+/* Parts of 16 vertices in a tile of BASF. */
+static inline uint32_t pliant_format_product_parts(const pliant_format_product* tile)
+{
+    return (tile->vertex_count + PLIANT_FORMAT_TILE_VERTICES - 1) / PLIANT_FORMAT_TILE_VERTICES;
+}
+
+/* Rows of the right factor of a tile of BASF, padded; 0 for a still one. */
+static inline uint32_t pliant_format_product_rows(const pliant_format_product* tile)
+{
+    const uint32_t rows = PLIANT_FORMAT_AFFINE_ROWS + tile->column_count;
+    if (tile->rest_scale == 0.0f) return 0;
+    return (rows + PLIANT_FORMAT_ROW_GROUP - 1) / PLIANT_FORMAT_ROW_GROUP * PLIANT_FORMAT_ROW_GROUP;
+}
+
+/* The bases of a column of BASF are in units of 2^shift. */
+static inline uint32_t pliant_format_product_shift(uint32_t width) { return width > 15 ? width - 15 : 0; }
+
+/* Words of 4 bytes from the start of a tile of BASF to its fields, and from there to the left factor. */
+static inline uint32_t pliant_format_product_fields(const pliant_format_product* tile, uint32_t dimension)
+{
+    const uint32_t rows = pliant_format_product_rows(tile);
+    return pliant_format_product_parts(tile) * (PLIANT_FORMAT_TILE_VERTICES / 2) + rows + rows / 2 * dimension;
+}
+
+static inline uint32_t pliant_format_product_left(const pliant_format_product* tile)
+{
+    const uint32_t rest = tile->rest_scale == 0.0f ? PLIANT_FORMAT_TILE_FLOATS : PLIANT_FORMAT_TILE_FLOATS / 2;
+    return 2u * tile->column_count + pliant_format_product_parts(tile) * rest;
+}
 
 #endif

@@ -45,6 +45,7 @@ static int is_known_tag(uint32_t tag)
     case PLIANT_CHUNK_CERTIFICATE:
     case PLIANT_CHUNK_BASIS:
     case PLIANT_CHUNK_COMPACT:
+    case PLIANT_CHUNK_FACTORED:
     case PLIANT_CHUNK_BOUNDS: return 1;
     default: return 0;
     }
@@ -75,16 +76,18 @@ static pliant_result check_chunk_table(pliant_open_context* context)
 
 static pliant_result check_presence(const pliant_open_context* context)
 {
-    static const uint32_t required[] = { PLIANT_CHUNK_SOLVER, PLIANT_CHUNK_REST,    PLIANT_CHUNK_TRIANGLES,
-                                         PLIANT_CHUNK_NAMES,  PLIANT_CHUNK_ANSWERS, PLIANT_CHUNK_CERTIFICATE };
+    static const uint32_t required[] = { PLIANT_CHUNK_SOLVER, PLIANT_CHUNK_TRIANGLES, PLIANT_CHUNK_NAMES,
+                                         PLIANT_CHUNK_ANSWERS, PLIANT_CHUNK_CERTIFICATE };
     for (size_t i = 0; i < sizeof required / sizeof *required; ++i)
         if (!pliant_open_find(context, required[i])) return PLIANT_ERROR_LAYOUT;
-    /* One surrogate energy and one basis, and not two. */
+    /* One surrogate energy and one basis, and not two; BASF has the rest positions in it. */
     if (!pliant_open_find(context, PLIANT_CHUNK_ELEMENTS) == !pliant_open_find(context, PLIANT_CHUNK_QUARTIC))
         return PLIANT_ERROR_LAYOUT;
-    return !pliant_open_find(context, PLIANT_CHUNK_BASIS) != !pliant_open_find(context, PLIANT_CHUNK_COMPACT)
-        ? PLIANT_OK
-        : PLIANT_ERROR_LAYOUT;
+    const int has_rest = pliant_open_find(context, PLIANT_CHUNK_REST) != NULL;
+    const int is_single = pliant_open_find(context, PLIANT_CHUNK_BASIS) != NULL;
+    const int is_compact = pliant_open_find(context, PLIANT_CHUNK_COMPACT) != NULL;
+    const int is_factored = pliant_open_find(context, PLIANT_CHUNK_FACTORED) != NULL;
+    return is_single + is_compact + is_factored == 1 && has_rest == !is_factored ? PLIANT_OK : PLIANT_ERROR_LAYOUT;
 }
 
 /* ------------------------------------------------------------------------------------------------------ checksums ---- */

@@ -62,6 +62,9 @@ static inline int pliant_is_finite(float value)
     return (bits & 0x7F800000u) != 0x7F800000u;
 }
 
+/* Whether an asset has what positions are rebuilt from, in one of the three forms. */
+static inline int pliant_has_shape(const pliant_asset* asset) { return asset->rest || asset->products; }
+
 /* ------------------------------------------------------------------------------------------------------ kernels ---- */
 
 /* Rows of a block: some lanes of a batch, one column for each reduced coordinate. */
@@ -132,14 +135,14 @@ typedef struct pliant_frame {
     const float* q;
     uint32_t columns;                          /* how many count */
     float origin[PLIANT_FORMAT_TILE_FLOATS];   /* of the asset, for every vertex of a tile */
-    float scaled[PLIANT_FORMAT_MAX_DIMENSION]; /* of BASC: q by the columns' scales */
-    /* and by those of their bases: three times each, then 0 for a field's width */
+    float scaled[PLIANT_FORMAT_MAX_DIMENSION]; /* of BASC and BASF: q by the columns' scales */
+    /* of BASC: and by those of their bases: three times each, then 0 for a field's width */
     float bases[4 * PLIANT_FORMAT_MAX_DIMENSION];
 } pliant_frame;
 
 void pliant_frame_begin(const pliant_asset* asset, const float* q, uint32_t columns, pliant_frame* frame);
 
-/* The vertices of tile `tile` of BASI. */
+/* The vertices of tile `tile` of BASI, x y z each, or of BASF: 16 times x, then y, then z, in each of its parts. */
 typedef void pliant_tile_kernel(const pliant_asset* asset, const pliant_frame* frame, size_t tile,
                                 float* PLIANT_RESTRICT out);
 
@@ -173,6 +176,7 @@ typedef void pliant_normals_kernel(const pliant_normals* normals, const unsigned
     X(quartic, evaluate_quartic, avx2)           \
     X(tile, rebuild_tile, avx2)                  \
     X(compact, rebuild_compact, avx512)          \
+    X(tile, rebuild_factored, avx512)            \
     X(normals, normals_of_block, avx2)
 /* clang-format on */
 

@@ -77,10 +77,10 @@ typedef enum pliant_result {
     PLIANT_ERROR_NOT_PLIANT = 21, /**< R02: not a .pliant file */
     PLIANT_ERROR_VERSION = 22,    /**< R03, R07: another major version, or an unknown chunk that is required */
     PLIANT_ERROR_LIMIT = 23,      /**< R05: a count outside its range */
-    /** R06, R07, R09, R14 .. R16, R18: a chunk is missing, misplaced or of the wrong size, or reserved bits are set. */
+    /** R06, R07, R09, R14 .. R16, R18, R21: a chunk is missing, misplaced or of the wrong size, or reserved bits are set. */
     PLIANT_ERROR_LAYOUT = 24,
     PLIANT_ERROR_NUMBER = 25,   /**< R10, R13, R17, R19, R20: a number that is not finite or out of range */
-    PLIANT_ERROR_INDEX = 26,    /**< R11: a vertex index out of range, or inconsistent names or polygons */
+    PLIANT_ERROR_INDEX = 26,    /**< R11, R22: a vertex index out of range, or inconsistent names or polygons */
     PLIANT_ERROR_CHECKSUM = 27, /**< R08, R12: a checksum does not match, the file was damaged */
 
     /* the weights */
@@ -129,14 +129,18 @@ typedef struct pliant_asset {
     uint64_t quartic_floats;        /**< from one pose's table to the next */
     const float* predictor_centres; /**< null without a predictor */
     const float* predictor_coefficients;
-    const float* load_coefficients; /**< null without a dead load */
-    const float* morph_ranges;      /**< lows, then highs, padded; null without them */
-    const float* rest;
-    const float* basis;                         /**< null with a compact basis */
-    const struct pliant_format_column* columns; /**< of a compact basis; null without */
-    const struct pliant_format_tile* tiles;
+    const float* load_coefficients;             /**< null without a dead load */
+    const float* morph_ranges;                  /**< lows, then highs, padded; null without them */
+    const float* rest;                          /**< null with a factored basis */
+    const float* basis;                         /**< null with a compact or factored basis */
+    const struct pliant_format_column* columns; /**< of a compact or factored basis; null without */
+    const struct pliant_format_tile* tiles;     /**< of a compact basis; null without */
     const struct pliant_format_field* fields;
     const uint32_t* data;
+    const struct pliant_format_product* products; /**< tiles of a factored basis; null without */
+    const uint32_t* blocks;                       /**< the first of them in each block, and their number */
+    uint64_t data_words;                          /**< of a factored basis */
+    uint32_t block_vertices;
     const struct pliant_format_interval* bounds; /**< null without clusters */
     uint32_t cluster_count;
     uint32_t batch_count;
@@ -249,11 +253,16 @@ PLIANT_API pliant_result pliant_solve(pliant_solver* solver, const float* weight
 /** Positions of vertices first .. first+count-1 for the coordinates `q` (dimension floats), in units of the input meshes.
    Position i is written as three floats at (char*)positions + i * stride, where i counts from 0 at vertex `first`. `stride`
    is in bytes, at least 12 and a multiple of 4. Vertices from vertex_count on are not written. Ranges that start at
-   multiples of 64 are fastest; ranges may run on different threads.
-   Cost: reads the basis of the vertices once, forwards: per vertex and dimension about 4 bytes of a compact basis, or 12
-   bytes in single precision (`pliant info`), plus 12 bytes per vertex. */
+   multiples of pliant_range_unit are fastest; ranges may run on different threads.
+   Cost: reads the basis of the vertices once: per vertex and dimension 1 to 2 bytes of a factored basis, about 4 bytes of a
+   compact one, or 12 bytes in single precision (`pliant info`), plus at most 12 bytes per vertex. */
 PLIANT_API void pliant_reconstruct(const pliant_asset* asset, const float* q, uint32_t first, uint32_t count,
                                    float* positions, size_t stride);
+
+/** The number of consecutive vertices that are rebuilt together, 16 .. 65536: ranges on different threads should start at
+   multiples of it. Other ranges give the same positions, but each of them costs as much as the whole units that it touches,
+   where the basis is factored. 0 if `asset` is not open. */
+PLIANT_API uint32_t pliant_range_unit(const pliant_asset* asset);
 
 /** As pliant_reconstruct, from the first `columns` dimensions of q only, as if the others were zero. Fewer columns take less
    time. The columns of a compact basis are sorted by how far they move blends, the largest first. */

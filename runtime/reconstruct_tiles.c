@@ -1,6 +1,6 @@
-/* The kernels of reconstruction: y = origin + rest + U q for one tile of 16 or 64 vertices. Above some thousand vertices the
-   cost is the reading of the basis, so the basis is read once, strictly forwards or nearly so, into sums that stay in
-   registers. */
+/* The kernels of reconstruction: y = origin + rest + U q for one tile of 16 or 64 vertices, U as it is or as a product.
+   Above some thousand vertices the cost is the reading of the basis, so the basis is read once, strictly forwards or nearly
+   so, into sums that stay in registers. */
 #include "internal.h"
 
 /* Shuffles that no compiler finds in a loop over bytes, without headers: gcc 12 and clang. Integers only, or the same
@@ -16,8 +16,11 @@
 /* Before a loop over the parts of a tile: unrolled, their sums can be registers. */
 #if defined(__GNUC__) && !defined(__clang__)
 #define UNROLL _Pragma("GCC unroll 4")
+/* Before a short loop over lanes: gcc would unroll it and then find no vectors in what it has made. */
+#define KEEP_LOOP _Pragma("GCC unroll 1")
 #else
 #define UNROLL
+#define KEEP_LOOP
 #endif
 
 #define TILE_VERTICES PLIANT_FORMAT_TILE_VERTICES
@@ -189,32 +192,40 @@ static PLIANT_INLINE void read_tails(const unsigned char* bytes, size_t stride, 
     }
 }
 
-/* What the parts of a tile share. */
-typedef struct compact_tile {
+/* Fields of a tile's columns, and what they are multiplied by: `factor * weights[j]`. */
+typedef struct packed_columns {
     const pliant_format_field* fields;
+    const float* weights;
     float factor;
-    size_t part_words;        /* of one part */
-    uint32_t whole;           /* words of 32 bits a lane in it, before the tail */
+    size_t count;
+    size_t part_words; /* of one part */
+    uint32_t whole;    /* words of 32 bits a lane in it, before the tail */
+} packed_columns;
+
+/* What the parts of a compact tile share. */
+typedef struct compact_tile {
+    packed_columns columns;
     float bases[TILE_FLOATS]; /* the sum of the columns' bases, for every vertex */
 } compact_tile;
 
 /* Adds the fields of `parts` parts, weighted, to their sums: column by column, so that what a column needs is worked out
    once for all parts. */
-static PLIANT_INLINE void add_parts(const pliant_frame* frame, const compact_tile* tile, const uint32_t* words,
-                                    const uint32_t* tail, size_t parts, float* PLIANT_RESTRICT sum)
+static PLIANT_INLINE void add_parts(const packed_columns* columns, const uint32_t* words, const uint32_t* tail, size_t parts,
+                                    float* PLIANT_RESTRICT sum)
 {
     const word_rows tails = { tail, TILE_FLOATS };
     uint32_t at = 0;
-    for (size_t j = 0; j < frame->columns; ++j) {
-        const uint32_t width = tile->fields[j].width, shift = at % WORD_BITS, k = at / WORD_BITS, mask = (1u << width) - 1u;
+    for (size_t j = 0; j < columns->count; ++j) {
+        const uint32_t width = columns->fields[j].width, shift = at % WORD_BITS, k = at / WORD_BITS,
+                       mask = (1u << width) - 1u;
         if (width == 0) continue;
-        const float factor = tile->factor * frame->scaled[j];
-        const word_rows here = { words + (size_t)k * TILE_FLOATS, tile->part_words },
-                        behind = { here.first + TILE_FLOATS, tile->part_words }, word = k < tile->whole ? here : tails;
+        const float factor = columns->factor * columns->weights[j];
+        const word_rows here = { words + (size_t)k * TILE_FLOATS, columns->part_words },
+                        behind = { here.first + TILE_FLOATS, columns->part_words }, word = k < columns->whole ? here : tails;
         if (shift + width < WORD_BITS)
             add_inner(sum, parts, factor * negative_power(shift), word, mask << shift);
         else
-            add_crossing(sum, parts, factor, word, k + 1 < tile->whole ? behind : tails, shift, mask);
+            add_crossing(sum, parts, factor, word, k + 1 < columns->whole ? behind : tails, shift, mask);
         at += width;
     }
 }
@@ -283,8 +294,8 @@ static PLIANT_INLINE void rebuild_parts(const pliant_frame* frame, const compact
     float sum[PARTS * TILE_FLOATS];
     UNROLL
     for (size_t p = 0; p < parts; ++p)
-        for (size_t i = 0; i < TILE_FLOATS; ++i) sum[p * TILE_FLOATS + i] = tile->factor * tile->bases[i];
-    add_parts(frame, tile, words, tail, parts, sum);
+        for (size_t i = 0; i < TILE_FLOATS; ++i) sum[p * TILE_FLOATS + i] = tile->columns.factor * tile->bases[i];
+    add_parts(&tile->columns, words, tail, parts, sum);
     UNROLL
     for (size_t p = 0; p < parts; ++p)
         for (size_t i = 0; i < TILE_FLOATS; ++i)
@@ -316,13 +327,16 @@ static PLIANT_INLINE void rebuild_compact(const pliant_asset* asset, const plian
     compact_tile shared;
     fetch(words + parts * part, parts * part * sizeof *words);
     fetch(rest + parts * TILE_FLOATS, parts * TILE_FLOATS * sizeof *rest);
-    shared.fields = asset->fields + tile * asset->dimension;
-    shared.factor = asset->tiles[tile].factor;
-    shared.part_words = part;
-    shared.whole = bits / WORD_BITS;
-    sum_bases(frame, shared.fields, base);
+    const packed_columns columns = { asset->fields + tile * asset->dimension,
+                                     frame->scaled,
+                                     asset->tiles[tile].factor,
+                                     frame->columns,
+                                     part,
+                                     bits / WORD_BITS };
+    shared.columns = columns;
+    sum_bases(frame, columns.fields, base);
     spread(base, shared.bases);
-    read_tails((const unsigned char*)(words + (size_t)shared.whole * TILE_FLOATS), part * sizeof *words, parts,
+    read_tails((const unsigned char*)(words + (size_t)columns.whole * TILE_FLOATS), part * sizeof *words, parts,
                bits % WORD_BITS, tail);
     if (parts == PARTS)
         rebuild_parts(frame, &shared, words, tail, rest, PARTS, out);
@@ -332,12 +346,129 @@ static PLIANT_INLINE void rebuild_compact(const pliant_asset* asset, const plian
                           out + p * TILE_FLOATS);
 }
 
+/* -------------------------------------------------------------------------------------------------------- factored ---- */
+
+#define AFFINE_ROWS PLIANT_FORMAT_AFFINE_ROWS
+#define ROW_GROUP PLIANT_FORMAT_ROW_GROUP
+#define MOST_ROWS (PLIANT_FORMAT_MAX_PRODUCT_COLUMNS + AFFINE_ROWS + ROW_GROUP)
+
+/* rows += the product of the `width` columns from `column` on with q, 4 or 1: of four the chain of additions is a fourth as
+   long. */
+static PLIANT_INLINE void add_columns(const float* q, const int16_t* PLIANT_RESTRICT column, size_t width, size_t count,
+                                      float* PLIANT_RESTRICT rows)
+{
+    const int16_t *const second = column + count, *const third = second + count, *const fourth = third + count;
+    if (width == 4)
+        for (size_t i = 0; i < count; ++i)
+            rows[i]
+                += (q[0] * (float)column[i] + q[1] * (float)second[i]) + (q[2] * (float)third[i] + q[3] * (float)fourth[i]);
+    else
+        for (size_t i = 0; i < count; ++i) rows[i] += q[0] * (float)column[i];
+}
+
+/* rows[i] = scales[i] * (right factor * q)[i]. Columns that a frame leaves out count as zeros: the same bits either way. */
+static PLIANT_INLINE void multiply_right(const pliant_frame* frame, size_t dimension, const float* PLIANT_RESTRICT scales,
+                                         const int16_t* right, size_t count, float* PLIANT_RESTRICT rows)
+{
+    const size_t grouped = dimension / 4 * 4;
+    memset(rows, 0, count * sizeof *rows);
+    for (size_t j = 0; j < grouped && j < frame->columns; j += 4)
+        add_columns(frame->scaled + j, right + j * count, 4, count, rows);
+    for (size_t j = grouped; j < frame->columns; ++j) add_columns(frame->scaled + j, right + j * count, 1, count, rows);
+    for (size_t i = 0; i < count; ++i) rows[i] *= scales[i];
+}
+
+/* One coordinate of 16 vertices: sum = constant + linear . x, x being three rows of 16. */
+static PLIANT_INLINE void begin_lanes(float constant, float along_x, float along_y, float along_z,
+                                      const float* PLIANT_RESTRICT x, float* PLIANT_RESTRICT sum)
+{
+    KEEP_LOOP
+    for (size_t i = 0; i < TILE_VERTICES; ++i)
+        sum[i] = constant + along_x * x[i] + along_y * x[TILE_VERTICES + i] + along_z * x[2 * TILE_VERTICES + i];
+}
+
+/* out = (scale * x + sum) + origin */
+static PLIANT_INLINE void end_lanes(float scale, float origin, const float* PLIANT_RESTRICT x,
+                                    const float* PLIANT_RESTRICT sum, float* PLIANT_RESTRICT out)
+{
+    KEEP_LOOP
+    for (size_t i = 0; i < TILE_VERTICES; ++i) out[i] = (scale * x[i] + sum[i]) + origin;
+}
+
+static PLIANT_INLINE void rebuild_still(const pliant_frame* frame, const float* PLIANT_RESTRICT rest, size_t parts,
+                                        float* PLIANT_RESTRICT out)
+{
+    for (size_t p = 0; p < 3 * parts; ++p)
+        for (size_t i = 0; i < TILE_VERTICES; ++i)
+            out[p * TILE_VERTICES + i] = rest[p * TILE_VERTICES + i] + frame->origin[p % 3];
+}
+
+/* The sums of `parts` parts, `tail` and `x` being theirs. */
+static PLIANT_INLINE void rebuild_products(const pliant_frame* frame, const pliant_format_product* tile,
+                                           const packed_columns* columns, const float* rows, const float* constant,
+                                           const uint32_t* words, const uint32_t* tail, const float* x, size_t parts,
+                                           float* PLIANT_RESTRICT out)
+{
+    float sum[PARTS * TILE_FLOATS];
+    UNROLL
+    for (size_t p = 0; p < parts; ++p)
+        for (size_t c = 0; c < 3; ++c)
+            begin_lanes(constant[c], rows[3 + c], rows[6 + c], rows[9 + c], x + p * TILE_FLOATS,
+                        sum + p * TILE_FLOATS + c * TILE_VERTICES);
+    add_parts(columns, words, tail, parts, sum);
+    for (size_t p = 0; p < 3 * parts; ++p)
+        end_lanes(tile->rest_scale, tile->rest_origin[p % 3] + frame->origin[p % 3], x + p * TILE_VERTICES,
+                  sum + p * TILE_VERTICES, out + p * TILE_VERTICES);
+}
+
+/* All vertices of a tile: per part 16 times x, then y, then z. */
+static PLIANT_INLINE void rebuild_factored(const pliant_asset* asset, const pliant_frame* frame, size_t index,
+                                           float* PLIANT_RESTRICT out)
+{
+    const pliant_format_product* const tile = asset->products + index;
+    const size_t parts = pliant_format_product_parts(tile), count = pliant_format_product_rows(tile);
+    const uint32_t* const start = asset->data + tile->offset;
+    const float* const scales = (const float*)(const void*)(start + parts * (TILE_VERTICES / 2));
+    if (count == 0) {
+        rebuild_still(frame, scales, parts, out);
+        return;
+    }
+    const uint32_t* const behind = start + pliant_format_product_fields(tile, asset->dimension);
+    const pliant_format_field* const fields = (const pliant_format_field*)(const void*)behind;
+    const uint16_t* const numbers = (const uint16_t*)(const void*)(fields + tile->column_count);
+    const uint32_t* const words = behind + pliant_format_product_left(tile);
+    float rows[MOST_ROWS], x[PARTS * TILE_FLOATS], constant[3];
+    uint32_t tail[PARTS * TILE_FLOATS], bits = 0;
+    multiply_right(frame, asset->dimension, scales, (const int16_t*)(const void*)(scales + count), count, rows);
+    memcpy(constant, rows, sizeof constant);
+    for (size_t j = 0; j < tile->column_count; ++j) {
+        const float unit = (float)(1u << pliant_format_product_shift(fields[j].width));
+        bits += fields[j].width;
+        for (size_t c = 0; c < 3; ++c) constant[c] += rows[AFFINE_ROWS + j] * ((float)fields[j].base[c] * unit);
+    }
+    for (size_t i = 0; i < parts * TILE_FLOATS; ++i) x[i] = (float)numbers[i];
+    const size_t part = pliant_format_compact_part(bits);
+    bits = (bits + 3) / 4 * 4;
+    const packed_columns columns = { fields, rows + AFFINE_ROWS, 1.0f, tile->column_count, part, bits / WORD_BITS };
+    read_tails((const unsigned char*)(words + (size_t)columns.whole * TILE_FLOATS), part * sizeof *words, parts,
+               bits % WORD_BITS, tail);
+    if (parts == PARTS)
+        rebuild_products(frame, tile, &columns, rows, constant, words, tail, x, PARTS, out);
+    else
+        for (size_t p = 0; p < parts; ++p)
+            rebuild_products(frame, tile, &columns, rows, constant, words + p * part, tail + p * TILE_FLOATS,
+                             x + p * TILE_FLOATS, 1, out + p * TILE_FLOATS);
+}
+
 PLIANT_KERNEL(rebuild_tile, (const pliant_asset* asset, const pliant_frame* frame, size_t tile, float* PLIANT_RESTRICT out),
               (asset, frame, tile, out))
 PLIANT_WIDE_KERNEL(rebuild_compact,
                    (const pliant_asset* asset, const pliant_frame* frame, size_t tile, size_t first, size_t end,
                     float* PLIANT_RESTRICT out),
                    (asset, frame, tile, first, end, out))
+PLIANT_WIDE_KERNEL(rebuild_factored,
+                   (const pliant_asset* asset, const pliant_frame* frame, size_t tile, float* PLIANT_RESTRICT out),
+                   (asset, frame, tile, out))
 
 /* ----------------------------------------------------------------------------------------------------------- frame ---- */
 
@@ -346,10 +477,11 @@ void pliant_frame_begin(const pliant_asset* asset, const float* q, uint32_t colu
     frame->q = q;
     spread(asset->origin, frame->origin);
     frame->columns = columns < asset->dimension ? columns : asset->dimension;
-    if (asset->columns)
-        for (size_t j = 0; j < frame->columns; ++j) {
-            frame->scaled[j] = q[j] * asset->columns[j].scale;
-            for (size_t c = 0; c < 4; ++c)
-                frame->bases[4 * j + c] = c < 3 ? frame->scaled[j] * (float)(1u << asset->columns[j].shift) : 0.0f;
-        }
+    if (!asset->columns) return;
+    for (size_t j = frame->columns; j % 4 != 0; ++j) frame->scaled[j] = 0.0f; /* the rest of a group of columns */
+    for (size_t j = 0; j < frame->columns; ++j) {
+        frame->scaled[j] = q[j] * asset->columns[j].scale;
+        for (size_t c = 0; c < 4; ++c)
+            frame->bases[4 * j + c] = c < 3 ? frame->scaled[j] * (float)(1u << asset->columns[j].shift) : 0.0f;
+    }
 }

@@ -76,10 +76,10 @@ StoredMesh stored_render_mesh(const RenderMesh& drawn, const PoseSet& poses, con
 AssetModel assemble(const NormalizedPoses& set, const FittedModel& fitted, StoredMesh mesh, const PoseSet& poses,
                     const Eigen::MatrixXd& reachable, const BakeOptions& options)
 {
-    // Vertices that are held stay where they are to the bit, which sums of rounded numbers would not keep.
-    const double position_error = set.is_free() ? options.position_error * set.diagonal : 0;
     const Embedding* embedding = mesh.embedding ? &*mesh.embedding : nullptr;
-    StoredShape shape = store_shape(set, fitted.subspace, embedding, reachable, position_error);
+    const std::size_t boundary_count = mesh.source_vertices.empty() ? mesh.vertex_count : mesh.boundary_vertex_count;
+    StoredShape shape
+        = store_shape(set, fitted.subspace, embedding, reachable, options.basis_error() * set.diagonal, boundary_count);
     return { set, fitted.subspace, fitted.model, fitted.mean_shape(), std::move(mesh), std::move(shape), poses.names };
 }
 

@@ -48,7 +48,7 @@ Json subspace_of(const BakeReport& report, const BakeOptions& options)
 Json basis_of(const BakeReport& report, const BakeOptions& options)
 {
     return { { "compact", report.check.basis.is_compact },
-             { "position_error", options.position_error },
+             { "position_error", options.basis_error() },
              { "largest_difference", report.check.basis.largest_difference },
              { "bytes_per_number", report.check.basis.bytes_per_number } };
 }

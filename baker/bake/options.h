@@ -7,6 +7,7 @@
 #include "elastic/energy/discrete_shells.h"
 #include "reduced/surrogate/cubature.h"
 
+#include <algorithm>
 #include <cstdint>
 #include <memory>
 #include <optional>
@@ -47,9 +48,11 @@ struct BakeOptions {
     CubatureSolver cubature_solver = CubatureSolver::nnls;
     std::size_t ghost_vertex_count = 800;
     std::uint64_t seed = 1;
-    int check_count = 24;         // weights at which d, the elements and the dead load are judged
-    int fresh_count = 16;         // weights that nothing was chosen by
-    double position_error = 1e-5; // of a vertex by storing the basis in few bits, over the diagonal; 0: single precision
+    int check_count = 24; // weights at which d, the elements and the dead load are judged
+    int fresh_count = 16; // weights that nothing was chosen by
+    // Of a vertex by storing the basis in few bits, over the diagonal; 0: single precision. Without one: basis_error().
+    std::optional<double> position_error;
+    double basis_error() const { return position_error.value_or(std::min(5e-5, tolerance / 20)); }
     // Seconds from the start of the bake, after which it refines no more and writes the best so far. 0: it refines nothing.
     std::optional<double> time_limit;
     bool keep_scene = true; // of poses from glTF: store materials, texture coordinates and images

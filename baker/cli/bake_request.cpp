@@ -70,12 +70,13 @@ void add_bake_options(CLI::App& verb, BakeRequest& r)
                     "no choice")
         ->check(CLI::Range(0, 1000))
         ->capture_default_str();
-    verb.add_option(
-            "--position-error", r.bake.position_error,
+    verb.add_option_function<double>(
+            "--position-error", [&r](double error) { r.bake.position_error = error; },
             "Allowed displacement of a vertex by the compact storage of the basis, as a fraction of the bounding-box "
-            "diagonal; 0 stores single precision, as --fix always does")
+            "diagonal; 0 stores single precision")
         ->check(CLI::Range(0.0, 1e-2))
-        ->capture_default_str();
+        ->default_str("5e-5 or a twentieth of --tolerance")
+        ->type_name("FLOAT");
     verb.add_option_function<double>(
             "--time-limit", [&r](double seconds) { r.bake.time_limit = seconds; },
             "Stop refining after so many seconds and write the best asset so far, even if it misses --tolerance (the exit "

@@ -14,12 +14,13 @@ import zlib
 import numpy as np
 
 from pliant_reference_scene import Scene
-from pliant_reference_shape import MAX_CLUSTERS, Clusters, Compact
+from pliant_reference_shape import MAX_CLUSTERS, Clusters, Compact, Factored
 from pliant_reference_solid import Layout, Quartic, evaluate_tet_mooney_rivlin, evaluate_tet_stvk
 
 IDENTIFIER = bytes([0xAB]) + b"PLIANT" + bytes([0xBB]) + b"\r\n\x1a\n"
-REQUIRED = ("SOLV", "REST", "TRIS", "NAME", "ANSW", "CERT")
-KNOWN = REQUIRED + ("ELEM", "QUAR", "PRED", "LOAD", "POLY", "VERT", "SMTH", "MRNG", "GLTF", "BASI", "BASC", "BNDS")
+REQUIRED = ("SOLV", "TRIS", "NAME", "ANSW", "CERT")
+KNOWN = REQUIRED + ("ELEM", "QUAR", "PRED", "LOAD", "REST", "POLY", "VERT", "SMTH", "MRNG", "GLTF", "BASI", "BASC", "BASF",
+                    "BNDS")
 HINGE, NEO_HOOKEAN, STVK, EDGE, ARAP, TET_STVK, TET_MOONEY_RIVLIN, TIE = range(1, 9)
 
 
@@ -117,7 +118,8 @@ class Asset:
         for tag in REQUIRED:
             require(tag in self.chunks, "R07", f"{tag} is missing")
         require(("ELEM" in self.chunks) != ("QUAR" in self.chunks), "R07", "not exactly one of ELEM and QUAR")
-        require(("BASI" in self.chunks) != ("BASC" in self.chunks), "R07", "not exactly one of BASI and BASC")
+        require(sum(tag in self.chunks for tag in ("BASI", "BASC", "BASF")) == 1, "R07", "not exactly one basis")
+        require(("REST" in self.chunks) != ("BASF" in self.chunks), "R07", "not exactly one of REST and BASF")
 
     def verify_checksums(self):
         head = bytearray(self.blob[:64 + 32 * self.chunk_count])
@@ -229,14 +231,18 @@ class Asset:
 
     def read_shape(self):
         tiles, d, n = (self.vertex_count + 15) // 16, self.dimension, self.vertex_count
-        rest = self.bytes_of("REST")
-        require(len(rest) == tiles * 192, "R09", "size of REST")
-        self.rest = np.frombuffer(rest, "<f4").reshape(tiles * 16, 3)[:n].astype(float)
-        self.compact, self.clusters = None, None
+        self.compact, self.factored, self.clusters = None, None, None
+        if "BASF" in self.chunks:
+            self.factored = Factored(self.bytes_of("BASF"), self.flags["BASF"], d, n, require)
+            self.rest, self.basis = self.factored.rest, self.factored.basis
+        else:
+            rest = self.bytes_of("REST")
+            require(len(rest) == tiles * 192, "R09", "size of REST")
+            self.rest = np.frombuffer(rest, "<f4").reshape(tiles * 16, 3)[:n].astype(float)
         if "BASC" in self.chunks:
             self.compact = Compact(self.bytes_of("BASC"), self.flags["BASC"], d, n, require)
             self.basis = self.compact.basis
-        else:
+        elif not self.factored:
             basis = self.bytes_of("BASI")
             require(len(basis) == tiles * d * 192, "R09", "size of BASI")
             tiled = np.frombuffer(basis, "<f4").reshape(tiles, d, 16, 3)

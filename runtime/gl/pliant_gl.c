@@ -138,8 +138,7 @@ pliant_gl_result pliant_gl_init(pliant_gl* out, pliant_gl_loader load, const pli
 void pliant_gl_free(pliant_gl* gl)
 {
     if (!gl || gl->magic != PLIANT_GL_MAGIC) return;
-    GL(gl, DeleteProgram)(gl->position_program);
-    GL(gl, DeleteProgram)(gl->normal_program);
+    pliant_gl_delete_programs(gl);
     GL(gl, DeleteVertexArrays)(1, &gl->vertex_array);
     gl->magic = 0;
 }
@@ -189,39 +188,69 @@ static void bind_texture(const pliant_gl* gl, uint32_t unit, gl_name texture)
     GL(gl, BindTexture)(GL_TEXTURE_2D_ARRAY, texture);
 }
 
-/* Runs the program in use once for every vertex, its output going to `buffer`. */
-static void run_feedback(const pliant_gl_mesh* mesh, gl_name buffer)
+/* Runs the program in use `count` times, its output going to `buffer`. */
+static void run_feedback(const pliant_gl* gl, uint32_t count, gl_name buffer)
 {
-    const pliant_gl* gl = mesh->gl;
     GL(gl, BindBufferBase)(GL_TRANSFORM_FEEDBACK_BUFFER, 0, buffer);
     GL(gl, BeginTransformFeedback)(GL_POINTS);
-    GL(gl, DrawArrays)(GL_POINTS, 0, (gl_int)mesh->vertex_count);
+    GL(gl, DrawArrays)(GL_POINTS, 0, (gl_int)count);
     GL(gl, EndTransformFeedback)();
     GL(gl, BindBufferBase)(GL_TRANSFORM_FEEDBACK_BUFFER, 0, 0);
 }
 
-static void run_compute(const pliant_gl_mesh* mesh, gl_int count_location)
+static void run_compute(const pliant_gl* gl, uint32_t count, gl_int count_location)
 {
-    const uint32_t groups = (mesh->vertex_count + PLIANT_GL_GROUP - 1) / PLIANT_GL_GROUP;
+    const uint32_t groups = (count + PLIANT_GL_GROUP - 1) / PLIANT_GL_GROUP;
     const uint32_t width = groups < 32768u ? groups : 32768u; /* 65,535 is all that is promised */
-    GL(mesh->gl, Uniform1ui)(count_location, mesh->vertex_count);
-    GL(mesh->gl, DispatchCompute)(width, (groups + width - 1) / width, 1);
-    GL(mesh->gl, MemoryBarrier)(GL_ALL_BARRIER_BITS);
+    GL(gl, Uniform1ui)(count_location, count);
+    GL(gl, DispatchCompute)(width, (groups + width - 1) / width, 1);
+    GL(gl, MemoryBarrier)(GL_ALL_BARRIER_BITS);
+}
+
+/* The same on the path of `gl`. */
+static void run(const pliant_gl* gl, uint32_t count, gl_name buffer, gl_int count_location)
+{
+    if (gl->path == PLIANT_GL_PATH_COMPUTE) {
+        GL(gl, BindBufferBase)(GL_SHADER_STORAGE_BUFFER, 0, buffer);
+        run_compute(gl, count, count_location);
+    } else {
+        run_feedback(gl, count, buffer);
+    }
+}
+
+/* Transform feedback takes points from no attributes and rasterises nothing. */
+static void begin_passes(const pliant_gl* gl)
+{
+    if (gl->path != PLIANT_GL_PATH_FEEDBACK) return;
+    GL(gl, BindVertexArray)(gl->vertex_array);
+    GL(gl, Enable)(GL_RASTERIZER_DISCARD);
+}
+
+void pliant_gl_update_rows(const pliant_gl_mesh* mesh, const float* q, uint32_t columns)
+{
+    const pliant_gl* gl = mesh->gl;
+    begin_passes(gl);
+    GL(gl, UseProgram)(gl->row_program);
+    bind_texture(gl, PLIANT_GL_UNIT_SHAPE, mesh->shape_texture);
+    pliant_gl_set_shape(mesh, &gl->row_locations, PLIANT_GL_UNIT_SHAPE, PLIANT_GL_UNIT_SHAPE, q, columns);
+    run(gl, mesh->row_count, mesh->row_buffer, gl->row_count);
+    bind_texture(gl, PLIANT_GL_UNIT_ROWS, mesh->row_texture);
+    GL(gl, BindBuffer)(GL_PIXEL_UNPACK_BUFFER, mesh->row_buffer);
+    pliant_gl_put_rows(mesh);
+    GL(gl, BindBuffer)(GL_PIXEL_UNPACK_BUFFER, 0);
 }
 
 static void update_positions(const pliant_gl_instance* instance, const float* q, uint32_t columns)
 {
     const pliant_gl_mesh* mesh = instance->mesh;
     const pliant_gl* gl = mesh->gl;
+    if (mesh->row_count) pliant_gl_update_rows(mesh, q, columns);
+    begin_passes(gl);
     GL(gl, UseProgram)(gl->position_program);
     bind_texture(gl, PLIANT_GL_UNIT_SHAPE, mesh->shape_texture);
-    pliant_gl_set_shape(mesh, &gl->locations, PLIANT_GL_UNIT_SHAPE, q, columns);
-    if (gl->path == PLIANT_GL_PATH_COMPUTE) {
-        GL(gl, BindBufferBase)(GL_SHADER_STORAGE_BUFFER, 0, instance->position_buffer);
-        run_compute(mesh, gl->position_count);
-    } else {
-        run_feedback(mesh, instance->position_buffer);
-    }
+    pliant_gl_set_shape(mesh, &gl->locations, PLIANT_GL_UNIT_SHAPE,
+                        mesh->row_count ? PLIANT_GL_UNIT_ROWS : PLIANT_GL_UNIT_SHAPE, q, columns);
+    run(gl, mesh->vertex_count, instance->position_buffer, gl->position_count);
 }
 
 /* Under transform feedback normals gather positions from a texture, filled from the buffer without leaving the device. */
@@ -235,14 +264,14 @@ static void update_normals(const pliant_gl_instance* instance)
     if (gl->path == PLIANT_GL_PATH_COMPUTE) {
         GL(gl, BindBufferBase)(GL_SHADER_STORAGE_BUFFER, 0, instance->position_buffer);
         GL(gl, BindBufferBase)(GL_SHADER_STORAGE_BUFFER, 1, instance->normal_buffer);
-        run_compute(mesh, gl->normal_count);
+        run_compute(gl, mesh->vertex_count, gl->normal_count);
     } else {
         GL(gl, Uniform3uiv)(gl->normal_points, 1, mesh->position_store);
         bind_texture(gl, PLIANT_GL_UNIT_POSITIONS, mesh->position_texture);
         GL(gl, BindBuffer)(GL_PIXEL_UNPACK_BUFFER, instance->position_buffer);
         pliant_gl_put_positions(mesh);
         GL(gl, BindBuffer)(GL_PIXEL_UNPACK_BUFFER, 0);
-        run_feedback(mesh, instance->normal_buffer);
+        run_feedback(gl, mesh->vertex_count, instance->normal_buffer);
     }
 }
 
@@ -252,10 +281,6 @@ pliant_gl_result pliant_gl_update_columns(pliant_gl_instance* instance, const fl
     if (!instance || instance->magic != PLIANT_GL_INSTANCE_MAGIC || !q) return PLIANT_GL_ERROR_ARGUMENT;
     const pliant_gl* gl = instance->mesh->gl;
     pliant_gl_save(gl, &state);
-    if (gl->path == PLIANT_GL_PATH_FEEDBACK) {
-        GL(gl, BindVertexArray)(gl->vertex_array);
-        GL(gl, Enable)(GL_RASTERIZER_DISCARD);
-    }
     update_positions(instance, q, columns);
     if (instance->mesh->has_normals) update_normals(instance);
     pliant_gl_restore(gl, &state);
@@ -284,5 +309,29 @@ pliant_gl_result pliant_gl_bind_attributes(const pliant_gl_instance* instance, i
     point_attribute(gl, instance->normal_buffer, normal);
     GL(gl, BindBuffer)(GL_ARRAY_BUFFER, 0);
     GL(gl, BindBuffer)(GL_ELEMENT_ARRAY_BUFFER, instance->mesh->index_buffer);
+    return PLIANT_GL_OK;
+}
+
+pliant_gl_result pliant_gl_direct_bind(const pliant_gl_mesh* mesh, const pliant_gl_locations* locations, uint32_t unit,
+                                       const float* q, uint32_t columns)
+{
+    if (!mesh || mesh->magic != PLIANT_GL_MESH_MAGIC || !locations || !q) return PLIANT_GL_ERROR_ARGUMENT;
+    const pliant_gl* gl = mesh->gl;
+    const uint32_t row_unit = mesh->row_count ? unit + 1 : unit; /* samplers of one kind may share a unit */
+    gl_int active;
+    if (mesh->row_count) {
+        pliant_gl_state state;
+        pliant_gl_save(gl, &state);
+        pliant_gl_update_rows(mesh, q, columns);
+        pliant_gl_restore(gl, &state);
+    }
+    GL(gl, GetIntegerv)(GL_ACTIVE_TEXTURE, &active);
+    for (uint32_t i = unit; i <= row_unit; ++i) {
+        GL(gl, ActiveTexture)(GL_TEXTURE0 + i);
+        GL(gl, BindTexture)(GL_TEXTURE_2D_ARRAY, i == unit ? mesh->shape_texture : mesh->row_texture);
+        GL(gl, BindSampler)(i, 0);
+    }
+    GL(gl, ActiveTexture)((gl_enum)active);
+    pliant_gl_set_shape(mesh, locations, unit, row_unit, q, columns);
     return PLIANT_GL_OK;
 }

@@ -100,7 +100,7 @@ PLIANT_API pliant_gl_desc pliant_gl_desc_default(void);
 /** Locations of the direct path's uniforms in a program; -1 where it has none. */
 typedef struct pliant_gl_locations {
     /** @cond internal */
-    int32_t shape, q, steps, store, compact, columns, origin;
+    int32_t shape, q, steps, store, compact, columns, origin, rows, rows_store;
     /** @endcond */
 } pliant_gl_locations;
 
@@ -116,9 +116,9 @@ typedef struct pliant_gl {
     uint32_t magic;
     uint32_t layer_shift; /**< layers of array textures have at most 2^layer_shift rows */
     uint32_t max_layers;
-    uint32_t position_program, normal_program, vertex_array;
-    pliant_gl_locations locations;
-    int32_t position_count, normal_store, normal_points, normal_count; /**< further uniforms */
+    uint32_t position_program, row_program, normal_program, vertex_array;
+    pliant_gl_locations locations, row_locations;
+    int32_t position_count, row_count, normal_store, normal_points, normal_count; /**< further uniforms */
     pliant_gl_function functions[PLIANT_GL_FUNCTION_COUNT];
     /** @endcond */
 } pliant_gl;
@@ -143,9 +143,11 @@ typedef struct pliant_gl_mesh {
     /** @cond internal */
     pliant_gl* gl;
     uint32_t dimension;
-    uint32_t shape_texture, topology_texture, position_texture;
-    /* Of each texture mask and shift of its rows and where its second part starts; where parts of a compact basis are. */
-    uint32_t store[3], topology_store[3], position_store[3], compact[4];
+    uint32_t shape_texture, topology_texture, position_texture, row_texture, row_buffer;
+    uint32_t row_count; /**< of a factored basis, otherwise 0 */
+    /* Of each texture mask and shift of its rows and where its second part starts, of rows where in the shape texture they
+       are computed from; where parts of a compact or factored basis are. */
+    uint32_t store[3], topology_store[3], position_store[3], rows_store[3], compact[4];
     float origin[3];
     float scales[256], steps[256]; /**< what q is multiplied by: for numbers of the basis, for their bases */
     uint32_t magic;
@@ -208,9 +210,11 @@ PLIANT_API const char* pliant_gl_direct_source(void);
 /** Looks up the uniforms in a linked program that contains pliant_gl_direct_source. */
 PLIANT_API pliant_gl_result pliant_gl_direct_locate(const pliant_gl* gl, uint32_t program, pliant_gl_locations* out);
 
-/** Prepares the program in use for drawing `mesh` with the coordinates `q`: binds the mesh's texture to unit `unit`, without
-   a sampler, and sets the uniforms of `locations` for the first `columns` dimensions. Draw with index_buffer as the element
-   buffer and without attributes. */
+/** Prepares the program in use for drawing `mesh` with the coordinates `q`: binds the mesh's textures to the units `unit`
+   and, if its basis is factored, `unit` + 1, without samplers, and sets the uniforms of `locations` for the first `columns`
+   dimensions. A factored basis takes a pass of its own before, for some 20 numbers per 64 vertices. The mesh keeps them
+   until the next call: draw before you prepare the same mesh again. Draw with index_buffer as the element buffer and
+   without attributes. */
 PLIANT_API pliant_gl_result pliant_gl_direct_bind(const pliant_gl_mesh* mesh, const pliant_gl_locations* locations,
                                                   uint32_t unit, const float* q, uint32_t columns);
 

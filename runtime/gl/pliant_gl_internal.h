@@ -158,8 +158,8 @@ enum {
 #define PLIANT_GL_ROW (1u << PLIANT_GL_ROW_SHIFT)
 #define PLIANT_GL_GROUP 64u /* invocations of a work group */
 
-/* Texture units that the library's own programs read from. */
-enum { PLIANT_GL_UNIT_SHAPE = 0, PLIANT_GL_UNIT_POSITIONS = 1, PLIANT_GL_UNIT_COUNT = 2 };
+/* Texture units that the library's own programs read from: positions for normals, rows for positions. */
+enum { PLIANT_GL_UNIT_SHAPE = 0, PLIANT_GL_UNIT_POSITIONS = 1, PLIANT_GL_UNIT_ROWS = 1, PLIANT_GL_UNIT_COUNT = 2 };
 
 /* What a call of the library changes, as it was before. */
 typedef struct pliant_gl_binding {
@@ -186,12 +186,18 @@ pliant_gl_result pliant_gl_check_errors(pliant_gl* gl);
 /* pliant_gl_shaders.c: compiles both programs for gl->path; the message of a failure goes to gl->message. */
 pliant_gl_result pliant_gl_make_programs(pliant_gl* gl);
 
-/* Binds what pliant_position() needs, to the program in use. */
-void pliant_gl_set_shape(const pliant_gl_mesh* mesh, const pliant_gl_locations* locations, uint32_t unit, const float* q,
-                         uint32_t columns);
+void pliant_gl_delete_programs(const pliant_gl* gl);
 
-/* pliant_gl_mesh.c. Fills the position texture, which is bound, from the unpack buffer that is bound. */
+/* Sets what pliant_position() needs in the program in use, its textures being at these units. */
+void pliant_gl_set_shape(const pliant_gl_mesh* mesh, const pliant_gl_locations* locations, uint32_t unit, uint32_t row_unit,
+                         const float* q, uint32_t columns);
+
+/* pliant_gl.c. Fills the texture of rows of a factored basis. Changes what pliant_gl_save keeps. */
+void pliant_gl_update_rows(const pliant_gl_mesh* mesh, const float* q, uint32_t columns);
+
+/* pliant_gl_mesh.c. Fill the position texture or that of rows, which is bound, from the unpack buffer that is bound. */
 void pliant_gl_put_positions(const pliant_gl_mesh* mesh);
+void pliant_gl_put_rows(const pliant_gl_mesh* mesh);
 
 /* pliant_gl_shaders.c. Puts `text`, and `more` if it is not null, into gl->message, cut to its size. */
 void pliant_gl_say(pliant_gl* gl, const char* text, const char* more);

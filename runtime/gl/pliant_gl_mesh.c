@@ -133,6 +133,136 @@ static size_t compact_runs(pliant_gl_mesh* mesh, const pliant_asset* asset, uint
     return 4;
 }
 
+/* -------------------------------------------------------------------------------------------------- factored bases ---- */
+
+/* Words that are computed while they are put into the shape texture, a row of texels at a time. */
+typedef struct row_writer {
+    const pliant_gl_mesh* mesh;
+    uint64_t row;
+    uint32_t words[PLIANT_GL_ROW], count;
+} row_writer;
+
+static void flush_row(row_writer* writer)
+{
+    if (writer->count > 0)
+        put_texels(writer->mesh->gl, &word_kind, writer->mesh->store, writer->row++, (uintptr_t)writer->words,
+                   writer->count);
+    writer->count = 0;
+}
+
+static void put_word(row_writer* writer, uint32_t word)
+{
+    writer->words[writer->count++] = word;
+    if (writer->count == PLIANT_GL_ROW) flush_row(writer);
+}
+
+/* For vertices first .. first+count-1, at most a row of them: 64 times the tile, plus the place in it. */
+static void find_slots(const pliant_asset* asset, uint32_t first, uint32_t count, uint32_t* slots)
+{
+    const uint32_t size = asset->block_vertices;
+    for (uint32_t block = first / size; block * (uint64_t)size < (uint64_t)first + count; ++block)
+        for (uint32_t t = asset->blocks[block]; t < asset->blocks[block + 1]; ++t) {
+            const uint16_t* vertices = (const uint16_t*)(const void*)(asset->data + asset->products[t].offset);
+            for (uint32_t i = 0; i < asset->products[t].vertex_count; ++i) {
+                const uint64_t v = block * (uint64_t)size + vertices[i];
+                if (v >= first && v - first < count) slots[v - first] = PLIANT_FORMAT_COMPACT_VERTICES * t + i;
+            }
+        }
+}
+
+static void put_slots(row_writer* writer, const pliant_asset* asset)
+{
+    for (uint32_t v = 0; v < writer->mesh->vertex_count; v += PLIANT_GL_ROW) {
+        const uint32_t left = writer->mesh->vertex_count - v;
+        writer->count = left < PLIANT_GL_ROW ? left : PLIANT_GL_ROW;
+        find_slots(asset, v, writer->count, writer->words);
+        flush_row(writer);
+    }
+}
+
+static void put_row_starts(row_writer* writer, const pliant_asset* asset, uint32_t tile_count)
+{
+    uint32_t row = 0;
+    for (uint32_t t = 0; t < tile_count; ++t) {
+        put_word(writer, row);
+        row += pliant_format_product_rows(asset->products + t);
+    }
+    flush_row(writer);
+}
+
+/* Where groups of eight rows are computed from; `data_at`: where the data is in the texture. */
+static void put_row_groups(row_writer* writer, const pliant_asset* asset, uint32_t tile_count, uint32_t data_at)
+{
+    for (uint32_t t = 0; t < tile_count; ++t) {
+        const pliant_format_product* tile = asset->products + t;
+        const uint32_t rows = pliant_format_product_rows(tile), stride = rows / 2;
+        const uint32_t scales
+            = data_at + tile->offset + pliant_format_product_parts(tile) * (PLIANT_FORMAT_TILE_VERTICES / 2);
+        for (uint32_t i = 0; i < rows; i += PLIANT_FORMAT_ROW_GROUP) {
+            put_word(writer, scales + i);
+            put_word(writer, scales + rows + i / 2);
+            put_word(writer, stride);
+        }
+    }
+    flush_row(writer);
+}
+
+static pliant_gl_result make_rows(pliant_gl_mesh* mesh)
+{
+    const pliant_gl* gl = mesh->gl;
+    const uint64_t size = mesh->row_count * (uint64_t)sizeof(float);
+    mesh->row_texture = make_texture(gl, &word_kind, rows_of(mesh->row_count), mesh->rows_store, &mesh->byte_count);
+    if (!mesh->row_texture) return PLIANT_GL_ERROR_LIMIT;
+    GL(gl, GenBuffers)(1, &mesh->row_buffer);
+    GL(gl, BindBuffer)(GL_COPY_WRITE_BUFFER, mesh->row_buffer);
+    GL(gl, BufferData)(GL_COPY_WRITE_BUFFER, (gl_size)size, NULL, GL_DYNAMIC_COPY);
+    mesh->byte_count += size;
+    return PLIANT_GL_OK;
+}
+
+void pliant_gl_put_rows(const pliant_gl_mesh* mesh)
+{
+    put_texels(mesh->gl, &word_kind, mesh->rows_store, 0, 0, mesh->row_count);
+}
+
+/* Slots of the vertices, tiles, first rows, groups of rows, data: each from the start of a row of texels on. */
+static pliant_gl_result upload_factored(pliant_gl_mesh* mesh, const pliant_asset* asset)
+{
+    const pliant_gl* gl = mesh->gl;
+    const uint32_t blocks = pliant_format_block_count(asset->vertex_count, asset->block_vertices);
+    const uint32_t tiles = asset->blocks[blocks];
+    uint64_t rows = 0;
+    for (uint32_t t = 0; t < tiles; ++t) rows += pliant_format_product_rows(asset->products + t);
+    const uint64_t data_words = asset->data_words;
+    const word_run runs[5] = { { NULL, mesh->vertex_count },
+                               { asset->products, 6 * (uint64_t)tiles },
+                               { NULL, tiles },
+                               { NULL, 3 * rows / PLIANT_FORMAT_ROW_GROUP },
+                               { asset->data, data_words } };
+    const uint64_t all = rows_of_runs(runs, 5);
+    if (all > ROW_LIMIT || rows > UINT32_MAX) return PLIANT_GL_ERROR_LIMIT;
+    mesh->row_count = (uint32_t)rows;
+    mesh->store[2] = (uint32_t)(rows_of_runs(runs, 1) << PLIANT_GL_ROW_SHIFT);
+    mesh->compact[0] = (uint32_t)(rows_of_runs(runs, 2) << PLIANT_GL_ROW_SHIFT);
+    mesh->compact[1] = (uint32_t)(rows_of_runs(runs, 4) << PLIANT_GL_ROW_SHIFT);
+    mesh->compact[2] = (uint32_t)data_words;
+    mesh->compact[3] = tiles;
+    for (uint32_t j = 0; j < asset->dimension; ++j) mesh->scales[j] = asset->columns[j].scale;
+    mesh->shape_texture = make_texture(gl, &word_kind, all, mesh->store, &mesh->byte_count);
+    if (!mesh->shape_texture) return PLIANT_GL_ERROR_LIMIT;
+    row_writer writer = { mesh, 0, { 0 }, 0 };
+    put_slots(&writer, asset);
+    put_texels(gl, &word_kind, mesh->store, writer.row, (uintptr_t)runs[1].words, runs[1].count);
+    writer.row += rows_of(runs[1].count);
+    put_row_starts(&writer, asset, tiles);
+    put_row_groups(&writer, asset, tiles, mesh->compact[1]);
+    put_texels(gl, &word_kind, mesh->store, writer.row, (uintptr_t)runs[4].words, runs[4].count);
+    mesh->rows_store[2] = (uint32_t)(rows_of_runs(runs, 3) << PLIANT_GL_ROW_SHIFT);
+    return mesh->row_count ? make_rows(mesh) : PLIANT_GL_OK;
+}
+
+/* ----------------------------------------------------------------------------------------------------------- upload ---- */
+
 /* REST and the basis as the file has them. Tiles past the boundary of a solid are left out: they come last. */
 static pliant_gl_result upload_shape(pliant_gl_mesh* mesh, const pliant_asset* asset)
 {
@@ -198,9 +328,10 @@ void pliant_gl_put_positions(const pliant_gl_mesh* mesh)
 
 static void delete_mesh(pliant_gl_mesh* mesh)
 {
-    const gl_name textures[3] = { mesh->shape_texture, mesh->topology_texture, mesh->position_texture };
-    GL(mesh->gl, DeleteTextures)(3, textures); /* zeros are skipped */
-    GL(mesh->gl, DeleteBuffers)(1, &mesh->index_buffer);
+    const gl_name textures[4] = { mesh->shape_texture, mesh->topology_texture, mesh->position_texture, mesh->row_texture };
+    const gl_name buffers[2] = { mesh->index_buffer, mesh->row_buffer };
+    GL(mesh->gl, DeleteTextures)(4, textures); /* zeros are skipped */
+    GL(mesh->gl, DeleteBuffers)(2, buffers);
     memset(mesh, 0, sizeof *mesh);
 }
 
@@ -210,8 +341,7 @@ pliant_gl_result pliant_gl_mesh_init(pliant_gl_mesh* out, pliant_gl* gl, const p
     pliant_gl_state state;
     if (!out) return PLIANT_GL_ERROR_ARGUMENT;
     memset(out, 0, sizeof *out);
-    if (!gl || gl->magic != PLIANT_GL_MAGIC || !asset || !asset->rest || (!asset->basis && !asset->columns))
-        return PLIANT_GL_ERROR_ARGUMENT;
+    if (!gl || gl->magic != PLIANT_GL_MAGIC || !asset || (!asset->basis && !asset->columns)) return PLIANT_GL_ERROR_ARGUMENT;
     if (normals && (!normals->starts || normals->vertex_count != asset->boundary_vertex_count))
         return PLIANT_GL_ERROR_ARGUMENT;
 
@@ -223,7 +353,7 @@ pliant_gl_result pliant_gl_mesh_init(pliant_gl_mesh* out, pliant_gl* gl, const p
     memcpy(out->origin, asset->origin, sizeof out->origin);
     pliant_gl_save(gl, &state);
     pliant_gl_clear_errors(gl);
-    pliant_gl_result result = upload_shape(out, asset);
+    pliant_gl_result result = asset->products ? upload_factored(out, asset) : upload_shape(out, asset);
     if (result == PLIANT_GL_OK && normals) result = upload_topology(out, normals);
     if (result == PLIANT_GL_OK) upload_indices(out, asset);
     if (result == PLIANT_GL_OK) result = pliant_gl_check_errors(gl);

@@ -39,7 +39,7 @@ def damaged(blob, old, new):
 
 
 golden = sorted(folder.glob("*.pliant"))
-assert len(golden) >= 7, golden
+assert len(golden) >= 8, golden
 for path in golden:
     tags = re.search(r"^chunks (.*)$", read(path), re.MULTILINE).group(1).split()
     assert (len(tags) == struct.unpack_from("<I", path.read_bytes(), 24)[0]

@@ -1,9 +1,10 @@
 """The museum: one file for each way to break each rule of formats/SPEC.md section 5.
 
-    make_bad_assets.py GOOD.pliant LOADED.pliant SOLID.pliant QUARTIC.pliant COMPACT.pliant TIED.pliant RANGED.pliant FOLDER
+    make_bad_assets.py GOOD.pliant LOADED.pliant SOLID.pliant QUARTIC.pliant COMPACT.pliant TIED.pliant RANGED.pliant
+        FACTORED.pliant FOLDER
 
 GOOD: a shell with all optional chunks but LOAD, LOADED: one with a dead load, SOLID: with tetrahedra, QUARTIC: with QUAR,
-COMPACT: with BASC and BNDS, TIED: with ties, RANGED: with MRNG.
+COMPACT: with BASC and BNDS, TIED: with ties, RANGED: with MRNG, FACTORED: with BASF.
 
 Files are named RULE_what.CODE.pliant, CODE being the pliant_result that the C runtime must answer; the script itself checks
 that the numpy reference refuses each one, naming the same rule. Every file has right checksums except those that are about
@@ -11,57 +12,15 @@ checksums: a hostile file would have them too.
 """
 import struct
 import sys
-import zlib
 from pathlib import Path
 
 import numpy as np
 
 import pliant_reference_path  # noqa: F401
+from asset_draft import ALIGNMENT, CHECKSUM, INDEX, LAYOUT, LIMIT, NOT_PLIANT, NUMBER, TRUNCATED, VERSION, Draft
+from bad_shapes import bad_compacts, bad_factors
 from pliant_reference import TIE, Asset, FormatError
 from pliant_reference_solid import Layout
-
-ALIGNMENT, TRUNCATED, NOT_PLIANT, VERSION, LIMIT, LAYOUT, NUMBER, INDEX, CHECKSUM = 12, 20, 21, 22, 23, 24, 25, 26, 27
-
-
-class Draft:
-    """A good file taken apart: edit it, then join()."""
-
-    def __init__(self, blob):
-        self.header = bytearray(blob[:64])
-        count = struct.unpack_from("<I", blob, 24)[0]
-        self.table = [list(struct.unpack_from("<4sIQQII", blob, 64 + 32 * i)) for i in range(count)]
-        self.data = {entry[0]: bytearray(blob[entry[2]:entry[2] + entry[3]]) for entry in self.table}
-        self.good = bytes(blob)
-
-    def put(self, tag, offset, form, *values):
-        struct.pack_into("<" + form, self.data[tag], offset, *values)
-
-    def join(self, lay_out=True, checksums=True, count=None):
-        """Bytes of the file. lay_out: place the chunks anew; else where the table says."""
-        at = 64 + 32 * len(self.table)
-        if lay_out:
-            for entry in self.table:
-                alignment = 4096 if entry[0] == b"BASI" else 64
-                at += -at % alignment
-                entry[2], entry[3] = at, len(self.data[entry[0]])
-                at += entry[3]
-        blob = bytearray(at if lay_out else len(self.good))
-        for entry in self.table:
-            data = self.data[entry[0]][:entry[3]]
-            if entry[2] + len(data) <= len(blob):
-                blob[entry[2]:entry[2] + len(data)] = data
-            if checksums:
-                entry[4] = zlib.crc32(bytes(data))
-        struct.pack_into("<QI", self.header, 16, len(blob), len(self.table) if count is None else count)
-        struct.pack_into("<I", self.header, 28, 0)
-        head = bytes(self.header) + b"".join(struct.pack("<4sIQQII", *entry) for entry in self.table)
-        blob[:len(head)] = head
-        if checksums:
-            struct.pack_into("<I", blob, 28, zlib.crc32(head))
-        return bytes(blob)
-
-    def entry(self, tag):
-        return next(entry for entry in self.table if entry[0] == tag)
 
 
 def bad_files(good):
@@ -355,72 +314,6 @@ def bad_smoothing(good):
         yield f"R11_SMTH_{name}", INDEX, d.join()
 
 
-def bad_compacts(compact):
-    """(name, code, bytes): what can be wrong with BASC and BNDS."""
-    def edited(edit):
-        d = Draft(compact)
-        edit(d)
-        return d.join()
-
-    def put(tag, offset, form, *values):
-        return edited(lambda d: d.put(tag, offset, form, *values))
-
-    n, dim = struct.unpack_from("<I4xI", compact, 32)
-    chunk, bounds = Draft(compact).data[b"BASC"], Draft(compact).data[b"BNDS"]
-    tiles = (n + 63) // 64
-    tiles_at = 64 + (16 * dim + 63) // 64 * 64
-    fields_at = tiles_at + 8 * tiles
-    fields_end = fields_at + 8 * tiles * dim
-    data_at = (fields_end + 63) // 64 * 64
-    offset, width = struct.unpack_from("<I", chunk, tiles_at + 8)[0], struct.unpack_from("<H", chunk, fields_at + 6)[0]
-    if tiles != 2 or fields_end == data_at or dim % 4 == 0:
-        raise SystemExit("give a compact file with two tiles and padding")
-
-    yield "R05_BNDS_none", LIMIT, put(b"BNDS", 0, "I", 0)
-    yield "R05_BNDS_many", LIMIT, put(b"BNDS", 0, "I", 257)
-    yield "R07_without_BASC", LAYOUT, edited(lambda d: d.table.remove(d.entry(b"BASC")))
-    d = Draft(compact)
-    d.table.append([b"BASI", 1, 0, 0, 0, 0])
-    d.data[b"BASI"] = bytearray(192 * dim * ((n + 15) // 16))
-    yield "R07_BASC_and_BASI", LAYOUT, d.join()
-    yield "R09_BNDS_short", LAYOUT, edited(lambda d: d.data[b"BNDS"].__delitem__(slice(len(bounds) - 4, None)))
-    yield "R09_BNDS_long", LAYOUT, edited(lambda d: d.data[b"BNDS"].extend(bytes(4)))
-    yield "R09_BNDS_head_cut", LAYOUT, edited(lambda d: d.data[b"BNDS"].__delitem__(slice(60, None)))
-    yield "R14_BNDS_head", LAYOUT, put(b"BNDS", 60, "I", 1)
-    yield "R14_BASC_head", LAYOUT, put(b"BASC", 60, "I", 1)
-    yield "R14_BASC_behind_columns", LAYOUT, put(b"BASC", tiles_at - 1, "B", 1)
-    yield "R14_BASC_behind_fields", LAYOUT, put(b"BASC", data_at - 1, "B", 1)
-    yield "R18_not_required", LAYOUT, edited(lambda d: d.entry(b"BASC").__setitem__(1, 0))
-    yield "R18_tile_less", LAYOUT, put(b"BASC", 0, "I", tiles - 1)
-    yield "R18_tile_more", LAYOUT, put(b"BASC", 0, "I", tiles + 1)
-    yield "R18_all_tiles", LAYOUT, put(b"BASC", 0, "I", 0xFFFFFFFF)
-    yield "R18_shift", LAYOUT, put(b"BASC", 64 + 4, "I", 16)
-    yield "R18_shift_of_all_bits", LAYOUT, put(b"BASC", 64 + 4, "I", 0xFFFFFFFF)
-    yield "R18_width", LAYOUT, put(b"BASC", fields_at + 6, "H", 25)
-    yield "R18_width_of_all_bits", LAYOUT, put(b"BASC", fields_at + 6, "H", 0xFFFF)
-    for name, tile in (("first", 0), ("last", tiles - 1)):
-        d = Draft(compact)
-        for j in range(dim):
-            d.put(b"BASC", fields_at + 8 * (dim * tile + j) + 6, "H", 24)
-        yield f"R18_{name}_wider", LAYOUT, d.join()
-    yield "R18_narrower", LAYOUT, put(b"BASC", fields_at + 6, "H", width - 4)
-    yield "R18_first_offset", LAYOUT, put(b"BASC", tiles_at, "I", 1)
-    yield "R18_offset", LAYOUT, put(b"BASC", tiles_at + 8, "I", offset + 6)
-    yield "R18_offset_past_end", LAYOUT, put(b"BASC", tiles_at + 8, "I", 0xFFFFFFFF)
-    yield "R18_short", LAYOUT, edited(lambda d: d.data[b"BASC"].__delitem__(slice(len(chunk) - 4, None)))
-    yield "R18_long", LAYOUT, edited(lambda d: d.data[b"BASC"].extend(bytes(4)))
-    for name, end in (("head_cut", 60), ("head_only", 64), ("without_tiles", tiles_at), ("without_fields", fields_at),
-                      ("without_data", data_at)):
-        yield f"R18_{name}", LAYOUT, edited(lambda d, end=end: d.data[b"BASC"].__delitem__(slice(end, None)))
-    for name, at in (("error", 4), ("scale", 64), ("reach", 72), ("limit", 76), ("factor", tiles_at + 4)):
-        yield f"R19_{name}_nan", NUMBER, put(b"BASC", at, "f", float("nan"))
-        yield f"R19_{name}_inf", NUMBER, put(b"BASC", at, "f", float("inf"))
-        yield f"R19_{name}_negative", NUMBER, put(b"BASC", at, "f", -1.0)
-    yield "R19_centre_nan", NUMBER, put(b"BNDS", 64, "f", float("nan"))
-    yield "R19_last_radius_inf", NUMBER, put(b"BNDS", len(bounds) - 4, "f", float("inf"))
-    yield "R19_radius_negative", NUMBER, put(b"BNDS", 64 + 12, "f", -1e-30)
-
-
 def bad_ranges(ranged):
     """(name, code, bytes): what can be wrong with MRNG."""
     def put(offset, *values):
@@ -454,7 +347,7 @@ def width_overflow(ranged, size):
     return d.join()
 
 
-def good_variants(good, loaded, solid, quartic, compact, tied, ranged):
+def good_variants(good, loaded, solid, quartic, compact, tied, ranged, factored):
     """Files that differ in what a reader must tolerate."""
     yield "good_loaded", Draft(loaded).join()
     yield "good_solid", Draft(solid).join()
@@ -464,6 +357,10 @@ def good_variants(good, loaded, solid, quartic, compact, tied, ranged):
     d = Draft(compact)
     d.table.remove(d.entry(b"BNDS"))
     yield "good_compact_without_bounds", d.join()
+    yield "good_factored", Draft(factored).join()
+    d = Draft(factored)
+    d.table.remove(d.entry(b"BNDS"))
+    yield "good_factored_without_bounds", d.join()
     d = Draft(good)
     d.table.insert(0, [b"BNDS", 0, 0, 0, 0, 0])
     dimension = struct.unpack_from("<I", good, 40)[0]
@@ -499,16 +396,17 @@ def good_variants(good, loaded, solid, quartic, compact, tied, ranged):
 
 
 def main():
-    good, loaded, solid, quartic, compact, tied, ranged = (Path(path).read_bytes() for path in sys.argv[1:8])
+    goods = [Path(path).read_bytes() for path in sys.argv[1:9]]
+    good, loaded, solid, quartic, compact, tied, ranged, factored = goods
     folder = Path(sys.argv[-1])
     folder.mkdir(parents=True, exist_ok=True)
-    if any(Draft(blob).join() != blob for blob in (good, loaded, solid, quartic, compact, tied, ranged)):
+    if any(Draft(blob).join() != blob for blob in goods):
         raise SystemExit("taking a good file apart and joining it changes it: give those of tiny_asset.py")
     rules, names = set(), []
     np.seterr(invalid="ignore", over="ignore")
     for name, code, blob in [*bad_files(good), *bad_loads(loaded), *bad_solids(solid), *bad_quartics(quartic),
                              *bad_smoothing(good), *bad_compacts(compact), *bad_ties(tied),
-                             *bad_ranges(ranged)]:
+                             *bad_ranges(ranged), *bad_factors(factored)]:
         try:
             Asset(blob)
             raise SystemExit(f"{name}: the reference accepts it")
@@ -518,10 +416,10 @@ def main():
         rules.add(name[:3])
         names.append(f"{name}.{code}")
         (folder / f"{name}.{code}.pliant").write_bytes(blob)
-    missing = {f"R{i:02}" for i in range(1, 21)} - rules
+    missing = {f"R{i:02}" for i in range(1, 23)} - rules
     if missing:
         raise SystemExit(f"no file breaks {missing}")
-    for name, blob in good_variants(good, loaded, solid, quartic, compact, tied, ranged):
+    for name, blob in good_variants(*goods):
         Asset(blob)
         names.append(f"{name}.0")
         (folder / f"{name}.0.pliant").write_bytes(blob)

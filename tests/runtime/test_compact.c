@@ -1,31 +1,18 @@
-/* The compact basis and the bounding boxes: every number of BASC read bit by bit as the SPEC states it, against what
-   reconstruction does with it; columns left out; boxes that hold all vertices wherever q is. */
+/* The compact and the factored basis and the bounding boxes: every number read bit by bit as the SPEC states it, against
+   what reconstruction does with it; columns left out; boxes that hold all vertices wherever q is. */
 #include "../../formats/pliant_format.h"
 #include "support.h"
 
 #include <math.h>
 
-static int compact_count;
+static int compact_count, factored_count;
 
-/* Row j of the basis at lane `lane` (0 .. 47) of part `part` of the mesh, by the text of the SPEC. */
-static double number_at(const opened* o, uint32_t j, uint32_t part, uint32_t lane)
+/* `width` bits from bit `first` on of lane `lane` of a part that starts at `bytes` and has `padded` bits a lane. */
+static uint64_t field_at(const unsigned char* bytes, uint32_t padded, uint32_t lane, uint32_t first, uint32_t width)
 {
-    const uint32_t d = o->asset.dimension, t = part / 4;
-    size_t size;
-    const unsigned char* chunk = pliant_asset_chunk(&o->asset, PLIANT_CHUNK_COMPACT, &size);
-    const uint32_t tile_count = *(const uint32_t*)(const void*)chunk;
-    const pliant_format_column* columns = (const void*)(chunk + 64);
-    const pliant_format_tile* tiles = (const void*)(chunk + 64 + (16 * d + 63) / 64 * 64);
-    const pliant_format_field* fields = (const void*)(tiles + tile_count);
-    const size_t data_at = ((size_t)((const unsigned char*)(fields + (size_t)tile_count * d) - chunk) + 63) / 64 * 64;
-    uint32_t bits = 0, first = 0;
+    const uint32_t words = padded / 32;
     uint64_t number = 0;
-    fields += (size_t)t * d;
-    for (uint32_t i = 0; i < d; ++i) bits += fields[i].width;
-    for (uint32_t i = 0; i < j; ++i) first += fields[i].width;
-    const uint32_t padded = (bits + 3) / 4 * 4, words = padded / 32;
-    const unsigned char* bytes = chunk + data_at + 4 * (size_t)tiles[t].offset + (size_t)(part % 4) * 6 * padded;
-    for (uint32_t bit = first; bit < first + fields[j].width; ++bit) {
+    for (uint32_t bit = first; bit < first + width; ++bit) {
         const unsigned char* at = bytes + 4 * 48 * (size_t)(bit / 32) + 4 * (size_t)lane;
         uint32_t in = bit % 32;
         if (bit / 32 == words) { /* 16, 8 and 4 bits, as many of them as there are */
@@ -43,6 +30,27 @@ static double number_at(const opened* o, uint32_t j, uint32_t part, uint32_t lan
         }
         number |= (uint64_t)((at[in / 8] >> (in % 8)) & 1u) << (bit - first);
     }
+    return number;
+}
+
+/* Row j of the basis at lane `lane` (0 .. 47) of part `part` of the mesh, by the text of the SPEC. */
+static double number_at(const opened* o, uint32_t j, uint32_t part, uint32_t lane)
+{
+    const uint32_t d = o->asset.dimension, t = part / 4;
+    size_t size;
+    const unsigned char* chunk = pliant_asset_chunk(&o->asset, PLIANT_CHUNK_COMPACT, &size);
+    const uint32_t tile_count = *(const uint32_t*)(const void*)chunk;
+    const pliant_format_column* columns = (const void*)(chunk + 64);
+    const pliant_format_tile* tiles = (const void*)(chunk + 64 + (16 * d + 63) / 64 * 64);
+    const pliant_format_field* fields = (const void*)(tiles + tile_count);
+    const size_t data_at = ((size_t)((const unsigned char*)(fields + (size_t)tile_count * d) - chunk) + 63) / 64 * 64;
+    uint32_t bits = 0, first = 0;
+    fields += (size_t)t * d;
+    for (uint32_t i = 0; i < d; ++i) bits += fields[i].width;
+    for (uint32_t i = 0; i < j; ++i) first += fields[i].width;
+    const uint32_t padded = (bits + 3) / 4 * 4;
+    const unsigned char* bytes = chunk + data_at + 4 * (size_t)tiles[t].offset + (size_t)(part % 4) * 6 * padded;
+    const uint64_t number = field_at(bytes, padded, lane, first, fields[j].width);
     return (double)tiles[t].factor * (double)columns[j].scale
         * ((double)fields[j].base[lane % 3] * (double)(1u << columns[j].shift) + (double)number);
 }
@@ -72,6 +80,118 @@ static void check_numbers(const opened* o)
             }
         }
     }
+}
+
+/* The tiles of BASF, one after the other as the SPEC states them: the data of one starts where that of the last ended. */
+typedef struct product {
+    uint32_t count, column_count, parts, rows, bits;
+    const float *rest_origin, *scales, *still;
+    float rest_scale;
+    const uint16_t *vertices, *numbers;
+    const int16_t* right;
+    const pliant_format_field* fields;
+    const unsigned char *left, *end;
+} product;
+
+static product read_product(const unsigned char* record, const unsigned char* data, uint32_t d)
+{
+    product p;
+    memset(&p, 0, sizeof p);
+    p.count = *(const uint16_t*)(const void*)(record + 4);
+    p.column_count = *(const uint16_t*)(const void*)(record + 6);
+    p.rest_origin = (const float*)(const void*)(record + 8);
+    p.rest_scale = p.rest_origin[3];
+    p.parts = (p.count + 15) / 16;
+    p.vertices = (const uint16_t*)(const void*)data;
+    p.still = p.scales = (const float*)(const void*)(p.vertices + 16 * p.parts);
+    p.end = (const unsigned char*)(p.still + 48 * p.parts);
+    if (p.rest_scale == 0.0f) return p;
+    p.rows = (12 + p.column_count + 7) / 8 * 8;
+    p.right = (const int16_t*)(const void*)(p.scales + p.rows);
+    p.fields = (const pliant_format_field*)(const void*)(p.right + (size_t)p.rows * d);
+    p.numbers = (const uint16_t*)(const void*)(p.fields + p.column_count);
+    p.left = (const unsigned char*)(p.numbers + 48 * p.parts);
+    for (uint32_t i = 0; i < p.column_count; ++i) p.bits += p.fields[i].width;
+    p.bits = (p.bits + 3) / 4 * 4;
+    p.end = p.left + (size_t)p.parts * 6 * p.bits;
+    return p;
+}
+
+/* Row i of the right factor times q. */
+static double row_at(const opened* o, const product* p, const float* q, uint32_t i)
+{
+    size_t size;
+    const unsigned char* chunk = pliant_asset_chunk(&o->asset, PLIANT_CHUNK_FACTORED, &size);
+    const pliant_format_column* columns = (const void*)(chunk + 64);
+    double sum = 0.0;
+    for (uint32_t j = 0; j < o->asset.dimension; ++j)
+        sum += (double)p->right[j * p->rows + i] * (double)columns[j].scale * (double)q[j];
+    return (double)p->scales[i] * sum;
+}
+
+/* Coordinate c of vertex v of a tile; `size` grows by what was added up. */
+static double place_at(const opened* o, const product* p, const float* q, uint32_t v, uint32_t c, double* size)
+{
+    const uint32_t lane = 48 * (v / 16) + v % 16;
+    const double origin = (double)o->asset.origin[c];
+    if (p->rest_scale == 0.0f) return origin + (double)p->still[lane + 16 * c];
+    double sum = row_at(o, p, q, c);
+    *size += fabs(sum);
+    for (uint32_t a = 0; a < 3; ++a) {
+        const double moved = row_at(o, p, q, 3 + 3 * a + c) * p->numbers[lane + 16 * a];
+        sum += moved;
+        *size += fabs(moved);
+    }
+    for (uint32_t i = 0, first = 0; i < p->column_count; first += p->fields[i++].width) {
+        const uint32_t width = p->fields[i].width;
+        const double unit = width > 15 ? ldexp(1.0, (int)width - 15) : 1.0;
+        const uint64_t field = field_at(p->left + (size_t)(v / 16) * 6 * p->bits, p->bits, v % 16 + 16 * c, first, width);
+        const double moved = row_at(o, p, q, 12 + i) * ((double)p->fields[i].base[c] * unit + (double)field);
+        sum += moved;
+        *size += fabs(moved);
+    }
+    return origin + (double)p->rest_origin[c] + (double)p->rest_scale * p->numbers[lane + 16 * c] + sum;
+}
+
+/* Every vertex of every tile against what reconstruction says of it, alone and in the range of all. */
+static void check_products(const opened* o)
+{
+    const uint32_t n = o->asset.vertex_count, d = o->asset.dimension;
+    size_t size;
+    const unsigned char* chunk = pliant_asset_chunk(&o->asset, PLIANT_CHUNK_FACTORED, &size);
+    const uint32_t tile_count = *(const uint32_t*)(const void*)chunk, per_block = *(const uint32_t*)(const void*)(chunk + 8);
+    const uint32_t block_count = (n + per_block - 1) / per_block;
+    const uint32_t* blocks = (const void*)(chunk + 64 + (16 * d + 63) / 64 * 64);
+    const size_t tiles_at = ((size_t)((const unsigned char*)(blocks + block_count + 1) - chunk) + 63) / 64 * 64;
+    float q[256], position[3];
+    float* all = malloc(12 * (size_t)n);
+    uint64_t state = 5;
+    if (!all) exit(2);
+    CHECK(pliant_range_unit(&o->asset) == per_block, "%s: unit of ranges", o->name);
+    for (int round = 0; round < 3; ++round) {
+        const unsigned char* data = chunk + (tiles_at + 24 * (size_t)tile_count + 63) / 64 * 64;
+        uint32_t block = 0;
+        for (uint32_t j = 0; j < d; ++j) q[j] = round < 2 ? 4.0f * random_unit(&state) - 2.0f : 0.0f;
+        pliant_reconstruct(&o->asset, q, 0, n, all, 12);
+        for (uint32_t t = 0; t < tile_count; ++t) {
+            const product p = read_product(chunk + tiles_at + 24 * (size_t)t, data, d);
+            while (t >= blocks[block + 1]) ++block;
+            for (uint32_t v = 0; v < p.count; ++v) {
+                const uint32_t vertex = block * per_block + p.vertices[v];
+                pliant_reconstruct(&o->asset, q, vertex, 1, position, 12);
+                CHECK(memcmp(position, all + 3 * (size_t)vertex, 12) == 0, "%s: vertex %u alone", o->name, vertex);
+                for (uint32_t c = 0; c < 3; ++c) {
+                    double scale = 1.0;
+                    const double expected = place_at(o, &p, q, v, c, &scale);
+                    CHECK(fabs((double)position[c] - expected) < 2e-6 * scale, "%s: vertex %u, round %d: %.9g, not %.9g",
+                          o->name, vertex, round, (double)position[c], expected);
+                }
+            }
+            data = p.end;
+        }
+        CHECK(data == chunk + size, "%s: the data ends elsewhere", o->name);
+    }
+    free(all);
 }
 
 /* Leaving columns out is the same as zeros there, and moves no vertex further than was asked for. */
@@ -120,7 +240,8 @@ static void check_descriptions(const opened* o)
         if (!o->asset.columns)
             CHECK(isinf(column.reach) && column.bits == 32.0f && column.limit == 0.0f, "%s: column %u", o->name, j);
         else
-            CHECK(column.reach >= 0.0f && column.bits > 0.0f && column.bits <= 24.0f && column.limit == 2.0f,
+            CHECK(column.reach >= 0.0f && column.bits > 0.0f && (column.bits <= 24.0f || o->asset.products)
+                      && column.limit == 2.0f,
                   "%s: column %u", o->name, j);
     }
     CHECK(pliant_asset_column(&o->asset, o->asset.dimension, &column) == PLIANT_ERROR_ARGUMENT, "%s", o->name);
@@ -163,8 +284,10 @@ static void check_bounds(const opened* o)
 
 static void check_asset(const opened* o)
 {
-    if (o->asset.columns) check_numbers(o);
-    compact_count += o->asset.columns != NULL;
+    if (o->asset.tiles) check_numbers(o);
+    if (o->asset.products) check_products(o);
+    compact_count += o->asset.tiles != NULL;
+    factored_count += o->asset.products != NULL;
     check_columns(o);
     check_descriptions(o);
     check_bounds(o);
@@ -175,5 +298,6 @@ int main(int argc, char** argv)
     if (argc != 2) return 2;
     for_each_asset(argv[1], check_asset);
     CHECK(compact_count >= 4, "only %d compact assets", compact_count);
+    CHECK(factored_count >= 3, "only %d factored assets", factored_count);
     return report("compact");
 }

@@ -9,7 +9,7 @@
 static const pliant_kernels *chosen, *compared;
 static int seen[PLIANT_ELEMENT_TIE + 1]; /* elements of each kind; [0]: assets with a quartic */
 
-static int seen_compact;
+static int seen_compact, seen_factored;
 
 static int are_same(const float* a, const float* b, size_t count) { return memcmp(a, b, count * sizeof *a) == 0; }
 
@@ -79,11 +79,32 @@ static void check_blends(const opened* o, pliant_solver* plain, pliant_solver* c
     }
 }
 
+static void check_products(const opened* o)
+{
+    float q[PLIANT_FORMAT_MAX_DIMENSION], tile[2][PLIANT_FORMAT_COMPACT_PARTS * PLIANT_FORMAT_TILE_FLOATS] = { { 0 } };
+    const uint32_t blocks = pliant_format_block_count(o->asset.vertex_count, o->asset.block_vertices);
+    pliant_frame frame;
+    uint64_t state = 37;
+    for (uint32_t j = 0; j < o->asset.dimension; ++j) q[j] = random_unit(&state) - 0.5f;
+    pliant_frame_begin(&o->asset, q, o->asset.dimension, &frame);
+    for (uint32_t t = 0; t < o->asset.blocks[blocks]; ++t) {
+        const size_t parts = pliant_format_product_parts(o->asset.products + t);
+        pliant_kernels_plain.rebuild_factored(&o->asset, &frame, t, tile[0]);
+        compared->rebuild_factored(&o->asset, &frame, t, tile[1]);
+        CHECK(are_same(tile[0], tile[1], parts * PLIANT_FORMAT_TILE_FLOATS), "%s: tile %u", o->name, t);
+        ++seen_factored;
+    }
+}
+
 static void check_tiles(const opened* o)
 {
     float q[PLIANT_FORMAT_MAX_DIMENSION], tile[2][PLIANT_FORMAT_COMPACT_PARTS * PLIANT_FORMAT_TILE_FLOATS] = { { 0 } };
     pliant_frame frame;
     uint64_t state = 37;
+    if (o->asset.products) {
+        check_products(o);
+        return;
+    }
     for (uint32_t j = 0; j < o->asset.dimension; ++j) q[j] = random_unit(&state) - 0.5f;
     pliant_frame_begin(&o->asset, q, o->asset.dimension, &frame);
     const size_t count = (o->asset.vertex_count + PLIANT_FORMAT_TILE_VERTICES - 1) / PLIANT_FORMAT_TILE_VERTICES;
@@ -162,5 +183,6 @@ int main(int argc, char** argv)
     for_each_asset(argv[1], check_asset);
     for (int kind = 0; kind <= PLIANT_ELEMENT_TIE; ++kind) CHECK(seen[kind] > 0, "nothing of kind %d in any asset", kind);
     CHECK(seen_compact > 0, "no tile of a compact basis");
+    CHECK(seen_factored > 0, "no tile of a factored basis");
     return report("dispatch");
 }

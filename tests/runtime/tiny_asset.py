@@ -210,17 +210,23 @@ def polygon_chunk(faces):
     return struct.pack("<2I", len(sizes), len(corners)) + np.array(sizes + corners, "<u4").tobytes()
 
 
-def shape_chunks(model, origin, compact):
-    """BASI, or BASC and BNDS."""
-    if not compact:
+def shape_chunks(model, origin, compact, factored):
+    """BASI, or BASC and BNDS, or BASF and BNDS."""
+    if not compact and not factored:
         return [("BASI", 1, floats(tiles_of(model.basis)))]
-    chunk = tiny_shape.compact_chunk(np.asarray(model.basis), compact)
-    rest = np.float32(origin).astype(float) + np.float32(model.x[0] - np.float32(origin)).astype(float)
-    packed = tiny_shape.unpacked(chunk, *np.asarray(model.basis).shape[:2])
-    return [("BNDS", 0, tiny_shape.bounds_chunk(rest, packed, min(5, len(rest)))), ("BASC", 1, chunk)]
+    basis, rest = np.asarray(model.basis), np.float32(model.x[0] - np.float32(origin)).astype(float)
+    if factored:
+        chunk = tiny_shape.factored_chunk(rest, basis, factored)
+        rest, packed = tiny_shape.unpacked_factors(chunk, *basis.shape[:2])
+    else:
+        chunk = tiny_shape.compact_chunk(basis, compact)
+        packed = tiny_shape.unpacked(chunk, *basis.shape[:2])
+    rest = np.float32(origin).astype(float) + rest
+    return [("BNDS", 0, tiny_shape.bounds_chunk(rest, packed, min(5, len(rest)))),
+            ("BASF" if factored else "BASC", 1, chunk)]
 
 
-def chunks_of(model, polygons, compact=0.0, smoothing=False, ranges=False, scene=False):
+def chunks_of(model, polygons, compact=0.0, smoothing=False, ranges=False, scene=False, factored=0.0):
     m, d = len(model.x), len(model.mean)
     origin = model.x[0].mean(axis=0)
     answers = np.array([np.concatenate([w, model.mean + model.whitening @ z])
@@ -236,8 +242,9 @@ def chunks_of(model, polygons, compact=0.0, smoothing=False, ranges=False, scene
         chunks.append(("LOAD", 1, load_chunk(model)))
     if ranges:
         chunks.append(("MRNG", 0, ranges_chunk(model)))
-    chunks += [("REST", 1, floats(tiles_of(model.x[0] - np.float32(origin)))),
-               ("TRIS", 1, np.array(model.faces, "<u4").tobytes())]
+    if not factored:
+        chunks.append(("REST", 1, floats(tiles_of(model.x[0] - np.float32(origin)))))
+    chunks.append(("TRIS", 1, np.array(model.faces, "<u4").tobytes()))
     if model.vertices is not None:
         chunks.append(("VERT", 0, vertex_chunk(*model.vertices)))
     if smoothing:
@@ -251,13 +258,15 @@ def chunks_of(model, polygons, compact=0.0, smoothing=False, ranges=False, scene
                ("CERT", 1, certificate)]
     if scene:
         chunks.append(("GLTF", 0, tiny_scene.scene_chunk(np.asarray(model.faces), len(model.x[0]))))
-    chunks += shape_chunks(model, origin, compact)
+    chunks += shape_chunks(model, origin, compact, factored)
     counts = (len(model.x[0]), len(model.faces), d, m)
     return counts, origin, chunks
 
 
 def oldest_minor(chunks):
     """The format version that has all that a file holds."""
+    if "BASF" in chunks:
+        return 4
     if any(tag in chunks for tag in ("BASC", "BNDS", "MRNG", "GLTF")):
         return 3
     elements = chunks.get("ELEM", bytes(64))
@@ -289,9 +298,9 @@ def assemble(counts, origin, chunks):
 
 def make_asset(mesh="strip", size=(7, 3), poses=2, dimension=4, material="neo-hookean", predictor=False, load=False,
                polygons=False, seed=1, quartic=False, compact=0.0, smoothing=False, ranges=False,
-               scene=False):
+               scene=False, factored=0.0):
     model = make_model(mesh, size, poses, dimension, material, predictor, load, seed, quartic)
-    return assemble(*chunks_of(model, polygons, compact, smoothing, ranges, scene))
+    return assemble(*chunks_of(model, polygons, compact, smoothing, ranges, scene, factored))
 
 
 def main():
@@ -310,6 +319,7 @@ def main():
     parser.add_argument("--polygons", action="store_true")
     parser.add_argument("--smoothing", action="store_true", help="SMTH: pairs of vertices share a normal")
     parser.add_argument("--compact", type=float, default=0.0, help="BASC of about this accuracy, and BNDS, instead of BASI")
+    parser.add_argument("--factored", type=float, default=0.0, help="BASF of about this accuracy, and BNDS")
     parser.add_argument("--ranges", action="store_true", help="with MRNG")
     parser.add_argument("--scene", action="store_true", help="with GLTF: two parts, a texture, vertex colours")
     parser.add_argument("--seed", type=int, default=1)
@@ -318,11 +328,13 @@ def main():
         parser.error("--load needs --predictor: it shares its centres")
     if (options.mesh == "beam") != (options.material in ("tet-stvk", "mooney-rivlin", "tet-mixed")):
         parser.error("a beam and the materials of tetrahedra go together")
+    if options.compact and options.factored:
+        parser.error("--compact and --factored exclude each other")
     if options.quartic and options.material != "tet-stvk":
         parser.error("--quartic needs --material tet-stvk: no other is a polynomial")
     blob = make_asset(options.mesh, options.size, options.poses, options.dim, options.material, options.predictor,
                       options.load, options.polygons, options.seed, options.quartic, options.compact,
-                      options.smoothing, options.ranges, options.scene)
+                      options.smoothing, options.ranges, options.scene, options.factored)
     with open(options.output, "wb") as file:
         file.write(blob)
     return 0

@@ -43,7 +43,7 @@ std::vector<ChunkFact> asset_chunks(const pliant_asset& asset)
 
 std::uint64_t basis_size(const pliant_asset& asset)
 {
-    return size_of(asset, PLIANT_CHUNK_COMPACT) + size_of(asset, PLIANT_CHUNK_BASIS);
+    return size_of(asset, PLIANT_CHUNK_FACTORED) + size_of(asset, PLIANT_CHUNK_COMPACT) + size_of(asset, PLIANT_CHUNK_BASIS);
 }
 
 std::uint64_t frame_size(const pliant_asset& asset) { return basis_size(asset) + size_of(asset, PLIANT_CHUNK_REST); }

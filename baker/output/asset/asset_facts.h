@@ -23,7 +23,7 @@ std::uint64_t basis_size(const pliant_asset& asset);
 // What a frame reads to rebuild all vertices: basis and rest positions.
 std::uint64_t frame_size(const pliant_asset& asset);
 
-// "1.3"
+// "1.4"
 std::string format_version(const pliant_asset& asset);
 
 // Whether the asset draws a surface of its own and not the mesh of its poses, by its certificate (JSON text).

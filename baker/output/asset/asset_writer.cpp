@@ -257,7 +257,8 @@ void add_model_chunks(const AssetModel& asset, std::vector<Chunk>& chunks)
 void add_mesh_chunks(const AssetModel& asset, std::vector<Chunk>& chunks)
 {
     const StoredMesh& mesh = asset.mesh;
-    chunks.push_back({ PLIANT_CHUNK_REST, required, encode_tiles(asset.shape.rest, asset.set.length) });
+    if (asset.shape.basis.empty())
+        chunks.push_back({ PLIANT_CHUNK_REST, required, encode_tiles(asset.shape.rest, asset.set.length) });
     chunks.push_back({ PLIANT_CHUNK_TRIANGLES, required, encode_triangles(mesh.triangles) });
     if (!mesh.source_vertices.empty()) chunks.push_back({ PLIANT_CHUNK_VERTICES, 0, encode_vertices(mesh) });
     if (!mesh.smoothing.empty() && !is_trivial(mesh.smoothing))
@@ -280,7 +281,7 @@ std::vector<Chunk> encode_chunks(const AssetModel& asset, const AssetRecord& rec
     if (asset.shape.basis.empty())
         chunks.push_back({ PLIANT_CHUNK_BASIS, required, encode_basis(asset) });
     else
-        chunks.push_back({ PLIANT_CHUNK_COMPACT, required, Bytes { asset.shape.basis } });
+        chunks.push_back({ PLIANT_CHUNK_FACTORED, required, Bytes { asset.shape.basis } });
     return chunks;
 }
 
@@ -289,7 +290,8 @@ pliant_format_header header_of(const AssetModel& asset, std::size_t chunk_count)
     const Eigen::Vector3d& centre = asset.set.centre;
     return { PLIANT_FORMAT_IDENTIFIER,
              PLIANT_FORMAT_MAJOR,
-             PLIANT_FORMAT_MINOR_PARTS,
+             asset.shape.basis.empty() ? std::uint16_t(PLIANT_FORMAT_MINOR_PARTS)
+                                       : std::uint16_t(PLIANT_FORMAT_MINOR_FACTORED),
              0,
              std::uint32_t(chunk_count),
              0,

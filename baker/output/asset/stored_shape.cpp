@@ -1,7 +1,7 @@
 #include "output/asset/stored_shape.h"
 
 #include "output/asset/bounds.h"
-#include "output/asset/compact_basis.h"
+#include "output/asset/factored_basis.h"
 
 #include <Eigen/Eigenvalues>
 #include <algorithm>
@@ -53,28 +53,31 @@ Frame principal_frame(const Subspace& subspace, const Eigen::MatrixXd& reachable
 }
 
 StoredShape store_shape(const NormalizedPoses& set, const Subspace& subspace, const Embedding* embedding,
-                        const Eigen::MatrixXd& reachable, double error)
+                        const Eigen::MatrixXd& reachable, double error, std::size_t boundary_count)
 {
     const auto drawn = [&](const Eigen::MatrixXd& columns) { return embedding ? apply(*embedding, columns) : columns; };
     StoredShape out;
     Eigen::MatrixXd columns, samples;
+    Eigen::VectorXd rest;
     if (error > 0) {
         out.frame = principal_frame(subspace, reachable);
         columns = set.length * drawn(subspace.basis * out.frame.axes);
+        rest = set.length * Eigen::VectorXd(drawn(subspace.shape(out.frame.offset)));
         samples = reach_margin * (out.frame.axes.transpose() * (reachable.colwise() - out.frame.offset));
-        if (std::optional<CompactBasis> compact = pack_basis(columns, samples, set.length * error);
-            compact && compact->chunk.size() < std::size_t(columns.size()) * sizeof(float)) {
-            out.basis = std::move(compact->chunk);
-            out.largest_error = compact->largest_error / set.length;
+        if (std::optional<FactoredBasis> factored = factor_basis(rest, columns, samples, set.length * error, boundary_count);
+            factored && factored->chunk.size() < std::size_t(columns.size()) * sizeof(float)) {
+            out.basis = std::move(factored->chunk);
+            out.largest_error = factored->largest_error / set.length;
         }
     }
     if (out.basis.empty()) {
         out.frame = plain_frame(subspace.dimension());
         samples = reachable;
         columns = (set.length * drawn(subspace.basis)).cast<float>().cast<double>();
+        rest = rounded(set.length * Eigen::VectorXd(drawn(subspace.shape(out.frame.offset))));
     }
-    out.rest = drawn(subspace.shape(out.frame.offset));
-    out.bounds = encode_bounds(set.centre, rounded(set.length * out.rest), columns, samples);
+    out.rest = rest / set.length;
+    out.bounds = encode_bounds(set.centre, rest, columns, samples);
     return out;
 }
 

@@ -1,5 +1,5 @@
-// What an asset stores of a subspace: rest positions and basis in coordinates of its own, the basis in few bits, bounding
-// boxes.
+// What an asset stores of a subspace: rest positions and basis in coordinates of its own, the basis in small factors,
+// bounding boxes.
 #pragma once
 
 #include "base/mesh/embedding.h"
@@ -29,7 +29,8 @@ Frame principal_frame(const Subspace& subspace, const Eigen::MatrixXd& reachable
 struct StoredShape {
     Frame frame;
     Eigen::VectorXd rest; // 3 x vertices: the shape at the frame's offset, relative to the set's, normalized units
-    // Chunk BASC; empty: BASI in single precision is smaller, or the only one that is exact enough
+    // Chunk BASF, which has the rest positions in it; empty: BASI in single precision is smaller, or the only one that is
+    // exact enough
     std::vector<std::uint8_t> basis;
     std::vector<std::uint8_t> bounds; // chunk BNDS
     double largest_error = 0; // of a vertex by fewer bits, over `reachable` made wider by reach_margin; normalized units
@@ -40,8 +41,9 @@ constexpr double reach_margin = 1.05;
 
 // The basis so that no vertex is off by more than `error` (normalized units) at any of the coordinates `reachable` (d x
 // samples), hence nowhere in their convex hull, made wider by reach_margin. error = 0: as it is. `embedding`: of what is
-// drawn, or null. Cost: some ten products of the basis with `reachable`.
+// drawn, or null. `boundary_count`: vertices from there on are inside a solid and seldom rebuilt. Cost: some ten products of
+// the basis with `reachable`.
 StoredShape store_shape(const NormalizedPoses& set, const Subspace& subspace, const Embedding* embedding,
-                        const Eigen::MatrixXd& reachable, double error);
+                        const Eigen::MatrixXd& reachable, double error, std::size_t boundary_count);
 
 } // namespace pliant

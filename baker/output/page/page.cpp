@@ -206,6 +206,7 @@ const char* chunk_purpose(const std::string& tag)
         { "GLTF", "textures and materials" },
         { "BASI", "basis, single precision" },
         { "BASC", "basis, compact" },
+        { "BASF", "rest positions and basis, factored" },
         { "BNDS", "bounding boxes" },
     };
     for (const auto& [name, purpose] : purposes)
