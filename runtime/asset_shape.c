@@ -117,10 +117,11 @@ static pliant_result check_product(const pliant_format_product* tile, const uint
     return pliant_all_finite(scales, rows) && pliant_all_finite(tile->rest_origin, 3) ? PLIANT_OK : PLIANT_ERROR_NUMBER;
 }
 
-static int is_product(const pliant_format_product* tile)
+static int is_product(const pliant_format_product* tile, uint32_t dimension)
 {
     return tile->vertex_count >= 1 && tile->vertex_count <= PLIANT_FORMAT_COMPACT_VERTICES
-        && tile->column_count <= PLIANT_FORMAT_MAX_PRODUCT_COLUMNS && (tile->rest_scale != 0.0f || tile->column_count == 0);
+        && tile->column_count <= PLIANT_FORMAT_MAX_PRODUCT_COLUMNS && tile->column_count <= dimension
+        && (tile->rest_scale != 0.0f || tile->column_count == 0);
 }
 
 /* R21, R22: the data of a block's tiles is where it must be, and they have each of its vertices once. */
@@ -134,7 +135,7 @@ static pliant_result check_block(const pliant_open_context* context, const plian
     memset(seen, 0, (size + 7) / 8);
     for (uint32_t t = asset->blocks[block]; t < asset->blocks[block + 1]; ++t) {
         const pliant_format_product* tile = asset->products + t;
-        if (!is_product(tile)) return PLIANT_ERROR_LAYOUT;
+        if (!is_product(tile, context->header.dimension)) return PLIANT_ERROR_LAYOUT;
         if (!is_size(tile->rest_scale)) return PLIANT_ERROR_NUMBER;
         pliant_result result = check_product(tile, asset->data, context->header.dimension, asset->data_words, words);
         if (result == PLIANT_OK)

@@ -60,11 +60,12 @@ static void include(box* b, int c, double lowest, double highest)
 /* `row` has the cluster's 1 + d intervals. The sums that reconstruction rounds have at most d + 4 terms (bases, fields,
    rest, factor, origin), some of them products of three rounded numbers, and none of their partial sums exceeds `size`: so 2
    (d + 8) roundings of it cover theirs. In a compact basis a number is a base plus a field, each of them at most twice the
-   column's reach. A factored basis has sums of sums: an affine map, whose terms do not exceed four times the reach, and
-   columns that are small beside it. */
+   column's reach. A factored basis has sums of sums, of at most d terms for each row, d columns and their bases; the SPEC
+   bounds its terms by eight times the reach. */
 static void include_cluster(box* b, const pliant_asset* asset, const pliant_format_interval* row, const float* q)
 {
-    const double roundings = 2.0 * ((double)asset->dimension + (asset->products ? 32.0 : 8.0)) * EPSILON;
+    const double dimension = (double)asset->dimension;
+    const double roundings = (asset->products ? 3.0 * dimension + 64.0 : 2.0 * (dimension + 8.0)) * EPSILON;
     const double terms = asset->products ? 8.0 : 4.0;
     for (int c = 0; c < 3; ++c) {
         const double origin = (double)asset->origin[c]; /* is in the centre, too, and may cancel the rest there */

@@ -254,8 +254,9 @@ PLIANT_API pliant_result pliant_solve(pliant_solver* solver, const float* weight
    Position i is written as three floats at (char*)positions + i * stride, where i counts from 0 at vertex `first`. `stride`
    is in bytes, at least 12 and a multiple of 4. Vertices from vertex_count on are not written. Ranges that start at
    multiples of pliant_range_unit are fastest; ranges may run on different threads.
-   Cost: reads the basis of the vertices once: per vertex and dimension 1 to 2 bytes of a factored basis, about 4 bytes of a
-   compact one, or 12 bytes in single precision (`pliant info`), plus at most 12 bytes per vertex. */
+   Cost: reads the basis of the vertices once: per vertex and dimension 1.5 to 7 bytes of a factored basis (fewer the more
+   dimensions there are), about 4 bytes of a compact one, or 12 bytes in single precision (`pliant info`); beside the last
+   two 12 bytes per vertex. */
 PLIANT_API void pliant_reconstruct(const pliant_asset* asset, const float* q, uint32_t first, uint32_t count,
                                    float* positions, size_t stride);
 

@@ -112,7 +112,7 @@ class Factored:
         require(np.isfinite(tiles["origin"]).all(), "R19", "a rest_origin of BASF")
         require(blocks[0] == 0 and blocks[-1] == count and (np.diff(blocks) >= 0).all(), "R21", "blocks of BASF")
         require((tiles["vertices"] >= 1).all() and (tiles["vertices"] <= 64).all(), "R21", "vertices of a tile")
-        require((tiles["columns"] <= 192).all() and not tiles["columns"][tiles["scale"] == 0].any(), "R21",
+        require((tiles["columns"] <= min(192, d)).all() and not tiles["columns"][tiles["scale"] == 0].any(), "R21",
                 "columns of a tile")
         self.rest, self.basis = np.zeros((n, 3)), np.zeros((d, n, 3))
         at, self.data, self.require = 0, data[data_at:], require

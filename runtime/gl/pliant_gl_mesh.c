@@ -180,12 +180,22 @@ static void put_slots(row_writer* writer, const pliant_asset* asset)
     }
 }
 
+/* Rows that tile `tile` needs; none inside a solid, which nobody draws: the first of its sorted vertices decides. `block`:
+   that of the tile before, becomes its own. */
+static uint32_t drawn_rows(const pliant_gl_mesh* mesh, const pliant_asset* asset, uint32_t tile, uint32_t* block)
+{
+    while (tile >= asset->blocks[*block + 1]) ++*block;
+    const uint16_t* vertices = (const uint16_t*)(const void*)(asset->data + asset->products[tile].offset);
+    const int is_drawn = *block * (uint64_t)asset->block_vertices + vertices[0] < mesh->vertex_count; /* they are sorted */
+    return is_drawn ? pliant_format_product_rows(asset->products + tile) : 0;
+}
+
 static void put_row_starts(row_writer* writer, const pliant_asset* asset, uint32_t tile_count)
 {
-    uint32_t row = 0;
+    uint32_t row = 0, block = 0;
     for (uint32_t t = 0; t < tile_count; ++t) {
         put_word(writer, row);
-        row += pliant_format_product_rows(asset->products + t);
+        row += drawn_rows(writer->mesh, asset, t, &block);
     }
     flush_row(writer);
 }
@@ -193,9 +203,10 @@ static void put_row_starts(row_writer* writer, const pliant_asset* asset, uint32
 /* Where groups of eight rows are computed from; `data_at`: where the data is in the texture. */
 static void put_row_groups(row_writer* writer, const pliant_asset* asset, uint32_t tile_count, uint32_t data_at)
 {
+    uint32_t block = 0;
     for (uint32_t t = 0; t < tile_count; ++t) {
         const pliant_format_product* tile = asset->products + t;
-        const uint32_t rows = pliant_format_product_rows(tile), stride = rows / 2;
+        const uint32_t rows = drawn_rows(writer->mesh, asset, t, &block), stride = rows / 2;
         const uint32_t scales
             = data_at + tile->offset + pliant_format_product_parts(tile) * (PLIANT_FORMAT_TILE_VERTICES / 2);
         for (uint32_t i = 0; i < rows; i += PLIANT_FORMAT_ROW_GROUP) {
@@ -232,7 +243,7 @@ static pliant_gl_result upload_factored(pliant_gl_mesh* mesh, const pliant_asset
     const uint32_t blocks = pliant_format_block_count(asset->vertex_count, asset->block_vertices);
     const uint32_t tiles = asset->blocks[blocks];
     uint64_t rows = 0;
-    for (uint32_t t = 0; t < tiles; ++t) rows += pliant_format_product_rows(asset->products + t);
+    for (uint32_t t = 0, block = 0; t < tiles; ++t) rows += drawn_rows(mesh, asset, t, &block);
     const uint64_t data_words = asset->data_words;
     const word_run runs[5] = { { NULL, mesh->vertex_count },
                                { asset->products, 6 * (uint64_t)tiles },

@@ -45,3 +45,16 @@ class Draft:
 
     def entry(self, tag):
         return next(entry for entry in self.table if entry[0] == tag)
+
+
+def editor(good, tag):
+    """edited(function of a Draft) and put(offset, form, values..., [tag]): the files that a change makes of `good`."""
+    def edited(edit):
+        d = Draft(good)
+        edit(d)
+        return d.join()
+
+    def put(offset, form, *values, tag=tag):
+        return edited(lambda d: d.put(tag, offset, form, *values))
+
+    return edited, put

@@ -1,19 +1,12 @@
 """For make_bad_assets.py: what can be wrong with BASC, BASF and BNDS."""
 import struct
 
-from asset_draft import INDEX, LAYOUT, LIMIT, NUMBER, Draft
+from asset_draft import INDEX, LAYOUT, LIMIT, NUMBER, Draft, editor
 
 
 def bad_compacts(compact):
     """(name, code, bytes): what can be wrong with BASC and BNDS."""
-    def edited(edit):
-        d = Draft(compact)
-        edit(d)
-        return d.join()
-
-    def put(tag, offset, form, *values):
-        return edited(lambda d: d.put(tag, offset, form, *values))
-
+    edited, put = editor(compact, b"BASC")
     n, dim = struct.unpack_from("<I4xI", compact, 32)
     chunk, bounds = Draft(compact).data[b"BASC"], Draft(compact).data[b"BNDS"]
     tiles = (n + 63) // 64
@@ -25,8 +18,8 @@ def bad_compacts(compact):
     if tiles != 2 or fields_end == data_at or dim % 4 == 0:
         raise SystemExit("give a compact file with two tiles and padding")
 
-    yield "R05_BNDS_none", LIMIT, put(b"BNDS", 0, "I", 0)
-    yield "R05_BNDS_many", LIMIT, put(b"BNDS", 0, "I", 257)
+    yield "R05_BNDS_none", LIMIT, put(0, "I", 0, tag=b"BNDS")
+    yield "R05_BNDS_many", LIMIT, put(0, "I", 257, tag=b"BNDS")
     yield "R07_without_BASC", LAYOUT, edited(lambda d: d.table.remove(d.entry(b"BASC")))
     d = Draft(compact)
     d.table.append([b"BASI", 1, 0, 0, 0, 0])
@@ -35,51 +28,44 @@ def bad_compacts(compact):
     yield "R09_BNDS_short", LAYOUT, edited(lambda d: d.data[b"BNDS"].__delitem__(slice(len(bounds) - 4, None)))
     yield "R09_BNDS_long", LAYOUT, edited(lambda d: d.data[b"BNDS"].extend(bytes(4)))
     yield "R09_BNDS_head_cut", LAYOUT, edited(lambda d: d.data[b"BNDS"].__delitem__(slice(60, None)))
-    yield "R14_BNDS_head", LAYOUT, put(b"BNDS", 60, "I", 1)
-    yield "R14_BASC_head", LAYOUT, put(b"BASC", 60, "I", 1)
-    yield "R14_BASC_behind_columns", LAYOUT, put(b"BASC", tiles_at - 1, "B", 1)
-    yield "R14_BASC_behind_fields", LAYOUT, put(b"BASC", data_at - 1, "B", 1)
+    yield "R14_BNDS_head", LAYOUT, put(60, "I", 1, tag=b"BNDS")
+    yield "R14_BASC_head", LAYOUT, put(60, "I", 1)
+    yield "R14_BASC_behind_columns", LAYOUT, put(tiles_at - 1, "B", 1)
+    yield "R14_BASC_behind_fields", LAYOUT, put(data_at - 1, "B", 1)
     yield "R18_not_required", LAYOUT, edited(lambda d: d.entry(b"BASC").__setitem__(1, 0))
-    yield "R18_tile_less", LAYOUT, put(b"BASC", 0, "I", tiles - 1)
-    yield "R18_tile_more", LAYOUT, put(b"BASC", 0, "I", tiles + 1)
-    yield "R18_all_tiles", LAYOUT, put(b"BASC", 0, "I", 0xFFFFFFFF)
-    yield "R18_shift", LAYOUT, put(b"BASC", 64 + 4, "I", 16)
-    yield "R18_shift_of_all_bits", LAYOUT, put(b"BASC", 64 + 4, "I", 0xFFFFFFFF)
-    yield "R18_width", LAYOUT, put(b"BASC", fields_at + 6, "H", 25)
-    yield "R18_width_of_all_bits", LAYOUT, put(b"BASC", fields_at + 6, "H", 0xFFFF)
+    yield "R18_tile_less", LAYOUT, put(0, "I", tiles - 1)
+    yield "R18_tile_more", LAYOUT, put(0, "I", tiles + 1)
+    yield "R18_all_tiles", LAYOUT, put(0, "I", 0xFFFFFFFF)
+    yield "R18_shift", LAYOUT, put(64 + 4, "I", 16)
+    yield "R18_shift_of_all_bits", LAYOUT, put(64 + 4, "I", 0xFFFFFFFF)
+    yield "R18_width", LAYOUT, put(fields_at + 6, "H", 25)
+    yield "R18_width_of_all_bits", LAYOUT, put(fields_at + 6, "H", 0xFFFF)
     for name, tile in (("first", 0), ("last", tiles - 1)):
         d = Draft(compact)
         for j in range(dim):
             d.put(b"BASC", fields_at + 8 * (dim * tile + j) + 6, "H", 24)
         yield f"R18_{name}_wider", LAYOUT, d.join()
-    yield "R18_narrower", LAYOUT, put(b"BASC", fields_at + 6, "H", width - 4)
-    yield "R18_first_offset", LAYOUT, put(b"BASC", tiles_at, "I", 1)
-    yield "R18_offset", LAYOUT, put(b"BASC", tiles_at + 8, "I", offset + 6)
-    yield "R18_offset_past_end", LAYOUT, put(b"BASC", tiles_at + 8, "I", 0xFFFFFFFF)
+    yield "R18_narrower", LAYOUT, put(fields_at + 6, "H", width - 4)
+    yield "R18_first_offset", LAYOUT, put(tiles_at, "I", 1)
+    yield "R18_offset", LAYOUT, put(tiles_at + 8, "I", offset + 6)
+    yield "R18_offset_past_end", LAYOUT, put(tiles_at + 8, "I", 0xFFFFFFFF)
     yield "R18_short", LAYOUT, edited(lambda d: d.data[b"BASC"].__delitem__(slice(len(chunk) - 4, None)))
     yield "R18_long", LAYOUT, edited(lambda d: d.data[b"BASC"].extend(bytes(4)))
     for name, end in (("head_cut", 60), ("head_only", 64), ("without_tiles", tiles_at), ("without_fields", fields_at),
                       ("without_data", data_at)):
         yield f"R18_{name}", LAYOUT, edited(lambda d, end=end: d.data[b"BASC"].__delitem__(slice(end, None)))
     for name, at in (("error", 4), ("scale", 64), ("reach", 72), ("limit", 76), ("factor", tiles_at + 4)):
-        yield f"R19_{name}_nan", NUMBER, put(b"BASC", at, "f", float("nan"))
-        yield f"R19_{name}_inf", NUMBER, put(b"BASC", at, "f", float("inf"))
-        yield f"R19_{name}_negative", NUMBER, put(b"BASC", at, "f", -1.0)
-    yield "R19_centre_nan", NUMBER, put(b"BNDS", 64, "f", float("nan"))
-    yield "R19_last_radius_inf", NUMBER, put(b"BNDS", len(bounds) - 4, "f", float("inf"))
-    yield "R19_radius_negative", NUMBER, put(b"BNDS", 64 + 12, "f", -1e-30)
+        yield f"R19_{name}_nan", NUMBER, put(at, "f", float("nan"))
+        yield f"R19_{name}_inf", NUMBER, put(at, "f", float("inf"))
+        yield f"R19_{name}_negative", NUMBER, put(at, "f", -1.0)
+    yield "R19_centre_nan", NUMBER, put(64, "f", float("nan"), tag=b"BNDS")
+    yield "R19_last_radius_inf", NUMBER, put(len(bounds) - 4, "f", float("inf"), tag=b"BNDS")
+    yield "R19_radius_negative", NUMBER, put(64 + 12, "f", -1e-30, tag=b"BNDS")
 
 
 def bad_factors(factored):
     """(name, code, bytes): what can be wrong with BASF."""
-    def edited(edit):
-        d = Draft(factored)
-        edit(d)
-        return d.join()
-
-    def put(offset, form, *values):
-        return edited(lambda d: d.put(b"BASF", offset, form, *values))
-
+    edited, put = editor(factored, b"BASF")
     n, dim = struct.unpack_from("<I4xI", factored, 32)
     chunk = Draft(factored).data[b"BASF"]
     tiles, block = struct.unpack_from("<I4xI", chunk)

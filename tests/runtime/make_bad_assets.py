@@ -17,7 +17,7 @@ from pathlib import Path
 import numpy as np
 
 import pliant_reference_path  # noqa: F401
-from asset_draft import ALIGNMENT, CHECKSUM, INDEX, LAYOUT, LIMIT, NOT_PLIANT, NUMBER, TRUNCATED, VERSION, Draft
+from asset_draft import ALIGNMENT, CHECKSUM, INDEX, LAYOUT, LIMIT, NOT_PLIANT, NUMBER, TRUNCATED, VERSION, Draft, editor
 from bad_shapes import bad_compacts, bad_factors
 from pliant_reference import TIE, Asset, FormatError
 from pliant_reference_solid import Layout
@@ -146,11 +146,7 @@ def bad_files(good):
 
 def bad_loads(loaded):
     """(name, code, bytes): what can be wrong with LOAD."""
-    def edited(edit):
-        d = Draft(loaded)
-        edit(d)
-        return d.join()
-
+    edited, _ = editor(loaded, b"LOAD")
     def with_count(count):
         return edited(lambda d: d.put(b"LOAD", 0, "I", count))
 
@@ -248,14 +244,7 @@ def bad_ties(tied):
 
 def bad_quartics(quartic):
     """(name, code, bytes): what can be wrong with QUAR."""
-    def edited(edit):
-        d = Draft(quartic)
-        edit(d)
-        return d.join()
-
-    def put(offset, form, *values):
-        return edited(lambda d: d.put(b"QUAR", offset, form, *values))
-
+    edited, put = editor(quartic, b"QUAR")
     dim, m = struct.unpack_from("<2I", quartic, 40)
     layout, size = Layout(dim), len(Draft(quartic).data[b"QUAR"])
     free = np.setdiff1d(np.arange(layout.count), layout.places)

@@ -69,7 +69,8 @@ def lanes_of_vertices(values):
 
 
 def product_tile(rest, basis, scales, error):
-    """Tile record without offset, and its data without the vertices: `rest` [k, 3], `basis` [d, k, 3]."""
+    """Tile record without offset, its data without the vertices, and the magnitudes that each column adds up at most: `rest`
+    [k, 3], `basis` [d, k, 3]."""
     count, d = len(rest), len(basis)
     origin = rest.min(axis=0).astype(np.float32)
     scale = np.float32(max(np.ptp(rest, axis=0).max() / 60000, 1e-6))
@@ -82,7 +83,10 @@ def product_tile(rest, basis, scales, error):
     left = left[:, :r]
     units = error / np.maximum(abs(left.T @ (columns - factor @ affine)).max(axis=1), error)
     fields = np.round(left / units).astype(int)
-    row_scales, right = right_factor(np.vstack([affine, (left * units).T @ (columns - factor @ affine)]), scales)
+    rows = np.vstack([affine, (left * units).T @ (columns - factor @ affine)])
+    row_scales, right = right_factor(rows, scales)
+    terms = (abs(rows[:12]).reshape(4, 3, d) * np.array([1, 65535, 65535, 65535])[:, None, None]).sum(axis=0).max(axis=0)
+    terms = terms + 3 * abs(fields).max(axis=0) @ abs(rows[12:])
     record = struct.pack("<HH3ff", count, r, *origin, scale)
     data = row_scales.tobytes() + right.T.tobytes()
     by_vertex = fields.reshape(count, 3, r)
@@ -102,11 +106,11 @@ def product_tile(rest, basis, scales, error):
                 lanes[lane] |= int(value) << at
             at += width
         data += part_bytes(lanes, (at + 3) // 4 * 4)
-    return record, data
+    return record, data, terms
 
 
 def still_tile(rest):
-    return struct.pack("<HH3ff", len(rest), 0, 0, 0, 0, 0), lanes_of_vertices(rest).astype("<f4").tobytes()
+    return struct.pack("<HH3ff", len(rest), 0, 0, 0, 0, 0), lanes_of_vertices(rest).astype("<f4").tobytes(), 0.0
 
 
 def factored_chunk(rest, basis, error):
@@ -121,8 +125,8 @@ def factored_chunk(rest, basis, error):
             vertices = np.arange(turn, size, 3)
             is_still = first + 64 >= n and turn == 1
             x, u = rest[first + vertices], basis[:, first + vertices]
-            record, tile = still_tile(x) if is_still else product_tile(x, u, scales.astype(float), error)
-            reach = np.maximum(reach, np.linalg.norm(u, axis=2).max(axis=1) + error)
+            record, tile, terms = still_tile(x) if is_still else product_tile(x, u, scales.astype(float), error)
+            reach = np.maximum(reach, np.maximum(np.linalg.norm(u, axis=2).max(axis=1) + error, terms / 8))
             records += struct.pack("<I", len(data) // 4) + record
             data += np.pad(vertices, (0, -len(vertices) % 16)).astype("<u2").tobytes() + tile
         blocks.append(blocks[-1] + 3)

@@ -25,6 +25,7 @@ struct TileProduct {
     Eigen::Matrix<std::int32_t, Eigen::Dynamic, Eigen::Dynamic> left;  // 3 vertices x columns
     Eigen::Matrix<std::uint16_t, Eigen::Dynamic, 3> numbers;           // of the rest positions
     double largest_error = 0;                                          // at the samples
+    Eigen::VectorXd terms; // d: the largest sum of magnitudes that a coordinate adds up for each column
 };
 
 // Settings for the basis `columns` (3n x d).

@@ -251,6 +251,13 @@ TEST_CASE("a factored basis keeps its position error at averages, poses and betw
     }
 }
 
+TEST_CASE("an error that 16 bits of a row cannot keep leaves the basis in single precision")
+{
+    const Problem p;
+    const BlendModel model = p.model();
+    CHECK(p.asset(model, 1e-5 * p.set.diagonal).shape.basis.empty());
+}
+
 TEST_CASE("columns come in the order of what they move, and few are needed near the middle")
 {
     const Problem p;
