@@ -385,7 +385,7 @@ static PLIANT_INLINE void evaluate_arap_cell(const pliant_element_group* group, 
     for (size_t l = 0; l < PLIANT_LANES; ++l) energy[l] += (float)sum[l];
 }
 
-PLIANT_KERNEL(evaluate_arap_cell,
-              (const pliant_element_group* group, const pliant_arap_poses* poses, float* PLIANT_RESTRICT force,
-               float* PLIANT_RESTRICT energy),
-              (group, poses, force, energy))
+PLIANT_WIDE_KERNEL(evaluate_arap_cell,
+                   (const pliant_element_group* group, const pliant_arap_poses* poses, float* PLIANT_RESTRICT force,
+                    float* PLIANT_RESTRICT energy),
+                   (group, poses, force, energy))

@@ -20,11 +20,11 @@
 #define PLIANT_RESTRICT
 #endif
 
-/* Vector code that counts is compiled twice where that can be: for the compiler's default and for AVX2; what unpacks a
-   compact basis a third time, for AVX-512, where it gains a quarter (single precision waits for memory, the solver was not
-   tried). The processor is asked when a solver is made and in every reconstruction. All do the same operations in the same
-   order, hence the same bits; FMA, which rounds once where they round twice, stays off. No copies where all is compiled for
-   AVX2 anyway, for MSVC, whose library cannot be asked, and where PLIANT_NO_DISPATCH is defined. */
+/* Vector code that counts is compiled twice where that can be: for the compiler's default and for AVX2; what unpacks a basis
+   a third time, for AVX-512, where it gains a quarter, and ARAP cells, which compute much in double precision (a fifth). The
+   other passes wait for memory. The processor is asked when a solver is made and in every reconstruction. All do the same
+   operations in the same order, hence the same bits; FMA, which rounds once where they round twice, stays off. No copies
+   where all is compiled for AVX2 anyway, for MSVC, whose library cannot be asked, or with PLIANT_NO_DISPATCH. */
 #if defined(__x86_64__) && defined(__GNUC__) && !defined(_MSC_VER) && !defined(__AVX2__) && !defined(PLIANT_NO_DISPATCH)
 #define PLIANT_HAS_AVX2_COPY 1
 #define PLIANT_TARGET_avx2 __attribute__((target("avx2")))
@@ -169,7 +169,7 @@ typedef void pliant_normals_kernel(const pliant_normals* normals, const unsigned
     X(element, evaluate_face_neo_hookean, avx2)  \
     X(element, evaluate_face_stvk, avx2)         \
     X(element, evaluate_face_edge, avx2)         \
-    X(arap, evaluate_arap_cell, avx2)            \
+    X(arap, evaluate_arap_cell, avx512)          \
     X(element, evaluate_tet_stvk, avx2)          \
     X(element, evaluate_tet_mooney_rivlin, avx2) \
     X(element, evaluate_tie, avx2)               \
@@ -235,10 +235,14 @@ double pliant_quartic_evaluate(const pliant_kernels* kernels, const pliant_asset
 
 /* ----------------------------------------------------------------------------------------- functions of the weights ---- */
 
+/* Floats that pliant_radial_evaluate needs as scratch. */
+uint64_t pliant_radial_floats(const pliant_asset* asset);
+
 /* The start z0(w) and the dead load c(w) for normalised weights, padded_dimension floats each, padding zero; 0 where the
-   asset has none. Either may be null: not wanted. `load` must be null if the asset has none. Together they share one pass
-   over the centres and cost centre_count * (pose_count + dimension for each) multiply-adds. */
-void pliant_radial_evaluate(const pliant_asset* asset, const float* weights, float* start, float* load);
+   asset has none. `load` must be null if the asset has none. Cost: centre_count * (pose_count + dimension for each)
+   multiply-adds. */
+void pliant_radial_evaluate(const pliant_kernels* kernels, const pliant_asset* asset, const float* weights, float* scratch,
+                            float* start, float* load);
 
 /* ------------------------------------------------------------------------------------------------------- solver ---- */
 
@@ -252,16 +256,18 @@ struct pliant_solver {
     pliant_asset asset;
     const pliant_kernels* kernels;
 
-    int history;             /* how many frames before this one are known: 0, 1, 2 (then both steps were small) */
+    int has_history;         /* whether the last frame is known */
+    int is_settled;          /* whether z, energy and gradient are those of the last frame, and it converged */
     float* weights;          /* of this frame, normalised; padded pose count */
     float* previous_weights; /* of the last frame */
-    float* earlier_weights;  /* of the frame before it */
 
     /* padded_dimension floats each, padding zero */
     float* z;
     float* gradient;
-    float* previous_z; /* answer of the last frame */
-    float* earlier_z;  /* answer of the frame before it */
+    float* start;          /* z0 at the weights of this frame */
+    float* previous_start; /* z0 at those of the last one */
+    float* previous_z;     /* answer of the last frame */
+    float* first_z;        /* end of a jump's first descent */
     float* trial;
     float* trial_gradient;
     float* direction;
@@ -275,8 +281,9 @@ struct pliant_solver {
     float* combined;         /* numbers of the surrogate energy for combined_weights */
     float* combined_weights; /* padded pose count */
     int is_combined;         /* whether `combined` holds anything yet */
-    float* scratch;
-    double energy; /* at z */
+    float* scratch;          /* of the surrogate energy */
+    float* radial_scratch;   /* of pliant_radial_evaluate */
+    double energy;           /* at z */
     uint32_t iterations;
     uint32_t evaluations;
     uint32_t evaluation_limit; /* at which a descent ends: desc.max_evaluations, or the share of it that it may use */

@@ -188,7 +188,7 @@ typedef struct pliant_solver_desc {
        single precision. */
     float tolerance;
     /** Largest change of the weights (sum of absolute differences after normalisation) since the last frame for which the
-       solver starts from that frame or an extrapolation of the last ones. For larger changes it starts from the predictor.
+       solver starts from that frame, moved by the change of the predictor. For larger changes it starts from the predictor.
        Default 0.1; with 0 it always starts from the predictor. */
     float continuity;
 } pliant_solver_desc;
@@ -242,10 +242,10 @@ typedef struct pliant_solve_info {
 /** Blends: `weights` (pose_count floats, each >= 0, any positive sum) in, `q` (dimension floats) out; `info` may be null.
    Only the ratios of the weights matter. If weights are invalid it returns an error, and q, info and the solver keep their
    exact bits. It makes no allocation and no system call.
-   Cost: (iterations + a few) evaluations of the surrogate energy. If the weights have changed since the last frame, also
-   one combination of its numbers, linear in the number of poses with a weight other than zero. Once a frame the dead load,
-   and after a jump the predictor: (pose_count + dimension) multiply-adds for each centre of the predictor, for each of the
-   two. */
+   Cost: if the weights are those of the last frame and that one converged, dimension squared multiply-adds. Otherwise one
+   combination of the surrogate energy's numbers, linear in the number of poses with a weight other than zero; predictor and
+   dead load, (pose_count + 2 * dimension) multiply-adds for each centre of the predictor; and (iterations + 1)
+   evaluations of the surrogate energy, or a few more. */
 PLIANT_API pliant_result pliant_solve(pliant_solver* solver, const float* weights, float* q, pliant_solve_info* info);
 
 /* ------------------------------------------------------------------------------------------- reconstruction ---- */

@@ -1,31 +1,38 @@
 /* What an asset knows as a smooth function of the weights: where a frame starts, z0(w), and the dead load c(w). Cubic radial
    basis functions with a linear part, formats/SPEC.md section 4, PRED and LOAD. */
 #include "internal.h"
-#include "linalg.h"
 
 #include <math.h>
 
-/* One row of each table that is wanted. */
-static void add_rows(const pliant_asset* asset, size_t row, float factor, float* start, float* load)
+uint64_t pliant_radial_floats(const pliant_asset* asset)
 {
-    const size_t d = asset->padded_dimension;
-    if (start) pliant_add_scaled(start, factor, asset->predictor_coefficients + row * d, d);
-    if (load) pliant_add_scaled(load, factor, asset->load_coefficients + row * d, d);
+    return pliant_pad_lanes(asset->predictor_count + (size_t)asset->pose_count);
 }
 
-void pliant_radial_evaluate(const pliant_asset* asset, const float* weights, float* start, float* load)
+/* What each row of the tables counts: the cubes of the distances from the centres, then the weights. */
+static void measure_centres(const pliant_asset* asset, const float* weights, float* factors)
 {
-    const size_t d = asset->padded_dimension, m = asset->pose_count;
-    if (start) memset(start, 0, d * sizeof *start);
-    if (load) memset(load, 0, d * sizeof *load);
-    if (!asset->predictor_centres || (!start && !load)) return;
+    const size_t m = asset->pose_count;
     for (uint32_t i = 0; i < asset->predictor_count; ++i) {
         const float* centre = asset->predictor_centres + i * m;
         float square = 0.0f;
         for (size_t k = 0; k < m; ++k) square += (weights[k] - centre[k]) * (weights[k] - centre[k]);
-        add_rows(asset, i, square * sqrtf(square), start, load);
+        factors[i] = square * sqrtf(square);
     }
-    for (size_t k = 0; k < m; ++k) add_rows(asset, asset->predictor_count + k, weights[k], start, load);
+    memcpy(factors + asset->predictor_count, weights, m * sizeof *weights);
+}
+
+void pliant_radial_evaluate(const pliant_kernels* kernels, const pliant_asset* asset, const float* weights, float* scratch,
+                            float* start, float* load)
+{
+    const size_t d = asset->padded_dimension, rows = asset->predictor_count + (size_t)asset->pose_count;
+    if (!asset->predictor_centres) {
+        memset(start, 0, d * sizeof *start);
+        return;
+    }
+    measure_centres(asset, weights, scratch);
+    kernels->combine_columns(start, asset->predictor_coefficients, scratch, rows, d);
+    if (load) kernels->combine_columns(load, asset->load_coefficients, scratch, rows, d);
     /* PRED may hold anything behind its rows, and padding must not enter sums; LOAD's is zero by rule R14. */
-    if (start) memset(start + asset->dimension, 0, (d - asset->dimension) * sizeof *start);
+    memset(start + asset->dimension, 0, (d - asset->dimension) * sizeof *start);
 }

@@ -64,11 +64,12 @@ static void lay_out(carver* c, const pliant_asset* asset, pliant_solver* solver)
     pliant_solver* s = solver ? solver : &counted;
     s->weights = carve_floats(c, m);
     s->previous_weights = carve_floats(c, m);
-    s->earlier_weights = carve_floats(c, m);
     s->z = carve_floats(c, d);
     s->gradient = carve_floats(c, d);
+    s->start = carve_floats(c, d);
+    s->previous_start = carve_floats(c, d);
     s->previous_z = carve_floats(c, d);
-    s->earlier_z = carve_floats(c, d);
+    s->first_z = carve_floats(c, d);
     s->trial = carve_floats(c, d);
     s->trial_gradient = carve_floats(c, d);
     s->direction = carve_floats(c, d);
@@ -80,6 +81,7 @@ static void lay_out(carver* c, const pliant_asset* asset, pliant_solver* solver)
     s->combined = carve_floats(c, energy.combined_floats);
     s->combined_weights = carve_floats(c, m);
     s->scratch = carve_floats(c, energy.scratch_floats);
+    s->radial_scratch = carve_floats(c, pliant_radial_floats(asset));
 }
 
 /* Bytes from an aligned start. */
@@ -123,7 +125,7 @@ pliant_result pliant_solver_init(pliant_solver** out, const pliant_asset* asset,
 void pliant_solver_reset(pliant_solver* solver)
 {
     if (!solver || solver->magic != SOLVER_MAGIC) return;
-    solver->history = 0; /* all that a frame reads of earlier ones is guarded by it, but for `combined`, which has no past */
+    solver->has_history = 0; /* guards all that a frame reads of earlier ones, but for `combined`, which has no past */
 }
 
 /* ------------------------------------------------------------------------------------------------------ weights ---- */
@@ -185,12 +187,12 @@ static start start_from_zero(pliant_solver* solver)
     return try_start(solver, solver->trial) ? START_ZERO : START_NONE;
 }
 
-/* From z0(w), which solver->trial holds, with a fresh matrix. */
+/* From z0(w), with a fresh matrix. */
 static start start_afresh(pliant_solver* solver)
 {
     pliant_bfgs_forget(solver);
     if (!solver->asset.predictor_centres) return start_from_zero(solver);
-    const int has_start = may_evaluate(solver) && try_start(solver, solver->trial);
+    const int has_start = may_evaluate(solver) && try_start(solver, solver->start);
     /* The energy at z = 0 is 0 by definition: a predictor that ends above it is worse than the equal-weight average, and is
        what was asked for only if nothing is to be minimised. */
     if (has_start && (solver->energy <= 0.0 || solver->desc.max_iterations == 0)) return START_PREDICTOR;
@@ -198,58 +200,29 @@ static start start_afresh(pliant_solver* solver)
     return zero == START_NONE && has_start ? START_PREDICTOR : zero;
 }
 
-/* How far along the last step of the weights the new one goes, or 0 if there is nothing to continue. */
-static float continuation_factor(const pliant_solver* solver)
-{
-    float along = 0.0f, square = 0.0f;
-    if (solver->history < 2) return 0.0f;
-    for (uint32_t k = 0; k < solver->asset.pose_count; ++k) {
-        const float last = solver->previous_weights[k] - solver->earlier_weights[k];
-        along += (solver->weights[k] - solver->previous_weights[k]) * last;
-        square += last * last;
-    }
-    /* A drag that turned round or stands still has no direction to continue; beyond twice the last step a straight line
-       says nothing. */
-    if (!(along > 0.0f)) return 0.0f;
-    return along < 2.0f * square ? along / square : 2.0f;
-}
-
-/* From the last frame, or further along the line through the last two if that is lower. The matrix is kept. */
+/* From the last frame, moved as the predictor moves: what the predictor is off by changes less than the blend does. The
+   matrix is kept. */
 static int start_from_last(pliant_solver* solver)
 {
-    const size_t d = solver->asset.padded_dimension;
-    if (!try_start(solver, solver->previous_z)) return 0;
-    const float factor = continuation_factor(solver);
-    if (factor == 0.0f || !may_evaluate(solver)) return 1;
-    for (size_t j = 0; j < d; ++j)
-        solver->trial[j] = solver->previous_z[j] + factor * (solver->previous_z[j] - solver->earlier_z[j]);
-    double energy;
-    if (pliant_solver_evaluate(solver, solver->trial, &energy, solver->trial_gradient) && energy < solver->energy) {
-        memcpy(solver->z, solver->trial, d * sizeof(float));
-        memcpy(solver->gradient, solver->trial_gradient, d * sizeof(float));
-        solver->energy = energy;
-    }
-    return 1;
+    for (size_t j = 0; j < solver->asset.padded_dimension; ++j)
+        solver->trial[j] = solver->previous_z[j] + (solver->start[j] - solver->previous_start[j]);
+    return try_start(solver, solver->trial) || (may_evaluate(solver) && try_start(solver, solver->previous_z));
 }
 
 /* Near the last frame in weights, with something to minimise: without, the predictor is the answer. */
 static int may_continue(const pliant_solver* solver)
 {
     const pliant_solver_desc* desc = &solver->desc;
-    if (solver->history == 0 || desc->max_iterations == 0 || !(desc->continuity > 0.0f)) return 0;
+    if (!solver->has_history || desc->max_iterations == 0 || !(desc->continuity > 0.0f)) return 0;
     return distance_of_weights(solver->weights, solver->previous_weights, solver->asset.pose_count) <= desc->continuity;
 }
 
 /* Also makes the load, which every start needs. */
 static start choose_start(pliant_solver* solver)
 {
-    const int is_near = may_continue(solver);
-    pliant_radial_evaluate(&solver->asset, solver->weights, is_near ? NULL : solver->trial, solver->load);
-    if (is_near) {
-        if (start_from_last(solver)) return START_LAST;
-        pliant_radial_evaluate(&solver->asset, solver->weights, solver->trial, NULL);
-    }
-    return start_afresh(solver);
+    pliant_radial_evaluate(solver->kernels, &solver->asset, solver->weights, solver->radial_scratch, solver->start,
+                           solver->load);
+    return may_continue(solver) && start_from_last(solver) ? START_LAST : start_afresh(solver);
 }
 
 /* -------------------------------------------------------------------------------------------------------- frame ---- */
@@ -268,15 +241,21 @@ static int write_coordinates(const pliant_solver* solver, float* q)
     return 1;
 }
 
-static void remember(pliant_solver* solver, int was_continued)
+static void remember(pliant_solver* solver, pliant_status status)
 {
     const size_t z_size = solver->asset.padded_dimension * sizeof(float);
-    const size_t w_size = solver->asset.pose_count * sizeof(float);
-    memcpy(solver->earlier_z, solver->previous_z, z_size);
-    memcpy(solver->earlier_weights, solver->previous_weights, w_size);
     memcpy(solver->previous_z, solver->z, z_size);
-    memcpy(solver->previous_weights, solver->weights, w_size);
-    solver->history = was_continued ? 2 : 1;
+    memcpy(solver->previous_start, solver->start, z_size);
+    memcpy(solver->previous_weights, solver->weights, solver->asset.pose_count * sizeof(float));
+    solver->has_history = 1;
+    solver->is_settled = status == PLIANT_STATUS_CONVERGED;
+}
+
+/* Whether the last frame's answer is this one's: the weights are the same to the bit. */
+static int is_answered(const pliant_solver* solver)
+{
+    return solver->has_history && solver->is_settled
+        && memcmp(solver->weights, solver->previous_weights, solver->asset.pose_count * sizeof(float)) == 0;
 }
 
 static void describe(pliant_solver* solver, pliant_status status, pliant_solve_info* info)
@@ -294,7 +273,7 @@ static void describe(pliant_solver* solver, pliant_status status, pliant_solve_i
 static void give_up(pliant_solver* solver, float* q, pliant_solve_info* info)
 {
     memcpy(q, solver->asset.mean, solver->asset.dimension * sizeof *q);
-    solver->history = 0;
+    solver->has_history = 0;
     if (!info) return;
     info->status = PLIANT_STATUS_STALLED;
     info->iterations = solver->iterations;
@@ -323,18 +302,16 @@ static pliant_status minimise_jump(pliant_solver* solver)
     solver->evaluation_limit += reserve;
     if (!is_stuck(solver, first_status)) return first_status;
 
-    /* A jump has no use for the last frames: their places keep the first end. */
-    float* first_z = solver->earlier_z;
-    float* first_gradient = solver->previous_z;
+    float* first_gradient = solver->previous_z; /* a jump has no use for the last frame */
     const double first_energy = solver->energy;
-    memcpy(first_z, solver->z, size);
+    memcpy(solver->first_z, solver->z, size);
     memcpy(first_gradient, solver->gradient, size);
     pliant_bfgs_forget(solver);
     if (start_from_zero(solver) == START_ZERO) {
         const pliant_status status = pliant_bfgs_minimise(solver);
         if (solver->energy < first_energy) return status;
     }
-    memcpy(solver->z, first_z, size);
+    memcpy(solver->z, solver->first_z, size);
     memcpy(solver->gradient, first_gradient, size);
     solver->energy = first_energy;
     pliant_bfgs_forget(solver); /* what it learned belongs to another place */
@@ -349,22 +326,24 @@ pliant_result pliant_solve(pliant_solver* solver, const float* weights, float* q
     if (result != PLIANT_OK) return result;
 
     normalise_weights(weights, m, solver->weights);
-    pliant_solver_combine(solver);
     solver->iterations = 0;
     solver->evaluations = 0;
     solver->evaluation_limit = solver->desc.max_evaluations;
-
-    const start begun = choose_start(solver);
-    if (begun == START_NONE) {
-        give_up(solver, q, info);
-        return PLIANT_OK;
+    pliant_status status = PLIANT_STATUS_CONVERGED;
+    if (!is_answered(solver)) {
+        pliant_solver_combine(solver);
+        const start begun = choose_start(solver);
+        if (begun == START_NONE) {
+            give_up(solver, q, info);
+            return PLIANT_OK;
+        }
+        status = begun == START_PREDICTOR ? minimise_jump(solver) : pliant_bfgs_minimise(solver);
     }
-    const pliant_status status = begun == START_PREDICTOR ? minimise_jump(solver) : pliant_bfgs_minimise(solver);
     if (!write_coordinates(solver, q)) {
         give_up(solver, q, info);
         return PLIANT_OK;
     }
     describe(solver, status, info);
-    remember(solver, begun == START_LAST);
+    remember(solver, status);
     return PLIANT_OK;
 }

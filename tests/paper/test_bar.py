@@ -43,7 +43,8 @@ for key, value in sorted(mean.items()):
     print("%-14s d = %2d: %.2e" % (*key, value))
 assert all(values[0] < 1e-7 and values[-1] < 1e-7 for values in errors.values()), "a pose itself is not reproduced"
 assert 0.35e-4 < mean["Algorithm 1", 3] < 1.4e-4, "the paper has 0.7e-4"
-assert mean["Algorithm 1", 9] < 0.14e-4 > mean["Algorithm 1", 17], "the paper has 0.14e-4"
+# The paper has 0.14e-4 for both. At d = 17 the kernels of OpenBLAS decide: 1.32e-5 to 1.52e-5 (Sandybridge, SkylakeX).
+assert mean["Algorithm 1", 9] < 0.14e-4 and mean["Algorithm 1", 17] < 0.2e-4
 check_ranking(mean)
 assert mean["adaptive", 9] < 1e-7
 

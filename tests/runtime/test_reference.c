@@ -33,7 +33,7 @@ static double evaluate(evaluator* e)
     pliant_solver* s = e->made.solver;
     double energy = 0.0;
     pliant_solver_combine(s);
-    pliant_radial_evaluate(&s->asset, s->weights, NULL, s->load);
+    pliant_radial_evaluate(s->kernels, &s->asset, s->weights, s->radial_scratch, s->start, s->load);
     CHECK(pliant_solver_evaluate(s, s->z, &energy, s->gradient), "not finite");
     return energy;
 }

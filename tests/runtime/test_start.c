@@ -1,5 +1,6 @@
 /* Where a jump starts and ends: no higher than its predictor, no higher than the equal-weight average, and if the descent
-   from the predictor gets stuck no higher than a second one from z = 0 with the evaluations left. Argument: the folder of
+   from the predictor gets stuck no higher than a second one from z = 0 with the evaluations left. And that a frame of the
+   same weights costs nothing once it has converged, and goes on if it has not. Argument: the folder of
    make_test_assets.py. */
 #include "../../formats/pliant_format.h"
 #include "support.h"
@@ -8,7 +9,7 @@
 
 enum { EVALUATIONS = 40, SHARE = 30 }; /* of the first descent; below 32 a frame has no second */
 
-static int cold_won, predictor_won;
+static int cold_won, predictor_won, converged, unconverged;
 
 /* One frame of a new solver. */
 static pliant_solve_info jump(const pliant_asset* asset, uint32_t iterations, uint32_t evaluations, const float* weights)
@@ -77,6 +78,29 @@ static void check_second_descent(const opened* o, const float* weights)
           first.iterations, second.iterations, first.evaluations, second.evaluations);
 }
 
+/* Frames of the same weights, each of so many iterations. */
+static void check_repeated(const opened* o, const float* weights, uint32_t iterations)
+{
+    float q[2][PLIANT_FORMAT_MAX_DIMENSION];
+    pliant_solve_info info[2] = { { PLIANT_STATUS_LIMIT, 0, 0, 0.0f, 0.0f }, { PLIANT_STATUS_LIMIT, 0, 0, 0.0f, 0.0f } };
+    pliant_solver_desc desc = pliant_solver_desc_default();
+    desc.max_iterations = iterations;
+    const made_solver made = make_solver(&o->asset, &desc);
+    for (int frame = 0; frame < 2; ++frame)
+        CHECK(pliant_solve(made.solver, weights, q[frame], &info[frame]) == PLIANT_OK, "%s", o->name);
+    if (info[0].status == PLIANT_STATUS_CONVERGED) {
+        CHECK(info[1].evaluations == 0 && info[1].iterations == 0, "%s: %u evaluations for the same weights", o->name,
+              info[1].evaluations);
+        CHECK(info[1].status == info[0].status && info[1].energy == info[0].energy && info[1].gradient == info[0].gradient
+                  && memcmp(q[0], q[1], o->asset.dimension * sizeof(float)) == 0,
+              "%s: another answer for the same weights", o->name);
+    } else
+        CHECK(info[1].evaluations > 0, "%s: a frame that has not converged does not go on", o->name);
+    converged += info[0].status == PLIANT_STATUS_CONVERGED;
+    unconverged += info[0].status != PLIANT_STATUS_CONVERGED;
+    free(made.memory);
+}
+
 static void check_asset(const opened* o)
 {
     const int rounds = (strstr(o->name, "arap") || strstr(o->name, "mixed") ? 30 : 400) / SLOWNESS;
@@ -86,6 +110,7 @@ static void check_asset(const opened* o)
         corner_heavy_weights(&state, o->asset.pose_count, weights);
         check_bounds(o, weights);
         check_second_descent(o, weights);
+        check_repeated(o, weights, round % 2 ? 60 : 1);
     }
 }
 
@@ -95,5 +120,6 @@ int main(int argc, char** argv)
     for_each_asset(argv[1], check_asset);
     printf("%d second descents won, %d lost\n", cold_won, predictor_won);
     CHECK(cold_won > 0 && predictor_won > 0, "not both outcomes occur: half of this tests nothing");
+    CHECK(converged > 0 && unconverged > 0, "%d frames converged, %d did not", converged, unconverged);
     return report("start");
 }
