@@ -1,25 +1,35 @@
-/* What a frame costs beside linear morph targets of the same poses.
-       pliant_bench_frame ASSET... [--frames N]
-   A line per asset: microseconds to solve and to rebuild all vertices on a slow drag through the weights, those of the first
-   pose plus the weighted differences of the others in single precision, and the bytes that either reads. Medians of N frames
-   (default 2,000), both in turns, on one core. The linear sum is compiled for this processor and with -ffast-math. The first
-   asset is also compared with the others of as many vertices: the farthest vertex at the last frame, in units of the input.
-   Asserts nothing. */
-#define _POSIX_C_SOURCE 199309L
+/* What a frame costs beside what engines do with the same vertices.
+       pliant_bench_frame NAME=ASSET... [--frames N] [--characters N] [--threads N]
+   Three Markdown tables. The first, microseconds of one character on one core, medians of N frames (1,000), all columns in
+   turns in every frame: solve on a slow drag through the weights and for random jumps, with evaluations of the surrogate
+   energy a frame; rebuild all vertices; normals; and beside it, compiled for this processor with -O3 and -ffast-math
+   (engine_mesh.c), the linear sum of the same poses in single precision, linear blend skinning and dual quaternions with 64
+   bones, four a vertex. The second, milliseconds of N characters (100), each with weights, a solver and vertices of its own,
+   on N threads (2). The third, what a frame reads and what the file holds. Asserts nothing. */
+#define _POSIX_C_SOURCE 200112L
 #include "../../formats/pliant_format.h"
 #include "../runtime/support.h"
+#include "engine_mesh.h"
 
 #include <math.h>
+#include <pthread.h>
 #include <time.h>
 
-enum { max_assets = 16, max_poses = 64, max_dimension = 256 };
+enum { max_assets = 16, max_poses = 64, max_dimension = 256, max_threads = 64 };
+
+typedef enum column { DRAG, JUMP, REBUILD, NORMALS, LINEAR, MATRICES, DUALS, COLUMN_COUNT } column;
 
 typedef struct measured {
+    const char* name;
     blob_file blob;
     pliant_asset asset;
-    made_solver solver;
-    float *positions, *targets, *blended; /* targets: the first pose, then differences */
-    double *solve, *rebuild, *linear;
+    pliant_normals normals;
+    engine_mesh others;
+    made_solver drag, jump;
+    float *positions, *directions;
+    double* times[COLUMN_COUNT];
+    double evaluations[2]; /* of DRAG and of JUMP */
+    uint64_t random;
 } measured;
 
 static double now(void)
@@ -48,69 +58,191 @@ static void* allocate(size_t size)
     return memory;
 }
 
-static int open_measured(measured* m, const char* path, int frames)
+static made_solver make_default_solver(const pliant_asset* asset)
 {
+    const pliant_solver_desc desc = pliant_solver_desc_default();
+    return make_solver(asset, &desc);
+}
+
+static void open_measured(measured* m, const char* argument, int frames)
+{
+    const char* equals = strchr(argument, '=');
+    const char* path = equals ? equals + 1 : argument;
+    m->name = argument;
     m->blob = read_blob(path);
     const pliant_result result = pliant_asset_open(&m->asset, m->blob.data, m->blob.size, PLIANT_OPEN_DEFAULT);
-    if (result != PLIANT_OK) {
-        fprintf(stderr, "%s: %s\n", path, pliant_result_text(result));
-        return 0;
+    if (result != PLIANT_OK || m->asset.pose_count > max_poses) {
+        fprintf(stderr, "%s: %s\n", path, result != PLIANT_OK ? pliant_result_text(result) : "too many poses");
+        exit(2);
     }
-    const size_t floats = 3 * (size_t)m->asset.vertex_count, times = (size_t)frames * sizeof(double);
-    m->solver = make_solver(&m->asset, NULL);
+    const size_t floats = 3 * (size_t)m->asset.vertex_count, memory = pliant_normals_memory(&m->asset);
+    pliant_normals_init(&m->normals, &m->asset, allocate(memory), memory);
+    m->drag = make_default_solver(&m->asset);
+    m->jump = make_default_solver(&m->asset);
     m->positions = allocate(floats * sizeof(float));
-    m->blended = allocate(floats * sizeof(float));
-    m->targets = allocate(floats * m->asset.pose_count * sizeof(float));
-    m->solve = allocate(times);
-    m->rebuild = allocate(times);
-    m->linear = allocate(times);
-    for (uint32_t k = 0; k < m->asset.pose_count; ++k) {
-        float* target = m->targets + floats * k;
-        pliant_reconstruct(&m->asset, pliant_asset_pose_coordinates(&m->asset, k), 0, m->asset.vertex_count, target, 12);
-        for (size_t i = 0; k > 0 && i < floats; ++i) target[i] -= m->targets[i];
-    }
-    return 1;
+    m->directions = allocate(floats * sizeof(float));
+    m->random = 20261125;
+    for (int c = 0; c < COLUMN_COUNT; ++c) m->times[c] = allocate((size_t)frames * sizeof(double));
+    float* poses = allocate(floats * m->asset.pose_count * sizeof(float));
+    for (uint32_t k = 0; k < m->asset.pose_count; ++k)
+        pliant_reconstruct(&m->asset, pliant_asset_pose_coordinates(&m->asset, k), 0, m->asset.vertex_count,
+                           poses + floats * k, 12);
+    m->others = make_engine_mesh(m->asset.vertex_count, m->asset.pose_count, poses);
+    free(poses);
 }
 
 /* Saw teeth of different lengths: all poses take part, and weights move by some thousandths a frame. */
-static void weights_of(int frame, uint32_t count, float* weights)
+static void drag_weights(int frame, float phase, uint32_t count, float* weights)
 {
     float sum = 0.0f;
     for (uint32_t k = 0; k < count; ++k) {
-        const float place = 0.002f * (float)frame * (1.0f + 0.37f * (float)k) + 0.21f * (float)k,
-                    part = place - floorf(place);
+        const float place = 0.002f * (float)frame * (1.0f + 0.37f * (float)k) + 0.21f * (float)k + phase;
+        const float part = place - floorf(place);
         weights[k] = 0.01f + (part < 0.5f ? 2.0f * part : 2.0f - 2.0f * part);
         sum += weights[k];
     }
     for (uint32_t k = 0; k < count; ++k) weights[k] /= sum;
 }
 
-static void add_linear(const measured* m, const float* weights)
+static void jump_weights(uint64_t* random, uint32_t count, float* weights)
 {
-    const size_t floats = 3 * (size_t)m->asset.vertex_count;
-    float* restrict out = m->blended;
-    memcpy(out, m->targets, floats * sizeof *out);
-    for (uint32_t k = 1; k < m->asset.pose_count; ++k) {
-        const float* restrict target = m->targets + floats * k;
-        const float weight = weights[k];
-        for (size_t i = 0; i < floats; ++i) out[i] += weight * target[i];
-    }
+    for (uint32_t k = 0; k < count; ++k) weights[k] = -logf(random_unit(random) + 1e-6f) + 1e-6f;
+}
+
+/* ----------------------------------------------------------------------------------------------- one character ---- */
+
+static double solve(measured* m, column which, const float* weights, float* q)
+{
+    pliant_solver* solver = which == DRAG ? m->drag.solver : m->jump.solver;
+    pliant_solve_info info;
+    if (which == JUMP) pliant_solver_reset(solver);
+    const double start = now();
+    pliant_solve(solver, weights, q, &info);
+    const double time = now() - start;
+    m->evaluations[which] += (double)info.evaluations;
+    return time;
 }
 
 static void run_frame(measured* m, int frame)
 {
-    float weights[max_poses], q[max_dimension];
-    weights_of(frame, m->asset.pose_count, weights);
-    const double start = now();
-    pliant_solve(m->solver.solver, weights, q, NULL);
-    const double solved = now();
+    static bone_pose bones;
+    float weights[max_poses], jumped[max_poses], q[max_dimension], unused[max_dimension];
+    double times[COLUMN_COUNT + 1];
+    drag_weights(frame, 0.0f, m->asset.pose_count, weights);
+    jump_weights(&m->random, m->asset.pose_count, jumped);
+    pose_bones(frame, &bones);
+    m->times[JUMP][frame] = solve(m, JUMP, jumped, unused);
+    m->times[DRAG][frame] = solve(m, DRAG, weights, q);
+    times[REBUILD] = now();
     pliant_reconstruct(&m->asset, q, 0, m->asset.vertex_count, m->positions, 12);
-    const double rebuilt = now();
-    add_linear(m, weights);
-    m->linear[frame] = now() - rebuilt;
-    m->solve[frame] = solved - start;
-    m->rebuild[frame] = rebuilt - solved;
+    times[NORMALS] = now();
+    pliant_normals_compute(&m->normals, m->positions, 12, 0, m->normals.vertex_count, m->directions, 12);
+    times[LINEAR] = now();
+    blend_linearly(&m->others, weights, m->positions);
+    times[MATRICES] = now();
+    blend_matrices(&m->others, &bones, m->positions);
+    times[DUALS] = now();
+    blend_dual_quaternions(&m->others, &bones, m->positions);
+    times[COLUMN_COUNT] = now();
+    for (int c = REBUILD; c < COLUMN_COUNT; ++c) m->times[c][frame] = times[c + 1] - times[c];
 }
+
+static void print_character(measured* m, int frames)
+{
+    double t[COLUMN_COUNT];
+    for (int c = 0; c < COLUMN_COUNT; ++c) t[c] = median(m->times[c], frames);
+    printf("| %.*s | %u | %u | %u | %.1f (%.1f) | %.1f (%.1f) | %.1f | %.1f | %.1f | %.1f | %.1f | %.2f |\n",
+           (int)strcspn(m->name, "="), m->name, m->asset.vertex_count, m->asset.pose_count, m->asset.dimension, t[DRAG],
+           m->evaluations[DRAG] / frames, t[JUMP], m->evaluations[JUMP] / frames, t[REBUILD], t[NORMALS], t[LINEAR],
+           t[MATRICES], t[DUALS], (t[DRAG] + t[REBUILD]) / t[LINEAR]);
+}
+
+/* -------------------------------------------------------------------------------------------------------- crowd ---- */
+
+typedef enum crowd_stage { CROWD_SOLVE, CROWD_REBUILD, CROWD_LINEAR, CROWD_MATRICES, CROWD_STAGE_COUNT } crowd_stage;
+
+typedef struct crowd {
+    const measured* m;
+    int count, threads;
+    made_solver* solvers;
+    float *positions, *q, *weights; /* a row a character */
+    bone_pose* bones;
+} crowd;
+
+typedef struct share {
+    const crowd* crowd;
+    crowd_stage stage;
+    int first, end;
+} share;
+
+static void run_character(const crowd* c, crowd_stage stage, int i)
+{
+    const pliant_asset* asset = &c->m->asset;
+    float* q = c->q + i * max_dimension;
+    const float* weights = c->weights + i * max_poses;
+    float* positions = c->positions + 3 * (size_t)asset->vertex_count * (size_t)i;
+    switch (stage) {
+    case CROWD_SOLVE: pliant_solve(c->solvers[i].solver, weights, q, NULL); break;
+    case CROWD_REBUILD: pliant_reconstruct(asset, q, 0, asset->vertex_count, positions, 12); break;
+    case CROWD_LINEAR: blend_linearly(&c->m->others, weights, positions); break;
+    default: blend_matrices(&c->m->others, c->bones, positions); break;
+    }
+}
+
+static void* run_share(void* argument)
+{
+    const share* s = (const share*)argument;
+    for (int i = s->first; i < s->end; ++i) run_character(s->crowd, s->stage, i);
+    return NULL;
+}
+
+/* Milliseconds of one stage for all characters. */
+static double run_stage(const crowd* c, crowd_stage stage)
+{
+    pthread_t threads[max_threads];
+    share shares[max_threads];
+    const double start = now();
+    for (int t = 0; t < c->threads; ++t) {
+        shares[t] = (share) { c, stage, c->count * t / c->threads, c->count * (t + 1) / c->threads };
+        if (pthread_create(&threads[t], NULL, run_share, &shares[t]) != 0) exit(2);
+    }
+    for (int t = 0; t < c->threads; ++t) pthread_join(threads[t], NULL);
+    return 1e-3 * (now() - start);
+}
+
+static void print_crowd(const measured* m, int count, int threads)
+{
+    enum { frames = 51 };
+    static bone_pose bones;
+    double times[CROWD_STAGE_COUNT][frames], t[CROWD_STAGE_COUNT];
+    const size_t rows = (size_t)count, vertices = m->asset.vertex_count;
+    crowd c = { m,
+                count,
+                threads,
+                allocate(rows * sizeof(made_solver)),
+                allocate(rows * vertices * 12),
+                allocate(rows * max_dimension * sizeof(float)),
+                allocate(rows * max_poses * sizeof(float)),
+                &bones };
+    for (int i = 0; i < count; ++i) c.solvers[i] = make_default_solver(&m->asset);
+    for (int frame = 0; frame < frames; ++frame) {
+        pose_bones(frame, &bones);
+        for (int i = 0; i < count; ++i)
+            drag_weights(frame, 0.37f * (float)i, m->asset.pose_count, c.weights + i * max_poses);
+        for (int s = 0; s < CROWD_STAGE_COUNT; ++s) times[s][frame] = run_stage(&c, (crowd_stage)s);
+    }
+    for (int s = 0; s < CROWD_STAGE_COUNT; ++s) t[s] = median(times[s], frames);
+    printf("| %.*s | %d | %d | %.2f | %.2f | %.2f | %.2f | %.2f |\n", (int)strcspn(m->name, "="), m->name, count, threads,
+           t[CROWD_SOLVE], t[CROWD_REBUILD], t[CROWD_LINEAR], t[CROWD_MATRICES],
+           (t[CROWD_SOLVE] + t[CROWD_REBUILD]) / t[CROWD_LINEAR]);
+    for (int i = 0; i < count; ++i) free(c.solvers[i].memory);
+    free(c.solvers);
+    free(c.positions);
+    free(c.q);
+    free(c.weights);
+}
+
+/* -------------------------------------------------------------------------------------------------------- bytes ---- */
 
 static double size_of(const pliant_asset* asset, uint32_t tag)
 {
@@ -119,45 +251,47 @@ static double size_of(const pliant_asset* asset, uint32_t tag)
     return (double)size;
 }
 
-static void print_row(measured* m, const measured* first, const char* path, int frames)
+static void print_bytes(const measured* m)
 {
     const pliant_asset* a = &m->asset;
-    const double bytes = size_of(a, PLIANT_CHUNK_REST) + size_of(a, PLIANT_CHUNK_BASIS) + size_of(a, PLIANT_CHUNK_COMPACT)
+    const double n = (double)a->vertex_count;
+    const double shape = size_of(a, PLIANT_CHUNK_REST) + size_of(a, PLIANT_CHUNK_BASIS) + size_of(a, PLIANT_CHUNK_COMPACT)
         + size_of(a, PLIANT_CHUNK_FACTORED);
-    const double solve = median(m->solve, frames), rebuild = median(m->rebuild, frames), linear = median(m->linear, frames);
-    double farthest = 0.0;
-    for (size_t v = 0; a->vertex_count == first->asset.vertex_count && v < a->vertex_count; ++v) {
-        double squared = 0.0;
-        for (size_t c = 0; c < 3; ++c)
-            squared += pow((double)m->positions[3 * v + c] - (double)first->positions[3 * v + c], 2.0);
-        farthest = fmax(farthest, sqrt(squared));
-    }
-    printf("| %s | %u | %u | %u | %.1f | %.1f | %.1f | %.1f | %.0f | %.0f | %.2g |\n", path, a->vertex_count, a->pose_count,
-           a->dimension, solve, rebuild, linear, (solve + rebuild) / linear, bytes / 1024.0,
-           12.0 * a->vertex_count * a->pose_count / 1024.0, farthest);
+    const double triangles = 12.0 * (double)a->triangle_count, linear = 12.0 * n * a->pose_count;
+    printf("| %.*s | %.1f | %.1f | %d | %.0f | %.0f | %.0f |\n", (int)strcspn(m->name, "="), m->name, shape / n, linear / n,
+           skin_bytes, (double)m->blob.size / 1024.0, (linear + triangles) / 1024.0, (skin_bytes * n + triangles) / 1024.0);
 }
 
 int main(int argc, char** argv)
 {
     static measured assets[max_assets];
-    const char* paths[max_assets];
-    int count = 0, frames = 2000;
+    int count = 0, frames = 1000, characters = 100, threads = 2;
+    const char* names[max_assets];
     for (int i = 1; i < argc; ++i) {
-        if (strcmp(argv[i], "--frames") == 0 && i + 1 < argc)
-            frames = atoi(argv[++i]);
-        else if (count < max_assets)
-            paths[count++] = argv[i];
+        int* const option = strcmp(argv[i], "--frames") == 0 ? &frames
+            : strcmp(argv[i], "--characters") == 0           ? &characters
+            : strcmp(argv[i], "--threads") == 0              ? &threads
+                                                             : NULL;
+        if (option && i + 1 < argc)
+            *option = atoi(argv[++i]);
+        else if (!option && count < max_assets)
+            names[count++] = argv[i];
     }
-    if (count == 0 || frames < 1) {
-        fprintf(stderr, "usage: pliant_bench_frame ASSET... [--frames N]\n");
+    if (count == 0 || frames < 1 || characters < 1 || threads < 1 || threads > max_threads) {
+        fprintf(stderr, "usage: pliant_bench_frame NAME=ASSET... [--frames N] [--characters N] [--threads N]\n");
         return 2;
     }
-    for (int i = 0; i < count; ++i)
-        if (!open_measured(&assets[i], paths[i], frames)) return 1;
+    for (int i = 0; i < count; ++i) open_measured(&assets[i], names[i], frames);
     for (int frame = 0; frame < frames; ++frame)
         for (int i = 0; i < count; ++i) run_frame(&assets[i], frame);
-    printf("| asset | n | m | d | solve us | rebuild us | linear us | frame / linear | KiB read | linear | farthest |\n"
-           "|---|---|---|---|---|---|---|---|---|---|---|\n");
-    for (int i = 0; i < count; ++i) print_row(&assets[i], &assets[0], paths[i], frames);
+    printf("| set | n | m | d | drag us (evaluations) | jump us | rebuild | normals | linear sum | skinning | dual "
+           "quaternions | (drag + rebuild) / linear |\n|---|---|---|---|---|---|---|---|---|---|---|---|\n");
+    for (int i = 0; i < count; ++i) print_character(&assets[i], frames);
+    printf("\n| set | characters | threads | drag ms | rebuild | linear sum | skinning | (drag + rebuild) / linear |\n"
+           "|---|---|---|---|---|---|---|---|\n");
+    for (int i = 0; i < count; ++i) print_crowd(&assets[i], characters, threads);
+    printf("\n| set | bytes a vertex: Pliant | linear sum | skinning | file KiB: Pliant | linear sum | skinning |\n"
+           "|---|---|---|---|---|---|---|\n");
+    for (int i = 0; i < count; ++i) print_bytes(&assets[i]);
     return 0;
 }
