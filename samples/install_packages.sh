@@ -12,7 +12,7 @@ pliant_packages() {
         build)
             printf '%s\n' build-essential cmake ninja-build pkg-config libeigen3-dev libopenmesh-dev libsuitesparse-dev \
                 libmetis-dev libopenblas-pthread-dev libtinyobjloader-dev libcli11-dev nlohmann-json3-dev libfmt-dev \
-                zlib1g-dev libdraco-dev libstb-dev
+                zlib1g-dev libdraco-dev libmeshoptimizer-dev libstb-dev
             ;;
         player)
             # fonts-dejavu-core: without it the player's texts are drawn with a coarse built-in font.

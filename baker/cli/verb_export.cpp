@@ -13,12 +13,14 @@ namespace {
 
 struct ExportArguments {
     std::string asset, output, path;
-    bool with_morph = false, with_asset = false, with_compression = false, is_quiet = false;
+    bool with_morph = false, with_asset = false, with_compression = false, without_normals = false, is_quiet = false;
     int bone_count = 0;
+    double quantisation_error = 0; // of the diagonal
     double frames_per_second = 30;
 };
 
 constexpr double default_seconds = 6;
+constexpr double default_error = 1e-4; // of --meshopt: far below what is seen, and 16 bits are enough
 
 // A line of the path as weights; what is wrong with it is the file's fault.
 std::vector<float> weights_of(const std::vector<double>& row, std::size_t frame, std::size_t pose_count,
@@ -46,6 +48,19 @@ std::vector<std::vector<float>> path_of(const ExportArguments& a, std::size_t po
     return path;
 }
 
+void print_targets(const ExportArguments& a, const ExportReport& report)
+{
+    if (a.without_normals)
+        fmt::print("  {} morph targets without normals\n", report.target_count);
+    else
+        fmt::print("  {} morph targets; error of normals: mean {:.2f}, 99.9 % below {:.2f}, largest {:.1f} degrees\n",
+                   report.target_count, report.normal_error.mean_degrees, report.normal_error.percentile_degrees,
+                   report.normal_error.worst_degrees);
+    fmt::print("  animation of {} frames at {:g} frames per second\n"
+               "  table of pose weights: {} centres; error at fresh weights: mean {:.2g}, largest {:.2g} of the diagonal\n",
+               report.frame_count, a.frames_per_second, report.centre_count, report.table_mean, report.table_largest);
+}
+
 void print_summary(const ExportArguments& a, const ExportedFile& file)
 {
     const ExportReport& report = file.report;
@@ -55,18 +70,14 @@ void print_summary(const ExportArguments& a, const ExportedFile& file)
         fmt::print("  {} {} with the materials of the source, {} {}\n", report.part_count,
                    report.part_count == 1 ? "part" : "parts", report.image_count,
                    report.image_count == 1 ? "image" : "images");
-    if (report.target_count)
-        fmt::print("  {} morph targets; error of normals: mean {:.2f}, 99.9 % below {:.2f}, largest {:.1f} degrees\n"
-                   "  animation of {} frames at {:g} frames per second\n",
-                   report.target_count, report.normal_error.mean_degrees, report.normal_error.percentile_degrees,
-                   report.normal_error.worst_degrees, report.frame_count, a.frames_per_second);
+    if (report.target_count) print_targets(a, report);
     if (report.bone_count)
         fmt::print("  {} bones; distance from the blends: RMS {:.3f} %, largest {:.2f} % of the diagonal\n"
                    "  animation of {} frames at {:g} frames per second\n",
                    report.bone_count, 100 * report.skin_rms, 100 * report.skin_largest, report.frame_count,
                    a.frames_per_second);
-    if (a.with_compression)
-        fmt::print("  compressed with Draco: largest error of a coordinate {:.2g}\n", report.compression_error);
+    if (report.position_error > 0)
+        fmt::print("  positions in whole numbers: largest error {:.2g} of the diagonal\n", report.position_error);
     if (a.with_asset) fmt::print("  the asset is embedded (PLIANT_elastic_blend)\n");
 }
 
@@ -89,6 +100,8 @@ ExitCode run_export(const ExportArguments& a)
     options.with_asset = a.with_asset;
     options.bone_count = a.bone_count;
     options.with_compression = a.with_compression;
+    options.with_normals = !a.without_normals;
+    options.quantisation_error = a.quantisation_error > 0 ? a.quantisation_error : a.with_compression ? default_error : 0;
     options.name = std::filesystem::path(a.asset).stem().string();
     options.source = a.asset;
     options.frames_per_second = a.frames_per_second;
@@ -113,6 +126,7 @@ Verb add_export(CLI::App& app)
     verb->footer(
         "Examples:\n"
         "  pliant export hero.pliant -o hero.glb                 morph targets: works in any glTF viewer\n"
+        "  pliant export hero.pliant --meshopt -o hero.glb       a fifth of the size, for engines that read it\n"
         "  pliant export hero.pliant --path weights.csv --fps 60 -o hero.glb\n"
         "  pliant export hero.pliant --embed -o hero.glb         with the asset inside, for programs with the runtime\n"
         "  pliant export hero.pliant --skin 24 -o hero.glb       bones: for crowds and engines without morph targets\n"
@@ -129,9 +143,15 @@ Verb add_export(CLI::App& app)
                      "Write a skin of B bones, fitted to the blends, instead of morph targets, and print its error")
         ->check(CLI::Range(1, 1024))
         ->type_name("B");
-    verb->add_flag(
-        "--draco", a->with_compression,
-        "Compress positions, normals and triangles of the mesh, but not its morph targets (KHR_draco_mesh_compression)");
+    verb->add_option("--quantize", a->quantisation_error,
+                     "Store positions and targets as integers (KHR_mesh_quantization), every vertex of a blend within E of "
+                     "the diagonal (1e-4 is not seen), and normals as bytes")
+        ->check(CLI::Range(1e-9, 0.1))
+        ->type_name("E");
+    verb->add_flag("--meshopt", a->with_compression,
+                   "Compress all of it (EXT_meshopt_compression); with --quantize 1e-4, unless another E is given");
+    verb->add_flag("--no-normals", a->without_normals,
+                   "Write no normals, for programs that compute them; others draw flat faces");
     verb->add_option(
             "--path", a->path,
             "Animation: a file with one line of weights per frame (default: 6 seconds from pose to pose and through "

@@ -74,12 +74,13 @@ std::vector<std::uint32_t> indices_of(const tinygltf::Model& model, const tinygl
     return indices;
 }
 
-// Vertex 0 of the primitive is this one of the asset (formats/SPEC.md, section 7).
-std::uint32_t first_vertex_of(const tinygltf::Primitive& primitive)
+// What the extras say of the primitive's vertices (formats/SPEC.md, section 7): `first_vertex` is the asset's number of
+// vertex 0, and those from `vertex_count` on are not the asset's.
+std::uint32_t extra_of(const tinygltf::Primitive& primitive, const char* name, std::uint32_t otherwise)
 {
-    if (!primitive.extras.Has("pliant")) return 0;
+    if (!primitive.extras.Has("pliant")) return otherwise;
     const tinygltf::Value& ours = primitive.extras.Get("pliant");
-    return ours.Has("first_vertex") ? std::uint32_t(ours.Get("first_vertex").GetNumberAsInt()) : 0;
+    return ours.Has(name) ? std::uint32_t(ours.Get(name).GetNumberAsInt()) : otherwise;
 }
 
 } // namespace
@@ -120,18 +121,20 @@ void ElasticModel::open_asset(const tinygltf::Mesh& mesh)
 
 void ElasticModel::read_part(const tinygltf::Primitive& primitive)
 {
-    const std::uint32_t first = first_vertex_of(primitive);
+    const std::uint32_t first = extra_of(primitive, "first_vertex", 0),
+                        count = extra_of(primitive, "vertex_count", UINT32_MAX);
     Part part;
-    part.indices = indices_of(gltf_, primitive);
-    for (std::uint32_t& index : part.indices) {
-        index += first;
-        if (index >= vertices_.size()) throw std::runtime_error("a triangle has a vertex that the asset does not have");
+    for (const std::uint32_t index : indices_of(gltf_, primitive)) {
+        if (index >= count) continue; // the last triangle, without area, which only holds a bounding box
+        part.indices.push_back(first + index);
+        if (first + index >= vertices_.size())
+            throw std::runtime_error("a triangle has a vertex that the asset does not have");
     }
     const auto uv = primitive.attributes.find("TEXCOORD_0");
     if (uv != primitive.attributes.end()
         && gltf_.accessors.at(std::size_t(uv->second)).componentType == TINYGLTF_COMPONENT_TYPE_FLOAT) {
         const Elements elements = elements_of(gltf_, uv->second);
-        for (std::size_t i = 0; i < elements.count && first + i < vertices_.size(); ++i)
+        for (std::size_t i = 0; i < std::min<std::size_t>(elements.count, count) && first + i < vertices_.size(); ++i)
             std::memcpy(vertices_[first + i].uv, elements.first + i * elements.stride, sizeof(Vertex::uv));
     }
     if (primitive.material >= 0) {

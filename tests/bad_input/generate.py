@@ -530,6 +530,7 @@ export_case("export_folder_missing", "")
 export_case("export_frame_rate", "")
 export_case("export_morph_and_skin", "")
 export_case("export_no_bones", "")
+export_case("export_too_fine", "")
 file_case("truncated_asset", "cut.pliant", lambda: ASSET.read_bytes()[:-1])
 CASES["ghost_fin"] = CASES["three_faces_at_edge"]
 

@@ -120,7 +120,6 @@ def add_cases(good):
     case("gltf_nesting", file="a.gltf", write=lambda g: b'{"asset":' + b"[" * 1000000)
     edited("gltf_version", "asset", "version", value="1.0")
     edited("gltf_extension", "extensionsRequired", value=["KHR_materials_unlit", "ACME_secret"])
-    edited("gltf_meshopt", "extensionsRequired", value=["EXT_meshopt_compression"])
     edited("gltf_wrong_type", "accessors", 0, "count", value="many")
     edited("gltf_index", *primitive, "indices", value=99)
     edited("gltf_negative", *primitive, "indices", value=-1)
@@ -162,6 +161,24 @@ def add_cases(good):
         gltf.json["meshes"][0]["primitives"][0]["extensions"] = {
             "KHR_draco_mesh_compression": {"bufferView": view, "attributes": {"POSITION": 0}}}
     case("gltf_draco_damaged", draco)
+
+    def meshopt(name, view_length=1560, **more):
+        """The positions, 130 rows of 12 bytes, as if compressed into bytes that are not."""
+        def edit(gltf):
+            offset = gltf.json["bufferViews"][gltf.view(b"\xa0" + b"\x55" * 399)]["byteOffset"]
+            extension = {"buffer": 0, "byteOffset": offset, "byteLength": 400, "byteStride": 12, "count": 130,
+                         "mode": "ATTRIBUTES", **more}
+            gltf.json["bufferViews"].append({"buffer": 0, "byteLength": view_length,
+                                             "extensions": {"EXT_meshopt_compression": extension}})
+            gltf.json["accessors"][0]["bufferView"] = len(gltf.json["bufferViews"]) - 1
+        case(name, edit)
+    meshopt("gltf_meshopt_damaged")
+    meshopt("gltf_meshopt_mode", mode="LINES")
+    meshopt("gltf_meshopt_filter", mode="TRIANGLES", byteStride=4, count=390, filter="OCTAHEDRAL")
+    meshopt("gltf_meshopt_stride", byteStride=6)
+    meshopt("gltf_meshopt_count", count=131)
+    meshopt("gltf_meshopt_huge", 4294967295 * 12, count=4294967295)
+    meshopt("gltf_meshopt_outside", byteLength=1000000)
 
     def joint(gltf):
         count = len(good().vertices)

@@ -15,7 +15,7 @@ SHARED = [
     (r"baker/input/io/read_(?:medit|msh|vega|vtk)\.cpp", "baker/input/io/tet_builder.h"),
     (r"baker/input/poses/check_tets\.cpp", "baker/input/poses/check_solid.h"),
     (r"baker/input/poses/compare_\w+\.cpp", "baker/input/poses/compare_poses.h"),
-    (r"baker/output/export/export_skin\.cpp", "baker/output/export/export_parts.h"),
+    (r"baker/output/export/export_(?:morph|skin)\.cpp", "baker/output/export/export_parts.h"),
     (r"baker/output/page/render_camera\.cpp", "baker/output/page/render.h"),
     (r"baker/pipeline/summary\.cpp", "baker/pipeline/batch.h"),
     (r"baker/reduced/surrogate/nn_htp\.cpp", "baker/reduced/surrogate/nnls.h"),

@@ -66,7 +66,7 @@ with tempfile.TemporaryDirectory() as name:
     source, asset, glb = folder / "source.glb", folder / "tube.pliant", folder / "tube.glb"
     textured.write(source)
     run(TOOL, "bake", source, "-o", asset, "--quiet")
-    run(TOOL, "export", asset, "--embed", "-o", glb)
+    run(TOOL, "export", asset, "--embed", "--morph", "--quantize", "1e-4", "-o", glb)
     for weights in ("1,1", "1,0", "0.3,0.7"):
         difference = np.abs(shown(glb, folder, "--weights", weights) - blended(asset, folder, weights)).max()
         assert difference == 0, f"weights {weights}: {difference}"

@@ -1,11 +1,11 @@
 #include "input/gltf/document.h"
 
+#include "input/gltf/meshopt.h"
 #include "input/gltf/uri.h"
 #include "input/io/source_file.h"
 
 #include <algorithm>
 #include <array>
-#include <cmath>
 #include <cstring>
 #include <filesystem>
 #include <fmt/format.h>
@@ -24,8 +24,9 @@ constexpr std::size_t json_size_limit = std::size_t(1) << 29;
 constexpr std::uint64_t buffer_size_limit = std::uint64_t(1) << 32;
 
 // What changes the meaning of the geometry and is understood, and what only says how to paint it.
-constexpr std::array<std::string_view, 4> known_extensions
-    = { "KHR_draco_mesh_compression", "KHR_mesh_quantization", "KHR_texture_transform", "KHR_lights_punctual" };
+constexpr std::array<std::string_view, 5> known_extensions
+    = { "KHR_draco_mesh_compression", "KHR_mesh_quantization", meshopt_extension, "KHR_texture_transform",
+        "KHR_lights_punctual" };
 constexpr std::array<std::string_view, 5> ignored_prefixes
     = { "KHR_materials_", "KHR_texture_basisu", "EXT_texture_", "MSFT_texture_dds", "ADOBE_materials_" };
 
@@ -66,102 +67,6 @@ std::uint32_t u32_at(std::string_view bytes, std::size_t offset)
 
 } // namespace
 
-// ---------------------------------------------------------------------------------------------------------------- values
-
-void GltfValue::fail(int number, const std::string& what, const std::string& hint) const
-{
-    Diagnostic diagnostic { Diagnostic::Severity::error, number, *file_, place_.empty() ? what : place_ + ": " + what,
-                            hint.empty() ? "the file is damaged: export it again; a glTF validator says more" : hint };
-    throw Failure(ExitCode::bad_input, std::move(diagnostic));
-}
-
-void GltfValue::expect(const char* what) const
-{
-    const std::string expected = fmt::format("{} expected", what);
-    Diagnostic diagnostic = error_at(2306, *file_, fmt::format("{}: {}{}", place_, exists() ? "" : "is missing: ", expected),
-                                     "the file is damaged: export it again; a glTF validator says more");
-    throw Failure(ExitCode::bad_input, std::move(diagnostic));
-}
-
-GltfValue GltfValue::operator[](const char* key) const
-{
-    const std::string place = place_.empty() ? key : place_ + "." + key;
-    if (!json_) return { *file_, nullptr, place };
-    if (!json_->is_object()) expect("an object");
-    const auto member = json_->find(key);
-    return { *file_, member == json_->end() ? nullptr : &*member, place };
-}
-
-std::size_t GltfValue::size() const
-{
-    if (!json_) return 0;
-    if (!json_->is_array()) expect("a list");
-    return json_->size();
-}
-
-GltfValue GltfValue::at(std::size_t i) const
-{
-    const std::string place = fmt::format("{}[{}]", place_, i);
-    return { *file_, i < size() ? &(*json_)[i] : nullptr, place };
-}
-
-std::uint64_t GltfValue::whole() const
-{
-    constexpr double limit = 9007199254740992.0; // 2^53: whole numbers are exact up to here, however they are written
-    if (!json_ || !json_->is_number()) expect("a whole number");
-    const double value = json_->get<double>();
-    if (!(value >= 0 && value <= limit) || value != std::floor(value)) expect("a whole number of at least 0");
-    return static_cast<std::uint64_t>(value);
-}
-
-std::size_t GltfValue::index(std::size_t count, const char* things) const
-{
-    const std::uint64_t value = whole();
-    if (value >= count) {
-        Diagnostic diagnostic
-            = error_at(2307, *file_, fmt::format("{} is {}, the file has {} {}", place_, value, count, things),
-                       "the file is damaged: export it again; a glTF validator says more");
-        throw Failure(ExitCode::bad_input, std::move(diagnostic));
-    }
-    return static_cast<std::size_t>(value);
-}
-
-std::ptrdiff_t GltfValue::index_or_none(std::size_t count, const char* things) const
-{
-    return exists() ? static_cast<std::ptrdiff_t>(index(count, things)) : -1;
-}
-
-double GltfValue::number() const
-{
-    if (!json_ || !json_->is_number()) expect("a number");
-    const double value = json_->get<double>();
-    if (!std::isfinite(value)) expect("a finite number");
-    return value;
-}
-
-std::vector<double> GltfValue::numbers(std::size_t count) const
-{
-    if (!json_ || !json_->is_array() || json_->size() != count) expect(fmt::format("a list of {} numbers", count).c_str());
-    std::vector<double> values;
-    for (std::size_t i = 0; i < count; ++i) values.push_back(at(i).number());
-    return values;
-}
-
-std::string GltfValue::text() const
-{
-    if (!json_ || !json_->is_string()) expect("a string");
-    return json_->get<std::string>();
-}
-
-bool GltfValue::reference_or(bool missing) const
-{
-    if (!json_) return missing;
-    if (!json_->is_boolean()) expect("true or false");
-    return json_->get<bool>();
-}
-
-// -------------------------------------------------------------------------------------------------------------- document
-
 bool is_gltf_name(std::string_view path)
 {
     const std::size_t dot = path.rfind('.');
@@ -195,6 +100,7 @@ void GltfDocument::read(std::string bytes)
     read_container(std::move(bytes));
     check_extensions();
     read_buffers();
+    unpack_views();
 }
 
 void GltfDocument::read_container(std::string bytes)
@@ -256,9 +162,7 @@ void GltfDocument::check_extensions() const
         const std::string extension = required.at(i).text();
         if (is_known(extension)) continue;
         root().fail(2305, fmt::format("needs the extension {}, which is not read", excerpt(extension)),
-                    extension == "EXT_meshopt_compression"
-                        ? "decompress it first: npx @gltf-transform/cli copy IN.glb OUT.glb, or run gltfpack without -c"
-                        : "export the file without this extension");
+                    "export the file without this extension");
     }
 }
 
@@ -313,6 +217,10 @@ void GltfDocument::read_buffers()
         const std::uint64_t length = buffer["byteLength"].whole();
         if (length > buffer_size_limit)
             buffer.fail(2008, fmt::format("has {} bytes, the limit is {}", length, buffer_size_limit), "simplify the mesh");
+        if (is_placeholder(buffer)) {
+            buffers_.emplace_back();
+            continue;
+        }
         std::string bytes = read_buffer(buffer, static_cast<std::size_t>(length));
         if (bytes.size() < length)
             buffer.fail(2310, fmt::format("holds {} bytes, {} declared", bytes.size(), length),
@@ -328,8 +236,34 @@ void GltfDocument::read_buffers()
     binary_ = {};
 }
 
+// Without bytes: its views are all compressed.
+bool GltfDocument::is_placeholder(const GltfValue& buffer) const
+{
+    if (buffer["uri"].exists() || (buffer.place() == "buffers[0]" && has_binary_)) return false;
+    const GltfValue required = (*this)["extensionsRequired"];
+    for (std::size_t i = 0; i < required.size(); ++i)
+        if (required.at(i).text() == meshopt_extension) return true;
+    return buffer["extensions"][meshopt_extension]["fallback"].reference_or(false);
+}
+
+void GltfDocument::unpack_views()
+{
+    const GltfValue views = (*this)["bufferViews"];
+    std::uint64_t left
+        = std::min<std::uint64_t>(buffer_size_limit, meshopt_bytes_a_byte * byte_count_); // if each is used once
+    for (std::size_t i = 0; i < views.size(); ++i) {
+        const GltfValue extension = views.at(i)["extensions"][meshopt_extension];
+        if (!extension.exists()) continue;
+        const std::size_t buffer = extension["buffer"].index(buffers_.size(), "buffers");
+        const std::string& bytes = unpacked_.emplace(i, decode_meshopt(views.at(i), buffers_[buffer], left)).first->second;
+        left -= bytes.size();
+        byte_count_ += bytes.size();
+    }
+}
+
 std::string_view GltfDocument::view(std::size_t index) const
 {
+    if (const auto unpacked = unpacked_.find(index); unpacked != unpacked_.end()) return unpacked->second;
     const GltfValue view = (*this)["bufferViews"].at(index);
     const std::string& buffer = buffers_[view["buffer"].index(buffers_.size(), "buffers")];
     const std::uint64_t offset = view["byteOffset"].whole_or(0), length = view["byteLength"].whole();

@@ -13,7 +13,8 @@ GltfNumbers morphed(const GltfDocument& document, const GltfPrimitive& primitive
     for (std::size_t k = 0; k < primitive.targets.size() && k < weights.size(); ++k) {
         if (weights[k] == 0) continue;
         const GltfValue deltas = primitive.targets[k][attribute];
-        if (deltas.exists()) out += weights[k] * read_numbers(document, deltas, { 3 }, primitive.vertex_count());
+        if (deltas.exists())
+            out += weights[k] * read_numbers(document, deltas, { 3 }, primitive.stored_count).topRows(out.rows());
     }
     return out;
 }

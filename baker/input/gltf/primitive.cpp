@@ -105,6 +105,24 @@ void read_influences(const GltfDocument& document, const GltfValue& attributes, 
                                                                           : UINT32_MAX);
 }
 
+// The corners of a box behind the vertices, and their triangle.
+void leave_out_box(const GltfValue& primitive, GltfPrimitive& out)
+{
+    const GltfValue extras = primitive["extras"];
+    if (!extras.exists() || !extras.json().is_object()) return;
+    const GltfValue ours = extras["pliant"];
+    if (!ours.exists() || !ours.json().is_object()) return;
+    const std::uint64_t own_count = ours["vertex_count"].whole_or(out.vertex_count());
+    if (own_count >= out.vertex_count()) return;
+    const auto count = static_cast<Eigen::Index>(own_count);
+    const auto is_extra = [&](const Triangle& t) { return std::max({ t[0], t[1], t[2] }) >= count; };
+    out.triangles.erase(std::remove_if(out.triangles.begin(), out.triangles.end(), is_extra), out.triangles.end());
+    out.positions.conservativeResize(count, Eigen::NoChange);
+    out.weights.conservativeResize(count, Eigen::NoChange);
+    out.joints.resize(static_cast<std::size_t>(out.weights.size()));
+    for (auto& attribute : out.attributes) attribute.second.conservativeResize(count, Eigen::NoChange);
+}
+
 } // namespace
 
 bool has_triangles(const GltfValue& primitive)
@@ -142,6 +160,8 @@ GltfPrimitive read_primitive(const GltfDocument& document, const GltfValue& prim
                                    : read_attribute(document, attributes[item.key().c_str()], out.vertex_count()));
     }
     read_influences(document, attributes, draco, out);
+    out.stored_count = out.vertex_count();
+    leave_out_box(primitive, out);
     const GltfValue targets = primitive["targets"];
     for (std::size_t i = 0; i < targets.size(); ++i) out.targets.push_back(targets.at(i));
     return out;

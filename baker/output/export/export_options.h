@@ -10,9 +10,11 @@ namespace pliant {
 
 struct ExportOptions {
     bool with_morph_targets = true;
-    int bone_count = 0;                   // above 0: a skin of so many bones instead of morph targets
-    bool with_asset = false;              // embedded
-    bool with_compression = false;        // of positions, normals and triangles, by Draco
+    int bone_count = 0;            // above 0: a skin of so many bones instead of morph targets
+    bool with_asset = false;       // embedded
+    double quantisation_error = 0; // above 0: whole numbers, positions within it of the diagonal
+    bool with_compression = false; // of all accessors, by meshoptimizer
+    bool with_normals = true;
     std::string name = "character";       // of mesh and node
     std::string source;                   // the asset's file, for messages
     std::vector<std::vector<float>> path; // weights of the animation, one row a frame; none: no animation
@@ -24,10 +26,11 @@ struct ExportReport {
     std::size_t part_count = 0, image_count = 0; // of the asset's scene; one part without
     double diagonal = 0;                         // of the reachable set, input units
     bool has_stored_ranges = false;              // with morph targets
-    bool box_covers = true;                      // the box that engines compute from the accessors holds all shapes
     NormalError normal_error;
+    double position_error = 0;                // of whole numbers, at the vertices, of the diagonal
+    double table_mean = 0, table_largest = 0; // of the table of pose weights, likewise
+    std::size_t centre_count = 0;
     std::size_t bone_count = 0;
-    double compression_error = 0;          // of a coordinate, input units
     double skin_rms = 0, skin_largest = 0; // over the diagonal, at fresh weights and in the animation
 };
 

@@ -1,7 +1,6 @@
 #include "output/export/export_primitives.h"
 
 #include "input/gltf/scene_chunk.h"
-#include "output/export/draco_mesh.h"
 #include "pliant_format.h"
 
 #include <algorithm>
@@ -36,38 +35,46 @@ std::vector<std::uint32_t> corners_of(const RenderScene& scene, const ScenePart&
     return corners;
 }
 
-// KHR_draco_mesh_compression: the accessors say what comes out.
-Json add_compressed(Glb& glb, const std::vector<float>& positions, const std::vector<float>& normals,
-                    const std::vector<std::uint32_t>& corners, ExportReport& report)
+std::vector<std::int16_t> to_shorts(const Eigen::VectorXd& values)
 {
-    const DracoMesh mesh = compress_mesh(positions, normals, corners);
-    const std::size_t view = glb.add_view(mesh.bytes);
-    const std::size_t position = glb.describe_floats(mesh.positions, 3, true);
-    const std::size_t normal = glb.describe_floats(normals, 3, false);
-    const std::size_t indices = glb.describe_indices(corners.size(), positions.size() / 3);
-    report.compression_error = std::max(report.compression_error, mesh.largest_error);
-    return { { "attributes", { { "POSITION", position }, { "NORMAL", normal } } },
-             { "indices", indices },
-             { "extensions",
-               { { "KHR_draco_mesh_compression",
-                   { { "bufferView", view },
-                     { "attributes", { { "POSITION", mesh.position_id }, { "NORMAL", mesh.normal_id } } } } } } } };
+    const Eigen::Matrix<std::int16_t, Eigen::Dynamic, 1> shorts = values.cast<std::int16_t>();
+    return { shorts.data(), shorts.data() + shorts.size() };
 }
 
-Json add_plain(Glb& glb, const std::vector<float>& positions, const std::vector<float>& normals,
-               const std::vector<std::uint32_t>& corners)
+std::vector<float> to_floats(const Eigen::VectorXd& values)
 {
-    const std::size_t position = glb.add_floats(positions, 3, Glb::Target::vertices, true);
-    const std::size_t normal = glb.add_floats(normals, 3, Glb::Target::vertices);
-    const std::size_t indices = glb.add_indices(corners, positions.size() / 3);
-    return { { "attributes", { { "POSITION", position }, { "NORMAL", normal } } }, { "indices", indices } };
+    const Eigen::VectorXf floats = values.cast<float>();
+    return { floats.data(), floats.data() + floats.size() };
+}
+
+// Of a part, and of the box behind it.
+Eigen::VectorXd vectors_of(const ScenePart& part, const Eigen::VectorXd& values, const Eigen::VectorXd& box)
+{
+    const auto count = 3 * Eigen::Index(part.vertex_count);
+    Eigen::VectorXd rows(count + box.size());
+    rows.head(count) = values.segment(3 * Eigen::Index(part.first_vertex), count);
+    rows.tail(box.size()) = box;
+    return rows;
+}
+
+std::size_t add_positions(Glb& glb, const Eigen::VectorXd& rows, bool is_whole, bool may_be_bytes)
+{
+    if (!is_whole) return glb.add_floats(to_floats(rows), 3, Glb::Target::vertices, true);
+    const bool fits = may_be_bytes && rows.cwiseAbs().maxCoeff() <= 127;
+    return glb.add_integers(to_shorts(rows), 3, fits ? gltf_int8 : gltf_int16, false, true);
+}
+
+std::size_t add_normals(Glb& glb, const Eigen::VectorXd& rows, bool is_whole)
+{
+    return is_whole ? glb.add_integers(to_shorts(rows), 3, gltf_int8, true, false)
+                    : glb.add_floats(to_floats(rows), 3, Glb::Target::vertices);
 }
 
 // glTF wants unit vectors even where no face of any area is.
-std::vector<float> with_unit_length(std::vector<float> normals)
+Eigen::VectorXd with_unit_length(Eigen::VectorXd normals, double unit)
 {
-    for (std::size_t i = 0; i < normals.size(); i += 3)
-        if (normals[i] == 0 && normals[i + 1] == 0 && normals[i + 2] == 0) normals[i + 2] = 1;
+    for (Eigen::Index i = 0; i < normals.size(); i += 3)
+        if (normals.segment<3>(i).isZero(0)) normals[i + 2] = unit;
     return normals;
 }
 
@@ -103,31 +110,49 @@ std::vector<float> rows_of(const ScenePart& part, const std::vector<float>& valu
     return { first, first + std::ptrdiff_t(part.vertex_count * width) };
 }
 
-Json add_primitives(Glb& glb, const RenderScene& scene, const std::vector<float>& positions,
-                    const std::vector<float>& normals, const ExportOptions& options, ExportReport& report)
+Json add_primitives(Glb& glb, const RenderScene& scene, const StoredVertices& vertices, const Eigen::VectorXd& box)
 {
     Json primitives = Json::array();
+    const Eigen::VectorXd no_normals = Eigen::VectorXd::Zero(box.size());
+    const auto extra = std::uint32_t(box.size() / 3);
     for (const ScenePart& part : scene.parts) {
-        const std::vector<float> places = rows_of(part, positions, 3),
-                                 directions = with_unit_length(rows_of(part, normals, 3));
-        const std::vector<std::uint32_t> corners = corners_of(scene, part);
-        Json primitive = options.with_compression ? add_compressed(glb, places, directions, corners, report)
-                                                  : add_plain(glb, places, directions, corners);
+        std::vector<std::uint32_t> corners = corners_of(scene, part);
+        if (extra) corners.insert(corners.end(), { part.vertex_count, part.vertex_count + 1, part.vertex_count });
+        Json primitive, ours;
+        primitive["attributes"]["POSITION"]
+            = add_positions(glb, vectors_of(part, vertices.positions, box), vertices.is_whole, false);
+        if (vertices.normals.size()) {
+            const Eigen::VectorXd normals = vectors_of(part, vertices.normals, no_normals);
+            primitive["attributes"]["NORMAL"]
+                = add_normals(glb, with_unit_length(normals, vertices.is_whole ? 127 : 1), vertices.is_whole);
+        }
+        primitive["indices"] = glb.add_indices(corners, part.vertex_count + extra);
         for (const std::string& name : part.attributes) {
             const VertexAttribute& attribute = *scene.find(name);
             if (!is_painted(attribute)) continue;
-            primitive["attributes"][name] = glb.add_floats(rows_of(part, attribute.values, attribute.components),
-                                                           int(attribute.components), Glb::Target::vertices);
+            std::vector<float> rows = rows_of(part, attribute.values, attribute.components);
+            rows.resize(rows.size() + extra * attribute.components);
+            primitive["attributes"][name] = glb.add_floats(rows, int(attribute.components), Glb::Target::vertices);
         }
         if (part.material >= 0) primitive["material"] = part.material;
-        if (part.vertex_count != scene.vertex_count)
-            primitive["extras"] = { { "pliant", { { "name", part.name }, { "first_vertex", part.first_vertex } } } };
+        if (part.vertex_count != scene.vertex_count) ours = { { "name", part.name }, { "first_vertex", part.first_vertex } };
+        if (extra) ours["vertex_count"] = part.vertex_count;
+        if (!ours.is_null()) primitive["extras"]["pliant"] = std::move(ours);
         primitives.push_back(std::move(primitive));
     }
-    if (options.with_compression)
-        for (const char* list : { "extensionsUsed", "extensionsRequired" })
-            glb.json()[list].push_back("KHR_draco_mesh_compression");
     return primitives;
+}
+
+void add_target(Glb& glb, const RenderScene& scene, const StoredVertices& deltas, bool with_box, Json& primitives)
+{
+    const Eigen::VectorXd still = Eigen::VectorXd::Zero(with_box ? 6 : 0);
+    for (std::size_t i = 0; i < scene.parts.size(); ++i) {
+        Json target;
+        target["POSITION"] = add_positions(glb, vectors_of(scene.parts[i], deltas.positions, still), deltas.is_whole, true);
+        if (deltas.normals.size())
+            target["NORMAL"] = add_normals(glb, vectors_of(scene.parts[i], deltas.normals, still), deltas.is_whole);
+        primitives[i]["targets"].push_back(std::move(target));
+    }
 }
 
 void add_materials(Glb& glb, const RenderScene& scene)
@@ -140,7 +165,7 @@ void add_materials(Glb& glb, const RenderScene& scene)
         if (!scene.images[i].empty()) image["bufferView"] = glb.add_shared_view(scene.images[i]);
     }
     if (materials.contains("extensionsUsed"))
-        for (const Json& name : materials["extensionsUsed"]) glb.json()["extensionsUsed"].push_back(name);
+        for (const Json& name : materials["extensionsUsed"]) glb.use_extension(name.get<std::string>(), false);
 }
 
 } // namespace pliant

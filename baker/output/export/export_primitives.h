@@ -13,14 +13,22 @@ namespace pliant {
 // `path` is for messages. Throws Failure (bad_input): P2301 to P2317 for a damaged chunk, P4505 for one of other vertices.
 RenderScene exported_scene(const RuntimeBlender& blender, const DrawnSpace& space, const std::string& path);
 
+// Positions and normals of all vertices (3n each), of a mesh or of a morph target, in the numbers that the file stores.
+struct StoredVertices {
+    Eigen::VectorXd positions, normals; // normals empty: none
+    bool is_whole = false;              // positions become shorts or bytes, normals bytes of 1/127; else floats
+};
+
 // The rows of a part out of `width` numbers for each vertex.
 std::vector<float> rows_of(const ScenePart& part, const std::vector<float>& values, std::size_t width);
 
-// One primitive a part, in their order: POSITION (bounded), NORMAL, indices, texture coordinates, colours, material.
-// Positions and normals (3n) are those of all vertices. With compression positions, normals and faces are in Draco's form;
-// fills in what the report has of it.
-Glb::Json add_primitives(Glb& glb, const RenderScene& scene, const std::vector<float>& positions,
-                         const std::vector<float>& normals, const ExportOptions& options, ExportReport& report);
+// One primitive a part, in their order: POSITION (bounded), NORMAL, indices, texture coordinates, colours, material. With a
+// `box` (two corners, as positions) each primitive has these as two more vertices, in a triangle without area: engines that
+// compute its bounds from its vertices then find the box. The extras say how many vertices are the asset's.
+Glb::Json add_primitives(Glb& glb, const RenderScene& scene, const StoredVertices& vertices, const Eigen::VectorXd& box);
+
+// Adds a morph target to each primitive; the vertices of a box stay where they are.
+void add_target(Glb& glb, const RenderScene& scene, const StoredVertices& deltas, bool with_box, Glb::Json& primitives);
 
 // Materials, textures, samplers, images and the extensions that they use. Images that the embedded asset holds are not
 // stored again.

@@ -64,8 +64,9 @@ void add_influences(Glb& glb, const Skin& skin, const ScenePart& part, Json& att
     attributes["WEIGHTS_0"] = glb.add_floats(weights, 4, Glb::Target::vertices);
 }
 
-// A joint at rest stands at its bone's centre, unturned.
-void add_joints(Glb& glb, const Skin& skin)
+// A joint at rest stands at its bone's centre, unturned. Engines ignore the place of a skinned mesh's node, so the matrices
+// lead from the grid of whole numbers to input units.
+void add_joints(Glb& glb, const Skin& skin, const Grid& grid)
 {
     Json& json = glb.json();
     std::vector<float> inverse;
@@ -74,7 +75,8 @@ void add_joints(Glb& glb, const Skin& skin)
     for (std::size_t b = 0; b < skin.bone_count; ++b) {
         const Eigen::Vector3d centre = skin.centre(b);
         Eigen::Matrix4f bind = Eigen::Matrix4f::Identity();
-        bind.topRightCorner<3, 1>() = -centre.cast<float>();
+        bind.topRightCorner<3, 1>() = (grid.origin - centre).cast<float>();
+        if (grid.step > 0) bind.topLeftCorner<3, 3>() *= float(grid.step);
         inverse.insert(inverse.end(), bind.data(), bind.data() + 16);
         joints.push_back(b + 2);
         json["nodes"].push_back({ { "name", fmt::format("bone{}", b) },
@@ -115,7 +117,7 @@ void animate_joints(Glb& glb, const Skin& skin, const std::vector<BonePose>& fra
 } // namespace
 
 Json add_skinned_mesh(Glb& glb, RuntimeBlender& blender, const DrawnSpace& space, const RenderScene& scene,
-                      const ExportOptions& options, ExportReport& report)
+                      const ExportOptions& options, ExportReport& report, Grid& grid)
 {
     const std::size_t poses = blender.asset().pose_count;
     const Eigen::MatrixXf fitted = blend_coordinates(blender, covering_weights(poses, blend_count, bone_fit_seed));
@@ -136,11 +138,10 @@ Json add_skinned_mesh(Glb& glb, RuntimeBlender& blender, const DrawnSpace& space
         box.include(shape);
         if (is_frame) frames.push_back(std::move(bones));
     }
-    Json primitives
-        = add_primitives(glb, scene, to_float_list(rest), to_float_list(drawn_normals(space, rest)), options, report);
+    Json primitives = add_primitives(glb, scene, stored_rest(space, options, report, grid), {});
     for (std::size_t i = 0; i < scene.parts.size(); ++i)
         add_influences(glb, fit.skin, scene.parts[i], primitives[i]["attributes"]);
-    add_joints(glb, fit.skin);
+    add_joints(glb, fit.skin, grid);
     if (!frames.empty()) animate_joints(glb, fit.skin, frames, options.frames_per_second);
     report.bone_count = fit.skin.bone_count;
     report.frame_count = frames.size();

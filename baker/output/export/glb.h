@@ -1,6 +1,8 @@
 // A GLB (binary glTF 2.0) put together in memory: one buffer, views, accessors, and the JSON that the caller fills in.
 #pragma once
 
+#include "input/gltf/accessor.h"
+
 #include <cstdint>
 #include <nlohmann/json.hpp>
 #include <string>
@@ -17,8 +19,9 @@ public:
     enum class Target { none = 0, vertices = 34962, indices = 34963 };
 
     // Starts with the asset, generator and buffer entries. `leading` (may be empty) becomes view 0, the first bytes of the
-    // binary chunk.
-    explicit Glb(std::string_view leading = {});
+    // binary chunk. `with_compression`: the views of accessors are stored by EXT_meshopt_compression, which readers must
+    // know.
+    explicit Glb(std::string_view leading = {}, bool with_compression = false);
 
     // Appends bytes as a view and returns its index; the view starts at a multiple of 4.
     std::size_t add_view(std::string_view bytes, Target target = Target::none);
@@ -30,9 +33,10 @@ public:
     // index. `with_bounds` writes min and max, exact for the floats.
     std::size_t add_floats(const std::vector<float>& values, int width, Target target, bool with_bounds = false);
 
-    // The same without a view, for what an extension holds in compressed form; `values` are what comes out of it.
-    std::size_t describe_floats(const std::vector<float>& values, int width, bool with_bounds);
-    std::size_t describe_indices(std::size_t count, std::size_t vertex_count);
+    // The same for attributes of vertices as integers (KHR_mesh_quantization): gltf_int8 or gltf_int16, which must hold the
+    // values. Elements start at multiples of 4.
+    std::size_t add_integers(const std::vector<std::int16_t>& values, int width, GltfComponentType component,
+                             bool is_normalised, bool with_bounds);
 
     // Triangles' corners, in 16 bits where vertex_count allows it.
     std::size_t add_indices(const std::vector<std::uint32_t>& indices, std::size_t vertex_count);
@@ -46,14 +50,19 @@ public:
     // Throws Failure (failed, P5201) above 4 GiB, which the format cannot count.
     std::string bytes() const;
 
+    // Names an extension as used, and as required if readers must know it; once.
+    void use_extension(const std::string& name, bool is_required);
+
 private:
-    std::size_t add_accessor(int component, std::size_t count, const char* type);
+    std::size_t append(std::string_view bytes);
+    std::size_t add_elements(std::string_view bytes, std::size_t stride, Target target);
     std::size_t add_accessor(std::size_t view, int component, std::size_t count, const char* type);
-    void bound(std::size_t accessor, const std::vector<float>& values, int width);
+    template <class T> void bound(std::size_t accessor, const std::vector<T>& values, int width);
 
     Json json_;
     std::string binary_;
-    std::size_t leading_size_;
+    std::size_t leading_size_, unpacked_size_ = 0; // of the buffer that readers unpack views into
+    bool with_compression_;
 };
 
 // What does not fit a GLB's 32-bit counts. Throws Failure (failed, P5201).

@@ -41,43 +41,31 @@ Eigen::VectorXd column_of(const RuntimeBlender& blender, std::uint32_t j, const 
     return far_moved.allFinite() ? Eigen::VectorXd(far_moved / double(q[j])) : Eigen::VectorXd::Zero(far_moved.size());
 }
 
-Box box_of_targets(const MorphMesh& mesh)
+// The weights of as many mixed blends, the poses and their mean.
+Eigen::MatrixXf blend_weights(RuntimeBlender& blender, const MorphMesh& mesh, std::size_t count, std::uint64_t seed)
+{
+    Eigen::MatrixXf all = blend_coordinates(blender, covering_weights(blender.asset().pose_count, count, seed));
+    for (Eigen::Index i = 0; i < all.cols(); ++i) all.col(i) = mesh.weights(all.col(i));
+    return all;
+}
+
+Box box_of_blends(const MorphMesh& mesh)
 {
     Box box;
-    box.include(mesh.base.cast<double>());
-    Eigen::Vector3d most = Eigen::Vector3d::Zero();
-    for (Eigen::Index j = 0; j < mesh.deltas.cols(); ++j) {
-        const auto delta = Eigen::Map<const Eigen::Matrix3Xf>(mesh.deltas.col(j).data(), 3, mesh.deltas.rows() / 3);
-        most = most.cwiseMax(delta.cwiseAbs().rowwise().maxCoeff().cast<double>());
-    }
-    box.low -= most;
-    box.high += most;
+    for (const Eigen::MatrixXf* weights : { &mesh.fitted, &mesh.judged })
+        for (Eigen::Index i = 0; i < weights->cols(); ++i) box.include(mesh.shape(weights->col(i)));
+    const Eigen::Vector3d margin = Eigen::Vector3d::Constant(box_margin * box.diagonal());
+    box.low -= margin;
+    box.high += margin;
     return box;
 }
 
-void fit_normals(RuntimeBlender& blender, const DrawnSpace& space, MorphMesh& mesh)
+NormalFit::Result fit_normals(const DrawnSpace& space, const MorphMesh& mesh)
 {
-    const Eigen::Index d = space.columns.cols();
-    const std::size_t poses = blender.asset().pose_count;
-    const auto fitted = blend_coordinates(blender, covering_weights(poses, fitted_count(d), fit_seed));
-    const auto judged = blend_coordinates(blender, covering_weights(poses, judged_count, judge_seed));
-    NormalFit fit(space.vertex_count(), d);
-    const auto visit = [&](const Eigen::VectorXf& q, auto&& use) {
-        const Eigen::VectorXd shape = space.shape(q);
-        mesh.reachable.include(shape);
-        use(mesh.weights(q).cast<double>().eval(), drawn_normals(space, shape));
-    };
-    for (Eigen::Index i = 0; i < fitted.cols(); ++i)
-        visit(fitted.col(i), [&](const Eigen::VectorXd& w, const Eigen::VectorXd& normals) { fit.add(w, normals); });
-    mesh.normals = fit.solve();
-    NormalErrorMeter meter;
-    for (Eigen::Index i = 0; i < judged.cols(); ++i)
-        visit(judged.col(i),
-              [&](const Eigen::VectorXd& w, const Eigen::VectorXd& normals) { meter.add(mesh.normals, w, normals); });
-    mesh.normal_error = meter.error();
-    const Eigen::Vector3d margin = Eigen::Vector3d::Constant(box_margin * mesh.reachable.diagonal());
-    mesh.reachable.low -= margin;
-    mesh.reachable.high += margin;
+    NormalFit fit(space.vertex_count(), mesh.deltas.cols());
+    for (Eigen::Index i = 0; i < mesh.fitted.cols(); ++i)
+        fit.add(mesh.fitted.col(i).cast<double>(), drawn_normals(space, mesh.shape(mesh.fitted.col(i))));
+    return fit.solve();
 }
 
 } // namespace
@@ -87,11 +75,6 @@ void Box::include(const Eigen::VectorXd& positions)
     const auto points = Eigen::Map<const Eigen::Matrix3Xd>(positions.data(), 3, positions.size() / 3);
     low = low.cwiseMin(points.rowwise().minCoeff());
     high = high.cwiseMax(points.rowwise().maxCoeff());
-}
-
-bool Box::contains(const Box& other) const
-{
-    return (low.array() <= other.low.array()).all() && (high.array() >= other.high.array()).all();
 }
 
 DrawnSpace drawn_space(const RuntimeBlender& blender)
@@ -123,7 +106,7 @@ Eigen::VectorXf MorphMesh::weights(const Eigen::VectorXf& q) const
     return w;
 }
 
-MorphMesh make_morph_mesh(RuntimeBlender& blender, const DrawnSpace& space)
+MorphMesh make_morph_mesh(RuntimeBlender& blender, const DrawnSpace& space, bool with_normals)
 {
     MorphMesh mesh;
     const pliant_asset& asset = blender.asset();
@@ -138,9 +121,21 @@ MorphMesh make_morph_mesh(RuntimeBlender& blender, const DrawnSpace& space)
     const Eigen::VectorXf width = mesh.ranges.high - mesh.ranges.low;
     mesh.base = space.shape(mesh.ranges.low).cast<float>();
     mesh.deltas = (space.columns * width.cast<double>().asDiagonal()).cast<float>();
-    mesh.engine_box = box_of_targets(mesh);
-    fit_normals(blender, space, mesh);
+    mesh.fitted = blend_weights(blender, mesh, fitted_count(d), fit_seed);
+    mesh.judged = blend_weights(blender, mesh, judged_count, judge_seed);
+    mesh.reachable = box_of_blends(mesh);
+    if (!with_normals) return mesh;
+    mesh.normals = fit_normals(space, mesh);
+    mesh.normal_error = normal_error_of(mesh.normals, mesh, space);
     return mesh;
+}
+
+NormalError normal_error_of(const NormalFit::Result& normals, const MorphMesh& mesh, const DrawnSpace& space)
+{
+    NormalErrorMeter meter;
+    for (Eigen::Index i = 0; i < mesh.judged.cols(); ++i)
+        meter.add(normals, mesh.judged.col(i).cast<double>(), drawn_normals(space, mesh.shape(mesh.judged.col(i))));
+    return meter.error();
 }
 
 } // namespace pliant

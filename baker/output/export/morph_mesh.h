@@ -33,8 +33,8 @@ Eigen::VectorXd drawn_normals(const DrawnSpace& space, const Eigen::VectorXd& sh
 struct Box {
     Eigen::Vector3d low = Eigen::Vector3d::Constant(1e300), high = Eigen::Vector3d::Constant(-1e300);
 
-    void include(const Eigen::VectorXd& positions); // 3n
-    bool contains(const Box& other) const;
+    void include(const Eigen::VectorXd& positions);                                          // 3n
+    Eigen::VectorXd corners() const { return (Eigen::VectorXd(6) << low, high).finished(); } // as two positions
     double diagonal() const { return (high - low).norm(); }
 };
 
@@ -43,15 +43,19 @@ struct MorphMesh {
     bool has_stored_ranges = false; // from the asset, so that pliant_morph_weights uses the same
     Eigen::VectorXf base;           // 3n: the shape of weights 0
     Eigen::MatrixXf deltas;         // 3n x d
-    NormalFit::Result normals;
-    NormalError normal_error; // at weights that were not fitted
-    Box reachable;            // of the fitted shapes and the others, with a margin
-    Box engine_box; // what three.js makes of the accessors' bounds: base, and any one target at weight 1 either way
+    Eigen::MatrixXf fitted, judged; // weights of blends (d x blends): to fit to, and others that only judge
+    Box reachable;                  // of all these shapes, with a margin
+    NormalFit::Result normals;      // empty without normals
+    NormalError normal_error;       // over the judged blends
 
     Eigen::VectorXf weights(const Eigen::VectorXf& q) const; // as pliant_morph_weights, to the bit
+    Eigen::VectorXd shape(const Eigen::VectorXf& weights) const { return (base + deltas * weights).cast<double>(); }
 };
 
-// Fits. Cost: (8 d + 200) shapes with their normals, and the solves for them.
-MorphMesh make_morph_mesh(RuntimeBlender& blender, const DrawnSpace& space);
+// Fits. Cost: (8 d + 300) shapes, with their normals if these are wanted, and the solves for them.
+MorphMesh make_morph_mesh(RuntimeBlender& blender, const DrawnSpace& space, bool with_normals);
+
+// Of the judged blends.
+NormalError normal_error_of(const NormalFit::Result& normals, const MorphMesh& mesh, const DrawnSpace& space);
 
 } // namespace pliant

@@ -17,6 +17,7 @@ using Json = nlohmann::json;
 // JSON and buffer of a .glb while it grows.
 struct GlbBuilder {
     Json json = Json::parse(R"({"asset":{"version":"2.0"},"scene":0,"scenes":[{"nodes":[0]}],"nodes":[{"mesh":0}]})");
+    Json more_buffers = Json::array(); // without bytes, behind that of the bytes
     std::string bytes;
 
     int add_view(const std::string& data)
@@ -51,6 +52,7 @@ struct GlbBuilder {
         bytes.resize((bytes.size() + 3) / 4 * 4, '\0');
         json["buffers"] = Json::array();
         json["buffers"].push_back({ { "byteLength", bytes.size() } });
+        for (const Json& other : more_buffers) json["buffers"].push_back(other);
         std::string text = json.dump();
         text.resize((text.size() + 3) / 4 * 4, ' ');
         std::string out = "glTF";

@@ -6,6 +6,7 @@
 #include "../io/mutation_loop.h"
 #include "glb_samples.h"
 #include "input/poses/pose_source.h"
+#include "output/export/glb.h"
 
 #include <array>
 #include <cstring>
@@ -81,6 +82,24 @@ int first_failure(const std::string& sample, const std::vector<std::string>& cho
     return pliant_test::first_failure(path, sample, mutation_count, mutate, [&] { return read_is_sane(arguments); });
 }
 
+// The grid in compressed integers, with a morph target, as `pliant export` writes it.
+std::string meshopt_glb()
+{
+    Glb glb({}, true);
+    std::vector<std::int16_t> places, moved;
+    for (const float x : pliant_test::grid_positions()) {
+        places.push_back(static_cast<std::int16_t>(1000 * x));
+        moved.push_back(static_cast<std::int16_t>(20 * x));
+    }
+    Glb::Json primitive;
+    primitive["attributes"]["POSITION"] = glb.add_integers(places, 3, gltf_int16, false, true);
+    primitive["indices"] = glb.add_indices(pliant_test::grid_corners(), places.size() / 3);
+    primitive["targets"].push_back({ { "POSITION", glb.add_integers(moved, 3, gltf_int8, false, true) } });
+    glb.json()["meshes"].push_back({ { "primitives", Glb::Json::array({ primitive }) } });
+    glb.json()["nodes"].push_back({ { "mesh", 0 }, { "scale", { 0.001, 0.001, 0.001 } } });
+    return glb.bytes();
+}
+
 } // namespace
 
 TEST_CASE("skin, morph target, animation, texture, sparse accessor")
@@ -98,6 +117,8 @@ TEST_CASE("skin, morph target, animation, texture, sparse accessor")
     }
     CHECK(first_failure(sample, choices) == -1);
 }
+
+TEST_CASE("data of meshoptimizer") { CHECK(first_failure(meshopt_glb(), { "" }) == -1); }
 
 TEST_CASE("Draco data")
 {

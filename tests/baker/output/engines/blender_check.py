@@ -1,4 +1,5 @@
-"""Run by Blender: imports a GLB and prints what it got. blender_check.py FILE.glb comes behind `--`."""
+"""Run by Blender: imports a GLB and prints what it got. FILE.glb [RECIPE.py] comes behind `--`; the recipe's set_poses then
+sets the shape keys for the pose weights 2, 1, 0, ..."""
 import json
 import sys
 
@@ -9,7 +10,8 @@ import bpy  # noqa: E402
 
 bpy.ops.object.select_all(action="SELECT")
 bpy.ops.object.delete()
-bpy.ops.import_scene.gltf(filepath=sys.argv[-1], merge_vertices=False)
+arguments = sys.argv[sys.argv.index("--") + 1:]
+bpy.ops.import_scene.gltf(filepath=arguments[0], merge_vertices=False)
 mesh = next(thing for thing in bpy.data.objects if thing.type == "MESH")
 keys = mesh.data.shape_keys
 report = {"vertices": len(mesh.data.vertices), "faces": len(mesh.data.polygons)}
@@ -29,4 +31,8 @@ if keys:
         key.value = 0.5
     evaluated = mesh.evaluated_get(bpy.context.evaluated_depsgraph_get()).to_mesh()
     report["middle"] = [list(mesh.matrix_world @ vertex.co) for vertex in evaluated.vertices]
+    if len(arguments) > 1:
+        exec(open(arguments[1]).read())
+        set_poses(mesh, [2, 1] + [0] * (len(mesh.data["pliant"]["poses"]) - 2))  # noqa: F821
+        report["driven"] = [key.value for key in keys.key_blocks][1:]
 print("REPORT " + json.dumps(report))

@@ -45,11 +45,12 @@ class Glb:
         return self.binary[view["byteOffset"]:view["byteOffset"] + view["byteLength"]]
 
     def accessor(self, index):
-        """[count, width], bounds compared with the accessor's."""
+        """[count, width] as stored, bounds compared with the accessor's."""
         entry = self.json["accessors"][index]
-        width = WIDTHS[entry["type"]]
-        values = np.frombuffer(self.view(entry["bufferView"]), COMPONENTS[entry["componentType"]],
-                               entry["count"] * width).reshape(-1, width)
+        width, kind = WIDTHS[entry["type"]], np.dtype(COMPONENTS[entry["componentType"]])
+        stride = self.json["bufferViews"][entry["bufferView"]].get("byteStride", width * kind.itemsize)
+        values = np.ndarray((entry["count"], width), kind, self.view(entry["bufferView"]),
+                            strides=(stride, kind.itemsize))
         if "min" in entry:
             check((values.min(axis=0) == entry["min"]).all() and (values.max(axis=0) == entry["max"]).all(),
                   f"{self.path}: bounds of accessor {index}")
@@ -58,10 +59,24 @@ class Glb:
     def primitive(self):
         return self.json["meshes"][0]["primitives"][0]
 
-    def attribute(self, name, target=None):
+    def own_count(self):
+        """Vertices that are the asset's; behind them lie two corners of a box."""
         primitive = self.primitive()
-        attributes = primitive["attributes"] if target is None else primitive["targets"][target]
-        return self.accessor(attributes[name]).astype(float)
+        count = self.json["accessors"][primitive["attributes"]["POSITION"]]["count"]
+        return primitive.get("extras", {}).get("pliant", {}).get("vertex_count", count)
+
+    def attribute(self, name, target=None):
+        """Of the asset's vertices; positions of integers are in the steps of the node's scale."""
+        primitive = self.primitive()
+        index = (primitive["attributes"] if target is None else primitive["targets"][target])[name]
+        values = self.accessor(index)[:self.own_count()]
+        scale = np.iinfo(values.dtype).max if self.json["accessors"][index].get("normalized") else 1
+        return values / float(scale)
+
+    def placed(self, positions):
+        """Positions by the place of the node."""
+        node = self.json["nodes"][0]
+        return positions * node.get("scale", [1, 1, 1]) + node.get("translation", [0, 0, 0])
 
     def shape(self, weights, name="POSITION"):
         """As glTF defines morph targets: base + sum_j w_j target_j."""
@@ -119,10 +134,10 @@ def blender():
     return shutil.which("blender")
 
 
-def blender_report(program, glb):
+def blender_report(program, glb, *recipe):
     """What Blender makes of a GLB: blender_check.py."""
     result = subprocess.run([program, "--background", "--factory-startup", "--python-exit-code", "9", "--python",
-                             HERE / "blender_check.py", "--", glb], capture_output=True, text=True, timeout=300)
+                             HERE / "blender_check.py", "--", glb, *recipe], capture_output=True, text=True, timeout=300)
     lines = [line for line in result.stdout.splitlines() if line.startswith("REPORT ")]
     check(result.returncode == 0 and lines, f"exit code {result.returncode}: {result.stdout[-2000:]}{result.stderr[-2000:]}")
     return json.loads(lines[0][len("REPORT "):])

@@ -1,5 +1,5 @@
-"""test_blender.py TOOL ASSET: Debian's Blender imports the GLB of `pliant export`: counts, names, animation, and with all
-weights at one half the very shape."""
+"""test_blender.py TOOL ASSET: Debian's Blender imports the GLB of `pliant export`, in floats and in integers: counts, names,
+animation, and with all weights at one half the very shape. The recipe of samples/README.md sets the weights of poses."""
 import json
 import pathlib
 import sys
@@ -7,6 +7,7 @@ import sys
 import numpy as np
 
 from support import Glb, blender, blender_report, check, export, skip
+from test_pose_table import evaluated, recipe
 
 
 def main():
@@ -16,20 +17,28 @@ def main():
         skip("blender is not installed (group engines of samples/install_packages.sh)")
     folder = pathlib.Path("blender").resolve()
     folder.mkdir(exist_ok=True)
-    export(tool, asset, folder / "shape.glb")
-    report = blender_report(program, folder / "shape.glb")
-    glb = Glb(folder / "shape.glb")
-    shape = glb.shape(np.full(report["targets"], 0.5))
+    (folder / "recipe.py").write_text(recipe("python", "def set_poses"))
+    for options in [], ["--quantize", "1e-4"]:
+        export(tool, asset, folder / "shape.glb", *options)
+        check_file(Glb(folder / "shape.glb"), blender_report(program, folder / "shape.glb", folder / "recipe.py"))
+    return 0
+
+
+def check_file(glb, report):
+    shape = glb.placed(glb.shape(np.full(report["targets"], 0.5)))
     names = glb.json["meshes"][0]["extras"]["targetNames"]
-    check(report["vertices"] == len(shape), f"{report['vertices']} vertices")
-    check(report["faces"] == len(glb.accessor(glb.primitive()["indices"])) // 3, f"{report['faces']} faces")
+    # Blender keeps the two corners of the box and drops their face, which has no area.
+    check(report["vertices"] == len(shape) + 2, f"{report['vertices']} vertices")
+    check(report["faces"] == len(glb.accessor(glb.primitive()["indices"])) // 3 - 1, f"{report['faces']} faces")
     check(report["names"] == names and report["curves"] == len(names), f"names {report['names']}, {report['curves']} curves")
-    middle = np.array(report["middle"])
+    middle = np.array(report["middle"])[:len(shape)]
     turned = np.stack([shape[:, 0], -shape[:, 2], shape[:, 1]], axis=1)  # glTF's y is up, Blender's z
     diagonal = np.linalg.norm(shape.max(axis=0) - shape.min(axis=0))
     check(abs(middle - turned).max() < 1e-5 * diagonal, f"the shape differs by {abs(middle - turned).max() / diagonal}")
+    pliant = glb.json["meshes"][0]["extras"]["pliant"]
+    wanted = evaluated(pliant, [2, 1] + [0] * (len(pliant["poses"]) - 2))
+    check(abs(wanted - report["driven"]).max() < 1e-5, f"the recipe sets {report['driven']}, not {wanted}")
     print(json.dumps({key: report[key] for key in ("vertices", "faces", "targets", "curves")}))
-    return 0
 
 
 sys.exit(main())

@@ -1,11 +1,13 @@
-"""test_godot.py TOOL ASSET: Godot 3's headless server imports the GLB of `pliant export` and has all vertices, targets and
-the animation."""
+"""test_godot.py TOOL ASSET: Godot 3's headless server imports the GLB of `pliant export`, in floats and in integers, and has
+all vertices, targets and the animation."""
 import json
 import pathlib
 import shutil
 import subprocess
 import sys
 import time
+
+import numpy as np
 
 from support import HERE, Glb, check, export, skip
 
@@ -32,12 +34,18 @@ def main():
     program = shutil.which("godot3-server")
     if not program:
         skip("godot3-server is not installed (group engines of samples/install_packages.sh)")
+    for options in [], ["--quantize", "1e-4"]:
+        check_file(program, tool, asset, *options)
+    return 0
+
+
+def check_file(program, tool, asset, *options):
     project = pathlib.Path("godot").resolve()
     shutil.rmtree(project, ignore_errors=True)
     project.mkdir()
     (project / "project.godot").write_text(PROJECT)
     shutil.copy(HERE / "godot.gd", project / "godot.gd")
-    export(tool, asset, project / "shape.glb")
+    export(tool, asset, project / "shape.glb", *options)
     import_files(program, project)
     result = subprocess.run([program, "--path", project, "-s", "godot.gd"], capture_output=True, text=True, timeout=100)
     lines = [line for line in result.stdout.splitlines() if line.startswith("REPORT ")]
@@ -45,13 +53,14 @@ def main():
     report = json.loads(lines[0][len("REPORT "):])
     glb = Glb(project / "shape.glb")
     primitive = glb.primitive()
-    check(report["vertices"] == len(glb.attribute("POSITION")), f"vertices: {report}")
+    check(report["vertices"] == glb.own_count() + 2, f"vertices: {report}")
     check(report["indices"] == len(glb.accessor(primitive["indices"])), f"indices: {report}")
+    first = [glb.attribute("POSITION")[0] + glb.attribute("POSITION", j)[0] for j in range(report["targets"])]
+    check(np.allclose(report["first_vertex"], first, rtol=1e-5, atol=1e-5), f"first vertex: {report['first_vertex']}")
     check(report["targets"] == len(primitive["targets"]), f"targets: {report}")
     check(abs(report["weight"] - 0.25) < 1e-6, f"weight: {report}")
     check(report["tracks"] >= len(primitive["targets"]) and abs(report["length"] - 6) < 0.1, f"animation: {report}")
     print(json.dumps({key: report[key] for key in ("vertices", "targets", "tracks", "length", "names")}))
-    return 0
 
 
 sys.exit(main())

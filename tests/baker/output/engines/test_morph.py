@@ -28,7 +28,7 @@ def normals_of(positions, triangles):
 def check_shapes(name, glb, morph, shapes, stated):
     positions, normals = [glb.attribute(kind) for kind in ("POSITION", "NORMAL")]
     targets = [np.stack([glb.attribute(kind, j) for j in range(morph.shape[1])]) for kind in ("POSITION", "NORMAL")]
-    triangles = glb.accessor(glb.primitive()["indices"]).astype(int).reshape(-1, 3)
+    triangles = glb.accessor(glb.primitive()["indices"]).astype(int).reshape(-1, 3)[:-1]
     diagonal = np.linalg.norm(shapes.max(axis=(0, 1)) - shapes.min(axis=(0, 1)))
     worst, angles = 0.0, []
     for weights, shape in zip(morph, shapes):
@@ -44,9 +44,21 @@ def check_shapes(name, glb, morph, shapes, stated):
           f"{name}: normals are {np.mean(angles):.3f} degrees off, {stated} stated")
     check(np.max(angles) < 3 * stated["worst"] + 0.5,
           f"{name}: normals are {np.max(angles):.2f} degrees off, {stated} stated")
+    check_box(name, glb)
     box = glb.json["meshes"][0]["extras"]["pliant"]["bounds"]
     check((shapes.min(axis=(0, 1)) >= box["min"]).all() and (shapes.max(axis=(0, 1)) <= box["max"]).all(), f"{name}: bounds")
     return worst / diagonal, np.mean(angles), np.max(angles)
+
+
+def check_box(name, glb):
+    """Two vertices and a triangle behind the asset's own: the bounds of positions are a box around all blends."""
+    box, n = glb.json["meshes"][0]["extras"]["pliant"]["bounds"], glb.own_count()
+    positions = glb.accessor(glb.primitive()["attributes"]["POSITION"])
+    check(len(positions) == n + 2 and np.allclose(positions[n:], [box["min"], box["max"]], rtol=1e-6), f"{name}: box")
+    corners = glb.accessor(glb.primitive()["indices"]).reshape(-1, 3).astype(int)
+    check(corners[:-1].max() < n and corners[-1].tolist() == [n, n + 1, n], f"{name}: the box's triangle")
+    for target in glb.primitive()["targets"]:
+        check(not glb.accessor(target["POSITION"])[n:].any(), f"{name}: a target moves the box")
 
 
 def check_animation(name, glb, dimension, corners):
