@@ -40,7 +40,8 @@ Json table_json(const PoseTable& table)
 }
 
 // What a program that feeds the weights must know and glTF has no place for.
-Json extras_of(const RuntimeBlender& blender, const MorphMesh& morph, const PoseTable& table, const ExportReport& report)
+Json extras_of_mesh(const RuntimeBlender& blender, const MorphMesh& morph, const PoseTable& table,
+                    const ExportReport& report)
 {
     Json names = Json::array();
     for (Eigen::Index j = 0; j < morph.deltas.cols(); ++j) names.push_back(fmt::format("q{}", j));
@@ -86,7 +87,7 @@ template <class Mesh>
 Json primitives_of(Glb& glb, const RenderScene& scene, const Mesh& mesh, const Eigen::VectorXd& box, Eigen::Index targets)
 {
     Json primitives = add_primitives(glb, scene, stored_column(mesh, targets), box);
-    for (Eigen::Index j = 0; j < targets; ++j) add_target(glb, scene, stored_column(mesh, j), true, primitives);
+    for (Eigen::Index j = 0; j < targets; ++j) add_target(glb, scene, stored_column(mesh, j), primitives);
     return primitives;
 }
 
@@ -134,7 +135,7 @@ Json add_morph_mesh(Glb& glb, RuntimeBlender& blender, const DrawnSpace& space, 
     report.table_largest = table.largest_error;
     report.centre_count = table.function.centres.size();
     mesh["weights"] = to_json(morph.weights(space.first_pose));
-    mesh["extras"] = extras_of(blender, morph, table, report);
+    mesh["extras"] = extras_of_mesh(blender, morph, table, report);
     return mesh;
 }
 

@@ -85,6 +85,41 @@ bool is_painted(const VertexAttribute& attribute)
     return is_place || (attribute.name.compare(0, 6, "COLOR_") == 0 && attribute.components >= 3);
 }
 
+// The rows of a part out of `width` numbers for each vertex.
+std::vector<float> rows_of(const ScenePart& part, const std::vector<float>& values, std::size_t width)
+{
+    const auto first = values.begin() + std::ptrdiff_t(part.first_vertex * width);
+    return { first, first + std::ptrdiff_t(part.vertex_count * width) };
+}
+
+Json attributes_of(Glb& glb, const RenderScene& scene, const ScenePart& part, const StoredVertices& vertices,
+                   const Eigen::VectorXd& box)
+{
+    Json attributes;
+    attributes["POSITION"] = add_positions(glb, vectors_of(part, vertices.positions, box), vertices.is_whole, false);
+    if (vertices.normals.size()) {
+        const Eigen::VectorXd normals = vectors_of(part, vertices.normals, Eigen::VectorXd::Zero(box.size()));
+        attributes["NORMAL"] = add_normals(glb, with_unit_length(normals, vertices.is_whole ? 127 : 1), vertices.is_whole);
+    }
+    for (const std::string& name : part.attributes) {
+        const VertexAttribute& attribute = *scene.find(name);
+        if (!is_painted(attribute)) continue;
+        std::vector<float> rows = rows_of(part, attribute.values, attribute.components);
+        rows.resize(rows.size() + std::size_t(box.size()) / 3 * attribute.components);
+        attributes[name] = glb.add_floats(rows, int(attribute.components), Glb::Target::vertices);
+    }
+    return attributes;
+}
+
+// What a program with the runtime must know of a part (formats/SPEC.md, section 7); null if it is the whole asset.
+Json extras_of(const RenderScene& scene, const ScenePart& part, bool has_box)
+{
+    Json ours;
+    if (part.vertex_count != scene.vertex_count) ours = { { "name", part.name }, { "first_vertex", part.first_vertex } };
+    if (has_box) ours["vertex_count"] = part.vertex_count;
+    return ours;
+}
+
 } // namespace
 
 RenderScene exported_scene(const RuntimeBlender& blender, const DrawnSpace& space, const std::string& path)
@@ -104,48 +139,27 @@ RenderScene exported_scene(const RuntimeBlender& blender, const DrawnSpace& spac
     return scene;
 }
 
-std::vector<float> rows_of(const ScenePart& part, const std::vector<float>& values, std::size_t width)
-{
-    const auto first = values.begin() + std::ptrdiff_t(part.first_vertex * width);
-    return { first, first + std::ptrdiff_t(part.vertex_count * width) };
-}
-
 Json add_primitives(Glb& glb, const RenderScene& scene, const StoredVertices& vertices, const Eigen::VectorXd& box)
 {
     Json primitives = Json::array();
-    const Eigen::VectorXd no_normals = Eigen::VectorXd::Zero(box.size());
     const auto extra = std::uint32_t(box.size() / 3);
     for (const ScenePart& part : scene.parts) {
         std::vector<std::uint32_t> corners = corners_of(scene, part);
         if (extra) corners.insert(corners.end(), { part.vertex_count, part.vertex_count + 1, part.vertex_count });
-        Json primitive, ours;
-        primitive["attributes"]["POSITION"]
-            = add_positions(glb, vectors_of(part, vertices.positions, box), vertices.is_whole, false);
-        if (vertices.normals.size()) {
-            const Eigen::VectorXd normals = vectors_of(part, vertices.normals, no_normals);
-            primitive["attributes"]["NORMAL"]
-                = add_normals(glb, with_unit_length(normals, vertices.is_whole ? 127 : 1), vertices.is_whole);
-        }
+        Json primitive;
+        primitive["attributes"] = attributes_of(glb, scene, part, vertices, box);
         primitive["indices"] = glb.add_indices(corners, part.vertex_count + extra);
-        for (const std::string& name : part.attributes) {
-            const VertexAttribute& attribute = *scene.find(name);
-            if (!is_painted(attribute)) continue;
-            std::vector<float> rows = rows_of(part, attribute.values, attribute.components);
-            rows.resize(rows.size() + extra * attribute.components);
-            primitive["attributes"][name] = glb.add_floats(rows, int(attribute.components), Glb::Target::vertices);
-        }
         if (part.material >= 0) primitive["material"] = part.material;
-        if (part.vertex_count != scene.vertex_count) ours = { { "name", part.name }, { "first_vertex", part.first_vertex } };
-        if (extra) ours["vertex_count"] = part.vertex_count;
+        Json ours = extras_of(scene, part, extra > 0);
         if (!ours.is_null()) primitive["extras"]["pliant"] = std::move(ours);
         primitives.push_back(std::move(primitive));
     }
     return primitives;
 }
 
-void add_target(Glb& glb, const RenderScene& scene, const StoredVertices& deltas, bool with_box, Json& primitives)
+void add_target(Glb& glb, const RenderScene& scene, const StoredVertices& deltas, Json& primitives)
 {
-    const Eigen::VectorXd still = Eigen::VectorXd::Zero(with_box ? 6 : 0);
+    const Eigen::VectorXd still = Eigen::VectorXd::Zero(6); // the box
     for (std::size_t i = 0; i < scene.parts.size(); ++i) {
         Json target;
         target["POSITION"] = add_positions(glb, vectors_of(scene.parts[i], deltas.positions, still), deltas.is_whole, true);

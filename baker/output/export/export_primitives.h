@@ -19,16 +19,13 @@ struct StoredVertices {
     bool is_whole = false;              // positions become shorts or bytes, normals bytes of 1/127; else floats
 };
 
-// The rows of a part out of `width` numbers for each vertex.
-std::vector<float> rows_of(const ScenePart& part, const std::vector<float>& values, std::size_t width);
-
 // One primitive a part, in their order: POSITION (bounded), NORMAL, indices, texture coordinates, colours, material. With a
 // `box` (two corners, as positions) each primitive has these as two more vertices, in a triangle without area: engines that
 // compute its bounds from its vertices then find the box. The extras say how many vertices are the asset's.
 Glb::Json add_primitives(Glb& glb, const RenderScene& scene, const StoredVertices& vertices, const Eigen::VectorXd& box);
 
-// Adds a morph target to each primitive; the vertices of a box stay where they are.
-void add_target(Glb& glb, const RenderScene& scene, const StoredVertices& deltas, bool with_box, Glb::Json& primitives);
+// Adds a morph target to each of the primitives, which have a box; its vertices stay where they are.
+void add_target(Glb& glb, const RenderScene& scene, const StoredVertices& deltas, Glb::Json& primitives);
 
 // Materials, textures, samplers, images and the extensions that they use. Images that the embedded asset holds are not
 // stored again.

@@ -27,14 +27,6 @@ Eigen::Vector3d middle_of(const Box& box) { return (0.5 * (box.low + box.high)).
 
 double most_of(const Eigen::MatrixXd& steps) { return steps.cwiseAbs().maxCoeff(); }
 
-// (w, 1) of samples as columns.
-Eigen::MatrixXd features_of(const Eigen::MatrixXf& weights)
-{
-    Eigen::MatrixXd features(weights.rows() + 1, weights.cols());
-    features << weights.cast<double>(), Eigen::RowVectorXd::Ones(weights.cols());
-    return features;
-}
-
 // The largest distance of a vertex over the samples; `left` (3n x (d + 1)) is what rounding took away.
 double largest_distance(const Eigen::MatrixXd& left, const Eigen::MatrixXd& features)
 {
@@ -103,7 +95,7 @@ GridMesh make_grid_mesh(const MorphMesh& mesh, const DrawnSpace& space, double e
     const GridRounding rounding(mesh.fitted);
     Eigen::MatrixXf samples(mesh.fitted.rows(), mesh.fitted.cols() + mesh.judged.cols());
     samples << mesh.fitted, mesh.judged;
-    const Eigen::MatrixXd features = features_of(samples);
+    const Eigen::MatrixXd features = with_one(samples);
     const double allowed = error * mesh.reachable.diagonal();
     Box box = mesh.reachable;
     box.include(mesh.base.cast<double>());

@@ -15,10 +15,16 @@ constexpr int weighing_rounds = 5;
 
 } // namespace
 
-GridRounding::GridRounding(const Eigen::MatrixXf& weights)
+Eigen::MatrixXd with_one(const Eigen::MatrixXf& weights)
 {
     Eigen::MatrixXd features(weights.rows() + 1, weights.cols());
     features << weights.cast<double>(), Eigen::RowVectorXd::Ones(weights.cols());
+    return features;
+}
+
+GridRounding::GridRounding(const Eigen::MatrixXf& weights)
+{
+    const Eigen::MatrixXd features = with_one(weights);
     Eigen::VectorXd counts = Eigen::VectorXd::Ones(weights.cols());
     for (int round = 0; round < weighing_rounds; ++round) {
         Eigen::MatrixXd gram = features * counts.asDiagonal() * features.transpose() / counts.sum();

@@ -8,6 +8,9 @@ namespace pliant {
 
 using Integers = Eigen::Matrix<std::int16_t, Eigen::Dynamic, Eigen::Dynamic>;
 
+// Weights w (columns) as (w, 1).
+Eigen::MatrixXd with_one(const Eigen::MatrixXf& weights);
+
 // Rounds x (rows x (d + 1)) of the model y(w) = x (w, 1) over sampled w. Column by column from the last, each takes over
 // what the rounding of those after it moved y by, as well as its feature predicts theirs (nearest plane of Babai 1986).
 // Where few parameters decide over all w, the error of y is less than that of one rounded column.

@@ -134,12 +134,11 @@ TEST_CASE("rounding together keeps sums nearer than rounding each number")
         const double a = random.uniform(), b = random.uniform();
         for (int j = 0; j < d; ++j) weights(j, s) = float(0.5 + 0.4 * std::sin(a * (1 + 0.1 * j) + b + j));
     }
-    Eigen::MatrixXd x(n, d + 1), features(d + 1, samples);
+    Eigen::MatrixXd x(n, d + 1);
     for (double& value : x.reshaped()) value = 200 * random.normal();
-    features << weights.cast<double>(), Eigen::RowVectorXd::Ones(samples);
     const GridRounding rounding(weights);
     const auto error
-        = [&](const Eigen::MatrixXd& whole) { return ((x - whole) * features).norm() / std::sqrt(n * samples); };
+        = [&](const Eigen::MatrixXd& whole) { return ((x - whole) * with_one(weights)).norm() / std::sqrt(n * samples); };
     const auto rounded = [&](int limit) { return rounding.round(x, x.col(d), limit); };
     const double together = error(rounded(32767).cast<double>()), each = error(x.array().round());
     CHECK(together < 0.3); // one rounded number: 0.29
