@@ -1,4 +1,4 @@
-# Run by godot3-server in a project that holds shape.glb, imported: what came out, as one line of JSON.
+# Run by godot3-server in a project that holds floats.glb and integers.glb, imported: what came out, one line of JSON each.
 extends SceneTree
 
 func find(node, kind):
@@ -10,8 +10,8 @@ func find(node, kind):
             return found
     return null
 
-func _init():
-    var scene = load("res://shape.glb").instance()
+func report_of(path):
+    var scene = load(path).instance()
     var report = {}
     var instance = find(scene, "MeshInstance")
     if instance:
@@ -36,6 +36,10 @@ func _init():
         var animation = player.get_animation(player.get_animation_list()[0])
         report["tracks"] = animation.get_track_count()
         report["length"] = animation.length
-    print("REPORT ", to_json(report))
     scene.free()
+    return report
+
+func _init():
+    for name in ["floats", "integers"]:
+        print("REPORT ", to_json(report_of("res://" + name + ".glb")))
     quit()
