@@ -13,7 +13,7 @@ from support import HERE, SKIPPED, Glb, blender, blender_report, check, export, 
 from test_validator import remarks
 
 KINDS = {"morph": [], "embed": ["--embed"], "skin": ["--skin", "6"], "integers": ["--quantize", "1e-4"],
-         "meshopt": ["--meshopt"], "all": ["--meshopt", "--embed", "--skin", "6"]}
+         "all": ["--meshopt", "--embed", "--skin", "6"]}
 
 
 def bake(tool, source, output):
