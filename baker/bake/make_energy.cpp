@@ -21,9 +21,9 @@ bool is_of_solids(Material material) { return material == Material::stvk || mate
 
 std::unique_ptr<Energy> make_surface_energy(const NormalizedPoses& set, Material material, const EnergyOptions& options)
 {
-    if (material == Material::arap) return std::make_unique<Arap>(set);
-    if (options.continuity == Continuity::off) return std::make_unique<DiscreteShells>(set, options.shell);
-    return std::make_unique<ReinforcedShells>(set, options.shell);
+    if (material == Material::arap) return std::make_unique<Arap>(set, options.blend);
+    if (options.continuity == Continuity::off) return std::make_unique<DiscreteShells>(set, options.shell, options.blend);
+    return std::make_unique<ReinforcedShells>(set, options.shell, options.blend);
 }
 
 // Which vertices have an ARAP cell.
@@ -67,7 +67,7 @@ namespace {
 std::unique_ptr<CoarseBody> make_coarse_body(const NormalizedPoses& set, const EnergyOptions& options, Progress* progress)
 {
     const std::size_t count = std::size_t(set.dof_count() / 3) / coarsening;
-    if (count < least_vertex_count || set.is_solid() || !set.is_free()) return nullptr;
+    if (count < least_vertex_count || set.is_solid() || !set.is_free() || options.blend == Blend::layers) return nullptr;
     auto body = std::make_unique<CoarseBody>();
     body->poses = decimate(set, count);
     if (body->poses.failed_face || body->poses.vertices.size() > 2 * count) return nullptr;
@@ -82,9 +82,10 @@ bool has_ties(const Energy& energy) { return ties_of(energy) != nullptr; }
 std::unique_ptr<Energy> make_uncalibrated(const NormalizedPoses& set, const EnergyOptions& options)
 {
     const Material material = material_of(options, set.is_solid());
-    if (material == Material::stvk) return std::make_unique<Solid>(set, SolidOptions { SolidLaw::stvk, options.poisson });
-    if (material == Material::mooney_rivlin)
-        return std::make_unique<Solid>(set, SolidOptions { SolidLaw::mooney_rivlin, options.poisson });
+    if (is_of_solids(material)) {
+        const SolidLaw law = material == Material::stvk ? SolidLaw::stvk : SolidLaw::mooney_rivlin;
+        return std::make_unique<Solid>(set, SolidOptions { law, options.poisson }, options.blend);
+    }
     std::unique_ptr<Energy> surface = make_surface_energy(set, material, options);
     TieSet ties = ties_for(set, centres_of_cells(*surface));
     return tie_parts(std::move(surface), std::move(ties));
@@ -96,6 +97,11 @@ ElasticModel make_calibrated(const NormalizedPoses& set, const EnergyOptions& op
     ElasticModel model { make_uncalibrated(set, options), nullptr };
     auto* tied = dynamic_cast<TiedEnergy*>(model.energy.get());
     if (!tied) return model;
+    if (options.blend == Blend::layers) {
+        tied->choose({}, std::vector<bool>(tied->ties().joints.size(), true));
+        tied->drop_unused();
+        return model;
+    }
     model.coarse = make_coarse_body(set, options, progress);
     if (model.coarse && !has_ties(*model.coarse->energy)) model.coarse = nullptr;
     calibrate_ties(*tied, set, options.solver, model.coarse.get(), progress);

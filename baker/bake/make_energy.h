@@ -13,11 +13,13 @@ namespace pliant {
 Material material_of(const EnergyOptions& options, bool is_solid);
 
 // The energy of a shape set. The set must outlive it. Throws as material_of. Of a character in several parts it costs some
-// averages (elastic/parts/calibrate_ties.h).
+// averages (elastic/parts/calibrate_ties.h). The ties of layers keep their first stiffness, and a joint replaces
+// those of every part that has one: there is no average to calibrate them by.
 std::unique_ptr<Energy> make_energy(const NormalizedPoses& set, const EnergyOptions& options, Progress* progress = nullptr);
 
-// The same energy, and the coarse mesh on which the mean of the poses is searched. Null: of small meshes, of solids, of
-// poses with fixed vertices, of surfaces that cannot be decimated, and where a decimated character would have no ties.
+// The same energy, and the coarse mesh on which the mean of the poses is searched. Null: of layers, which have no mean, of
+// small meshes, of solids, of poses with fixed vertices, of surfaces that cannot be decimated, and where a decimated
+// character would have no ties.
 struct ElasticModel {
     std::unique_ptr<Energy> energy;
     std::unique_ptr<CoarseBody> coarse;

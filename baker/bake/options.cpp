@@ -9,6 +9,8 @@ void make_preview(BakeOptions& options, bool has_tolerance)
     if (!has_tolerance) options.tolerance = preview_tolerance;
 }
 
+const char* name_of(Blend blend) { return blend == Blend::layers ? "layers" : "average"; }
+
 const char* name_of(Material material)
 {
     switch (material) {

@@ -23,6 +23,7 @@ enum class SurrogateKind { automatic, quartic, cubature, ghost };
 
 // What an elastic energy is made of: shared by all verbs that need one.
 struct EnergyOptions {
+    Blend blend = Blend::average;
     std::optional<Material> material; // none: stvk for solids, discrete shells for surfaces
     // Of discrete shells. automatic: with ARAP cells at rough vertices; off: as in the literature.
     Continuity continuity = Continuity::automatic;
@@ -64,6 +65,7 @@ struct BakeOptions {
 void make_preview(BakeOptions& options, bool has_tolerance);
 
 // Names used on the command line and in JSON.
+const char* name_of(Blend blend);
 const char* name_of(Material material);
 const char* name_of(Continuity continuity);
 const char* name_of(Membrane membrane);

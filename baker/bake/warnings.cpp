@@ -55,6 +55,17 @@ void require_convergence(const NewtonResult& result, const NewtonOptions& option
                            "add an in-between pose, or try another --thickness"));
 }
 
+void require_layered_shape(const NewtonResult& result, const Weights& v, const std::string& frame)
+{
+    if (result.has_converged) return;
+    throw Failure(ExitCode::failed,
+                  error_at(4305, "",
+                           fmt::format("{}no shape was found at the layer weights {}: relative decrement {:.1e}, unbalanced "
+                                       "force {:.1e}",
+                                       frame, weights_text(v), result.decrement, result.residual),
+                           "take weights nearer to the range from 0 to 1; of a surface also try --material arap"));
+}
+
 const char* hint_for_jumps(Material material)
 {
     return material == Material::discrete_shells ? "use --material arap, or add a pose in between"

@@ -30,6 +30,9 @@ Failure to_failure(const ToleranceMiss& miss);
 // space, or empty.
 void require_convergence(const NewtonResult& result, const NewtonOptions& options, const std::string& frame);
 
+// Throws Failure (failed, P4305) for layers of which no sum was found. `frame` as above.
+void require_layered_shape(const NewtonResult& result, const Weights& v, const std::string& frame);
+
 // What helps where there is more than one way to bend: the hint of P4406.
 const char* hint_for_jumps(Material material);
 

@@ -132,6 +132,14 @@ void add_energy_options(CLI::App& verb, EnergyOptions& options)
         ->each([&options](const std::string&) { options.keep_placement = true; });
 }
 
+void add_blend_kind(CLI::App& verb, EnergyOptions& options)
+{
+    add_choice(verb, "--blend", options.blend, { Blend::average, Blend::layers },
+               "average: a shape between all poses, a weight per pose. layers: the first pose is the rest shape, each other "
+               "pose a layer on it with a weight of its own, as of morph targets: 0 without, 1 with the layer; layers add "
+               "up, negative weights are the opposite, weights above 1 exaggerate");
+}
+
 void add_threads(CLI::App& verb)
 {
     verb.add_option_function<unsigned>("--threads", set_thread_count,
@@ -178,6 +186,7 @@ PoseSet load_with_warnings(const std::string& verb, const std::vector<std::strin
     load.fixed_path = options.fixed_path;
     load.fixed_vertices = options.fixed_vertices;
     load.weld_tolerance = options.weld_tolerance;
+    if (options.blend == Blend::layers) load.pose_limit = layered_pose_limit;
     std::vector<Diagnostic> warnings;
     PoseSet poses = load_poses(paths, load, &warnings);
     report_warnings(verb, warnings, kept);

@@ -9,6 +9,7 @@
 #include "input/io/write_file.h"
 #include "pipeline/json_file.h"
 
+#include <cmath>
 #include <fmt/core.h>
 #include <memory>
 
@@ -48,36 +49,69 @@ void add_grid_points(Weights& row, Eigen::Index pose, std::uint32_t left, std::u
     }
 }
 
+Failure too_fine(const std::string& grid, double count)
+{
+    return Failure(ExitCode::usage,
+                   error_at(1221, "",
+                            fmt::format("--grid {} has {:.0f} points, the limit is {:.0f}", grid, count, grid_limit),
+                            "take a smaller N, or list the weights in a file and give it with --path"));
+}
+
 std::vector<Weights> simplex_grid(std::size_t pose_count, std::uint32_t steps)
 {
     double count = 1; // (steps + pose_count - 1) over (pose_count - 1)
     for (std::size_t k = 1; k < pose_count; ++k) count = count * double(steps + k) / double(k);
-    if (count > grid_limit)
-        throw Failure(ExitCode::usage,
-                      error_at(1221, "",
-                               fmt::format("--grid {} of {} poses has {:.0f} points, the limit is {:.0f}", steps, pose_count,
-                                           count, grid_limit),
-                               "take a smaller N, or list the weights in a file and give it with --path"));
+    if (count > grid_limit) throw too_fine(fmt::format("{} of {} poses", steps, pose_count), count);
     std::vector<Weights> points;
     Weights row = Weights::Zero(Eigen::Index(pose_count));
     add_grid_points(row, 0, steps, steps, points);
     return points;
 }
 
-std::vector<Weights> path_points(const std::string& path, std::size_t pose_count)
+// All rows of multiples of 1/steps from 0 to 1, the first layer's weight rising first.
+std::vector<Weights> box_grid(std::size_t layer_count, std::uint32_t steps)
+{
+    const double count = std::pow(steps + 1.0, double(layer_count));
+    if (count > grid_limit) throw too_fine(fmt::format("{} of {} layers", steps, layer_count), count);
+    std::vector<Weights> points;
+    for (std::size_t i = 0; i < std::size_t(count); ++i) {
+        Weights row(Eigen::Index(layer_count));
+        std::size_t rest = i;
+        for (double& weight : row) {
+            weight = double(rest % (steps + 1)) / steps;
+            rest /= steps + 1;
+        }
+        points.push_back(row);
+    }
+    return points;
+}
+
+std::vector<Weights> grid_points(const AverageArguments& a, std::size_t pose_count)
+{
+    return a.energy.blend == Blend::layers ? box_grid(pose_count - 1, a.grid) : simplex_grid(pose_count, a.grid);
+}
+
+Weights checked_weights(const AverageArguments& a, const std::vector<double>& values, std::size_t pose_count)
+{
+    return a.energy.blend == Blend::layers ? layer_weights(values, pose_count - 1) : normalized_weights(values, pose_count);
+}
+
+std::vector<Weights> path_points(const AverageArguments& a, std::size_t pose_count)
 {
     std::vector<Weights> points;
-    for (const std::vector<double>& row : read_weight_rows(path)) {
+    for (const std::vector<double>& row : read_weight_rows(a.path)) {
         try {
-            points.push_back(normalized_weights(row, pose_count));
+            points.push_back(checked_weights(a, row, pose_count));
         } catch (const Failure& failure) {
             throw Failure(ExitCode::bad_input,
-                          error_at(1222, path, fmt::format("frame {}: {}", points.size(), failure.diagnostics()[0].what),
-                                   "one line per frame, one weight per pose, separated by commas; # starts a comment"));
+                          error_at(1222, a.path, fmt::format("frame {}: {}", points.size(), failure.diagnostics()[0].what),
+                                   "one line per frame, one weight per pose (or layer), separated by commas; # starts a "
+                                   "comment"));
         }
     }
     if (points.empty())
-        throw Failure(ExitCode::bad_input, error_at(1223, path, "holds no weights", "write one line of weights per frame"));
+        throw Failure(ExitCode::bad_input,
+                      error_at(1223, a.path, "holds no weights", "write one line of weights per frame"));
     return points;
 }
 
@@ -105,8 +139,8 @@ void check_usage(const AverageArguments& a)
 
 std::vector<Wanted> wanted_averages(const AverageArguments& a, std::size_t pose_count)
 {
-    if (!a.weights.empty()) return { { normalized_weights(parse_weights(a.weights), pose_count), "", a.output } };
-    const std::vector<Weights> points = a.grid > 0 ? simplex_grid(pose_count, a.grid) : path_points(a.path, pose_count);
+    if (!a.weights.empty()) return { { checked_weights(a, parse_weights(a.weights), pose_count), "", a.output } };
+    const std::vector<Weights> points = a.grid > 0 ? grid_points(a, pose_count) : path_points(a, pose_count);
     std::vector<Wanted> wanted;
     for (std::size_t i = 0; i < points.size(); ++i)
         wanted.push_back({ points[i], fmt::format("frame {}: ", i), frame_name(a.output, i) });
@@ -186,7 +220,10 @@ ExitCode run_average(const AverageArguments& a)
         for (std::size_t i = 0; i < count; ++i) {
             const Wanted& one = wanted[first + i];
             const NewtonResult& result = points[i].average;
-            require_convergence(result, a.newton, one.frame);
+            if (options.blend == Blend::layers)
+                require_layered_shape(result, one.weights, one.frame);
+            else
+                require_convergence(result, a.newton, one.frame);
             write_output(one.output, encode_ply(to_input_units(set, result.y), poses, a.all_vertices));
             progress.clear_line();
             warn_of_jumps(points[i], poses, *options.material, one.frame, progress);
@@ -203,22 +240,29 @@ ExitCode run_average(const AverageArguments& a)
 Verb add_average(CLI::App& app)
 {
     auto a = std::make_shared<AverageArguments>();
-    CLI::App* verb = app.add_subcommand("average", "Compute unreduced elastic averages: slow, the reference for blends");
+    CLI::App* verb = app.add_subcommand(
+        "average", "Compute unreduced elastic averages, or sums of layers: slow, the reference for blends");
     verb->footer("Examples:\n  pliant average rest.ply run.ply --weights 1,1 -o between.ply\n"
                  "  pliant average rest.ply run.ply --path weights.csv -o truth_%04d.ply\n"
                  "  pliant average rest.ply run.ply --grid 8 --list truth.csv -o truth_%04d.ply\n"
+                 "  pliant average face.ply smile.ply blink.ply --blend layers --weights 1.2,1 -o both.ply\n"
                  "`pliant-player --truth` shows meshes of --path and --grid next to its blends.");
     add_pose_arguments(*verb, a->poses);
-    verb->add_option("-w,--weights", a->weights, "One weight per pose, separated by commas")->type_name("W1,W2,...");
+    verb->add_option("-w,--weights", a->weights,
+                     "One weight per pose, separated by commas; with --blend layers one per pose but the first")
+        ->type_name("W1,W2,...");
     verb->add_option("--path", a->path, "File with one line of weights per mesh; computes all of them in one run")
         ->type_name("FILE.csv");
-    verb->add_option("--grid", a->grid, "Compute the averages at all weights that are multiples of 1/N, corners included")
+    verb->add_option("--grid", a->grid,
+                     "Compute the averages at all weights that are multiples of 1/N, corners included; with --blend layers "
+                     "each weight from 0 to 1")
         ->type_name("N")
         ->check(CLI::Range(1u, 1000u));
     verb->add_option("--list", a->list, "With --grid: also write the weights, one line per mesh")->type_name("FILE.csv");
     verb->add_option("-o,--output", a->output, "Mesh to write; with --path and --grid a pattern such as truth_%04d.ply")
         ->required()
         ->type_name("OUT.ply");
+    add_blend_kind(*verb, a->energy);
     add_energy_options(*verb, a->energy);
     add_all_vertices(*verb, a->all_vertices);
     add_threads(*verb);

@@ -29,6 +29,7 @@ Verb add_report(CLI::App& app);
 // Options that several verbs share.
 CLI::Option* add_pose_arguments(CLI::App& verb, std::vector<std::string>& poses);
 void add_energy_options(CLI::App& verb, EnergyOptions& options);
+void add_blend_kind(CLI::App& verb, EnergyOptions& options);
 void add_threads(CLI::App& verb);
 void add_all_vertices(CLI::App& verb, bool& all_vertices);
 void add_surface(CLI::App& verb, std::string& path);

@@ -39,4 +39,19 @@ Weights normalized_weights(const std::vector<double>& values, std::size_t pose_c
     return w / w.sum();
 }
 
+Weights layer_weights(const std::vector<double>& values, std::size_t layer_count)
+{
+    if (values.size() != layer_count)
+        throw Failure(
+            ExitCode::usage,
+            error_at(1203, "", fmt::format("{} weights given for {} layers", values.size(), layer_count),
+                     "give one weight per layer, separated by commas; the first pose is the rest shape and has none"));
+    const Weights v = Eigen::Map<const Weights>(values.data(), Eigen::Index(values.size()));
+    if (!v.allFinite())
+        throw Failure(ExitCode::usage,
+                      error_at(1204, "", "the weights are not all finite",
+                               "0 leaves a layer out, 1 shows it whole; negative weights and weights above 1 are allowed"));
+    return v;
+}
+
 } // namespace pliant

@@ -1,4 +1,4 @@
-// Weights of a blend: one number per pose, none negative, with the sum 1.
+// Weights of a blend: one number per pose, none negative, with the sum 1; of layers one number per layer, any.
 #pragma once
 
 #include <Eigen/Core>
@@ -7,7 +7,7 @@
 
 namespace pliant {
 
-using Weights = Eigen::VectorXd; // one per pose
+using Weights = Eigen::VectorXd; // one per pose, or one per layer
 
 // Unit weight vector e_k of length m, and equal weights.
 Weights corner_weights(std::size_t pose_count, std::size_t pose);
@@ -18,5 +18,8 @@ std::string weights_text(const Weights& w);
 
 // Weights as people give them, checked and divided by their sum. Throws Failure (usage, P1203, P1204).
 Weights normalized_weights(const std::vector<double>& values, std::size_t pose_count);
+
+// Weights of layers as people give them, checked. Throws Failure (usage, P1203, P1204).
+Weights layer_weights(const std::vector<double>& values, std::size_t layer_count);
 
 } // namespace pliant

@@ -14,13 +14,12 @@ namespace pliant {
 
 namespace {
 
-// In the 1-norm of weights. The way from a corner to the mean is gone roughly, in long steps: only where it ends counts.
-// Elsewhere steps begin shorter, grow while the tangent's guess is good to a quarter of what is allowed, and are halved
-// where it is not good enough.
+// In the 1-norm of weights, of layers in the largest of them: any number of layers may grow together. The way from a corner
+// to the mean is gone roughly, in long steps: only where it ends counts. Elsewhere steps begin shorter, grow while the
+// tangent's guess is good to a quarter of what is allowed, and are halved where it is not good enough.
 constexpr double rough_step = 0.85, first_step = 0.5;
 
-// A discontinuity is a move that does not get shorter with the step. Steps (in the 1-norm of weights) are not halved below
-// this.
+// A discontinuity is a move that does not get shorter with the step. Steps are not halved below this.
 constexpr double shortest_step = 0.03;
 
 // For the sake of a small correction they are not made shorter than this: where triangles turn, tangents are never good.
@@ -39,8 +38,19 @@ constexpr double energy_doubt = 0.02, rough_distance = 0.05;
 // The mean of the full mesh is looked for no farther than this from that of the coarse one.
 constexpr double refinement_limit = 0.1;
 
+// Newton's method from the linear sum of layers takes no more iterations than this; where it needs more, the line is
+// followed.
+constexpr int sum_iterations = 15;
+
 // A tangent step may change the areas of triangles, the volumes of tetrahedra by this factor.
 constexpr double sound_stretch = 1.5;
+
+Shape linear_sum(const NormalizedPoses& set, const Weights& v)
+{
+    Shape sum = set.shapes[0];
+    for (std::size_t k = 1; k < set.pose_count(); ++k) sum += v[Eigen::Index(k) - 1] * (set.shapes[k] - set.shapes[0]);
+    return sum;
+}
 
 } // namespace
 
@@ -83,7 +93,7 @@ Shape AverageFamily::start_of_step(Path& path, const Weights& to, double share) 
     if (!path.tangent) {
         // At a point that is only roughly an average the exact Hessian may be indefinite.
         if (!path.has_factor) path.solver.factorize_equilibrium(path.w, here, HessianKind::projected);
-        path.tangent = path.solver.rough_weight_derivatives(here, to - path.w);
+        path.tangent = path.solver.rough_weight_derivatives(path.w, here, to - path.w);
     }
     const Weights next = path.w + share * (to - path.w);
     const Eigen::VectorXd sizes = cell_sizes(pool_.set(), here);
@@ -112,21 +122,21 @@ void AverageFamily::follow(Path& path, const Weights& to, bool is_rough) const
     int iterations = 0;
     const int first_count = path.solver.factorization_count();
     double length = is_rough ? rough_step : first_step;
-    for (double left = (to - path.w).lpNorm<1>(); left > 1e-12; left = (to - path.w).lpNorm<1>()) {
+    for (double left = step_length(to - path.w); left > 1e-12; left = step_length(to - path.w)) {
         if (path.solver.factorization_count() - first_count > path_limit) {
             path.point.has_converged = false;
             break;
         }
         const double share = 1 / std::max(1.0, std::ceil(left / length - 1e-9));
         const Weights next = share == 1 ? to : Weights(path.w + share * (to - path.w));
-        const double step = share * left;
+        const double step = share * left, change = share * (to - path.w).lpNorm<1>();
         const bool is_last = share == 1;
         const Shape guess = start_of_step(path, to, share);
         NewtonResult reached = path.solver.minimize(next, guess, is_last && !is_rough ? fine : rough, path.progress);
         iterations += reached.iterations;
         const double moved = relative_distance(set, reached.y, path.point.y);
         const double corrected = is_rough ? 0 : relative_distance(set, reached.y, guess);
-        const bool is_fast = speed_ > 0 && moved > jump_distance && moved > jump_speed * speed_ * step;
+        const bool is_fast = speed_ > 0 && moved > jump_distance && moved > jump_speed * speed_ * change;
         const bool is_hopeless = !reached.has_converged && reached.decrement > hopeless_decrement;
         if ((is_fast || is_hopeless) && step > 2 * shortest_step) {
             length = step / 2;
@@ -137,10 +147,8 @@ void AverageFamily::follow(Path& path, const Weights& to, bool is_rough) const
             continue;
         }
         if (is_fast) {
-            Eigen::Index pose = 0;
-            (to - path.w).maxCoeff(&pose);
-            path.jumps.push_back(
-                { Branch::Kind::jump, next, std::size_t(pose), moved, farthest_vertex(set, path.point.y, reached.y) });
+            path.jumps.push_back({ Branch::Kind::jump, next, growing_pose(to - path.w), moved,
+                                   farthest_vertex(set, path.point.y, reached.y) });
         }
         if (corrected < correction_limit / 4) length = std::min(2 * length, rough_step);
         path.point = std::move(reached);
@@ -182,15 +190,42 @@ bool AverageFamily::refine_coarse_mean()
     return true;
 }
 
+Weights AverageFamily::centre() const
+{
+    return has_layers() ? weights_of_pose(pool_.energy(), 0) : equal_weights(pool_.set().pose_count());
+}
+
+double AverageFamily::step_length(const Weights& change) const
+{
+    return has_layers() ? change.lpNorm<Eigen::Infinity>() : change.lpNorm<1>();
+}
+
+std::size_t AverageFamily::growing_pose(const Weights& change) const
+{
+    Eigen::Index largest = 0;
+    if (has_layers()) {
+        change.cwiseAbs().maxCoeff(&largest);
+        return std::size_t(largest) + 1;
+    }
+    change.maxCoeff(&largest);
+    return std::size_t(largest);
+}
+
 const NewtonResult& AverageFamily::mean()
 {
     if (mean_) return *mean_;
-    if (!coarse_ || !refine_coarse_mean()) search_mean();
-    const std::size_t m = pool_.set().pose_count();
-    for (std::size_t k = 0; k < m; ++k)
+    if (has_layers()) {
+        mean_ = NewtonResult {};
+        mean_->y = pool_.set().shapes[0];
+        mean_->has_converged = true;
+        start_pose_ = 0;
+    } else if (!coarse_ || !refine_coarse_mean()) {
+        search_mean();
+    }
+    for (std::size_t k = has_layers() ? 1 : 0; k < pool_.set().pose_count(); ++k)
         speed_ = std::max(speed_,
                           relative_distance(pool_.set(), mean_->y, pool_.set().shapes[k])
-                              / (corner_weights(m, k) - equal_weights(m)).lpNorm<1>());
+                              / (weights_of_pose(pool_.energy(), k) - centre()).lpNorm<1>());
     return *mean_;
 }
 
@@ -248,7 +283,7 @@ const SparseLower& AverageFamily::mean_hessian()
 {
     if (!mean_hessian_) {
         HessianAssembler assembler(pool_.energy());
-        assembler.assemble(equal_weights(pool_.set().pose_count()), mean().y, HessianKind::exact);
+        assembler.assemble(centre(), mean().y, HessianKind::exact);
         mean_hessian_ = assembler.matrix();
     }
     return *mean_hessian_;
@@ -266,10 +301,35 @@ FamilyPoint AverageFamily::from(const KnownAverage& known, const Weights& w, std
 
 FamilyPoint AverageFamily::at(const Weights& w, std::size_t worker, Progress* progress) const
 {
-    const Weights centre = equal_weights(pool_.set().pose_count());
     // A hair away from the mean is rounding of the division by the sum of the weights.
-    if ((w - centre).lpNorm<1>() < 1e-12) return { *mean_, {} };
-    return from({ centre, mean_->y }, w, worker, progress);
+    if ((w - centre()).lpNorm<1>() < 1e-12) return { *mean_, {} };
+    if (has_layers()) return layers_at(w, worker, progress);
+    return from({ centre(), mean_->y }, w, worker, progress);
+}
+
+// Newton's method from the linear sum of the layers; not converged where that has no finite energy.
+NewtonResult AverageFamily::from_sum(const Weights& v, const Shape& sum, std::size_t worker, Progress* progress) const
+{
+    NewtonOptions options = options_;
+    options.max_iterations = std::min(options_.max_iterations, sum_iterations);
+    NewtonResult result;
+    result.y = sum;
+    if (std::isfinite(energy_value(pool_.energy(), v, sum))) result = pool_.at(worker).minimize(v, sum, options, progress);
+    fix_gauge(pool_.set(), result.y);
+    return result;
+}
+
+FamilyPoint AverageFamily::layers_at(const Weights& v, std::size_t worker, Progress* progress) const
+{
+    const NormalizedPoses& set = pool_.set();
+    const Shape sum = linear_sum(set, v);
+    NewtonResult beside = from_sum(v, sum, worker, progress);
+    if (beside.has_converged && relative_distance(set, beside.y, sum) <= correction_limit) return { std::move(beside), {} };
+    // Beyond some stretch a rest state is no number any more.
+    if (!std::isfinite(energy_value(pool_.energy(), v, mean_->y))) return { std::move(beside), {} };
+    FamilyPoint point = from({ centre(), mean_->y }, v, worker, progress);
+    if (!point.average.has_converged && beside.has_converged) point.average = std::move(beside);
+    return point;
 }
 
 CheckPoint AverageFamily::point_at(const Weights& w, std::size_t worker, Progress* progress) const
@@ -298,9 +358,7 @@ void AverageFamily::compare(CheckPoint& point, const Shape& blend, std::size_t w
     point.nearest_error = relative_distance(set, blend, beside->y);
     const double distance = relative_distance(set, beside->y, point.reference);
     if (distance > branch_distance) {
-        Eigen::Index pose = 0;
-        point.weights.maxCoeff(&pose);
-        point.branches.push_back({ Branch::Kind::other_path, point.weights, std::size_t(pose), distance,
+        point.branches.push_back({ Branch::Kind::other_path, point.weights, growing_pose(point.weights), distance,
                                    farthest_vertex(set, point.reference, beside->y) });
     }
     if (!point.has_converged && beside->has_converged) {

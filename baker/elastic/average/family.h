@@ -1,4 +1,4 @@
-// The family a(w) of averages, defined by continuation, so that every user of it means the same branch.
+// The family a(w) of averages, or a(v) of layers, defined by continuation, so that every user of it means the same branch.
 #pragma once
 
 #include "elastic/average/hessian.h"
@@ -51,6 +51,8 @@ struct CoarseBody;
 // lowest number that leads there is its start. Where there is a coarse mesh, all of that is done there, and the mean is the
 // average next to the one found. An elastic average need not be unique; one definition of it is needed where
 // snapshots, reference averages and measurements are compared.
+// Of layers the centre is the rest shape, v = 0, in the place of the mean: nothing is searched. Where Newton's method finds
+// a(v) next to the linear sum of the layers, no line is followed.
 class AverageFamily {
 public:
     // `start_pose`: if known (a certificate holds it), the mean is reached from that pose only, which costs a fraction.
@@ -58,7 +60,8 @@ public:
     AverageFamily(SolverPool& pool, NewtonOptions options, Progress* progress, std::optional<std::size_t> start_pose = {},
                   const CoarseBody* coarse = nullptr);
 
-    // The equal-weight average and the pose from which it is reached, computed at the first call. Not from tasks.
+    // The equal-weight average and the pose from which it is reached, computed at the first call; of layers pose 0. Not from
+    // tasks.
     const NewtonResult& mean();
     std::size_t start_pose();
 
@@ -68,9 +71,13 @@ public:
     // Other means that were found. Empty before mean().
     const std::vector<Branch>& branches() const { return branches_; }
 
-    // The average for w (non-negative, sum 1). Steps are halved when Newton fails, corrects the tangent's guess by much, or
-    // the shape jumps; the result may still not have converged: check it. Needs mean() before; then tasks may call it at the
-    // same time, each with its worker. Cost: 4 to 30 factorisations, at most some more than path_limit.
+    // Where every line starts: equal weights, or of layers zero.
+    Weights centre() const;
+
+    // The average for w (non-negative, sum 1; of layers any finite numbers). Steps are halved when Newton fails, corrects
+    // the tangent's guess by much, or the shape jumps; the result may still not have converged: check it. Needs mean()
+    // before; then tasks may call it at the same time, each with its worker. Cost: 4 to 30 factorisations, at most some more
+    // than path_limit.
     FamilyPoint at(const Weights& w, std::size_t worker, Progress* progress) const;
 
     // The same, to be compared with a blend.
@@ -101,6 +108,11 @@ private:
     void follow(Path& path, const Weights& to, bool is_rough) const;
     void search_mean();
     bool refine_coarse_mean();
+    bool has_layers() const { return pool_.energy().blend() == Blend::layers; }
+    double step_length(const Weights& change) const;
+    std::size_t growing_pose(const Weights& change) const;
+    NewtonResult from_sum(const Weights& v, const Shape& sum, std::size_t worker, Progress* progress) const;
+    FamilyPoint layers_at(const Weights& v, std::size_t worker, Progress* progress) const;
     FamilyPoint reach_mean(std::size_t pose, std::size_t worker, Progress* progress) const;
 
     SolverPool& pool_;
@@ -110,7 +122,7 @@ private:
     const CoarseBody* coarse_;
     std::optional<NewtonResult> mean_;
     std::optional<SparseLower> mean_hessian_;
-    double speed_ = 0; // largest relative distance of the mean from a pose per change of weights
+    double speed_ = 0; // largest relative distance of the centre from a pose per change of weights
     std::vector<Branch> branches_;
 };
 

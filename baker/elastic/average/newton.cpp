@@ -378,26 +378,16 @@ Eigen::MatrixXd NewtonSolver::solve_equilibrium(const Eigen::MatrixXd& loads) co
     return solve_free(loads, [&](const Eigen::MatrixXd& right) { return cholesky_.solve(right); });
 }
 
-Eigen::MatrixXd NewtonSolver::weight_loads(const Shape& y, const Eigen::MatrixXd& directions) const
+Eigen::MatrixXd NewtonSolver::rough_weight_derivatives(const Weights& w, const Shape& y,
+                                                       const Eigen::MatrixXd& directions) const
 {
-    Eigen::MatrixXd loads = Eigen::MatrixXd::Zero(y.size(), directions.cols());
-    for (Eigen::Index k = 0; k < directions.rows(); ++k) { // energies take no negative weights
-        Shape force = Shape::Zero(y.size());
-        add_gradient(energy_, corner_weights(set_.pose_count(), std::size_t(k)), y, force);
-        loads += force * directions.row(k);
-    }
-    return -loads;
-}
-
-Eigen::MatrixXd NewtonSolver::rough_weight_derivatives(const Shape& y, const Eigen::MatrixXd& directions) const
-{
-    return solve_equilibrium(weight_loads(y, directions));
+    return solve_equilibrium(-weight_forces(energy_, w, y, directions));
 }
 
 Eigen::MatrixXd NewtonSolver::weight_derivatives(const Weights& w, const Shape& y, const Eigen::MatrixXd& directions,
                                                  bool has_near_factor)
 {
-    const Eigen::MatrixXd loads = weight_loads(y, directions);
+    const Eigen::MatrixXd loads = -weight_forces(energy_, w, y, directions);
     if (has_near_factor) {
         if (set_.is_free()) modes_ = rigid_modes(y, set_.masses);
         assembler_.assemble(w, y, HessianKind::exact);

@@ -63,14 +63,14 @@ public:
     // mass-orthogonal to them. Else x vanishes at fixed vertices.
     Eigen::MatrixXd solve_equilibrium(const Eigen::MatrixXd& loads) const;
 
-    // How the minimizer y moves when the weights move along the directions (columns): -K^-1 sum_k direction_k grad W_k(y),
+    // How the minimizer y moves when the weights move along the directions (columns): -K^-1 weight_forces(w, y, directions),
     // K the Hessian of W(w, .) at y. To four digits, with K's own factor or from the last one, which must be that of a shape
     // near y then. Cost: an assembly, and a factorisation or some solves.
     Eigen::MatrixXd weight_derivatives(const Weights& w, const Shape& y, const Eigen::MatrixXd& directions,
                                        bool has_near_factor);
 
     // The same with what was factored last in place of K: good enough for a step of a path.
-    Eigen::MatrixXd rough_weight_derivatives(const Shape& y, const Eigen::MatrixXd& directions) const;
+    Eigen::MatrixXd rough_weight_derivatives(const Weights& w, const Shape& y, const Eigen::MatrixXd& directions) const;
 
     // y + step to first order, with turned limbs as long as before (Warp).
     Shape moved(const Shape& y, const Shape& step) const { return warp_(y, step); }
@@ -91,8 +91,6 @@ private:
 
     const Relaxation& relaxation();
     Displaced displace(const Shape& y, const Shape& step) const;
-
-    Eigen::MatrixXd weight_loads(const Shape& y, const Eigen::MatrixXd& directions) const;
 
     // `solve` for the matrix with its pins; loads and solutions as of solve_equilibrium().
     using Solve = std::function<Eigen::MatrixXd(const Eigen::MatrixXd&)>;

@@ -6,6 +6,7 @@
 #include "pliant_format.h"
 
 #include <Eigen/Dense>
+#include <algorithm>
 
 namespace pliant {
 
@@ -55,17 +56,34 @@ Vector3d Arap::Cell::rest_edge(Index pose, const Edge& edge) const
     return edge.tail == 0 ? rest_of(edge.head) : Vector3d(rest_of(edge.head) - rest_of(edge.tail));
 }
 
-Arap::Arap(const NormalizedPoses& set)
-    : Arap(set, std::vector<bool>(std::size_t(set.dof_count() / 3), true))
+void Arap::Cell::measure()
+{
+    const Index pose_count = cotangents.cols(), vertex_count = spoke_count() + 1;
+    moments.setZero(3, pose_count * vertex_count);
+    rest_inertia.setZero(pose_count);
+    for (Index k = 0; k < pose_count; ++k)
+        for (Index i = 0; i < edge_count(); ++i) {
+            const Edge at = edge(i);
+            const Vector3d e = rest_edge(k, at), moment = cotangents(i, k) * e;
+            rest_inertia[k] += 2 * cotangents(i, k) * e.squaredNorm();
+            moments.col(k * vertex_count + at.head) += moment;
+            moments.col(k * vertex_count + at.tail) -= moment;
+        }
+}
+
+Arap::Arap(const NormalizedPoses& set, Blend blend)
+    : Arap(set, std::vector<bool>(std::size_t(set.dof_count() / 3), true), blend)
 {
 }
 
-Arap::Arap(const NormalizedPoses& set, const std::vector<bool>& is_centre)
-    : pose_count_(Index(set.pose_count()))
+Arap::Arap(const NormalizedPoses& set, const std::vector<bool>& is_centre, Blend blend)
+    : blend_(blend)
+    , pose_count_(Index(set.pose_count()))
     , dof_count_(set.dof_count())
 {
     for (const Fan& fan : find_fans(set.triangles, set.shapes[0]))
         if (is_centre[fan.centre]) cells_.push_back(make_cell(fan, set));
+    if (blend_ == Blend::layers) std::for_each(cells_.begin(), cells_.end(), turn_to_rest);
 }
 
 // Triangle by triangle: the cell is a sum of Dirichlet energies of y - R x_k, none of which is negative, however obtuse the
@@ -79,8 +97,6 @@ Arap::Cell Arap::make_cell(const Fan& fan, const NormalizedPoses& set) const
     cell.vertices.insert(cell.vertices.end(), fan.ring.begin(), fan.ring.end());
     cell.cotangents.setZero(spokes + faces, pose_count_);
     cell.rest.resize(3, pose_count_ * spokes);
-    cell.moments.setZero(3, pose_count_ * (spokes + 1));
-    cell.rest_inertia.setZero(pose_count_);
     for (Index k = 0; k < pose_count_; ++k) {
         const Shape& shape = set.shapes[std::size_t(k)];
         for (Index j = 0; j < spokes; ++j)
@@ -92,14 +108,8 @@ Arap::Cell Arap::make_cell(const Fan& fan, const NormalizedPoses& set) const
             cell.cotangents(next, k) += half_cotangent(shape, a, b, fan.centre);
             cell.cotangents(spokes + j, k) = half_cotangent(shape, fan.centre, a, b);
         }
-        for (Index i = 0; i < cell.edge_count(); ++i) {
-            const Edge edge = cell.edge(i);
-            cell.rest_inertia[k] += 2 * cell.cotangents(i, k) * cell.rest_edge(k, edge).squaredNorm();
-            const Vector3d moment = cell.cotangents(i, k) * cell.rest_edge(k, edge);
-            cell.moments.col(k * (spokes + 1) + edge.head) += moment;
-            cell.moments.col(k * (spokes + 1) + edge.tail) -= moment;
-        }
     }
+    cell.measure();
     return cell;
 }
 
@@ -148,20 +158,57 @@ struct Arap::Rotated {
     }
 };
 
-// Gradient at a vertex: 2 sum_k w_k (sum of +-c e - R q). Hessian: 2 sum_k w_k (sum c |de|^2 - s^T (tr(B) I - B)^-1 s),
-// s = sum_v q_v x R^T dy_v: the rotation follows the edges.
+void Arap::turn_to_rest(Cell& cell)
+{
+    const Index spokes = cell.spoke_count();
+    for (Index k = 1; k < cell.cotangents.cols(); ++k) {
+        Matrix3Xd y = Matrix3Xd::Zero(3, spokes + 1); // the centre first
+        y.rightCols(spokes) = cell.rest.middleCols(k * spokes, spokes);
+        const Matrix3d rotation = Rotated(cell, 0, PointMap(y.data(), 3, y.cols())).rotation;
+        cell.rest.middleCols(k * spokes, spokes) = rotation.transpose() * y.rightCols(spokes);
+        cell.cotangents.col(k) = cell.cotangents.col(0);
+    }
+    cell.measure();
+}
+
+// The cell with its one rest state at these weights.
+Arap::Cell Arap::layered_cell(const Cell& cell, const double* weights)
+{
+    const Index size = 3 * cell.spoke_count();
+    const Eigen::Map<const Eigen::MatrixXd> poses(cell.rest.data(), size, cell.cotangents.cols());
+    const Eigen::VectorXd rest = layered(poses, weights);
+    Cell out;
+    out.vertices = cell.vertices;
+    out.cotangents = cell.cotangents.col(0);
+    out.rest = PointMap(rest.data(), 3, cell.spoke_count());
+    out.measure();
+    return out;
+}
+
 void Arap::evaluate(std::size_t element, const double* weights, const double* x, Order order, HessianKind kind,
                     ElementResult& result) const
 {
     const Cell& cell = cells_[element];
-    const Index count = cell.spoke_count() + 1;
-    const PointMap y(x, 3, count);
+    const PointMap y(x, 3, cell.spoke_count() + 1);
+    constexpr double whole = 1;
+    if (blend_ == Blend::layers)
+        evaluate_cell(layered_cell(cell, weights), &whole, y, order, kind, result);
+    else
+        evaluate_cell(cell, weights, y, order, kind, result);
+}
+
+// Gradient at a vertex: 2 sum_k w_k (sum of +-c e - R q). Hessian: 2 sum_k w_k (sum c |de|^2 - s^T (tr(B) I - B)^-1 s),
+// s = sum_v q_v x R^T dy_v: the rotation follows the edges.
+void Arap::evaluate_cell(const Cell& cell, const double* weights, const PointMap& y, Order order, HessianKind kind,
+                         ElementResult& result)
+{
+    const Index count = y.cols(), pose_count = cell.cotangents.cols();
     result.value = 0;
     if (order >= Order::gradient) result.gradient.setZero(3 * count);
     double inertia = 0;
     Eigen::MatrixXd turns;
-    if (order == Order::hessian) turns.setZero(3 * pose_count_, 3 * count);
-    for (Index k = 0; k < pose_count_; ++k) {
+    if (order == Order::hessian) turns.setZero(3 * pose_count, 3 * count);
+    for (Index k = 0; k < pose_count; ++k) {
         if (weights[k] == 0) continue;
         inertia += weights[k] * cell.rest_inertia[k];
         const Rotated pose(cell, k, y);

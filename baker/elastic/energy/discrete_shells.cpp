@@ -1,6 +1,7 @@
 #include "elastic/energy/discrete_shells.h"
 
 #include "elastic/energy/hinge.h"
+#include "elastic/energy/metric_logarithm.h"
 #include "pliant_format.h"
 
 #include <cmath>
@@ -32,8 +33,9 @@ double angle_of(const Shape& shape, const std::array<std::uint32_t, 4>& v)
 
 } // namespace
 
-DiscreteShells::DiscreteShells(const NormalizedPoses& set, const ShellOptions& options)
+DiscreteShells::DiscreteShells(const NormalizedPoses& set, const ShellOptions& options, Blend blend)
     : options_(options)
+    , blend_(blend)
     , pose_count_(Eigen::Index(set.pose_count()))
     , dof_count_(set.dof_count())
     , hinges_(find_hinges(set.triangles, set.shapes[0]))
@@ -43,7 +45,24 @@ DiscreteShells::DiscreteShells(const NormalizedPoses& set, const ShellOptions& o
     for (Eigen::Index k = 0; k < pose_count_; ++k)
         for (std::size_t f = 0; f < triangles_.size(); ++f)
             rest_metrics_.block<3, 1>(3 * k, Eigen::Index(f)) = metric_of(set.shapes[std::size_t(k)], triangles_[f]);
+    if (blend_ == Blend::layers) take_logarithms();
     measure_hinges(set);
+}
+
+void DiscreteShells::take_logarithms()
+{
+    for (Eigen::Index f = 0; f < rest_metrics_.cols(); ++f)
+        for (Eigen::Index k = 1; k < pose_count_; ++k)
+            rest_metrics_.block<3, 1>(3 * k, f)
+                = metric_logarithm(rest_metric(std::size_t(f), 0), rest_metric(std::size_t(f), k));
+}
+
+Metric DiscreteShells::layered_metric(std::size_t face, const double* weights) const
+{
+    Metric logarithm = Metric::Zero();
+    for (Eigen::Index k = 1; k < pose_count_; ++k)
+        if (weights[k - 1] != 0) logarithm += weights[k - 1] * rest_metric(face, k);
+    return metric_exponential(rest_metric(face, 0), logarithm);
 }
 
 void DiscreteShells::measure_hinges(const NormalizedPoses& set)
@@ -104,7 +123,8 @@ void DiscreteShells::evaluate(std::size_t element, const double* weights, const 
 }
 
 // sum_k w_k beta_k (t - s_k)^2: t the dihedral angle, s_k that of pose k, both relative to the centre of their range;
-// beta_k = 3 thickness^2 l_k^2 / A_k with edge length l_k and area A_k of the two faces (measure_hinges).
+// beta_k = 3 thickness^2 l_k^2 / A_k with edge length l_k and area A_k of the two faces (measure_hinges). Layers:
+// beta_0 (t - s(v))^2, the angle within half a turn of the rest angle.
 void DiscreteShells::evaluate_hinge(std::size_t hinge, const double* weights, const double* x, Order order, HessianKind kind,
                                     ElementResult& result) const
 {
@@ -115,13 +135,17 @@ void DiscreteShells::evaluate_hinge(std::size_t hinge, const double* weights, co
     const double theta
         = hinge_angle(x0, x1, x2, x3, order >= Order::gradient ? &gradient : nullptr, want_curvature ? &hessian : nullptr);
     const double t = relative_angle(hinge, theta);
+    const auto rest = rest_angles_.col(Eigen::Index(hinge)), beta = stiffness_.col(Eigen::Index(hinge));
     double value = 0, slope = 0, stiffness = 0;
-    for (Eigen::Index k = 0; k < pose_count_; ++k) {
-        const double beta = weights[k] * stiffness_(k, Eigen::Index(hinge)), off = t - rest_angles_(k, Eigen::Index(hinge));
-        value += beta * off * off;
-        slope += 2 * beta * off;
-        stiffness += 2 * beta;
-    }
+    const auto add = [&](double weight, double off) {
+        value += weight * off * off;
+        slope += 2 * weight * off;
+        stiffness += 2 * weight;
+    };
+    if (blend_ == Blend::layers)
+        add(beta[0], wrap(t - layered(rest.transpose(), weights)[0]));
+    else
+        for (Eigen::Index k = 0; k < pose_count_; ++k) add(weights[k] * beta[k], t - rest[k]);
     result.value = value;
     if (order >= Order::gradient) result.gradient = slope * gradient;
     if (order == Order::hessian) {
@@ -139,10 +163,15 @@ void DiscreteShells::evaluate_face(std::size_t face, const double* weights, cons
     double value = 0;
     Metric slope = Metric::Zero();
     MetricHessian curvature = MetricHessian::Zero();
-    for (Eigen::Index k = 0; k < pose_count_; ++k)
-        if (weights[k] != 0)
-            add_membrane(options_.membrane, options_.moduli, rest_metric(face, k), weights[k], g, &value,
-                         order >= Order::gradient ? &slope : nullptr, order == Order::hessian ? &curvature : nullptr);
+    const auto add = [&](double weight, const Metric& rest) {
+        add_membrane(options_.membrane, options_.moduli, rest, weight, g, &value,
+                     order >= Order::gradient ? &slope : nullptr, order == Order::hessian ? &curvature : nullptr);
+    };
+    if (blend_ == Blend::layers)
+        add(1, layered_metric(face, weights));
+    else
+        for (Eigen::Index k = 0; k < pose_count_; ++k)
+            if (weights[k] != 0) add(weights[k], rest_metric(face, k));
     result.value = value;
     if (order < Order::gradient) return;
 

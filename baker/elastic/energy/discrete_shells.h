@@ -21,9 +21,10 @@ struct ShellOptions {
 // Elements 0 .. hinge_count-1 are hinges, then come the faces.
 class DiscreteShells final : public Energy {
 public:
-    DiscreteShells(const NormalizedPoses& set, const ShellOptions& options);
+    DiscreteShells(const NormalizedPoses& set, const ShellOptions& options, Blend blend = Blend::average);
 
     std::size_t pose_count() const override { return std::size_t(pose_count_); }
+    Blend blend() const override { return blend_; }
     Eigen::Index dof_count() const override { return dof_count_; }
     std::size_t element_count() const override { return hinges_.size() + triangles_.size(); }
     const std::uint32_t* element_vertices(std::size_t element, std::size_t& count) const override;
@@ -45,19 +46,22 @@ private:
     RuntimeElement runtime_hinge(std::size_t hinge, const Shape& reference) const;
     RuntimeElement runtime_face(std::size_t face, const Shape& reference) const;
     void measure_hinges(const NormalizedPoses& set);
+    void take_logarithms();
+    Metric layered_metric(std::size_t face, const double* weights) const;
     Metric rest_metric(std::size_t face, Eigen::Index pose) const
     {
         return rest_metrics_.block<3, 1>(3 * pose, Eigen::Index(face));
     }
 
     ShellOptions options_;
+    Blend blend_;
     Eigen::Index pose_count_, dof_count_;
     std::vector<Hinge> hinges_;
     std::vector<Triangle> triangles_;
     Eigen::VectorXd centres_;      // per hinge
     Eigen::MatrixXd stiffness_;    // m x hinges: beta
     Eigen::MatrixXd rest_angles_;  // m x hinges: s, relative to the centre
-    Eigen::MatrixXd rest_metrics_; // 3m x faces
+    Eigen::MatrixXd rest_metrics_; // 3m x faces; of layers: that of pose 0, then the logarithms of the others
     std::vector<std::size_t> foldovers_;
 };
 

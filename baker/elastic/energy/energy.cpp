@@ -11,6 +11,12 @@
 
 namespace pliant {
 
+Weights weights_of_pose(const Energy& energy, std::size_t pose)
+{
+    const Weights w = corner_weights(energy.pose_count(), pose);
+    return w.tail(Eigen::Index(weight_count(energy)));
+}
+
 void gather(const std::uint32_t* vertices, std::size_t count, const Shape& y, double* x)
 {
     for (std::size_t i = 0; i < count; ++i)
@@ -86,6 +92,39 @@ double add_gradient(const Energy& energy, const Weights& w, const Shape& y, Shap
     }
     if (force_scale) *force_scale = forces[0].norm();
     return std::accumulate(sums.begin(), sums.end(), 0.0);
+}
+
+namespace {
+
+Eigen::MatrixXd average_forces(const Energy& energy, const Shape& y, const Eigen::MatrixXd& directions)
+{
+    Eigen::MatrixXd forces = Eigen::MatrixXd::Zero(y.size(), directions.cols());
+    for (Eigen::Index k = 0; k < directions.rows(); ++k) { // energies take no negative weights
+        Shape force = Shape::Zero(y.size());
+        add_gradient(energy, corner_weights(energy.pose_count(), std::size_t(k)), y, force);
+        forces += force * directions.row(k);
+    }
+    return forces;
+}
+
+Eigen::MatrixXd layer_forces(const Energy& energy, const Weights& v, const Shape& y, const Eigen::MatrixXd& directions)
+{
+    Eigen::MatrixXd forces(y.size(), directions.cols());
+    for (Eigen::Index i = 0; i < directions.cols(); ++i) {
+        const double step = 1e-5 / std::max(directions.col(i).lpNorm<Eigen::Infinity>(), 1e-300);
+        Shape ahead = Shape::Zero(y.size()), behind = ahead;
+        add_gradient(energy, v + step * directions.col(i), y, ahead);
+        add_gradient(energy, v - step * directions.col(i), y, behind);
+        forces.col(i) = (ahead - behind) / (2 * step);
+    }
+    return forces;
+}
+
+} // namespace
+
+Eigen::MatrixXd weight_forces(const Energy& energy, const Weights& w, const Shape& y, const Eigen::MatrixXd& directions)
+{
+    return energy.blend() == Blend::layers ? layer_forces(energy, w, y, directions) : average_forces(energy, y, directions);
 }
 
 void project_positive(Eigen::Ref<Eigen::MatrixXd> matrix)

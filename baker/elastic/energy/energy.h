@@ -1,5 +1,6 @@
 // Elastic energies of deforming the poses of a NormalizedPoses into one shape y:
-//     W(w, y) = sum_k w_k W_k(y),    w_k >= 0, y in R^(3n).
+//     W(w, y) = sum_k w_k W_k(y),    w_k >= 0, y in R^(3n),
+// or of the layers on pose 0 (elastic/energy/blend.h): there `weights` are v, one finite number for each pose but pose 0.
 // All lengths are those of the NormalizedPoses (normalized). Everything is a sum of elements that look at a few vertices
 // each, so that the full energy, its surrogate energy by cubature and the runtime's version of an element come from one
 // place.
@@ -7,6 +8,7 @@
 
 #include "base/mesh/surface.h"
 #include "base/weights/weights.h"
+#include "elastic/energy/blend.h"
 
 #include <string>
 
@@ -43,6 +45,7 @@ public:
     virtual ~Energy() = default;
 
     virtual std::size_t pose_count() const = 0;
+    virtual Blend blend() const = 0;
     virtual Eigen::Index dof_count() const = 0;
     virtual std::size_t element_count() const = 0;
 
@@ -50,7 +53,8 @@ public:
     virtual const std::uint32_t* element_vertices(std::size_t element, std::size_t& count) const = 0;
 
     // sum_k weights[k] * (part of the element in W_k) at the local coordinates x (3v). Fills `result` as far as `order`
-    // asks. No weight may be negative. A collapsed element may be +infinity; its derivatives are then meaningless.
+    // asks. Of averages no weight may be negative. A collapsed element may be +infinity; its derivatives are then
+    // meaningless.
     virtual void evaluate(std::size_t element, const double* weights, const double* x, Order order, HessianKind kind,
                           ElementResult& result) const = 0;
 
@@ -58,9 +62,16 @@ public:
     // forces lead on.
     virtual bool allows_collapse() const { return false; }
 
-    // The element for the runtime; `reference` is the shape at z = 0, to which the runtime's energies are relative.
+    // The element of averages for the runtime; `reference` is the shape at z = 0, to which the runtime's energies are
+    // relative.
     virtual RuntimeElement runtime_element(std::size_t element, const Shape& reference) const = 0;
 };
+
+// One per pose, or one per layer.
+inline std::size_t weight_count(const Energy& energy) { return energy.pose_count() - (energy.blend() == Blend::layers); }
+
+// The weights at which pose `pose` has no energy: e_pose, or for layers 0 (pose 0) and e_(pose - 1).
+Weights weights_of_pose(const Energy& energy, std::size_t pose);
 
 // Copies the coordinates of an element's vertices out of a shape.
 void gather(const std::uint32_t* vertices, std::size_t count, const Shape& y, double* x);
@@ -73,6 +84,11 @@ std::vector<double> element_energies(const Energy& energy, const Weights& w, con
 // Adds the gradient (3n) to `gradient`, returns the value. If `force_scale` is given, adds to it the sum over elements of
 // the norms of their forces per vertex, squared and rooted over vertices: the scale against which a gradient is small.
 double add_gradient(const Energy& energy, const Weights& w, const Shape& y, Shape& gradient, double* force_scale = nullptr);
+
+// How the gradient at y changes with the weights along directions (columns), 3n x directions. Of averages, whose energy is
+// linear in the weights, exact; of layers central differences, to nine digits. Cost: pose_count() gradients, or two for each
+// direction.
+Eigen::MatrixXd weight_forces(const Energy& energy, const Weights& w, const Shape& y, const Eigen::MatrixXd& directions);
 
 // Symmetric positive semidefinite part: negative eigenvalues become zero.
 void project_positive(Eigen::Ref<Eigen::MatrixXd> matrix);

@@ -40,11 +40,11 @@ std::vector<bool> rough_vertices(const Eigen::VectorXd& angles, const DiscreteSh
 
 } // namespace
 
-ReinforcedShells::ReinforcedShells(const NormalizedPoses& set, const ShellOptions& options)
-    : shells_(set, options)
+ReinforcedShells::ReinforcedShells(const NormalizedPoses& set, const ShellOptions& options, Blend blend)
+    : shells_(set, options, blend)
     , angles_(roughness(set, shells_))
     , is_rough_(rough_vertices(angles_, shells_))
-    , cells_(set, is_rough_)
+    , cells_(set, is_rough_, blend)
 {
     for (std::size_t i = 0; i < shells_.element_count(); ++i)
         if (const double share = smooth_share(i); share > 0) elements_.push_back({ false, i, share });

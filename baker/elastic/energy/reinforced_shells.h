@@ -15,9 +15,10 @@ constexpr double rough_angle = 0.35;
 // of the ends of its edge), then the cells.
 class ReinforcedShells final : public Energy {
 public:
-    ReinforcedShells(const NormalizedPoses& set, const ShellOptions& options);
+    ReinforcedShells(const NormalizedPoses& set, const ShellOptions& options, Blend blend = Blend::average);
 
     std::size_t pose_count() const override { return shells_.pose_count(); }
+    Blend blend() const override { return shells_.blend(); }
     Eigen::Index dof_count() const override { return shells_.dof_count(); }
     std::size_t element_count() const override { return elements_.size(); }
     const std::uint32_t* element_vertices(std::size_t element, std::size_t& count) const override;

@@ -1,6 +1,7 @@
 #include "elastic/energy/solid.h"
 
 #include "base/mesh/tets.h"
+#include "elastic/energy/metric_logarithm.h"
 #include "pliant_format.h"
 
 #include <Eigen/Dense>
@@ -50,8 +51,9 @@ Eigen::Matrix<double, 12, 9> edges_to_vertices()
 
 } // namespace
 
-Solid::Solid(const NormalizedPoses& set, const SolidOptions& options)
+Solid::Solid(const NormalizedPoses& set, const SolidOptions& options, Blend blend)
     : law_(options.law)
+    , blend_(blend)
     , pose_count_(set.pose_count())
     , dof_count_(set.dof_count())
     , tets_(set.tets)
@@ -66,10 +68,27 @@ Solid::Solid(const NormalizedPoses& set, const SolidOptions& options)
     }
     rests_.reserve(tets_.size() * pose_count_);
     for (const Tetrahedron& tet : tets_)
-        for (const Shape& shape : set.shapes) {
-            const Eigen::Matrix3d edges = tet_edges(shape, tet);
-            rests_.push_back({ edges.inverse(), metric_of(edges), edges.determinant() / 6 });
-        }
+        for (const Shape& shape : set.shapes) rests_.push_back(rest_of(tet_edges(shape, tet)));
+    if (blend_ == Blend::average) return;
+    logarithms_.reserve(rests_.size());
+    for (std::size_t e = 0; e < tets_.size(); ++e)
+        for (std::size_t k = 0; k < pose_count_; ++k)
+            logarithms_.push_back(symmetric_logarithm(congruence(rest(e, 0).inverse) * rest(e, k).metric));
+}
+
+Solid::Rest Solid::rest_of(const Eigen::Matrix3d& edges)
+{
+    return { edges.inverse(), metric_of(edges), edges.determinant() / 6 };
+}
+
+// The edges exp(S/2) D_0 have the metric D_0^T exp(S) D_0.
+Solid::Rest Solid::layered_rest(std::size_t element, const double* weights) const
+{
+    SymmetricVector sum = SymmetricVector::Zero();
+    for (std::size_t k = 1; k < pose_count_; ++k)
+        if (weights[k - 1] != 0) sum += weights[k - 1] * logarithms_[element * pose_count_ + k];
+    if (sum.isZero(0)) return rest(element, 0);
+    return rest_of(symmetric_exponential(0.5 * sum) * rest(element, 0).inverse.inverse());
 }
 
 const std::uint32_t* Solid::element_vertices(std::size_t element, std::size_t& count) const
@@ -90,17 +109,20 @@ void Solid::evaluate(std::size_t element, const double* weights, const double* x
         result.value = std::numeric_limits<double>::infinity(); // the metric alone does not see that it is inside out
     SymmetricVector slope = SymmetricVector::Zero();
     SymmetricMatrix6 curvature = SymmetricMatrix6::Zero();
-    for (std::size_t k = 0; k < pose_count_; ++k) {
-        if (weights[k] == 0) continue;
-        const Rest& r = rest(element, k);
+    const auto add = [&](double weight, const Rest& r) {
         const SymmetricMatrix6 to_strain = congruence(r.inverse);
         SymmetricVector by_c = SymmetricVector::Zero();
         SymmetricMatrix6 by_cc = SymmetricMatrix6::Zero();
-        add_density(law_, moduli, weights[k] * r.volume, to_strain * (g - r.metric), &result.value,
+        add_density(law_, moduli, weight * r.volume, to_strain * (g - r.metric), &result.value,
                     order >= Order::gradient ? &by_c : nullptr, order == Order::hessian ? &by_cc : nullptr);
         if (order >= Order::gradient) slope += to_strain.transpose() * by_c;
         if (order == Order::hessian) curvature += to_strain.transpose() * by_cc * to_strain;
-    }
+    };
+    if (blend_ == Blend::layers)
+        add(1, layered_rest(element, weights));
+    else
+        for (std::size_t k = 0; k < pose_count_; ++k)
+            if (weights[k] != 0) add(weights[k], rest(element, k));
     if (order < Order::gradient) return;
     static const Eigen::Matrix<double, 12, 9> to_vertices = edges_to_vertices();
     const Eigen::Matrix<double, 9, 6> jacobian = metric_jacobian(edges);

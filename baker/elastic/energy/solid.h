@@ -17,9 +17,10 @@ struct SolidOptions {
 class Solid final : public Energy {
 public:
     // All tetrahedra of all poses must have a positive volume.
-    Solid(const NormalizedPoses& set, const SolidOptions& options);
+    Solid(const NormalizedPoses& set, const SolidOptions& options, Blend blend = Blend::average);
 
     std::size_t pose_count() const override { return pose_count_; }
+    Blend blend() const override { return blend_; }
     Eigen::Index dof_count() const override { return dof_count_; }
     std::size_t element_count() const override { return tets_.size(); }
     const std::uint32_t* element_vertices(std::size_t element, std::size_t& count) const override;
@@ -44,15 +45,19 @@ private:
         SymmetricVector metric;  // D_m^T D_m
         double volume;
     };
+    static Rest rest_of(const Eigen::Matrix3d& edges);
+    Rest layered_rest(std::size_t element, const double* weights) const;
     const Rest& rest(std::size_t element, std::size_t pose) const { return rests_[element * pose_count_ + pose]; }
 
     SolidLaw law_;
+    Blend blend_;
     std::size_t pose_count_;
     Eigen::Index dof_count_;
     std::vector<Tetrahedron> tets_;
     std::vector<SolidModuli> moduli_;      // per material
     std::vector<std::uint32_t> materials_; // per tetrahedron
     std::vector<Rest> rests_;
+    std::vector<SymmetricVector> logarithms_; // of layers: per tetrahedron and pose, log(D_0^-T D_k^T D_k D_0^-1)
 };
 
 } // namespace pliant

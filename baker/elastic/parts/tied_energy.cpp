@@ -44,9 +44,9 @@ Matrix3d vectors_of(const PenaltyTerm& term, const double* x)
     return Eigen::Map<const Eigen::Matrix3Xd>(x, 3, term.factors.cols()) * term.factors.transpose();
 }
 
-// Value, gradient and Hessian of sum_k w_k stiffness |place - rest_k|^2 by the chain rule: place, then (r, e1, e2), then
-// vertices.
-void evaluate_term(const PenaltyTerm& term, std::size_t pose_count, const double* weights, const double* x, Order order,
+// Value, gradient and Hessian of sum_k w_k stiffness |place - rest_k|^2, or of layers, by the chain rule: place, then (r,
+// e1, e2), then vertices.
+void evaluate_term(const PenaltyTerm& term, Blend blend, const double* weights, const double* x, Order order,
                    HessianKind kind, ElementResult& result)
 {
     const Matrix3d vectors = vectors_of(term, x);
@@ -54,13 +54,16 @@ void evaluate_term(const PenaltyTerm& term, std::size_t pose_count, const double
     double stiffness = 0;              // weighted sum, times 2
     Vector3d slope = Vector3d::Zero(); // derivative with respect to the place
     result.value = 0;
-    for (std::size_t k = 0; k < pose_count; ++k) {
-        const Vector3d off = place - term.rest.col(Eigen::Index(k));
-        const double factor = weights[k] * term.stiffness;
-        result.value += factor * off.squaredNorm();
-        slope += 2 * factor * off;
+    const auto add = [&](double weight, const Vector3d& rest) {
+        const double factor = weight * term.stiffness;
+        result.value += factor * (place - rest).squaredNorm();
+        slope += 2 * factor * (place - rest);
         stiffness += 2 * factor;
-    }
+    };
+    if (blend == Blend::layers)
+        add(1, layered(term.rest, weights));
+    else
+        for (Eigen::Index k = 0; k < term.rest.cols(); ++k) add(weights[k], term.rest.col(k));
     if (order < Order::gradient) return;
     const Eigen::Matrix3Xd& factors = term.factors;
     const Eigen::Index count = factors.cols();
@@ -128,7 +131,7 @@ void TiedEnergy::evaluate(std::size_t element, const double* weights, const doub
     if (element < inner_->element_count())
         inner_->evaluate(element, weights, x, order, kind, result);
     else
-        evaluate_term(terms_[element - inner_->element_count()], pose_count(), weights, x, order, kind, result);
+        evaluate_term(terms_[element - inner_->element_count()], blend(), weights, x, order, kind, result);
 }
 
 // Element kind 8 of formats/SPEC.md.

@@ -1,7 +1,7 @@
 // The elastic energy of a character in several parts, with its ties and joints:
 //     W_k(y) = inner_k(y) + sum_terms stiffness |place(y) - rest_k|^2,
-// with the place as in elastic/parts/tie_set.h. Each term is a polynomial of degree 6 in y, is zero at pose k and invariant
-// under rigid motions.
+// with the place as in elastic/parts/tie_set.h; of layers the one rest place is rest_0 + sum_k v_k (rest_k - rest_0). Each
+// term is a polynomial of degree 6 in y, is zero at pose k and invariant under rigid motions.
 #pragma once
 
 #include "elastic/energy/energy.h"
@@ -18,6 +18,7 @@ public:
     TiedEnergy(std::unique_ptr<Energy> inner, TieSet ties);
 
     std::size_t pose_count() const override { return inner_->pose_count(); }
+    Blend blend() const override { return inner_->blend(); }
     Eigen::Index dof_count() const override { return inner_->dof_count(); }
     std::size_t element_count() const override { return inner_->element_count() + terms_.size(); }
     const std::uint32_t* element_vertices(std::size_t element, std::size_t& count) const override;

@@ -185,7 +185,7 @@ std::string pose_name(const MeshFile& mesh)
 PoseSet load_poses(const std::vector<std::string>& paths, const LoadOptions& options, std::vector<Diagnostic>* warnings)
 {
     DiagnosticList diagnostics(options.lines_per_number);
-    PoseSources read = read_pose_sources(paths, pose_count_limit, diagnostics);
+    PoseSources read = read_pose_sources(paths, options.pose_limit, diagnostics);
     return finish(std::move(read.meshes), read.has_first, options, diagnostics, warnings);
 }
 

@@ -7,6 +7,9 @@
 
 namespace pliant {
 
+// Of averages, and of layers with the rest shape.
+constexpr std::size_t pose_count_limit = 12, layered_pose_limit = 65;
+
 struct LoadOptions {
     bool align = true;                 // poses will be aligned rigidly, so those that differ by a motion only are the same
     std::size_t lines_per_number = 10; // diagnostics of one kind that are told one by one
@@ -15,13 +18,12 @@ struct LoadOptions {
     std::string fixed_name;                    // what messages call fixed_vertices; empty: they are not judged
     // Of surfaces, see base/mesh/weld.h; 0: vertices stay as the files have them
     double weld_tolerance = default_weld_tolerance;
+    std::size_t pose_limit = pose_count_limit;
 };
 
-constexpr std::size_t pose_count_limit = 12;
-
-// Reads 2 to 12 poses from mesh files and glTF files (input/poses/pose_source.h says what an argument may be) and checks
-// that an elastic average of them exists: each file on its own (P2xxx) and against the first (P3xxx). All diagnostics of all
-// files are gathered before anything is thrown.
+// Reads 2 to pose_limit poses from mesh files and glTF files (input/poses/pose_source.h says what an argument may be) and
+// checks that an elastic average of them exists: each file on its own (P2xxx) and against the first (P3xxx). All diagnostics
+// of all files are gathered before anything is thrown.
 //
 // Result of surfaces: positions as they are in the files, vertices in their order; the faces of the first file; their
 // triangles. All positions are finite, all triangles have an area in every pose and three vertices that no other one has.

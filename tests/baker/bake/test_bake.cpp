@@ -392,7 +392,7 @@ TEST_CASE("averages move with the weights as their derivatives say, whatever the
         // The factor of a shape near by leads to the same.
         Weights beside = equal_weights(3) + 0.03 * directions.col(0);
         solver.factorize_equilibrium(beside, family.near(mean, beside, 0, nullptr).y);
-        Eigen::MatrixXd rough = solver.rough_weight_derivatives(mean, directions),
+        Eigen::MatrixXd rough = solver.rough_weight_derivatives(equal_weights(3), mean, directions),
                         refined = solver.weight_derivatives(equal_weights(3), mean, directions, true);
         keep_aligned(set, set.shapes[0], mean, rough);
         keep_aligned(set, set.shapes[0], mean, refined);
