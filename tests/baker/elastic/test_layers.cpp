@@ -5,6 +5,7 @@
 #include "elastic/average/shape_error.h"
 #include "elastic/parts/tied_energy.h"
 
+#include <Eigen/Geometry>
 #include <doctest/doctest.h>
 
 using namespace pliant;
@@ -80,4 +81,67 @@ TEST_CASE("parts of layers, exaggerations and opposites are near the shapes that
         CHECK(shape.has_converged);
         CHECK(body.error(shape.y, twist, bend) < 0.05);
     }
+}
+
+TEST_CASE("fixed vertices stay")
+{
+    PoseSet poses = layered_tube();
+    for (std::uint32_t v = 0; v < 10; ++v) poses.fixed_vertices.push_back(v); // the lowest ring, at rest in both layers
+    Layered body(poses, Material::discrete_shells);
+    for (const auto& [twist, bend] : { std::pair(1.0, 1.0), { 0.5, -0.5 } }) {
+        const NewtonResult shape = body.at(twist, bend);
+        CHECK(shape.has_converged);
+        CHECK(shape.y.head<30>() == body.set.shapes[0].head<30>());
+        if (twist == 1) CHECK(body.error(shape.y, 1, 1) < 1e-7);
+    }
+}
+
+namespace {
+
+// The straight tube, and that with the sphere in it turned by `angle` about a skew axis through its centre.
+PoseSet turned_sphere(double angle)
+{
+    PartsMesh mesh;
+    mesh.body = { 13, 8 };
+    mesh.has_jacket = mesh.has_vertex = false;
+    PoseSet poses = mesh.poses(1);
+    Positions turned = poses.positions[0];
+    const Eigen::Vector3d centre(0.15, 0, 4.5), axis = Eigen::Vector3d(0.2, 1, 0).normalized();
+    for (Eigen::Index v = 13 * 8 + 2; v < turned.rows(); ++v)
+        turned.row(v) = centre + Eigen::AngleAxisd(angle, axis) * (turned.row(v).transpose() - centre);
+    poses.positions.push_back(turned);
+    poses.names = { "straight", "turned" };
+    poses.paths = poses.names;
+    return poses;
+}
+
+} // namespace
+
+TEST_CASE("half of a layer that turns a part turns it half way")
+{
+    Layered body(turned_sphere(1.0), Material::discrete_shells);
+    REQUIRE(ties_of(*body.energy)->joints.size() == 1);
+    const NewtonResult half = body.family->at(Weights::Constant(1, 0.5), 0, nullptr).average;
+    CHECK(half.has_converged);
+    const Positions expected = turned_sphere(0.5).positions[1];
+    double largest = 0;
+    for (Eigen::Index v = 0; v < expected.rows(); ++v) {
+        const Eigen::Vector3d exact = (expected.row(v).transpose() - body.set.centre) / body.set.length;
+        largest = std::max(largest, (half.y.segment<3>(3 * v) - exact).norm());
+    }
+    CHECK(largest < 5e-4 * body.set.diagonal);
+}
+
+TEST_CASE("where there is no shape the search ends and says so")
+{
+    for (const Material material : { Material::discrete_shells, Material::arap }) {
+        Layered body(layered_tube({ 13, 8 }), material);
+        for (const double far : { 1e6, 1e300 }) {
+            CHECK_FALSE(body.at(far, -far).has_converged);
+            CHECK(body.pool->factorization_count() < 500);
+        }
+    }
+    Layered solid(layered_bar(), Material::mooney_rivlin);
+    CHECK_FALSE(solid.at(1e3, 0).has_converged);
+    CHECK(solid.at(1, 0).has_converged); // nothing of it stays behind
 }
