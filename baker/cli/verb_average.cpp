@@ -75,7 +75,7 @@ std::vector<Weights> box_grid(std::size_t layer_count, std::uint32_t steps)
     if (count > grid_limit) throw too_fine(fmt::format("{} of {} layers", steps, layer_count), count);
     std::vector<Weights> points;
     for (std::size_t i = 0; i < std::size_t(count); ++i) {
-        Weights row(Eigen::Index(layer_count));
+        Weights row = Weights::Zero(Eigen::Index(layer_count));
         std::size_t rest = i;
         for (double& weight : row) {
             weight = double(rest % (steps + 1)) / steps;

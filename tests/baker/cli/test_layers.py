@@ -1,0 +1,83 @@
+"""Runs `pliant average --blend layers` as a user does: test_layers.py PLIANT. Without other packages."""
+import json
+import math
+import pathlib
+import struct
+import subprocess
+import sys
+import tempfile
+
+TOOL = sys.argv[1]
+RINGS, SIDES = 13, 8
+FACES = [face for r in range(RINGS - 1) for s in range(SIDES)
+         for a, b in [(r * SIDES + s, r * SIDES + (s + 1) % SIDES)]
+         for face in [(a, b, b + SIDES), (a, b + SIDES, a + SIDES)]]
+
+
+def tube(twist, bend):
+    """A tube along z in [0, 6], its lowest third twisted, its highest third bent."""
+    points = []
+    for r in range(RINGS):
+        for s in range(SIDES):
+            around, z = 2 * math.pi * s / SIDES, 6 * r / (RINGS - 1)
+            x, y = 0.7 * math.cos(around), 0.5 * math.sin(around)
+            if z > 4 and bend:
+                radius, phi = 2 / bend, bend * (z - 4) / 2
+                x, z = radius - (radius - x) * math.cos(phi), 4 + (radius - x) * math.sin(phi)
+            turn = twist * min(6 * r / (RINGS - 1), 2) / 2
+            points.append((math.cos(turn) * x - math.sin(turn) * y, math.sin(turn) * x + math.cos(turn) * y, z))
+    return points
+
+
+def write(path, points):
+    lines = ["v %r %r %r" % p for p in points] + ["f %d %d %d" % tuple(i + 1 for i in f) for f in FACES]
+    path.write_text("\n".join(lines) + "\n", encoding="utf-8")
+
+
+def read(path):
+    data = path.read_bytes()
+    numbers = struct.unpack_from(f"<{3 * RINGS * SIDES}f", data, data.index(b"end_header\n") + 11)
+    return [numbers[i:i + 3] for i in range(0, len(numbers), 3)]
+
+
+def difference(one, other):
+    """The largest difference of distances between vertices: rigid motions do not count."""
+    count = len(one)
+    pairs = [(i, (i * 37 + step) % count) for i in range(count) for step in (1, 29, 61)]
+    return max(abs(math.dist(one[i], one[j]) - math.dist(other[i], other[j])) for i, j in pairs)
+
+
+def average(folder, *arguments):
+    result = subprocess.run([TOOL, "average", "rest.obj", "twisted.obj", "bent.obj", "--blend", "layers", "--json",
+                             *arguments], cwd=folder, capture_output=True, text=True, check=False)
+    assert result.returncode == 0, result.stderr
+    return json.loads(result.stdout)["averages"]
+
+
+with tempfile.TemporaryDirectory(prefix="pliant_layers_") as temporary:
+    work = pathlib.Path(temporary)
+    for name, angles in (("rest", (0, 0)), ("twisted", (1, 0)), ("bent", (0, 1.2))):
+        write(work / f"{name}.obj", tube(*angles))
+
+    row = average(work, "--weights", "1,1", "-o", "sum.ply")[0]
+    assert row["weights"] == [1, 1] and row["energy"] < 1e-15, row
+    assert difference(read(work / "sum.ply"), tube(1, 1.2)) < 1e-5, "layers that fit together compose exactly"
+    average(work, "--weights=-0.5,1.5", "-o", "more.ply")
+    assert difference(read(work / "more.ply"), tube(-0.5, 1.8)) < 0.1, "negative weights, and weights above 1"
+
+    (work / "path.csv").write_text("0,0\n0,1\n", encoding="utf-8")
+    average(work, "--path", "path.csv", "-o", "path_%d.ply")
+    assert difference(read(work / "path_0.ply"), tube(0, 0)) < 1e-6, "no layer: the rest shape"
+    assert difference(read(work / "path_1.ply"), tube(0, 1.2)) < 1e-6, "one layer: its pose"
+
+    rows = average(work, "--grid", "2", "--list", "grid.csv", "-o", "grid_%d.ply")
+    assert [row["weights"] for row in rows] == [[a / 2, b / 2] for b in range(3) for a in range(3)], rows
+    assert difference(read(work / "grid_8.ply"), read(work / "sum.ply")) < 1e-6
+
+    many = ["rest.obj"] + ["twisted.obj", "bent.obj"] * 7
+    result = subprocess.run([TOOL, "average", *many, "--blend", "layers", "--weights", ",".join(["0.1"] * 14), "--quiet",
+                             "-o", "many.ply"], cwd=work, capture_output=True, text=True, check=False)
+    assert result.returncode == 0, f"more layers than an average has poses: {result.stderr}"
+    help_text = subprocess.run([TOOL, "average", "--help"], capture_output=True, text=True, check=True).stdout
+    assert "--blend" in help_text and "layer" in help_text and "rest shape" in " ".join(help_text.split())
+print("layers: sum, exaggeration, path, grid, many layers, help")
