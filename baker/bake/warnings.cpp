@@ -58,12 +58,12 @@ void require_convergence(const NewtonResult& result, const NewtonOptions& option
 void require_layered_shape(const NewtonResult& result, const Weights& v, const std::string& frame)
 {
     if (result.has_converged) return;
-    throw Failure(ExitCode::failed,
-                  error_at(4305, "",
-                           fmt::format("{}no shape was found at the layer weights {}: relative decrement {:.1e}, unbalanced "
-                                       "force {:.1e}",
-                                       frame, weights_text(v), result.decrement, result.residual),
-                           "take weights nearer to the range from 0 to 1; of a surface also try --material arap"));
+    std::string what = fmt::format("{}no shape was found at the layer weights {}", frame, weights_text(v));
+    if (result.iterations > 0)
+        what += fmt::format(": relative decrement {:.1e}, unbalanced force {:.1e}", result.decrement, result.residual);
+    throw Failure(
+        ExitCode::failed,
+        error_at(4305, "", what, "take weights nearer to the range from 0 to 1; of a surface also try --material arap"));
 }
 
 const char* hint_for_jumps(Material material)

@@ -119,11 +119,12 @@ void AverageFamily::follow(Path& path, const Weights& to, bool is_rough) const
     rough.step_decrement = 1e-3;
     rough.residual = std::max(options_.residual, 0.1);
     rough.max_iterations = std::min(options_.max_iterations, 12); // more: the step is too long
-    int iterations = 0;
+    int iterations = 0, step_count = 0;
     const int first_count = path.solver.factorization_count();
     double length = is_rough ? rough_step : first_step;
     for (double left = step_length(to - path.w); left > 1e-12; left = step_length(to - path.w)) {
-        if (path.solver.factorization_count() - first_count > path_limit) {
+        // Steps along layers that agree cost no factorisation.
+        if (path.solver.factorization_count() - first_count > path_limit || ++step_count > path_limit) {
             path.point.has_converged = false;
             break;
         }

@@ -130,8 +130,8 @@ private:
 // guess, another one may have caught it.
 constexpr double correction_limit = 0.04;
 
-// On the way to one average no step begins after so many factorisations; the average counts as not converged. Most
-// ways take less than a quarter of that.
+// On the way to one average no step begins after so many factorisations, or steps; the average counts as not converged.
+// Most ways take less than a quarter of that.
 constexpr int path_limit = 120;
 
 // Averages farther apart than this (relative L2) are different ones: ten times the default tolerance, of which reference
