@@ -57,13 +57,17 @@ def solids(binary, folder):
     yield "cow, mooney-rivlin", poses, MOONEY_RIVLIN
 
 
-def sets(binary, folder):
+def surfaces(binary, folder):
     """Name, poses and options; the poses that are made go to `folder`."""
     call(binary / "samples" / "creature" / "creature", "-o", folder)
     yield "creature", [str(folder / f"creature_{pose}.ply") for pose in ("rest", "reach", "curl", "leap", "twist")], []
     for name, patterns, options in continuity.SETS:
         if name in SETS:
             yield name, [str(continuity.DATA / pattern) for pattern in patterns], options
+
+
+def sets(binary, folder):
+    yield from surfaces(binary, folder)
     yield from solids(binary, folder)
 
 

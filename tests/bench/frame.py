@@ -31,7 +31,7 @@ def refined(binary, folder, levels):
 
 
 def sets(binary, folder):
-    for name, poses, _ in bake_cost.sets(binary, folder):
+    for name, poses, _ in bake_cost.surfaces(binary, folder):
         if name in SETS:
             yield name.split(",")[0], lambda poses=poses: poses
     for levels in (1, 2):
@@ -42,7 +42,7 @@ def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--only", default="", help="sets whose name holds this")
     arguments, options = parser.parse_known_args()
-    binary = bake_cost.build(ROOT, "pliant", "creature", "pliant_bar", "pliant_bench_frame")
+    binary = bake_cost.build(ROOT, "pliant", "creature", "pliant_bench_frame")
     kept = ROOT / "build" / "bench" / "frame"
     kept.mkdir(parents=True, exist_ok=True)
     assets = []
