@@ -1,4 +1,4 @@
-/* The structures of a .pliant asset, as defined by SPEC.md (format 1.4). C99 and C++11. The runtime reads them, the baker
+/* The structures of a .pliant asset, as defined by SPEC.md (format 1.5). C99 and C++11. The runtime reads them, the baker
    writes them. Plain little-endian data without pointers and padding. */
 #ifndef PLIANT_FORMAT_H
 #define PLIANT_FORMAT_H
@@ -6,11 +6,12 @@
 #include <stdint.h>
 
 #define PLIANT_FORMAT_MAJOR 1
-#define PLIANT_FORMAT_MINOR 4          /* the newest; a file states the oldest that supports its contents */
+#define PLIANT_FORMAT_MINOR 5          /* the newest; a file states the oldest that supports its contents */
 #define PLIANT_FORMAT_MINOR_LOAD 1     /* first version with LOAD */
 #define PLIANT_FORMAT_MINOR_SOLID 2    /* first version with QUAR, VERT and elements for tetrahedra */
 #define PLIANT_FORMAT_MINOR_PARTS 3    /* first version with BASC, BNDS, SMTH, GLTF, MRNG and ties between parts */
 #define PLIANT_FORMAT_MINOR_FACTORED 4 /* first version with BASF */
+#define PLIANT_FORMAT_MINOR_LAYERS 5   /* first version with LAYR */
 
 /* "«PLIANT»", then CR LF EOF LF: a transfer in text mode breaks it visibly. */
 #define PLIANT_FORMAT_IDENTIFIER                                               \
@@ -23,6 +24,7 @@
 #define PLIANT_CHUNK_SOLVER PLIANT_FORMAT_TAG('S', 'O', 'L', 'V')
 #define PLIANT_CHUNK_ELEMENTS PLIANT_FORMAT_TAG('E', 'L', 'E', 'M')
 #define PLIANT_CHUNK_QUARTIC PLIANT_FORMAT_TAG('Q', 'U', 'A', 'R')
+#define PLIANT_CHUNK_LAYERS PLIANT_FORMAT_TAG('L', 'A', 'Y', 'R')
 #define PLIANT_CHUNK_PREDICTOR PLIANT_FORMAT_TAG('P', 'R', 'E', 'D')
 #define PLIANT_CHUNK_LOAD PLIANT_FORMAT_TAG('L', 'O', 'A', 'D')
 #define PLIANT_CHUNK_REST PLIANT_FORMAT_TAG('R', 'E', 'S', 'T')
@@ -48,6 +50,7 @@
 #define PLIANT_FORMAT_MAX_DIMENSION 256u
 #define PLIANT_FORMAT_MAX_QUARTIC_DIMENSION 64u /* with QUAR */
 #define PLIANT_FORMAT_MAX_POSES 64u
+#define PLIANT_FORMAT_MAX_LAYERS 64u /* with LAYR: beside the rest shape */
 #define PLIANT_FORMAT_MAX_CHUNKS 64u
 #define PLIANT_FORMAT_MAX_BATCHES 64u
 #define PLIANT_FORMAT_MAX_ELEMENTS (1u << 22)
@@ -102,12 +105,19 @@ typedef struct pliant_format_solver {
     uint32_t reserved[15];
 } pliant_format_solver;
 
-/* First 64 bytes of ELEM, QUAR, PRED, LOAD, VERT, ANSW and BNDS: the number of batches, floats of a table, centres (PRED and
-   LOAD), boundary vertices, answers and clusters. */
+/* First 64 bytes of ELEM, QUAR, LAYR, PRED, LOAD, VERT, ANSW and BNDS: the number of batches, floats of a table, layers,
+   centres (PRED and LOAD), boundary vertices, answers and clusters. */
 typedef struct pliant_format_count {
     uint32_t count;
     uint32_t reserved[15];
 } pliant_format_count;
+
+/* A layer of LAYR. */
+typedef struct pliant_format_layer {
+    float low, high; /* range of the weight whose blends the baker has measured */
+    float initial;   /* weight to start with */
+    uint32_t reserved;
+} pliant_format_layer; /* 16 bytes */
 
 /* First 64 bytes of BASC. */
 typedef struct pliant_format_compact {
@@ -166,7 +176,10 @@ typedef enum pliant_element_kind {
     PLIANT_ELEMENT_ARAP_CELL = 5,
     PLIANT_ELEMENT_TET_STVK = 6,
     PLIANT_ELEMENT_TET_MOONEY_RIVLIN = 7,
-    PLIANT_ELEMENT_TIE = 8
+    PLIANT_ELEMENT_TIE = 8,
+    PLIANT_ELEMENT_LAYERED_HINGE = 9,
+    PLIANT_ELEMENT_LAYERED_FACE_NEO_HOOKEAN = 10,
+    PLIANT_ELEMENT_LAYERED_ARAP_CELL = 11
 } pliant_element_kind;
 
 typedef struct pliant_format_batch {
@@ -177,8 +190,16 @@ typedef struct pliant_format_batch {
     uint64_t rows_offset;
     uint64_t fixed_offset;
     uint64_t pose_offset;
-    uint8_t reserved[24];
+    uint64_t changes_offset; /* of layers */
+    uint32_t change_count;
+    uint8_t reserved[12];
 } pliant_format_batch; /* 64 bytes */
+
+/* Where a layer changes the numbers of a batch: in 16 lanes from 16 group on. */
+typedef struct pliant_format_change {
+    uint32_t layer;
+    uint32_t group;
+} pliant_format_change; /* 8 bytes */
 
 /* Number of arrays of a batch: R rows of differences, F fixed numbers, K numbers per pose (SPEC.md, table of kinds). All
    zero for an unknown kind. */
@@ -203,6 +224,13 @@ static inline pliant_format_shape pliant_format_batch_shape(uint32_t kind, uint3
         break;
     case PLIANT_ELEMENT_TET_STVK: shape.row_count = 9; shape.pose_number_count = 27; break;
     case PLIANT_ELEMENT_TET_MOONEY_RIVLIN: shape.row_count = 9; shape.pose_number_count = 20; break;
+    case PLIANT_ELEMENT_LAYERED_HINGE: shape.row_count = 9; shape.fixed_count = 2; shape.pose_number_count = 1; break;
+    case PLIANT_ELEMENT_LAYERED_FACE_NEO_HOOKEAN: shape.row_count = 6; shape.fixed_count = 9; shape.pose_number_count = 3; break;
+    case PLIANT_ELEMENT_LAYERED_ARAP_CELL:
+        shape.row_count = 3 * valence;
+        shape.fixed_count = valence + (is_closed ? valence : valence - 1);
+        shape.pose_number_count = 3 * shape.fixed_count;
+        break;
     case PLIANT_ELEMENT_TIE: shape.row_count = 9; shape.pose_number_count = 4; break;
     default: break;
     }
