@@ -201,6 +201,12 @@ typedef struct pliant_format_change {
     uint32_t group;
 } pliant_format_change; /* 8 bytes */
 
+/* From changes_offset to the changes themselves, behind `count` records and padding. */
+static inline uint64_t pliant_format_change_floats_offset(uint32_t count)
+{
+    return (sizeof(pliant_format_change) * (uint64_t)count + 63) & ~(uint64_t)63;
+}
+
 /* Number of arrays of a batch: R rows of differences, F fixed numbers, K numbers per pose (SPEC.md, table of kinds). All
    zero for an unknown kind. */
 typedef struct pliant_format_shape {

@@ -19,7 +19,8 @@ static pliant_result check_header(pliant_open_context* context)
     if (h->vertex_count < 1 || h->vertex_count > PLIANT_FORMAT_MAX_VERTICES) return PLIANT_ERROR_LIMIT;
     if (h->triangle_count < 1 || h->triangle_count > PLIANT_FORMAT_MAX_TRIANGLES) return PLIANT_ERROR_LIMIT;
     if (h->dimension < 1 || h->dimension > PLIANT_FORMAT_MAX_DIMENSION) return PLIANT_ERROR_LIMIT;
-    if (h->pose_count < 2 || h->pose_count > PLIANT_FORMAT_MAX_POSES) return PLIANT_ERROR_LIMIT;
+    /* One more with LAYR, of which nothing is known yet: see check_pose_count. */
+    if (h->pose_count < 2 || h->pose_count > PLIANT_FORMAT_MAX_LAYERS + 1) return PLIANT_ERROR_LIMIT;
     if (h->reserved != 0) return PLIANT_ERROR_LAYOUT;                 /* R14 */
     if (!pliant_all_finite(h->origin, 3)) return PLIANT_ERROR_NUMBER; /* R10 */
     context->dimension = pliant_pad_lanes(h->dimension);
@@ -32,6 +33,7 @@ static int is_known_tag(uint32_t tag)
     case PLIANT_CHUNK_SOLVER:
     case PLIANT_CHUNK_ELEMENTS:
     case PLIANT_CHUNK_QUARTIC:
+    case PLIANT_CHUNK_LAYERS:
     case PLIANT_CHUNK_PREDICTOR:
     case PLIANT_CHUNK_LOAD:
     case PLIANT_CHUNK_REST:
@@ -72,6 +74,13 @@ static pliant_result check_chunk_table(pliant_open_context* context)
         if (!is_known_tag(context->chunks[i].tag) && (context->chunks[i].flags & PLIANT_CHUNK_FLAG_REQUIRED))
             return PLIANT_ERROR_VERSION;
     return PLIANT_OK;
+}
+
+/* R05 of the poses of averages. */
+static pliant_result check_pose_count(const pliant_open_context* context)
+{
+    if (pliant_open_find(context, PLIANT_CHUNK_LAYERS)) return PLIANT_OK;
+    return context->header.pose_count <= PLIANT_FORMAT_MAX_POSES ? PLIANT_OK : PLIANT_ERROR_LIMIT;
 }
 
 static pliant_result check_presence(const pliant_open_context* context)
@@ -221,7 +230,19 @@ static pliant_result check_names(const pliant_open_context* context)
     return PLIANT_OK;
 }
 
-static pliant_result check_answers(const pliant_open_context* context)
+/* R13: those of an average, or (1, v). */
+static int are_answer_weights(const float* weights, uint32_t count, uint32_t has_layers)
+{
+    double sum = 0.0;
+    if (has_layers) return weights[0] == 1.0f;
+    for (uint32_t k = 0; k < count; ++k) {
+        if (weights[k] < 0.0f) return 0;
+        sum += (double)weights[k];
+    }
+    return sum >= 1.0 - 1e-3 && sum <= 1.0 + 1e-3;
+}
+
+static pliant_result check_answers(const pliant_open_context* context, const pliant_asset* asset)
 {
     const pliant_format_chunk* chunk = pliant_open_find(context, PLIANT_CHUNK_ANSWERS);
     const uint32_t m = context->header.pose_count;
@@ -234,14 +255,8 @@ static pliant_result check_answers(const pliant_open_context* context)
         return PLIANT_ERROR_LAYOUT;
     const float* answer = (const float*)(const void*)(context->blob + chunk->offset + sizeof(pliant_format_count));
     if (!pliant_all_finite(answer, count * width)) return PLIANT_ERROR_NUMBER;
-    for (uint32_t i = 0; i < count; ++i, answer += width) {
-        double sum = 0.0;
-        for (uint32_t k = 0; k < m; ++k) {
-            if (answer[k] < 0.0f) return PLIANT_ERROR_NUMBER;
-            sum += (double)answer[k];
-        }
-        if (sum < 1.0 - 1e-3 || sum > 1.0 + 1e-3) return PLIANT_ERROR_NUMBER;
-    }
+    for (uint32_t i = 0; i < count; ++i, answer += width)
+        if (!are_answer_weights(answer, m, asset->has_layers)) return PLIANT_ERROR_NUMBER;
     return PLIANT_OK;
 }
 
@@ -251,6 +266,7 @@ static pliant_result open_checked(pliant_open_context* context, pliant_asset* as
 {
     pliant_result result = check_header(context);
     if (result == PLIANT_OK) result = check_chunk_table(context);
+    if (result == PLIANT_OK) result = check_pose_count(context);
     if (result == PLIANT_OK) result = check_presence(context);
     if (result == PLIANT_OK && (flags & PLIANT_OPEN_VERIFY_CHECKSUMS)) result = check_checksums(context);
     if (result == PLIANT_OK) result = open_solver(context, asset);
@@ -261,7 +277,7 @@ static pliant_result open_checked(pliant_open_context* context, pliant_asset* as
     if (result == PLIANT_OK) result = open_smoothing(context, asset);
     if (result == PLIANT_OK) result = check_polygons(context, asset);
     if (result == PLIANT_OK) result = check_names(context);
-    if (result == PLIANT_OK) result = check_answers(context);
+    if (result == PLIANT_OK) result = check_answers(context, asset);
     if (result == PLIANT_OK) result = pliant_open_morph_ranges(context, asset);
     return result;
 }
@@ -287,6 +303,7 @@ pliant_result pliant_asset_open(pliant_asset* out, const void* blob, size_t blob
     asset.triangle_count = context.header.triangle_count;
     asset.dimension = context.header.dimension;
     asset.pose_count = context.header.pose_count;
+    asset.weight_count = asset.pose_count - asset.has_layers;
     memcpy(asset.origin, context.header.origin, sizeof asset.origin);
     asset.blob = context.blob;
     asset.blob_size = context.blob_size;
@@ -314,6 +331,16 @@ const char* pliant_asset_pose_name(const pliant_asset* asset, uint32_t pose)
     if (!name || pose >= asset->pose_count) return NULL;
     for (uint32_t k = 0; k < pose; ++k) name += strlen(name) + 1; /* check_names counted the zero bytes */
     return name;
+}
+
+pliant_result pliant_asset_weight(const pliant_asset* asset, uint32_t index, pliant_weight* out)
+{
+    if (!asset || !asset->blob || !out || index >= asset->weight_count) return PLIANT_ERROR_ARGUMENT;
+    out->name = pliant_asset_pose_name(asset, index + asset->has_layers); /* pose 0 of layers has no weight */
+    out->low = asset->layers ? asset->layers[index].low : 0.0f;
+    out->high = asset->layers ? asset->layers[index].high : 1.0f;
+    out->initial = asset->layers ? asset->layers[index].initial : 1.0f / (float)asset->weight_count;
+    return PLIANT_OK;
 }
 
 const float* pliant_asset_pose_coordinates(const pliant_asset* asset, uint32_t pose)

@@ -1,6 +1,33 @@
-/* Opening what a frame reads: the surrogate energy, the start and the dead load. formats/SPEC.md section 4, ELEM, QUAR, PRED
-   and LOAD. */
+/* Opening what a frame reads: the weights of layers, the surrogate energy, the start and the dead load. formats/SPEC.md
+   section 4, LAYR, ELEM, QUAR, PRED and LOAD. */
 #include "open.h"
+
+/* R23 of LAYR. It decides what the elements are, and comes before them. */
+static pliant_result open_layers(const pliant_open_context* context, pliant_asset* asset)
+{
+    const pliant_format_chunk* chunk = pliant_open_find(context, PLIANT_CHUNK_LAYERS);
+    uint32_t count;
+    uint64_t end;
+    if (!chunk) return PLIANT_OK;
+    const pliant_result result = pliant_open_count(context, chunk, PLIANT_FORMAT_MAX_LAYERS, &count);
+    if (result != PLIANT_OK) return result;
+    if (!(chunk->flags & PLIANT_CHUNK_FLAG_REQUIRED) || count != context->header.pose_count - 1) return PLIANT_ERROR_LAYOUT;
+    if (pliant_open_find(context, PLIANT_CHUNK_QUARTIC)) return PLIANT_ERROR_LAYOUT;
+    if (!pliant_fits(sizeof(pliant_format_count), count, sizeof(pliant_format_layer), chunk->size, &end)
+        || end != chunk->size)
+        return PLIANT_ERROR_LAYOUT;
+    const unsigned char* start = context->blob + chunk->offset + sizeof(pliant_format_count);
+    asset->layers = (const pliant_format_layer*)(const void*)start;
+    asset->has_layers = 1;
+    for (uint32_t k = 0; k < count; ++k) {
+        const pliant_format_layer* layer = &asset->layers[k];
+        if (!pliant_all_finite(layer, 3)) return PLIANT_ERROR_NUMBER;
+        if (layer->reserved != 0) return PLIANT_ERROR_LAYOUT; /* R14 */
+        if (!(layer->low < layer->high) || layer->low > 0.0f || layer->high < 0.0f) return PLIANT_ERROR_NUMBER;
+        if (layer->initial < layer->low || layer->initial > layer->high) return PLIANT_ERROR_NUMBER;
+    }
+    return PLIANT_OK;
+}
 
 /* `count` rows of `lanes` floats at `offset` of the chunk: inside it, aligned, finite. */
 static pliant_result check_lanes(const pliant_open_context* context, const pliant_format_chunk* chunk, uint64_t data_start,
@@ -21,26 +48,67 @@ static int are_identities(const float* rows, uint64_t lanes)
     return bad == 0;
 }
 
-static pliant_result check_batch(const pliant_open_context* context, const pliant_format_chunk* chunk, uint64_t data_start,
-                                 const pliant_format_batch* batch)
+/* R05, R09, R14 and R23 of a record. */
+static pliant_result check_record(const pliant_format_batch* batch, int has_layers, uint32_t pose_count)
 {
-    const pliant_format_header* h = &context->header;
-    const int is_arap = batch->kind == PLIANT_ELEMENT_ARAP_CELL;
-    if (batch->kind < PLIANT_ELEMENT_HINGE || batch->kind > PLIANT_ELEMENT_TIE) return PLIANT_ERROR_LAYOUT;
+    const int is_arap = batch->kind == PLIANT_ELEMENT_ARAP_CELL || batch->kind == PLIANT_ELEMENT_LAYERED_ARAP_CELL;
+    const uint32_t first = has_layers ? PLIANT_ELEMENT_TIE : PLIANT_ELEMENT_HINGE;
+    const uint32_t last = has_layers ? PLIANT_ELEMENT_LAYERED_ARAP_CELL : PLIANT_ELEMENT_TIE;
+    if (batch->kind < first || batch->kind > last) return PLIANT_ERROR_LAYOUT;
     if (batch->element_count < 1 || batch->element_count > PLIANT_FORMAT_MAX_ELEMENTS) return PLIANT_ERROR_LIMIT;
     if (is_arap && (batch->valence < 2 || batch->valence > PLIANT_FORMAT_MAX_VALENCE)) return PLIANT_ERROR_LIMIT;
     if (!is_arap && (batch->valence != 0 || batch->is_closed != 0)) return PLIANT_ERROR_LAYOUT;
     if (batch->is_closed > 1 || (batch->is_closed == 1 && batch->valence < 3)) return PLIANT_ERROR_LAYOUT;
     if (!pliant_is_zero(batch->reserved, sizeof batch->reserved)) return PLIANT_ERROR_LAYOUT;
+    if (!has_layers) return batch->changes_offset == 0 && batch->change_count == 0 ? PLIANT_OK : PLIANT_ERROR_LAYOUT;
+    const size_t groups = pliant_pad_lanes(batch->element_count) / PLIANT_LANES;
+    return batch->change_count <= (pose_count - 1) * groups ? PLIANT_OK : PLIANT_ERROR_LIMIT;
+}
+
+/* R24: how layers change the numbers of a batch. The records first, then the changes, 16 of each of its numbers a record. */
+static pliant_result check_changes(const pliant_open_context* context, const pliant_format_chunk* chunk, uint64_t data_start,
+                                   const pliant_format_batch* batch, uint32_t numbers)
+{
+    const uint32_t layer_count = context->header.pose_count - 1;
+    const size_t group_count = pliant_pad_lanes(batch->element_count) / PLIANT_LANES;
+    const uint64_t offset = batch->changes_offset;
+    uint64_t end;
+    if (offset % PLIANT_FORMAT_CHUNK_ALIGNMENT != 0 || offset < data_start) return PLIANT_ERROR_LAYOUT;
+    if (!pliant_fits(offset, batch->change_count, sizeof(pliant_format_change), chunk->size, &end))
+        return PLIANT_ERROR_LAYOUT;
+    const unsigned char* start = context->blob + chunk->offset;
+    const pliant_format_change* changes = (const pliant_format_change*)(const void*)(start + offset);
+    for (uint32_t i = 0; i < batch->change_count; ++i) {
+        if (changes[i].layer >= layer_count || changes[i].group >= group_count) return PLIANT_ERROR_INDEX;
+        if (i == 0) continue;
+        const pliant_format_change* before = &changes[i - 1];
+        const int ascends
+            = before->layer < changes[i].layer || (before->layer == changes[i].layer && before->group < changes[i].group);
+        if (!ascends) return PLIANT_ERROR_INDEX;
+    }
+    const uint64_t numbers_start = offset + pliant_format_change_floats_offset(batch->change_count);
+    if (numbers_start > chunk->size) return PLIANT_ERROR_LAYOUT;
+    if (!pliant_is_zero(start + end, (size_t)(numbers_start - end))) return PLIANT_ERROR_LAYOUT;
+    return check_lanes(context, chunk, data_start, numbers_start, batch->change_count * (uint64_t)numbers, PLIANT_LANES);
+}
+
+static pliant_result check_batch(const pliant_open_context* context, const pliant_format_chunk* chunk, uint64_t data_start,
+                                 const pliant_format_batch* batch, int has_layers)
+{
+    const pliant_format_header* h = &context->header;
+    pliant_result result = check_record(batch, has_layers, h->pose_count);
+    if (result != PLIANT_OK) return result;
 
     /* From here the counts are small (at most 257 * 96 rows of 2^22 lanes): their products fit in 64 bits easily. */
     const pliant_format_shape shape = pliant_format_batch_shape(batch->kind, batch->valence, batch->is_closed);
     const uint64_t lanes = pliant_pad_lanes(batch->element_count);
     const uint64_t rows = (1 + (uint64_t)h->dimension) * shape.row_count;
-    const uint64_t numbers = (uint64_t)h->pose_count * shape.pose_number_count;
-    pliant_result result = check_lanes(context, chunk, data_start, batch->rows_offset, rows, lanes);
+    const uint64_t numbers = (has_layers ? 1 : (uint64_t)h->pose_count) * shape.pose_number_count;
+    result = check_lanes(context, chunk, data_start, batch->rows_offset, rows, lanes);
     if (result == PLIANT_OK) result = check_lanes(context, chunk, data_start, batch->fixed_offset, shape.fixed_count, lanes);
     if (result == PLIANT_OK) result = check_lanes(context, chunk, data_start, batch->pose_offset, numbers, lanes);
+    if (result == PLIANT_OK && has_layers)
+        result = check_changes(context, chunk, data_start, batch, shape.pose_number_count);
     const int is_tet = batch->kind == PLIANT_ELEMENT_TET_STVK || batch->kind == PLIANT_ELEMENT_TET_MOONEY_RIVLIN;
     if (result != PLIANT_OK || !is_tet) return result;
     const float* at_zero = (const float*)(const void*)(context->blob + chunk->offset + batch->rows_offset);
@@ -60,7 +128,8 @@ static pliant_result open_elements(const pliant_open_context* context, pliant_as
     asset->batches = asset->elements + sizeof(pliant_format_count);
     asset->batch_count = count;
     for (uint32_t i = 0; i < count; ++i) {
-        result = check_batch(context, chunk, data_start, (const pliant_format_batch*)asset->batches + i);
+        const pliant_format_batch* batch = (const pliant_format_batch*)asset->batches + i;
+        result = check_batch(context, chunk, data_start, batch, asset->layers != NULL);
         if (result != PLIANT_OK) return result;
     }
     return PLIANT_OK;
@@ -160,7 +229,8 @@ static pliant_result open_load(const pliant_open_context* context, pliant_asset*
 pliant_result pliant_open_energy(const pliant_open_context* context, pliant_asset* asset)
 {
     const int has_elements = pliant_open_find(context, PLIANT_CHUNK_ELEMENTS) != NULL;
-    pliant_result result = has_elements ? open_elements(context, asset) : open_quartic(context, asset);
+    pliant_result result = open_layers(context, asset);
+    if (result == PLIANT_OK) result = has_elements ? open_elements(context, asset) : open_quartic(context, asset);
     if (result == PLIANT_OK) result = open_predictor(context, asset);
     if (result == PLIANT_OK) result = open_load(context, asset);
     return result;

@@ -12,10 +12,12 @@
 #define BLOCK_FLOATS 1536u
 
 typedef struct batch_view {
-    uint32_t kind;
+    uint32_t kind; /* that it is evaluated as: of layers the plain one */
+    int is_layered;
     uint32_t valence;
     uint32_t edge_count; /* of an ARAP cell */
     size_t row_count;
+    size_t fixed_count;
     size_t pose_number_count;
     size_t stride; /* padded element count */
     const float* rows;
@@ -26,12 +28,15 @@ typedef struct batch_view {
 static batch_view view_batch(const pliant_asset* asset, uint32_t index)
 {
     const pliant_format_batch* batch = (const pliant_format_batch*)asset->batches + index;
-    const pliant_format_shape shape = pliant_format_batch_shape(batch->kind, batch->valence, batch->is_closed);
+    const uint32_t kind = pliant_plain_kind(batch->kind);
+    const pliant_format_shape shape = pliant_format_batch_shape(kind, batch->valence, batch->is_closed);
     batch_view view;
-    view.kind = batch->kind;
+    view.kind = kind;
+    view.is_layered = asset->layers != NULL;
     view.valence = batch->valence;
     view.edge_count = batch->valence + (batch->is_closed ? batch->valence : batch->valence - 1);
     view.row_count = shape.row_count;
+    view.fixed_count = shape.fixed_count;
     view.pose_number_count = shape.pose_number_count;
     view.stride = pliant_pad_lanes(batch->element_count);
     view.rows = (const float*)(const void*)(asset->elements + batch->rows_offset);
@@ -40,8 +45,25 @@ static batch_view view_batch(const pliant_asset* asset, uint32_t index)
     return view;
 }
 
-/* ARAP takes the best rotation per pose: its numbers cannot be combined. */
-static int is_combined(const batch_view* batch) { return batch->kind != PLIANT_ELEMENT_ARAP_CELL; }
+/* Of averages, ARAP takes the best rotation per pose: its numbers cannot be combined. */
+static int is_combined(const batch_view* batch) { return batch->is_layered || batch->kind != PLIANT_ELEMENT_ARAP_CELL; }
+
+/* Layers change fixed numbers, too. */
+static size_t combined_floats(const batch_view* batch)
+{
+    const size_t fixed = batch->is_layered ? batch->fixed_count : 0;
+    return is_combined(batch) ? (fixed + batch->pose_number_count) * batch->stride : 0;
+}
+
+/* Fixed numbers and numbers where they are: those of layers are both among the combined ones. */
+static void locate_numbers(batch_view* batch, const float* combined)
+{
+    if (batch->is_layered) {
+        batch->fixed = combined;
+        batch->pose_numbers = combined + batch->fixed_count * batch->stride;
+    } else if (is_combined(batch))
+        batch->pose_numbers = combined;
+}
 
 static size_t block_lanes(size_t row_count)
 {
@@ -55,7 +77,7 @@ pliant_energy_layout pliant_elements_measure(const pliant_asset* asset)
     for (uint32_t i = 0; i < asset->batch_count; ++i) {
         const batch_view batch = view_batch(asset, i);
         const uint64_t block = (uint64_t)batch.row_count * block_lanes(batch.row_count);
-        if (is_combined(&batch)) layout.combined_floats += (uint64_t)batch.pose_number_count * batch.stride;
+        layout.combined_floats += combined_floats(&batch);
         if (layout.scratch_floats < 2 * block) layout.scratch_floats = 2 * block;
     }
     return layout;
@@ -65,9 +87,11 @@ void pliant_elements_combine(const pliant_kernels* kernels, const pliant_asset* 
 {
     for (uint32_t i = 0; i < asset->batch_count; ++i) {
         const batch_view batch = view_batch(asset, i);
-        if (!is_combined(&batch)) continue;
-        const size_t count = batch.pose_number_count * batch.stride;
-        kernels->combine_columns(combined, batch.pose_numbers, weights, asset->pose_count, count);
+        const size_t count = combined_floats(&batch);
+        if (batch.is_layered)
+            pliant_layers_combine(kernels, asset, (const pliant_format_batch*)asset->batches + i, weights, combined);
+        else if (count > 0)
+            kernels->combine_columns(combined, batch.pose_numbers, weights, asset->pose_count, count);
         combined += count;
     }
 }
@@ -176,13 +200,15 @@ double pliant_elements_evaluate(const pliant_kernels* kernels, const pliant_asse
                                 const float* combined, const float* z, float* gradient, float* scratch)
 {
     double total = 0.0;
+    const float one = 1.0f;
     memset(gradient, 0, asset->padded_dimension * sizeof *gradient);
     for (uint32_t i = 0; i < asset->batch_count; ++i) {
-        const batch_view batch = view_batch(asset, i);
+        batch_view batch = view_batch(asset, i);
+        locate_numbers(&batch, combined);
+        combined += combined_floats(&batch);
         const size_t size = block_lanes(batch.row_count), column_floats = batch.row_count * batch.stride;
-        const float* numbers = is_combined(&batch) ? combined : batch.pose_numbers;
-        const pliant_arap_poses poses
-            = { batch.valence, batch.edge_count, weights, asset->pose_count, batch.pose_number_count * batch.stride };
+        const pliant_arap_poses poses = { batch.valence, batch.edge_count, batch.is_layered ? &one : weights,
+                                          batch.is_layered ? 1 : asset->pose_count, batch.pose_number_count * batch.stride };
         for (size_t first = 0; first < batch.stride; first += size) {
             const size_t lanes = batch.stride - first < size ? batch.stride - first : size;
             const pliant_block block = {
@@ -193,15 +219,17 @@ double pliant_elements_evaluate(const pliant_kernels* kernels, const pliant_asse
             float energy[PLIANT_LANES] = { 0 };
             kernels->pass_forward(&block, z, change);
             for (size_t l = 0; l < lanes; l += PLIANT_LANES) {
-                const pliant_element_group group = {
-                    batch.rows + first + l, batch.fixed + first + l, numbers + first + l, batch.stride, change + l, lanes
-                };
+                const pliant_element_group group = { batch.rows + first + l,
+                                                     batch.fixed + first + l,
+                                                     batch.pose_numbers + first + l,
+                                                     batch.stride,
+                                                     change + l,
+                                                     lanes };
                 evaluate_group(kernels, batch.kind, &group, &poses, force + l, energy);
             }
             total += sum_energy(energy);
             kernels->pass_backward(&block, force, gradient);
         }
-        if (is_combined(&batch)) combined += batch.pose_number_count * batch.stride;
     }
     return total;
 }

@@ -347,6 +347,15 @@ static PLIANT_INLINE void add_rotated(uint32_t valence, float factor, wide_t rot
     }
 }
 
+/* The best rotation, and sigma(M) = tr(R^T M). */
+static PLIANT_INLINE void measure_sigma(wide_t moments[9], wide_t rotation[9], wide_t sigma)
+{
+    find_rotation(moments, rotation);
+    memset(sigma, 0, sizeof(wide_t));
+    for (int i = 0; i < 9; ++i)
+        for (size_t l = 0; l < PLIANT_LANES; ++l) sigma[l] += rotation[i][l] * moments[i][l];
+}
+
 /* Adds -2 w (sigma(M) - sigma0) and its force for one pose. */
 static PLIANT_INLINE void add_rotated_pose(const pliant_element_group* group, const pliant_arap_poses* poses, uint32_t pose,
                                            spoke_vectors start, spoke_vectors grown, spoke_vectors force, wide_t energy)
@@ -355,14 +364,19 @@ static PLIANT_INLINE void add_rotated_pose(const pliant_element_group* group, co
     const float* sigma0 = numbers + 4u * (size_t)poses->edge_count * group->stride;
     const float factor = -2.0f * poses->weights[pose];
     wide_vectors targets[PLIANT_FORMAT_MAX_VALENCE];
-    wide_t moments[9], rotation[9], sigma = { 0 };
+    wide_t moments[9], rotation[9], sigma;
     sum_targets(group, poses, numbers, targets);
     sum_moments(poses->valence, start, grown, targets, moments);
-    find_rotation(moments, rotation);
-    for (int i = 0; i < 9; ++i)
-        for (size_t l = 0; l < PLIANT_LANES; ++l) sigma[l] += rotation[i][l] * moments[i][l];
+    measure_sigma(moments, rotation, sigma);
     for (size_t l = 0; l < PLIANT_LANES; ++l) energy[l] += (double)factor * (sigma[l] - (double)sigma0[l]);
     add_rotated(poses->valence, factor, rotation, targets, force);
+}
+
+static PLIANT_INLINE void read_spokes(uint32_t valence, const float* rows, size_t stride, spoke_vectors spokes)
+{
+    for (uint32_t i = 0; i < valence; ++i)
+        for (size_t c = 0; c < 3; ++c)
+            memcpy(spokes[i] + c * PLIANT_LANES, rows + (3u * i + c) * stride, sizeof(pliant_lanes));
 }
 
 static PLIANT_INLINE void evaluate_arap_cell(const pliant_element_group* group, const pliant_arap_poses* poses,
@@ -371,11 +385,8 @@ static PLIANT_INLINE void evaluate_arap_cell(const pliant_element_group* group, 
     wide_t sum = { 0 };
     spoke_vectors start, grown, total;
     memset(total, 0, poses->valence * sizeof(vectors));
-    for (uint32_t i = 0; i < poses->valence; ++i)
-        for (size_t c = 0; c < 3; ++c) {
-            memcpy(start[i] + c * PLIANT_LANES, group->rows + (3u * i + c) * group->stride, sizeof(pliant_lanes));
-            memcpy(grown[i] + c * PLIANT_LANES, group->change + (3u * i + c) * group->block_stride, sizeof(pliant_lanes));
-        }
+    read_spokes(poses->valence, group->rows, group->stride, start);
+    read_spokes(poses->valence, group->change, group->block_stride, grown);
     add_lengths(group, poses, start, grown, total, sum);
     for (uint32_t k = 0; k < poses->pose_count; ++k)
         if (poses->weights[k] > 0.0f) add_rotated_pose(group, poses, k, start, grown, total, sum);
@@ -385,6 +396,28 @@ static PLIANT_INLINE void evaluate_arap_cell(const pliant_element_group* group, 
     for (size_t l = 0; l < PLIANT_LANES; ++l) energy[l] += (float)sum[l];
 }
 
+/* A cell of layers: c of the edges to where the plain kind has it, and sigma0 by the steps of the evaluation, so that the
+   energy at z = 0 is 0 but for the rounding of sigma0. */
+static PLIANT_INLINE void finish_arap_cell(const pliant_element_group* group, const pliant_arap_poses* poses,
+                                           float* PLIANT_RESTRICT plain)
+{
+    wide_vectors targets[PLIANT_FORMAT_MAX_VALENCE];
+    wide_t moments[9], rotation[9], sigma;
+    spoke_vectors start, grown;
+    float* sigma0 = plain + 4u * (size_t)poses->edge_count * group->stride;
+    for (size_t i = 0; i < poses->edge_count; ++i)
+        memcpy(plain + 4u * i * group->stride, group->fixed + i * group->stride, sizeof(pliant_lanes));
+    read_spokes(poses->valence, group->rows, group->stride, start);
+    memset(grown, 0, poses->valence * sizeof(vectors));
+    sum_targets(group, poses, plain, targets);
+    sum_moments(poses->valence, start, grown, targets, moments);
+    measure_sigma(moments, rotation, sigma);
+    for (size_t l = 0; l < PLIANT_LANES; ++l) sigma0[l] = (float)sigma[l];
+}
+
+PLIANT_WIDE_KERNEL(finish_arap_cell,
+                   (const pliant_element_group* group, const pliant_arap_poses* poses, float* PLIANT_RESTRICT plain),
+                   (group, poses, plain))
 PLIANT_WIDE_KERNEL(evaluate_arap_cell,
                    (const pliant_element_group* group, const pliant_arap_poses* poses, float* PLIANT_RESTRICT force,
                     float* PLIANT_RESTRICT energy),

@@ -97,7 +97,8 @@ typedef struct pliant_element_group {
     size_t block_stride;  /* of change, and of the forces written: derivatives by the differences */
 } pliant_element_group;
 
-/* What an ARAP cell needs beside its group. The numbers of pose k lie pose_stride floats behind those of pose k-1. */
+/* What an ARAP cell needs beside its group. The numbers of pose k lie pose_stride floats behind those of pose k-1. Of layers
+   there is one pose, of weight 1. */
 typedef struct pliant_arap_poses {
     uint32_t valence;
     uint32_t edge_count;
@@ -125,6 +126,12 @@ typedef void pliant_element_kernel(const pliant_element_group* group, float* PLI
                                    float* PLIANT_RESTRICT energy);
 typedef void pliant_arap_kernel(const pliant_element_group* group, const pliant_arap_poses* poses,
                                 float* PLIANT_RESTRICT force, float* PLIANT_RESTRICT energy);
+
+/* Of layers, once a frame: `plain` is one group of the fixed numbers and then the numbers of the plain kind, rows at
+   group->stride, and the combined numbers of the layered kind are already in it (elements_layers.c). This computes the rest
+   from them, from the layered kind's fixed numbers and, for ARAP, from the rows. */
+typedef void pliant_finish_kernel(const pliant_element_group* group, const pliant_arap_poses* poses,
+                                  float* PLIANT_RESTRICT plain);
 
 /* Value and gradient of the quartic with the coefficients `table`, z having `dimension` numbers. */
 typedef void pliant_quartic_kernel(uint32_t dimension, const float* table, const float* z, float* PLIANT_RESTRICT gradient,
@@ -173,6 +180,9 @@ typedef void pliant_normals_kernel(const pliant_normals* normals, const unsigned
     X(element, evaluate_tet_stvk, avx2)          \
     X(element, evaluate_tet_mooney_rivlin, avx2) \
     X(element, evaluate_tie, avx2)               \
+    X(finish, finish_hinge, avx2)                \
+    X(finish, finish_face_neo_hookean, avx2)     \
+    X(finish, finish_arap_cell, avx512)          \
     X(quartic, evaluate_quartic, avx2)           \
     X(tile, rebuild_tile, avx2)                  \
     X(compact, rebuild_compact, avx512)          \
@@ -212,13 +222,15 @@ PLIANT_KERNELS(PLIANT_KERNEL_DECLARE)
 
 /* Memory that an evaluation needs, in floats; every array starts at a multiple of 64 bytes. */
 typedef struct pliant_energy_layout {
-    uint64_t combined_floats; /* all numbers that there are per pose, combined for the weights of the frame */
-    uint64_t scratch_floats;  /* elements: one block of differences, and as much for the derivatives by them */
+    /* All numbers that there are per pose, combined for the weights of the frame; of layers fixed numbers, too. */
+    uint64_t combined_floats;
+    uint64_t scratch_floats; /* elements: one block of differences, and as much for the derivatives by them */
 } pliant_energy_layout;
 
 pliant_energy_layout pliant_elements_measure(const pliant_asset* asset);
 
-/* Combines the per-pose numbers of all batches (those of ARAP excepted, which are not linear) for normalised weights. */
+/* Combines the per-pose numbers of all batches (those of ARAP excepted, which are not linear) for normalised weights, or for
+   (1, v) those of layers, ARAP included. */
 void pliant_elements_combine(const pliant_kernels* kernels, const pliant_asset* asset, const float* weights,
                              float* combined);
 
@@ -226,6 +238,21 @@ void pliant_elements_combine(const pliant_kernels* kernels, const pliant_asset* 
    gradient comes back as zero. The value may come back as infinity or not-a-number: the caller decides. */
 double pliant_elements_evaluate(const pliant_kernels* kernels, const pliant_asset* asset, const float* weights,
                                 const float* combined, const float* z, float* gradient, float* scratch);
+
+/* What the numbers of a batch of layers become: those of a batch of this kind, which is then evaluated. */
+static inline uint32_t pliant_plain_kind(uint32_t kind)
+{
+    switch (kind) {
+    case PLIANT_ELEMENT_LAYERED_HINGE: return PLIANT_ELEMENT_HINGE;
+    case PLIANT_ELEMENT_LAYERED_FACE_NEO_HOOKEAN: return PLIANT_ELEMENT_FACE_NEO_HOOKEAN;
+    case PLIANT_ELEMENT_LAYERED_ARAP_CELL: return PLIANT_ELEMENT_ARAP_CELL;
+    default: return kind;
+    }
+}
+
+/* Fixed numbers, then numbers of the plain kind, for the weights (1, v); for one batch of an asset of layers. */
+void pliant_layers_combine(const pliant_kernels* kernels, const pliant_asset* asset, const pliant_format_batch* batch,
+                           const float* weights, float* plain);
 
 /* The same for QUAR. */
 pliant_energy_layout pliant_quartic_measure(const pliant_asset* asset);
@@ -238,7 +265,7 @@ double pliant_quartic_evaluate(const pliant_kernels* kernels, const pliant_asset
 /* Floats that pliant_radial_evaluate needs as scratch. */
 uint64_t pliant_radial_floats(const pliant_asset* asset);
 
-/* The start z0(w) and the dead load c(w) for normalised weights, padded_dimension floats each, padding zero; 0 where the
+/* The start z0(w) and the dead load c(w) for normalised weights or (1, v), padded_dimension floats each, padding zero; 0 where the
    asset has none. `load` must be null if the asset has none. Cost: centre_count * (pose_count + dimension for each)
    multiply-adds. */
 void pliant_radial_evaluate(const pliant_kernels* kernels, const pliant_asset* asset, const float* weights, float* scratch,
@@ -258,8 +285,9 @@ struct pliant_solver {
 
     int has_history;         /* whether the last frame is known */
     int is_settled;          /* whether z, energy and gradient are those of the last frame, and it converged */
-    float* weights;          /* of this frame, normalised; padded pose count */
+    float* weights;          /* of this frame, normalised, or (1, v) of layers; padded pose count */
     float* previous_weights; /* of the last frame */
+    float outside;           /* how far the weights of layers lie outside their ranges */
 
     /* padded_dimension floats each, padding zero */
     float* z;

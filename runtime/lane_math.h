@@ -86,6 +86,34 @@ static PLIANT_INLINE float pliant_log1p_minus(float u)
     return series + rest;
 }
 
+/* exp(x) to 1.5 ulp for |x| <= 80; beyond that the answer is meaningless, not a number if x is. Polynomial: Cephes expf on
+   |x| <= log(2)/2. */
+static PLIANT_INLINE float pliant_exp(float x)
+{
+    /* As in pliant_wrap_angle. The last bits of the shifted number are those of the integer: no conversion, which
+       processors do differently for what is not a number. */
+    const float shifted = x * 1.44269504f + 12582912.0f;
+    const float n = shifted - 12582912.0f;
+    const float r = (x - n * 0.693359375f) + n * 2.12194440e-4f;
+    float p = 1.9875691500e-4f;
+    p = p * r + 1.3981999507e-3f;
+    p = p * r + 8.3334519073e-3f;
+    p = p * r + 4.1665795894e-2f;
+    p = p * r + 1.6666665459e-1f;
+    p = p * r + 5.0000001201e-1f;
+    const float power = p * (r * r) + r + 1.0f;
+    return power * pliant_bits_float((pliant_float_bits(shifted) << 23) + 0x3F800000u);
+}
+
+/* sinh(k)/k to 2 ulp for 0 <= k <= 80, given exp(k); 1 at 0. A series where the difference of exponentials would cancel. */
+static PLIANT_INLINE float pliant_sinh_ratio(float k, float exp_k)
+{
+    const float s = k * k;
+    const float series = 1.0f + s * (1.66666667e-1f + s * (8.33333333e-3f + s * (1.98412698e-4f + s * 2.75573192e-6f)));
+    const float quotient = (exp_k - 1.0f / exp_k) / (k + k);
+    return k < 1.0f ? series : quotient;
+}
+
 /* Cube root of v > 0 to 1.5 ulp. For other v the answer is meaningless; callers test. A third of the bits is the root to 4 %
    (Kahan), each step of Halley cubes the error and divides it by 1.5. */
 static PLIANT_INLINE float pliant_cbrt(float v)

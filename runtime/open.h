@@ -45,11 +45,11 @@ const pliant_format_chunk* pliant_open_search(const pliant_format_chunk* chunks,
 /* The asset's chunk with this tag, or null. */
 const pliant_format_chunk* pliant_open_find(const pliant_open_context* context, uint32_t tag);
 
-/* The count that starts ELEM, QUAR, PRED, LOAD, VERT and ANSW and its range, and the reserved words behind it. */
+/* The count that starts ELEM, QUAR, LAYR, PRED, LOAD, VERT and ANSW and its range, and the reserved words behind it. */
 pliant_result pliant_open_count(const pliant_open_context* context, const pliant_format_chunk* chunk, uint32_t limit,
                                 uint32_t* count);
 
-/* What a frame reads beside SOLV: ELEM or QUAR, PRED, LOAD. The chunks are disjoint and inside the file. */
+/* What a frame reads beside SOLV: LAYR, ELEM or QUAR, PRED, LOAD. The chunks are disjoint and inside the file. */
 pliant_result pliant_open_energy(const pliant_open_context* context, pliant_asset* asset);
 
 /* What positions are rebuilt from: REST, BASI or BASC, BNDS. The chunks are disjoint and inside the file. */

@@ -5,7 +5,8 @@
 
    @par What it does
      It opens a baked .pliant asset (a shell or a solid) in place. For given weights it finds the elastic blend of the
-     asset's poses, by a small minimisation that takes microseconds. It then rebuilds vertex positions and normals.
+     asset's poses, by a small minimisation that takes microseconds. It then rebuilds vertex positions and normals. An asset
+     blends averages of its poses, or layers on a rest shape.
    @par What it does not do
      It does not allocate, read files, log, keep globals, start threads, call back or read a clock. It does not bake:
      the `pliant` tool does.
@@ -13,6 +14,11 @@
    @par Terms
      - q: the reduced coordinates of a shape (d floats); positions are linear in q.
      - z: the solver's own coordinates; q = mean + S z, with the asset's mean and whitening matrix S.
+     - Average: the blend of poses whose weights say how near it lies to each. Weights are >= 0, and only their ratios matter.
+     - Layers: the blend of a rest shape (pose 0) and layers on it (poses 1 .. pose_count - 1), such as the expressions of a
+       face. A weight says how much of a layer is added: 0 none, 1 all of it, as the input has it, 2 twice as much, -1 the
+       opposite. Weights are any finite numbers, negative ones too. They add up and are not normalised. With all weights
+       zero the blend is the rest shape. An asset is of averages or of layers (`has_layers`).
      - Unreduced average: the exact blend on the full mesh, as the baker computes it.
      - Surrogate energy: what the solver minimises instead of the full elastic energy: a few elements, or one quartic.
      - Predictor: a function of the weights (radial basis functions) that estimates the minimiser; the solver starts there.
@@ -23,7 +29,7 @@
      2. pliant_asset_open         once per asset; the view points into your memory, which must outlive it.
      3. pliant_solver_memory      returns the number of bytes that one character needs; allocate them where you like.
      4. pliant_solver_init        once per character.
-     5. pliant_solve              once per frame and character: weights in, q out.
+     5. pliant_solve              once per frame and character: weights in, q out. pliant_asset_weight describes the weights.
      6. pliant_reconstruct        q in, positions out, any range of vertices, any stride; split it over threads at will.
         pliant_bounds             q in, a bounding box out, without the vertices: for culling.
      7. pliant_normals_compute    positions in, normals out, if you want them; pliant_normals_init once per asset.
@@ -77,17 +83,18 @@ typedef enum pliant_result {
     PLIANT_ERROR_NOT_PLIANT = 21, /**< R02: not a .pliant file */
     PLIANT_ERROR_VERSION = 22,    /**< R03, R07: another major version, or an unknown chunk that is required */
     PLIANT_ERROR_LIMIT = 23,      /**< R05: a count outside its range */
-    /** R06, R07, R09, R14 .. R16, R18, R21: a chunk is missing, misplaced or of the wrong size, or reserved bits are set. */
+    /** R06, R07, R09, R14 .. R16, R18, R21, R23, R24: a chunk is missing, misplaced, of the wrong size or beside one that
+       excludes it, or reserved bits are set. */
     PLIANT_ERROR_LAYOUT = 24,
-    PLIANT_ERROR_NUMBER = 25,   /**< R10, R13, R17, R19, R20: a number that is not finite or out of range */
-    PLIANT_ERROR_INDEX = 26,    /**< R11, R22: a vertex index out of range, or inconsistent names or polygons */
+    PLIANT_ERROR_NUMBER = 25, /**< R10, R13, R17, R19, R20, R23, R24: a number that is not finite or out of range */
+    PLIANT_ERROR_INDEX = 26,  /**< R11, R22, R24: an index out of range or out of order, or inconsistent names or polygons */
     PLIANT_ERROR_CHECKSUM = 27, /**< R08, R12: a checksum does not match, the file was damaged */
 
     /* the weights */
 
     PLIANT_ERROR_WEIGHT_NOT_FINITE = 40, /**< a weight is infinite or not a number */
-    PLIANT_ERROR_WEIGHT_NEGATIVE = 41,   /**< a weight is below zero */
-    PLIANT_ERROR_WEIGHT_SUM = 42         /**< all weights are zero */
+    PLIANT_ERROR_WEIGHT_NEGATIVE = 41,   /**< a weight of an average is below zero */
+    PLIANT_ERROR_WEIGHT_SUM = 42         /**< all weights of an average are zero */
 } pliant_result;
 
 /** One line of English text that describes a result: a static string, never null. */
@@ -104,7 +111,9 @@ typedef struct pliant_asset {
     uint32_t vertex_count;     /**< n: the number of positions that pliant_reconstruct can write */
     uint32_t triangle_count;   /**< the number of triangles in `triangles` */
     uint32_t dimension;        /**< d: the number of reduced coordinates in q */
-    uint32_t pose_count;       /**< m: the number of weights of a blend */
+    uint32_t pose_count;       /**< m: the number of poses; of layers the rest shape, which is pose 0, and the layers */
+    uint32_t weight_count;     /**< the number of weights of a blend: pose_count, or of layers pose_count - 1, 1 .. 64 */
+    uint32_t has_layers;       /**< 1 if the weights add layers to pose 0, 0 if the blend is an average of the poses */
     float origin[3];           /**< added to every position, in units of the input meshes */
     const uint32_t* triangles; /**< triangle_count x 3 vertex indices, all below boundary_vertex_count */
     /** For a solid, the number of vertices on its boundary. They come first, so drawing needs pliant_reconstruct of these
@@ -124,10 +133,11 @@ typedef struct pliant_asset {
     const float* whitening;        /**< dimension columns, padded */
     const float* pose_coordinates; /**< pose_count rows, padded */
     const void* batches;
-    const unsigned char* elements;  /**< start of the ELEM chunk; null with a quartic */
-    const float* quartic;           /**< table of pose 0; null with elements */
-    uint64_t quartic_floats;        /**< from one pose's table to the next */
-    const float* predictor_centres; /**< null without a predictor */
+    const unsigned char* elements;            /**< start of the ELEM chunk; null with a quartic */
+    const struct pliant_format_layer* layers; /**< weight_count of them; null if there are none */
+    const float* quartic;                     /**< table of pose 0; null with elements */
+    uint64_t quartic_floats;                  /**< from one pose's table to the next */
+    const float* predictor_centres;           /**< null without a predictor */
     const float* predictor_coefficients;
     const float* load_coefficients;             /**< null without a dead load */
     const float* morph_ranges;                  /**< lows, then highs, padded; null without them */
@@ -163,8 +173,23 @@ PLIANT_API pliant_result pliant_asset_open(pliant_asset* out, const void* blob, 
 PLIANT_API const char* pliant_asset_pose_name(const pliant_asset* asset, uint32_t pose);
 
 /** The reduced coordinates (dimension floats, inside the blob) that reproduce pose `pose`, or null if there is no such
-   pose. The sum of these vectors, with weights of sum 1, is the linear blend: use it to show the difference. */
+   pose. The linear blend, to show the difference, is the sum of w_k c_k over these vectors c_k, with weights w of sum 1; of
+   layers it is c_0 + the sum of v_k (c_k - c_0) over the layers k = 1 .. weight_count, with weights[k - 1] as v_k. */
 PLIANT_API const float* pliant_asset_pose_coordinates(const pliant_asset* asset, uint32_t pose);
+
+/** A weight of a blend. */
+typedef struct pliant_weight {
+    const char* name; /**< of the pose or layer that it belongs to: UTF-8, zero-terminated, inside the blob */
+    /** The range of weights whose blends the baker has measured; of averages 0 and 1, for weights of sum 1. Not a limit: see
+       pliant_solve_info.outside. */
+    float low, high;
+    float initial; /**< the weight to start with: inside the range; of averages 1 / weight_count */
+} pliant_weight;
+
+/** Describes weight `index` of pliant_solve: of averages that of pose `index`, of layers that of pose `index` + 1, a layer.
+   PLIANT_ERROR_ARGUMENT if there is no such weight, and *out is unchanged. For bindings and tools that offer sliders. Cost:
+   linear in the length of the names before it. */
+PLIANT_API pliant_result pliant_asset_weight(const pliant_asset* asset, uint32_t index, pliant_weight* out);
 
 /** The bytes of the chunk with tag `tag` (formats/pliant_format.h), inside the blob; their number in `*size`. Null and
    *size = 0 if the asset has no such chunk. For tools. */
@@ -176,8 +201,8 @@ PLIANT_API const void* pliant_asset_chunk(const pliant_asset* asset, uint32_t ta
 typedef struct pliant_solver_desc {
     uint32_t struct_size; /**< set by pliant_solver_desc_default, do not change */
     /** Largest number of iterations per frame, default 60. With 0 every frame returns the answer of the predictor,
-       q = mean + S z0(w), or the equal-weight average if the asset has no predictor or the surrogate energy cannot be
-       evaluated there. That costs one evaluation, at most two; the status is LIMIT unless that point has converged. */
+       q = mean + S z0(w), or the equal-weight average (of layers the rest shape) if the asset has no predictor or the
+       surrogate energy cannot be evaluated there. That costs one evaluation, at most two; the status is LIMIT unless that point has converged. */
     uint32_t max_iterations;
     /** Largest number of evaluations per frame, default 120, at least 1, never exceeded. Multiply it by the cost of one
        evaluation (runtime/README.md) to bound the time of a frame. From 32 up, a jump may spend a quarter of them on a
@@ -187,9 +212,10 @@ typedef struct pliant_solver_desc {
        tolerance * sqrt(energy scale). Default 1e-3, useful range 1e-4 .. 1e-2: finer values are below the noise of
        single precision. */
     float tolerance;
-    /** Largest change of the weights (sum of absolute differences after normalisation) since the last frame for which the
-       solver starts from that frame, moved by the change of the predictor. For larger changes it starts from the predictor.
-       Default 0.1; with 0 it always starts from the predictor. */
+    /** Largest change of the weights since the last frame for which the solver starts from that frame, moved by the change
+       of the predictor. For larger changes it starts from the predictor. The change of averages is the sum of absolute
+       differences after normalisation. That of layers, any number of which may move at the same time, is the largest
+       absolute difference. Default 0.1; with 0 it always starts from the predictor. */
     float continuity;
 } pliant_solver_desc;
 
@@ -215,7 +241,7 @@ PLIANT_API void pliant_solver_reset(pliant_solver* solver);
    exceeds that of the start by no more than the noise of single precision (2e-5 of the asset's energy scale).
 
    A jump is the first frame, or a change of the weights beyond `continuity`. It starts from the predictor, or from the
-   equal-weight average (z = 0) if the energy is lower there. A descent from the predictor is stuck if it ends
+   equal-weight average (z = 0; of layers the rest shape, here and below) if the energy is lower there. A descent from the predictor is stuck if it ends
    with STALLED or has used three quarters of max_evaluations, and the energy could still fall by more than noise. Then a
    second descent starts from z = 0, within what is left of both limits, and the lower end is returned. So with
    max_iterations > 0 and max_evaluations > 1 a jump ends, up to that noise, no higher than the predictor and no higher
@@ -235,15 +261,22 @@ typedef struct pliant_solve_info {
     pliant_status status; /**< how the frame ended */
     uint32_t iterations;  /**< BFGS steps */
     uint32_t evaluations; /**< evaluations of the surrogate energy and its gradient, including those of line searches */
-    float energy;         /**< surrogate energy relative to the equal-weight average, so it may be negative */
+    float energy;         /**< surrogate energy relative to z = 0 (see pliant_status), so it may be negative */
     float gradient;       /**< norm as in pliant_solver_desc.tolerance, in units of sqrt(energy scale) */
+    /** How far the weights of layers lie outside the ranges that the baker has measured: the largest of (v - high) / (high -
+       low) and (low - v) / (high - low) over the layers. 0 if all are inside, and for averages. The blend outside is what
+       the surrogate energy says, and its error is unknown: it tends to grow with this number. */
+    float outside;
 } pliant_solve_info;
 
-/** Blends: `weights` (pose_count floats, each >= 0, any positive sum) in, `q` (dimension floats) out; `info` may be null.
-   Only the ratios of the weights matter. If weights are invalid it returns an error, and q, info and the solver keep their
+/** Blends: `weights` (weight_count floats) in, `q` (dimension floats) out; `info` may be null. Weights of averages are >= 0
+   with any positive sum, and only their ratios matter. Weights of layers are any finite numbers: weights[k] is that of pose
+   k + 1, may be negative, above 1 and outside its range, and all may be 0. Weights so large that the surrogate energy
+   cannot be evaluated give the rest shape, and STALLED. If weights are invalid it returns an error, and q, info and the solver keep their
    exact bits. It makes no allocation and no system call.
    Cost: if the weights are those of the last frame and that one converged, dimension squared multiply-adds. Otherwise one
-   combination of the surrogate energy's numbers, linear in the number of poses with a weight other than zero; predictor and
+   combination of the surrogate energy's numbers, linear in the number of poses with a weight other than zero (of layers
+   linear in the elements that these change, and about the time of one evaluation for the new rest states); predictor and
    dead load, (pose_count + 2 * dimension) multiply-adds for each centre of the predictor; and (iterations + 1)
    evaluations of the surrogate energy, or a few more. */
 PLIANT_API pliant_result pliant_solve(pliant_solver* solver, const float* weights, float* q, pliant_solve_info* info);

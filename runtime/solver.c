@@ -130,11 +130,13 @@ void pliant_solver_reset(pliant_solver* solver)
 
 /* ------------------------------------------------------------------------------------------------------ weights ---- */
 
-static pliant_result check_weights(const float* weights, uint32_t count)
+static pliant_result check_weights(const pliant_asset* asset, const float* weights)
 {
+    const uint32_t count = asset->pose_count - asset->has_layers;
     float largest = 0.0f;
     for (uint32_t k = 0; k < count; ++k)
         if (!pliant_is_finite(weights[k])) return PLIANT_ERROR_WEIGHT_NOT_FINITE;
+    if (asset->has_layers) return PLIANT_OK;
     for (uint32_t k = 0; k < count; ++k) {
         if (weights[k] < 0.0f) return PLIANT_ERROR_WEIGHT_NEGATIVE;
         if (weights[k] > largest) largest = weights[k];
@@ -154,11 +156,42 @@ static void normalise_weights(const float* weights, uint32_t count, float* norma
     for (uint32_t k = 0; k < count; ++k) normalised[k] /= sum;
 }
 
-static float distance_of_weights(const float* a, const float* b, uint32_t count)
+/* How far weights of layers lie outside their ranges, in widths of these: the worst. In double precision no difference
+   overflows. */
+static float measure_outside(const pliant_asset* asset, const float* weights)
 {
-    float sum = 0.0f;
-    for (uint32_t k = 0; k < count; ++k) sum += fabsf(a[k] - b[k]);
-    return sum;
+    double worst = 0.0;
+    for (uint32_t k = 0; asset->layers && k + 1 < asset->pose_count; ++k) {
+        const double low = (double)asset->layers[k].low, high = (double)asset->layers[k].high, v = (double)weights[k];
+        const double beyond = (v > high ? v - high : low - v) / (high - low);
+        if (beyond > worst) worst = beyond;
+    }
+    return worst < (double)FLT_MAX ? (float)worst : FLT_MAX;
+}
+
+/* Makes solver->weights: normalised, or (1, v) of layers. */
+static void set_weights(pliant_solver* solver, const float* weights)
+{
+    const pliant_asset* asset = &solver->asset;
+    solver->outside = measure_outside(asset, weights);
+    if (!asset->has_layers) {
+        normalise_weights(weights, asset->pose_count, solver->weights);
+        return;
+    }
+    solver->weights[0] = 1.0f;
+    memcpy(solver->weights + 1, weights, (asset->pose_count - 1) * sizeof *weights);
+}
+
+/* The sum of the changes; of layers, any number of which may move at the same time, the largest. */
+static float distance_of_weights(const pliant_asset* asset, const float* a, const float* b)
+{
+    float sum = 0.0f, largest = 0.0f;
+    for (uint32_t k = 0; k < asset->pose_count; ++k) {
+        const float change = fabsf(a[k] - b[k]);
+        sum += change;
+        if (change > largest) largest = change;
+    }
+    return asset->has_layers ? largest : sum;
 }
 
 /* -------------------------------------------------------------------------------------------------------- start ---- */
@@ -193,8 +226,8 @@ static start start_afresh(pliant_solver* solver)
     pliant_bfgs_forget(solver);
     if (!solver->asset.predictor_centres) return start_from_zero(solver);
     const int has_start = may_evaluate(solver) && try_start(solver, solver->start);
-    /* The energy at z = 0 is 0 by definition: a predictor that ends above it is worse than the equal-weight average, and is
-       what was asked for only if nothing is to be minimised. */
+    /* The energy at z = 0 is 0 by definition: a predictor that ends above it is worse than the equal-weight average, or than
+       the rest shape of layers, and is what was asked for only if nothing is to be minimised. */
     if (has_start && (solver->energy <= 0.0 || solver->desc.max_iterations == 0)) return START_PREDICTOR;
     const start zero = start_from_zero(solver);
     return zero == START_NONE && has_start ? START_PREDICTOR : zero;
@@ -214,7 +247,7 @@ static int may_continue(const pliant_solver* solver)
 {
     const pliant_solver_desc* desc = &solver->desc;
     if (!solver->has_history || desc->max_iterations == 0 || !(desc->continuity > 0.0f)) return 0;
-    return distance_of_weights(solver->weights, solver->previous_weights, solver->asset.pose_count) <= desc->continuity;
+    return distance_of_weights(&solver->asset, solver->weights, solver->previous_weights) <= desc->continuity;
 }
 
 /* Also makes the load, which every start needs. */
@@ -267,9 +300,11 @@ static void describe(pliant_solver* solver, pliant_status status, pliant_solve_i
     info->energy = (float)solver->energy;
     info->gradient = sqrtf(fabsf(pliant_bfgs_direction(solver)) / solver->asset.energy_scale);
     if (!pliant_is_finite(info->gradient)) info->gradient = FLT_MAX;
+    info->outside = solver->outside;
 }
 
-/* An asset whose numbers cannot be evaluated anywhere that we looked: the equal-weight average is all there is. */
+/* An asset whose numbers cannot be evaluated anywhere that we looked: the equal-weight average, or the rest shape of layers, is
+   all there is. */
 static void give_up(pliant_solver* solver, float* q, pliant_solve_info* info)
 {
     memcpy(q, solver->asset.mean, solver->asset.dimension * sizeof *q);
@@ -280,6 +315,7 @@ static void give_up(pliant_solver* solver, float* q, pliant_solve_info* info)
     info->evaluations = solver->evaluations;
     info->energy = 0.0f;
     info->gradient = FLT_MAX;
+    info->outside = solver->outside;
 }
 
 /* Whether a descent ended where there was still something to gain but no way to it. One that made all its iterations was
@@ -321,11 +357,10 @@ static pliant_status minimise_jump(pliant_solver* solver)
 pliant_result pliant_solve(pliant_solver* solver, const float* weights, float* q, pliant_solve_info* info)
 {
     if (!solver || solver->magic != SOLVER_MAGIC || !weights || !q) return PLIANT_ERROR_ARGUMENT;
-    const uint32_t m = solver->asset.pose_count;
-    const pliant_result result = check_weights(weights, m);
+    const pliant_result result = check_weights(&solver->asset, weights);
     if (result != PLIANT_OK) return result;
 
-    normalise_weights(weights, m, solver->weights);
+    set_weights(solver, weights);
     solver->iterations = 0;
     solver->evaluations = 0;
     solver->evaluation_limit = solver->desc.max_evaluations;

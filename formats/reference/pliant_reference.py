@@ -13,15 +13,20 @@ import zlib
 
 import numpy as np
 
+from pliant_reference_elements import (combined, evaluate_arap, evaluate_edge, evaluate_hinges, evaluate_neo_hookean,
+                                       evaluate_stvk, evaluate_tie)
+from pliant_reference_layers import (MAX_LAYERS, evaluate_layered_arap, evaluate_layered_hinges,
+                                     evaluate_layered_neo_hookean, read_changes, read_ranges)
 from pliant_reference_scene import Scene
 from pliant_reference_shape import MAX_CLUSTERS, Clusters, Compact, Factored
 from pliant_reference_solid import Layout, Quartic, evaluate_tet_mooney_rivlin, evaluate_tet_stvk
 
 IDENTIFIER = bytes([0xAB]) + b"PLIANT" + bytes([0xBB]) + b"\r\n\x1a\n"
 REQUIRED = ("SOLV", "TRIS", "NAME", "ANSW", "CERT")
-KNOWN = REQUIRED + ("ELEM", "QUAR", "PRED", "LOAD", "REST", "POLY", "VERT", "SMTH", "MRNG", "GLTF", "BASI", "BASC", "BASF",
+KNOWN = REQUIRED + ("ELEM", "QUAR", "LAYR", "PRED", "LOAD", "REST", "POLY", "VERT", "SMTH", "MRNG", "GLTF", "BASI", "BASC", "BASF",
                     "BNDS")
 HINGE, NEO_HOOKEAN, STVK, EDGE, ARAP, TET_STVK, TET_MOONEY_RIVLIN, TIE = range(1, 9)
+LAYERED_HINGE, LAYERED_NEO_HOOKEAN, LAYERED_ARAP = range(9, 12)
 
 
 class FormatError(Exception):
@@ -43,15 +48,16 @@ def pad16(count):
 
 def shape_of(kind, valence, is_closed):
     """R, F, K of a batch (SPEC.md, table of kinds)."""
-    if kind == ARAP:
+    if kind in (ARAP, LAYERED_ARAP):
         edges = valence + (valence if is_closed else valence - 1)
-        return 3 * valence, 0, 4 * edges + 1
+        return (3 * valence, 0, 4 * edges + 1) if kind == ARAP else (3 * valence, edges, 3 * edges)
     return {HINGE: (9, 2, 2), NEO_HOOKEAN: (6, 4, 5), STVK: (6, 0, 9), EDGE: (6, 4, 8), TET_STVK: (9, 0, 27),
-            TET_MOONEY_RIVLIN: (9, 0, 20), TIE: (9, 0, 4)}[kind]
+            TET_MOONEY_RIVLIN: (9, 0, 20), TIE: (9, 0, 4), LAYERED_HINGE: (9, 2, 1), LAYERED_NEO_HOOKEAN: (6, 9, 3)}[kind]
 
 
 class Batch:
-    """Elements of one kind: rows [1+d, R, E], fixed [F, E], poses [m, K, E]."""
+    """Elements of one kind: rows [1+d, R, E], fixed [F, E], poses [m, K, E]. Of layers poses[0] are the numbers for v = 0, and
+    the others how the layers change them: their sum with the weights w = (1, v) is right for both."""
 
     def __init__(self, kind, valence, is_closed, rows, fixed, poses):
         self.kind, self.valence, self.is_closed = kind, valence, is_closed
@@ -61,6 +67,8 @@ class Batch:
 # ------------------------------------------------------------------------------------------------------------ reading --
 
 class Asset:
+    layers = None
+
     def __init__(self, blob, verify=True):
         self.blob = bytes(blob)
         self.read_header()
@@ -68,6 +76,7 @@ class Asset:
         if verify:
             self.verify_checksums()
         self.read_solver()
+        self.read_layers()
         self.batches, self.quartic = [], None
         if "ELEM" in self.chunks:
             self.read_elements()
@@ -90,7 +99,8 @@ class Asset:
         require(size == len(blob), "R04", f"states {size} bytes, has {len(blob)}")
         self.vertex_count, self.triangle_count, self.dimension, self.pose_count = struct.unpack_from("<4I", blob, 32)
         for count, low, high in ((self.chunk_count, 1, 64), (self.vertex_count, 1, 1 << 26),
-                                 (self.triangle_count, 1, 1 << 27), (self.dimension, 1, 256), (self.pose_count, 2, 64)):
+                                 (self.triangle_count, 1, 1 << 27), (self.dimension, 1, 256),
+                                 (self.pose_count, 2, 1 + MAX_LAYERS)):
             require(low <= count <= high, "R05", f"a count is {count}, not in {low} .. {high}")
         self.origin = np.frombuffer(blob, "<f4", 3, 48).astype(float)
         require(np.isfinite(self.origin).all(), "R10", "origin")
@@ -115,6 +125,7 @@ class Asset:
             if tag not in KNOWN and flags & 1:
                 unknown.append(tag)
         require(not unknown, "R07", f"unknown chunks are required: {unknown}")
+        require("LAYR" in self.chunks or self.pose_count <= 64, "R05", f"{self.pose_count} poses without LAYR")
         for tag in REQUIRED:
             require(tag in self.chunks, "R07", f"{tag} is missing")
         require(("ELEM" in self.chunks) != ("QUAR" in self.chunks), "R07", "not exactly one of ELEM and QUAR")
@@ -152,6 +163,14 @@ class Asset:
         self.whitening = table[1:1 + d, :d].T  # columns of S are stored as rows
         self.pose_coordinates = table[1 + d:, :d]
 
+    def read_layers(self):
+        if "LAYR" in self.chunks:
+            data, count = self.counted("LAYR", MAX_LAYERS)
+            require(self.flags["LAYR"] & 1, "R23", "LAYR without the required flag")
+            require(count == self.pose_count - 1, "R23", f"{count} layers of {self.pose_count} poses")
+            require("QUAR" not in self.chunks, "R23", "LAYR and QUAR")
+            self.layers = read_ranges(data, count, require)
+
     def read_elements(self):
         data, count = self.counted("ELEM", 64)
         require(len(data) >= 64 + 64 * count, "R09", "records of ELEM")
@@ -159,14 +178,19 @@ class Asset:
 
     def read_batch(self, data, at, data_start):
         kind, count, valence, is_closed, rows_at, fixed_at, poses_at = struct.unpack_from("<4I3Q", data, at)
-        require(HINGE <= kind <= TIE, "R09", f"element kind {kind}")
+        changes_at, change_count = struct.unpack_from("<QI", data, at + 40)
+        has_layers = self.layers is not None
+        require(HINGE <= kind <= LAYERED_ARAP, "R09", f"element kind {kind}")
+        require(TIE <= kind if has_layers else kind <= TIE, "R23", f"element kind {kind}")
+        require(has_layers or (changes_at == 0 and change_count == 0), "R23", "changes without layers")
         require(1 <= count <= 1 << 22, "R05", f"{count} elements")
-        if kind == ARAP:
+        require(change_count <= (self.pose_count - 1) * pad16(count) // 16, "R05", f"{change_count} changes")
+        if kind in (ARAP, LAYERED_ARAP):
             require(2 <= valence <= 32, "R05", f"valence {valence}")
             require(is_closed == 0 or (is_closed == 1 and valence >= 3), "R14", "is_closed")
         else:
             require(valence == 0 and is_closed == 0, "R14", "valence of a kind without one")
-        require(data[at + 40:at + 64] == bytes(24), "R14", "reserved bytes of a batch")
+        require(data[at + 52:at + 64] == bytes(12), "R14", "reserved bytes of a batch")
         row_count, fixed_count, number_count = shape_of(kind, valence, is_closed)
         lanes = pad16(count)
 
@@ -179,10 +203,14 @@ class Asset:
             return values
 
         arrays = (lanes_of(rows_at, 1 + self.dimension, row_count), lanes_of(fixed_at, fixed_count),
-                  lanes_of(poses_at, self.pose_count, number_count))
+                  lanes_of(poses_at, 1 if has_layers else self.pose_count, number_count))
         if kind in (TET_STVK, TET_MOONEY_RIVLIN):
             require((arrays[0][0] == np.eye(3).reshape(9, 1)).all(), "R17",
                     "a tetrahedron that is not the identity at z = 0")
+        if has_layers:
+            changes = read_changes(data, data_start, changes_at, change_count,
+                                   (self.pose_count - 1, number_count, lanes), require)
+            arrays = *arrays[:2], np.concatenate([arrays[2], changes])
         return Batch(kind, valence, is_closed, *(array[..., :count] for array in arrays))
 
     def read_quartic(self):
@@ -293,8 +321,12 @@ class Asset:
         require(len(data) == 64 + 4 * count * width, "R09", "size of ANSW")
         table = np.frombuffer(data, "<f4", offset=64).reshape(count, width).astype(float)
         weights = table[:, :self.pose_count]
-        require(np.isfinite(table).all() and (weights >= 0).all(), "R13", "ANSW")
-        require((abs(weights.sum(axis=1) - 1) <= 1e-3).all(), "R13", "sum of an answer's weights")
+        require(np.isfinite(table).all(), "R13", "ANSW")
+        if self.layers is not None:
+            require((weights[:, 0] == 1).all(), "R13", "first weight of an answer")
+        else:
+            require((weights >= 0).all(), "R13", "a negative weight of an answer")
+            require((abs(weights.sum(axis=1) - 1) <= 1e-3).all(), "R13", "sum of an answer's weights")
         self.answers = [(row[:self.pose_count], row[self.pose_count:]) for row in table]
 
     def scene(self):
@@ -322,6 +354,11 @@ class Asset:
         width = high - low
         return np.where(width > 0, (q - low) / np.where(width > 0, width, 1), 0)
 
+    def full_weights(self, weights):
+        """w of the SPEC: the weights of an average with sum 1, or (1, v) for weights v of layers."""
+        weights = np.asarray(weights, float)
+        return weights / weights.sum() if self.layers is None else np.concatenate([[1.0], weights])
+
     def features(self, weights):
         """What PRED and LOAD are linear in: the cubed distances from the centres, and the weights."""
         return np.concatenate([np.linalg.norm(weights - self.centres, axis=1) ** 3, weights])
@@ -336,7 +373,8 @@ class Asset:
         return self.features(weights) @ self.load_coefficients
 
     def evaluate(self, z, weights):
-        """Energy and gradient of the surrogate energy, its load included; (inf, None) where it is not defined."""
+        """Energy and gradient of the surrogate energy, its load included, for w as of full_weights(); (inf, None) where it is
+        not defined."""
         gradient = self.load(weights)
         energy = gradient @ z
         if self.quartic is not None:
@@ -358,8 +396,8 @@ class Asset:
         return (np.array(columns) + np.array(columns).T) / 2
 
     def minimise(self, weights, z=None, tolerance=1e-9):
-        """Newton with eigenvalues made positive and Armijo's rule. Returns z, energy."""
-        weights = np.asarray(weights, float) / np.sum(weights)
+        """Newton with eigenvalues made positive and Armijo's rule, for weights as a user gives them. Returns z, energy."""
+        weights = self.full_weights(weights)
         z = self.predict(weights) if z is None else np.array(z, float)
         energy, gradient = self.evaluate(z, weights)
         if gradient is None or energy > 0:
@@ -409,131 +447,9 @@ class Asset:
         return positions.min(axis=0), positions.max(axis=0)
 
 
-# ----------------------------------------------------------------------------------------------------------- elements --
-# Each takes differences [R, E] and returns the energy of the whole batch and its derivatives by the differences, [R, E].
-
-def vectors_of(rows):
-    return rows.reshape(-1, 3, rows.shape[1])
-
-
-def dot(a, b):
-    return (a * b).sum(axis=0)
-
-
-def cross(a, b):
-    return np.cross(a, b, axis=0)
-
-
-def combined(batch, weights):
-    return np.tensordot(weights, batch.poses, 1)
-
-
-def evaluate_hinges(batch, differences, weights):
-    e, a, b = vectors_of(differences)
-    centre, t0 = batch.fixed
-    beta, gamma = combined(batch, weights)
-    n1, n2, length = cross(e, a), cross(b, e), np.sqrt(dot(e, e))
-    theta = np.arctan2(dot(e, cross(n1, n2)) / length, dot(n1, n2))
-    t = theta - centre
-    t = t - 2 * np.pi * np.round(t / (2 * np.pi))
-    energy = ((t - t0) * (beta * (t + t0) - 2 * gamma)).sum()
-    slope = 2 * (beta * t - gamma)
-    # Gradient of the dihedral angle: the opposite vertices move it by length / |N|^2 along the normals; the edge's end takes
-    # the share that its position along the edge demands, as a rotation of the whole leaves the angle alone.
-    u1, u2 = n1 * (length / dot(n1, n1)), n2 * (length / dot(n2, n2))
-    along1, along2 = dot(a, e) / dot(e, e), dot(b, e) / dot(e, e)
-    force = np.stack([along1 * u1 + along2 * u2, -u1, -u2]) * slope
-    return energy, force.reshape(9, -1)
-
-
-def face_metric(batch, differences):
-    """e, a and the change of the metric since z = 0."""
-    e, a = vectors_of(differences)
-    e0, a0 = vectors_of(batch.rows[0])
-    de, da = e - e0, a - a0
-    return e, a, dot(e + e0, de), dot(de, a) + dot(e0, da), dot(a + a0, da)
-
-
-def face_force(e, a, f11, f12, f22):
-    return np.stack([2 * f11 * e + f12 * a, f12 * e + 2 * f22 * a]).reshape(6, -1)
-
-
-def evaluate_neo_hookean(batch, differences, weights):
-    e, a, g11, g12, g22 = face_metric(batch, differences)
-    i11, i12, i22, r = batch.fixed
-    l11, l12, l22, area, barrier = combined(batch, weights)
-    det = g11 * g22 - g12 ** 2
-    u = i11 * g11 + 2 * i12 * g12 + i22 * g22 + r * det
-    if (u <= -1).any():
-        return np.inf, None
-    energy = (l11 * g11 + l12 * g12 + l22 * g22 + area * det - barrier * (np.log1p(u) - u)).sum()
-    fu = barrier * (1 - 1 / (1 + u))
-    f11 = l11 + area * g22 + fu * (i11 + r * g22)
-    f12 = l12 - 2 * area * g12 + fu * (2 * i12 - 2 * r * g12)
-    f22 = l22 + area * g11 + fu * (i22 + r * g11)
-    return energy, face_force(e, a, f11, f12, f22)
-
-
-def evaluate_stvk(batch, differences, weights):
-    e, a, *g = face_metric(batch, differences)
-    g, c = np.array(g), combined(batch, weights)
-    linear, matrix = c[:3], c[[[3, 4, 5], [4, 6, 7], [5, 7, 8]]]
-    product = (matrix * g).sum(axis=1)
-    return (linear * g + g * product / 2).sum(), face_force(e, a, *(linear + product))
-
-
-def evaluate_edge(batch, differences, weights):
-    e, a = vectors_of(differences)
-    normal = cross(e, a)
-    lengths = np.sqrt(np.stack([dot(e, e), dot(a, a), dot(a - e, a - e), dot(normal, normal) / 4]))
-    c, b = combined(batch, weights).reshape(4, 2, -1).transpose(1, 0, 2)
-    energy = ((lengths - batch.fixed) * (c * (lengths + batch.fixed) - 2 * b)).sum()
-    slope = 2 * (c * lengths - b)
-    f1, f2, f3 = slope[0] * e / lengths[0], slope[1] * a / lengths[1], slope[2] * (a - e) / lengths[2]
-    unit = slope[3] * normal / (4 * lengths[3])  # d area = n . d(e x a) / (2 |e x a|)
-    return energy, np.stack([f1 - f3 + cross(a, unit), f2 + f3 - cross(e, unit)]).reshape(6, -1)
-
-
-def evaluate_arap(batch, differences, weights):
-    def edges_of(rows):
-        spokes = vectors_of(rows)
-        rims = np.roll(spokes, -1, axis=0) - spokes
-        return np.concatenate([spokes, rims if batch.is_closed else rims[:-1]])
-
-    edges, edges0 = edges_of(differences), edges_of(batch.rows[0])
-    growth = (edges ** 2 - edges0 ** 2).sum(axis=1)
-    energy, edge_force = 0.0, np.zeros_like(edges)
-    for weight, numbers in zip(weights, batch.poses):
-        per_edge, sigma0 = numbers[:-1].reshape(len(edges), 4, -1), numbers[-1]
-        c, p = per_edge[:, 0], per_edge[:, 1:]
-        moments = np.einsum("nie,nje->eij", edges, p)
-        left, values, right = np.linalg.svd(moments)
-        values[:, 2] *= np.sign(np.linalg.det(left @ right))
-        left[:, :, 2] *= np.sign(np.linalg.det(left @ right))[:, None]
-        energy += weight * ((c * growth).sum() - 2 * (values.sum(axis=1) - sigma0).sum())
-        edge_force += weight * 2 * (c[:, None] * edges - np.einsum("eij,nje->nie", left @ right, p))
-    force = edge_force[:batch.valence].copy()
-    for i, rim in enumerate(edge_force[batch.valence:]):
-        force[(i + 1) % batch.valence] += rim
-        force[i] -= rim
-    return energy, force.reshape(3 * batch.valence, -1)
-
-
-def evaluate_tie(batch, differences, weights):
-    def place(rows):
-        r, e1, e2 = vectors_of(rows)
-        return np.stack([dot(r, e1), dot(r, e2), dot(r, cross(e1, e2))])
-
-    r, e1, e2 = vectors_of(differences)
-    kappa, pull = np.split(combined(batch, weights), [1])
-    moved = place(differences) - place(batch.rows[0])
-    f1, f2, f3 = 2 * kappa * moved + pull
-    force = np.stack([f1 * e1 + f2 * e2 + f3 * cross(e1, e2), f1 * r + f3 * cross(e2, r), f2 * r + f3 * cross(r, e1)])
-    return (moved * (kappa * moved + pull)).sum(), force.reshape(9, -1)
-
-
 EVALUATE = {HINGE: evaluate_hinges, NEO_HOOKEAN: evaluate_neo_hookean, STVK: evaluate_stvk, EDGE: evaluate_edge,
-            ARAP: evaluate_arap, TIE: evaluate_tie,
+            ARAP: evaluate_arap, TIE: evaluate_tie, LAYERED_HINGE: evaluate_layered_hinges,
+            LAYERED_NEO_HOOKEAN: evaluate_layered_neo_hookean, LAYERED_ARAP: evaluate_layered_arap,
             TET_STVK: lambda batch, rows, weights: evaluate_tet_stvk(combined(batch, weights), rows),
             TET_MOONEY_RIVLIN: lambda batch, rows, weights: evaluate_tet_mooney_rivlin(combined(batch, weights), rows)}
 
@@ -541,7 +457,7 @@ EVALUATE = {HINGE: evaluate_hinges, NEO_HOOKEAN: evaluate_neo_hookean, STVK: eva
 def main():
     parser = argparse.ArgumentParser(description="numpy reference of the .pliant format")
     parser.add_argument("asset")
-    parser.add_argument("--weights", help="comma-separated, one a pose")
+    parser.add_argument("--weights", help="comma-separated, one a pose, or one a layer")
     parser.add_argument("-o", "--output", help="text file, one vertex a line")
     options = parser.parse_args()
     try:
@@ -556,12 +472,18 @@ def main():
           + (", ".join(f"{batch.rows.shape[2]} elements of kind {batch.kind}" for batch in asset.batches)
              or f"{asset.quartic.indices.shape[0]} coefficients"))
     print("chunks", *(f"{tag}:{size}" for tag, (_, size) in asset.chunks.items()))
+    for name, (low, high, initial) in zip(asset.names[1:], asset.layers if asset.layers is not None else []):
+        print(f"layer {name}: {low:.6g} .. {high:.6g}, at first {initial:.6g}")
     if scene:
         print(f"scene: {len(scene.parts)} parts, {len(scene.materials)} materials, {len(scene.images)} images")
     if options.weights is None:
         return 0
     weights = np.array([float(text) for text in options.weights.split(",")])
-    if len(weights) != asset.pose_count or not (weights >= 0).all() or not weights.sum() > 0:
+    if asset.layers is not None:
+        if len(weights) != len(asset.layers) or not np.isfinite(weights).all():
+            print(f"--weights: need {len(asset.layers)} finite numbers", file=sys.stderr)
+            return 2
+    elif len(weights) != asset.pose_count or not (weights >= 0).all() or not weights.sum() > 0:
         print(f"--weights: need {asset.pose_count} numbers >= 0, not all zero", file=sys.stderr)
         return 2
     z, energy = asset.minimise(weights)

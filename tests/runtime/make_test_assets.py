@@ -2,8 +2,8 @@
 
 NAME.pliant and NAME.expect, a text file of lines
     evaluate  m weights  d z  energy  d gradient
-    solve     m weights  d q
-    predict   m weights  d q of the predictor alone
+    solve     weights  d q
+    predict   weights  d q of the predictor alone
     normals   d q  3 numbers of the normal for each vertex of the boundary
 and assets.txt, the names. Skips what is up to date with this script and its modules.
 """
@@ -54,6 +54,18 @@ ASSETS = {
                         ranges=True),
     "beam_ranges": dict(mesh="beam", size=(4, 3), poses=2, dimension=5, material="mooney-rivlin", predictor=True,
                         ranges=True),
+    "layers_line": dict(mesh="strip", size=(5, 2), poses=2, dimension=1, material="neo-hookean", layers=True),
+    "layers_neo": dict(mesh="strip", size=(9, 3), poses=4, dimension=6, material="neo-hookean", predictor=True, layers=True,
+                       polygons=True),
+    "layers_arap": dict(mesh="strip", size=(8, 3), poses=3, dimension=4, material="arap", layers=True),
+    "layers_tied": dict(mesh="strip", size=(6, 3), poses=3, dimension=5, material="tied", predictor=True, layers=True,
+                        factored=1e-4),
+    "layers_mixed": dict(mesh="tube", size=(6, 5), poses=4, dimension=8, material="mixed", predictor=True, load=True,
+                         layers=True, ranges=True),
+    "layers_tube": dict(mesh="tube", size=(9, 6), poses=4, dimension=17, material="neo-hookean", predictor=True, load=True,
+                        layers=True, compact=1e-5),
+    "layers_many": dict(mesh="strip", size=(7, 3), poses=65, dimension=5, material="neo-hookean", predictor=True,
+                        layers=True),
     "twelve_poses": dict(mesh="strip", size=(8, 4), poses=12, dimension=16, material="neo-hookean", predictor=True),
 }
 
@@ -62,23 +74,37 @@ def line(*parts):
     return " ".join(part if isinstance(part, str) else " ".join(f"{x:.17g}" for x in np.atleast_1d(part)) for part in parts)
 
 
+def random_layers(asset, random):
+    """A few layers at a time, a little outside their ranges, too."""
+    low, high, _ = asset.layers.T
+    return (low + (high - low) * random.uniform(-0.1, 1.1, len(low))) * (random.random(len(low)) < 3 / len(low)) * 0.7
+
+
 def expectations(asset):
     """Evaluations at random points of growing size, and blends at corners, the middle and in between."""
     random = np.random.default_rng(7)
     m, d = asset.pose_count, asset.dimension
     lines = []
+
+    def random_weights():
+        return random.dirichlet(np.ones(m)) if asset.layers is None else random_layers(asset, random)
+
     for size in (0.0, 0.01, 0.1, 0.3) * 3:
-        w = random.dirichlet(np.ones(m)).astype(np.float32).astype(float)
+        w = random_weights().astype(np.float32).astype(float)
+        w = w if asset.layers is None else asset.full_weights(w)
         z = (size * np.sqrt(asset.energy_scale) * random.standard_normal(d)).astype(np.float32).astype(float)
         energy, gradient = asset.evaluate(z, w)
         if np.isfinite(energy):
             lines.append(line("evaluate", w, z, energy, gradient))
-    weights = list(np.eye(m)[:3]) + [np.full(m, 1 / m)] + list(random.dirichlet(np.ones(m), 4))
-    for w in weights:
+    if asset.layers is None:
+        weights = [*np.eye(m)[:3], np.full(m, 1 / m)]
+    else:
+        weights = [*np.eye(m - 1)[:3], np.zeros(m - 1), -0.5 * np.eye(m - 1)[0]]
+    for w in weights + [random_weights() for _ in range(4)]:
         w = w.astype(np.float32).astype(float)
         z, _ = asset.minimise(w)
         lines.append(line("solve", w, asset.coordinates(z)))
-        lines.append(line("predict", w, asset.coordinates(asset.predict(w))))
+        lines.append(line("predict", w, asset.coordinates(asset.predict(asset.full_weights(w)))))
     for _ in range(2):
         q = random.standard_normal(d).astype(np.float32).astype(float) * 0.1
         q = (asset.pose_coordinates[-1] + q * abs(asset.pose_coordinates[-1]).max()).astype(np.float32).astype(float)

@@ -12,11 +12,13 @@ from types import SimpleNamespace
 import numpy as np
 
 import tiny_elements
+import tiny_layers
 import tiny_mesh
 import tiny_scene
 import tiny_shape
 import tiny_solids
-from pliant_reference import IDENTIFIER, TET_STVK, TIE, Asset, Batch, pad16
+from pliant_reference import (IDENTIFIER, LAYERED_ARAP, LAYERED_HINGE, LAYERED_NEO_HOOKEAN, TET_STVK, TIE, Asset, Batch,
+                              pad16)
 from pliant_reference_solid import Layout, Quartic
 
 
@@ -25,8 +27,8 @@ from pliant_reference_solid import Layout, Quartic
 class StandIn(Asset):
     """The evaluator of the reference without a file behind it."""
 
-    def __init__(self, batches, dimension, energy_scale=1.0):
-        self.batches, self.dimension, self.energy_scale = batches, dimension, energy_scale
+    def __init__(self, batches, dimension, layers=None):
+        self.batches, self.dimension, self.energy_scale, self.layers = batches, dimension, 1.0, layers
         self.centres = self.load_coefficients = self.quartic = None
 
 
@@ -37,32 +39,40 @@ def sample_weights(m):
     return np.array(corners + middles + ([np.full(m, 1 / m)] if m > 2 else []))
 
 
-def make_mesh(mesh, size):
+def make_mesh(mesh, size, has_layers):
     """Rest positions, triangles, cells, the module that knows their elements, and for a solid what VERT says."""
     if mesh == "beam":
         rest, tets, source, boundary_count = tiny_solids.beam(*size)
         return rest, tiny_solids.boundary_of(tets), tets, tiny_solids, (source, boundary_count)
     rest, faces = getattr(tiny_mesh, mesh)(*size)
-    return rest, faces, tiny_elements.Topology(faces, len(rest)), tiny_elements, None
+    return rest, faces, tiny_elements.Topology(faces, len(rest)), tiny_layers if has_layers else tiny_elements, None
 
 
-def make_model(mesh, size, poses, dimension, material, predictor, load, seed, quartic=False):
+def find_average(make, x, basis, dimension):
+    """The equal-weight average is z = 0, its inverse Hessian S S^T: first around pose 0, then around the average."""
+    equal = np.full(len(x), 1 / len(x))
+    mean, _ = StandIn(make(x[0], basis), dimension).minimise(equal, np.tensordot(basis, x.mean(axis=0) - x[0], 2))
+    return mean, equal
+
+
+def make_model(mesh, size, poses, dimension, material, predictor, load, seed, quartic=False, has_layers=False):
     """All numbers of an asset, in double precision."""
     random = np.random.default_rng(seed)
-    rest, faces, topology, elements, vertices = make_mesh(mesh, size)
-    x = tiny_mesh.make_poses(rest, poses, random)
-    basis = tiny_mesh.make_subspace(x, rest, dimension, random)
-    equal = np.full(poses, 1 / poses)
+    rest, faces, topology, elements, vertices = make_mesh(mesh, size, has_layers)
+    x = (tiny_layers if has_layers else tiny_mesh).make_poses(rest, poses, random)
+    basis = tiny_mesh.make_subspace(x[:1 + tiny_layers.FREE] if has_layers else x, rest, dimension, random)
+    layers = tiny_layers.ranges(poses - 1) if has_layers else None
 
-    # The equal-weight average is z = 0, its inverse Hessian S S^T: first around pose 0, then around the average.
-    stand_in = StandIn(elements.make_batches(topology, x, material, x[0], basis), dimension)
-    mean, _ = stand_in.minimise(equal, np.tensordot(basis, x.mean(axis=0) - x[0], 2))
+    def make(base, directions):
+        return elements.make_batches(topology, x, material, base, directions)
+
+    mean, middle = (np.zeros(dimension), np.eye(poses)[0]) if has_layers else find_average(make, x, basis, dimension)
     centre = x[0] + np.tensordot(mean, basis, 1)
-    stand_in = StandIn(elements.make_batches(topology, x, material, centre, basis), dimension)
-    values, vectors = np.linalg.eigh(stand_in.hessian(np.zeros(dimension), equal))
+    stand_in = StandIn(make(centre, basis), dimension)
+    values, vectors = np.linalg.eigh(stand_in.hessian(np.zeros(dimension), middle))
     whitening = vectors / np.sqrt(values)
     directions = np.tensordot(whitening.T, basis, 1)
-    stand_in = StandIn(elements.make_batches(topology, x, material, centre, directions), dimension)
+    stand_in = StandIn(make(centre, directions), dimension, layers)
 
     def absolute(weights, y):
         return elements.absolute_energy(topology, x, material, weights, y)
@@ -71,18 +81,19 @@ def make_model(mesh, size, poses, dimension, material, predictor, load, seed, qu
         stand_in.quartic, stand_in.batches = tiny_solids.quartic_of(stand_in.batches[0], dimension), []
 
     # The surrogate energy and the textbook differ by a constant, or one of them is wrong.
-    w = random.dirichlet(np.ones(poses))
+    w = tiny_layers.random_weights(poses, random) if has_layers else random.dirichlet(np.ones(poses))
     z = 0.05 * random.standard_normal(dimension)
     relative = stand_in.evaluate(z, w)[0]
     textbook = absolute(w, centre + np.tensordot(z, directions, 1)) - absolute(w, centre)
-    if not abs(relative - textbook) < 1e-9 * absolute(equal, centre):
+    size = max(abs(absolute(middle, centre)), abs(absolute(w, centre)), abs(textbook))
+    if not abs(relative - textbook) < 1e-9 * size:
         raise AssertionError(f"{material}: the surrogate energy gives {relative}, the definition {textbook}")
 
-    samples = sample_weights(poses)
-    answers = [stand_in.minimise(w, np.zeros(dimension))[0] for w in samples]
+    samples = (tiny_layers if has_layers else sys.modules[__name__]).sample_weights(poses)
+    answers = [stand_in.minimise(user_weights(w, layers), np.zeros(dimension))[0] for w in samples]
     scale = np.mean([absolute(w, centre) + stand_in.evaluate(z, w)[0] for w, z in zip(samples, answers)])
     model = SimpleNamespace(x=x, faces=faces, basis=basis, mean=mean, whitening=whitening, stand_in=stand_in, scale=scale,
-                            samples=samples, answers=answers, centres=None, coefficients=None, load=None, vertices=vertices,
+                            samples=samples, answers=answers, centres=None, coefficients=None, load=None, vertices=vertices, layers=layers,
                             pose_coordinates=np.array([np.tensordot(basis, pose - x[0], 2) for pose in x]))
     if predictor:
         model.centres = samples
@@ -92,6 +103,16 @@ def make_model(mesh, size, poses, dimension, material, predictor, load, seed, qu
     return model
 
 
+def user_weights(w, layers):
+    return w if layers is None else w[1:]
+
+
+def with_wrong_weight(batch, factors, layers):
+    if layers is not None:
+        return tiny_layers.weighted(batch, factors)
+    return Batch(batch.kind, batch.valence, batch.is_closed, batch.rows, batch.fixed, batch.poses * factors)
+
+
 def add_load(model, random):
     """Elements with wrong weights, as a coarse sample of a mesh has them, and the load that puts the minimisers back where
     those of the right ones are. z stays whitened for the right ones."""
@@ -99,19 +120,19 @@ def add_load(model, random):
     quartic = model.stand_in.quartic
     if quartic is not None:
         quartic = Quartic(quartic.indices, quartic.coefficients * random.uniform(0.7, 1.3, (len(quartic.coefficients), 1)))
-    rough = [Batch(batch.kind, batch.valence, batch.is_closed, batch.rows, batch.fixed,
-                   batch.poses * random.uniform(0.6, 1.4, batch.poses.shape[2])) for batch in model.stand_in.batches]
-    unloaded, loaded = StandIn(rough, dimension), StandIn(rough, dimension)
+    rough = [with_wrong_weight(batch, random.uniform(0.6, 1.4, batch.poses.shape[2]), model.layers)
+             for batch in model.stand_in.batches]
+    unloaded, loaded = StandIn(rough, dimension, model.layers), StandIn(rough, dimension, model.layers)
     unloaded.quartic = loaded.quartic = quartic
     forces = [unloaded.evaluate(z, w)[1] for w, z in zip(model.samples, model.answers)]
     model.load = fit_predictor(model.samples, -np.array(forces))
     loaded.centres, loaded.load_coefficients = model.samples, model.load
 
     def error(stand_in):
-        found = [stand_in.minimise(w, z)[0] for w, z in zip(model.samples, model.answers)]
+        found = [stand_in.minimise(user_weights(w, model.layers), z)[0] for w, z in zip(model.samples, model.answers)]
         return abs(np.array(found) - model.answers).max() / abs(np.array(model.answers)).max()
 
-    if not (error(loaded) < 1e-6 and error(unloaded) > 1e-2):
+    if not (error(loaded) < 1e-6 and error(unloaded) > 2e-3):
         raise AssertionError(f"off by {error(loaded)} with the load, {error(unloaded)} without: this load tests nothing")
     model.stand_in = loaded
 
@@ -153,15 +174,39 @@ def lanes_of(values, repeat):
     return np.pad(values, [(0, 0)] * (values.ndim - 1) + [(0, extra)], "edge" if repeat else "constant")
 
 
-def element_chunk(batches):
+def arrays_of(batch, has_layers):
+    """Rows, fixed numbers, numbers in whole groups of lanes: what weights an element is zero behind the last."""
+    fixed = lanes_of(batch.fixed, batch.kind != LAYERED_ARAP)
+    if has_layers and batch.kind in (LAYERED_HINGE, LAYERED_NEO_HOOKEAN):
+        fixed[1 if batch.kind == LAYERED_HINGE else 7:, batch.fixed.shape[1]:] = 0
+    return lanes_of(batch.rows, True), fixed, lanes_of(batch.poses, batch.kind in (LAYERED_HINGE, LAYERED_NEO_HOOKEAN))
+
+
+def changes_of(poses):
+    """The changes of layers [m-1, K, P] by groups that have any: records, changes."""
+    groups = poses.reshape(*poses.shape[:2], -1, 16).transpose(0, 2, 1, 3)
+    kept = (abs(groups) > 1e-9).any(axis=(2, 3))
+    return np.argwhere(kept).astype("<u4").tobytes(), floats(groups[kept]), int(kept.sum())
+
+
+def element_chunk(batches, has_layers=False):
     head, data, start = struct.pack("<I60x", len(batches)), b"", 64 + 64 * len(batches)
     for batch in batches:
-        offsets = []
-        for values, repeat in ((batch.rows, True), (batch.fixed, True), (batch.poses, False)):
+        rows, fixed, poses = arrays_of(batch, has_layers)
+        offsets, count = [], 0
+        for values in (rows, fixed, poses[0] if has_layers else poses):
             offsets.append(start + len(data))
-            data = align(data + floats(lanes_of(values, repeat)), 64)
-        head += struct.pack("<4I3Q24x", batch.kind, batch.rows.shape[2], batch.valence, batch.is_closed, *offsets)
+            data = align(data + floats(values), 64)
+        offsets.append(start + len(data) if has_layers else 0)
+        if has_layers:
+            records, changes, count = changes_of(poses[1:])
+            data = align(align(data + records, 64) + changes, 64)
+        head += struct.pack("<4I4QI12x", batch.kind, batch.rows.shape[2], batch.valence, batch.is_closed, *offsets, count)
     return head + data
+
+
+def layer_chunk(layers):
+    return struct.pack("<I60x", len(layers)) + floats(np.column_stack([layers, np.zeros(len(layers))]))
 
 
 def quartic_chunk(quartic, dimension):
@@ -235,7 +280,9 @@ def chunks_of(model, polygons, compact=0.0, smoothing=False, ranges=False, scene
     if model.stand_in.quartic is not None:
         chunks.append(("QUAR", 1, quartic_chunk(model.stand_in.quartic, d)))
     else:
-        chunks.append(("ELEM", 1, element_chunk(model.stand_in.batches)))
+        chunks.append(("ELEM", 1, element_chunk(model.stand_in.batches, model.layers is not None)))
+    if model.layers is not None:
+        chunks.append(("LAYR", 1, layer_chunk(model.layers)))
     if model.centres is not None:
         chunks.append(("PRED", 0, predictor_chunk(model)))
     if model.load is not None:
@@ -265,6 +312,8 @@ def chunks_of(model, polygons, compact=0.0, smoothing=False, ranges=False, scene
 
 def oldest_minor(chunks):
     """The format version that has all that a file holds."""
+    if "LAYR" in chunks:
+        return 5
     if "BASF" in chunks:
         return 4
     if any(tag in chunks for tag in ("BASC", "BNDS", "MRNG", "GLTF")):
@@ -298,8 +347,8 @@ def assemble(counts, origin, chunks):
 
 def make_asset(mesh="strip", size=(7, 3), poses=2, dimension=4, material="neo-hookean", predictor=False, load=False,
                polygons=False, seed=1, quartic=False, compact=0.0, smoothing=False, ranges=False,
-               scene=False, factored=0.0):
-    model = make_model(mesh, size, poses, dimension, material, predictor, load, seed, quartic)
+               scene=False, factored=0.0, layers=False):
+    model = make_model(mesh, size, poses, dimension, material, predictor, load, seed, quartic, layers)
     return assemble(*chunks_of(model, polygons, compact, smoothing, ranges, scene, factored))
 
 
@@ -322,6 +371,7 @@ def main():
     parser.add_argument("--factored", type=float, default=0.0, help="BASF of about this accuracy, and BNDS")
     parser.add_argument("--ranges", action="store_true", help="with MRNG")
     parser.add_argument("--scene", action="store_true", help="with GLTF: two parts, a texture, vertex colours")
+    parser.add_argument("--layers", action="store_true", help="LAYR: pose 0 is the rest shape, the others are layers")
     parser.add_argument("--seed", type=int, default=1)
     options = parser.parse_args()
     if options.load and not options.predictor:
@@ -330,11 +380,13 @@ def main():
         parser.error("a beam and the materials of tetrahedra go together")
     if options.compact and options.factored:
         parser.error("--compact and --factored exclude each other")
+    if options.layers and options.material not in ("neo-hookean", "arap", "mixed", "tied"):
+        parser.error("--layers needs --material neo-hookean, arap, mixed or tied")
     if options.quartic and options.material != "tet-stvk":
         parser.error("--quartic needs --material tet-stvk: no other is a polynomial")
     blob = make_asset(options.mesh, options.size, options.poses, options.dim, options.material, options.predictor,
                       options.load, options.polygons, options.seed, options.quartic, options.compact,
-                      options.smoothing, options.ranges, options.scene, options.factored)
+                      options.smoothing, options.ranges, options.scene, options.factored, options.layers)
     with open(options.output, "wb") as file:
         file.write(blob)
     return 0
