@@ -38,6 +38,7 @@ static batch_view view_batch(const pliant_asset* asset, uint32_t index)
     view.row_count = shape.row_count;
     view.fixed_count = shape.fixed_count;
     view.pose_number_count = shape.pose_number_count;
+    if (view.is_layered && kind == PLIANT_ELEMENT_ARAP_CELL) ++view.pose_number_count; /* see pliant_arap_poses */
     view.stride = pliant_pad_lanes(batch->element_count);
     view.rows = (const float*)(const void*)(asset->elements + batch->rows_offset);
     view.fixed = (const float*)(const void*)(asset->elements + batch->fixed_offset);
@@ -207,8 +208,12 @@ double pliant_elements_evaluate(const pliant_kernels* kernels, const pliant_asse
         locate_numbers(&batch, combined);
         combined += combined_floats(&batch);
         const size_t size = block_lanes(batch.row_count), column_floats = batch.row_count * batch.stride;
-        const pliant_arap_poses poses = { batch.valence, batch.edge_count, batch.is_layered ? &one : weights,
-                                          batch.is_layered ? 1 : asset->pose_count, batch.pose_number_count * batch.stride };
+        const pliant_arap_poses poses = { batch.valence,
+                                          batch.edge_count,
+                                          batch.is_layered ? &one : weights,
+                                          batch.is_layered ? 1 : asset->pose_count,
+                                          batch.pose_number_count * batch.stride,
+                                          batch.is_layered };
         for (size_t first = 0; first < batch.stride; first += size) {
             const size_t lanes = batch.stride - first < size ? batch.stride - first : size;
             const pliant_block block = {

@@ -369,6 +369,8 @@ static PLIANT_INLINE void add_rotated_pose(const pliant_element_group* group, co
     sum_moments(poses->valence, start, grown, targets, moments);
     measure_sigma(moments, rotation, sigma);
     for (size_t l = 0; l < PLIANT_LANES; ++l) energy[l] += (double)factor * (sigma[l] - (double)sigma0[l]);
+    for (size_t l = 0; poses->is_finished && l < PLIANT_LANES; ++l)
+        energy[l] -= (double)factor * (double)sigma0[group->stride + l];
     add_rotated(poses->valence, factor, rotation, targets, force);
 }
 
@@ -396,8 +398,8 @@ static PLIANT_INLINE void evaluate_arap_cell(const pliant_element_group* group, 
     for (size_t l = 0; l < PLIANT_LANES; ++l) energy[l] += (float)sum[l];
 }
 
-/* A cell of layers: c of the edges to where the plain kind has it, and sigma0 by the steps of the evaluation, so that the
-   energy at z = 0 is 0 but for the rounding of sigma0. */
+/* A cell of layers: c of the edges to where the plain kind has it, and sigma0 by the steps of the evaluation and with the
+   digits that a float lacks, so that the energy at z = 0 is 0: sigma is some thousand times the energies that count. */
 static PLIANT_INLINE void finish_arap_cell(const pliant_element_group* group, const pliant_arap_poses* poses,
                                            float* PLIANT_RESTRICT plain)
 {
@@ -412,7 +414,10 @@ static PLIANT_INLINE void finish_arap_cell(const pliant_element_group* group, co
     sum_targets(group, poses, plain, targets);
     sum_moments(poses->valence, start, grown, targets, moments);
     measure_sigma(moments, rotation, sigma);
-    for (size_t l = 0; l < PLIANT_LANES; ++l) sigma0[l] = (float)sigma[l];
+    for (size_t l = 0; l < PLIANT_LANES; ++l) {
+        sigma0[l] = (float)sigma[l];
+        sigma0[group->stride + l] = (float)(sigma[l] - (double)sigma0[l]);
+    }
 }
 
 PLIANT_WIDE_KERNEL(finish_arap_cell,

@@ -60,14 +60,15 @@ static PLIANT_INLINE void finish_hinge(const pliant_element_group* group, const 
 /* Of h and k: no blend stretches by more than exp(8), and what is beyond stays finite. */
 #define LARGEST_STRAIN 16.0f
 
-/* X = exp(-S), S = h + (p q; q -p). The eigenvalues of S - h are +-k0. */
+/* X = exp(-S) minus the identity, S = h + (p q; q -p), where the eigenvalues of S - h are +-k0. */
 typedef struct inverse_stretch {
     float x11, x12, x22;
-    float area; /* J = exp(h) */
+    float area, size; /* J = exp(h); exp(-2h) - 1 */
 } inverse_stretch;
 
-/* The smaller one of X's diagonal entries is cosh k - sinh k for a diagonal S: written as exp(-k) plus what is positive, so
-   that rounding cannot make X indefinite, which would leave the energy without a lower bound. */
+/* Minus the identity, since the strains of a layer are small and would lose their digits. The smaller one of X's diagonal
+   entries is cosh k - sinh k for a diagonal S: written as exp(-k) plus what is positive, so that rounding cannot make X
+   indefinite, which would leave the energy without a lower bound. */
 static PLIANT_INLINE inverse_stretch invert_stretch(float s11, float s12, float s22)
 {
     const float mean = 0.5f * s11 + 0.5f * s22, p = 0.5f * s11 - 0.5f * s22, q = s12;
@@ -79,17 +80,21 @@ static PLIANT_INLINE inverse_stretch invert_stretch(float s11, float s12, float 
     const float k0 = large * sqrtf(1.0f + t * t);
     const float k = k0 < LARGEST_STRAIN ? k0 : LARGEST_STRAIN;
     const float cut = k0 < LARGEST_STRAIN ? 1.0f : LARGEST_STRAIN / k0;
-    const float grown = pliant_exp(k), shrunk = 1.0f / grown;
-    const float ratio = cut * pliant_sinh_ratio(k, grown);
+    const float grown = pliant_expm1(k), shrunk = -grown / (1.0f + grown); /* exp(k) - 1, exp(-k) - 1 */
+    const float ratio = cut * pliant_sinh_ratio(k, 1.0f + grown);
     const float sum = k0 + ap;
     const float low = shrunk + ratio * (aq * (aq / (sum > 0.0f ? sum : 1.0f))); /* aq^2 / (k0 + ap) = k0 - ap */
     const float high = 0.5f * (grown + shrunk) + ratio * ap;
+    const float x11 = p > 0.0f ? low : high, x22 = p > 0.0f ? high : low;
+    /* exp(|h|) - 1 and exp(-|h|) - 1: 1 added to the second one of a small shape would have no digits left. */
+    const float wider = pliant_expm1(fabsf(h)), inverse = 1.0f / (1.0f + wider), narrower = -wider * inverse;
+    const float scale = h > 0.0f ? narrower : wider; /* exp(-h) - 1 */
     inverse_stretch x;
-    x.area = pliant_exp(h);
-    const float scale = 1.0f / x.area;
-    x.x11 = scale * (p > 0.0f ? low : high);
-    x.x22 = scale * (p > 0.0f ? high : low);
-    x.x12 = -scale * ratio * q;
+    x.x11 = x11 + scale * (1.0f + x11);
+    x.x22 = x22 + scale * (1.0f + x22);
+    x.x12 = -(h > 0.0f ? inverse : 1.0f + wider) * ratio * q;
+    x.area = h > 0.0f ? 1.0f + wider : inverse;
+    x.size = scale * (2.0f + scale);
     return x;
 }
 
@@ -106,21 +111,25 @@ static PLIANT_INLINE void finish_face_neo_hookean(const pliant_element_group* gr
         const float a = fixed[7 * s + l], b = fixed[8 * s + l];
         const inverse_stretch x = invert_stretch(plain[4 * s + l], plain[5 * s + l], plain[6 * s + l]);
 
-        /* N = E X E^T, the inverse metric of the rest state, and its determinant over that at z = 0. */
+        /* N - i with N = E X E^T, the inverse metric of the rest state: E (X - 1) E^T, and what i and r differ from E E^T
+           and its determinant by, which is their rounding if the shape at z = 0 is the rest shape. */
+        const double f11 = (double)e11, f12 = (double)e12, f22 = (double)e22;
         const float y11 = e11 * x.x11 + e12 * x.x12, y12 = e11 * x.x12 + e12 * x.x22;
-        const float n11 = y11 * e11 + y12 * e12, n12 = y12 * e22, n22 = e22 * x.x22 * e22;
-        const float root = e11 * e22 / x.area; /* its square may be too small for a float */
-        const float ratio = root * (root / r);
+        const float n11 = y11 * e11 + y12 * e12 + (float)(f11 * f11 + f12 * f12 - (double)i11);
+        const float n12 = y12 * e22 + (float)(f12 * f22 - (double)i12);
+        const float n22 = e22 * x.x22 * e22 + (float)(f22 * f22 - (double)i22);
+        const float start = (float)(f11 * f22 * (f11 * f22) / (double)r - 1.0);
+        const float ratio = start + (1.0f + start) * x.size; /* rho - 1 */
 
-        const float shape = a * x.area, size = b * x.area * (ratio - 1.0f);
+        const float shape = a * x.area, size = b * x.area * ratio;
         out[0][l] = i11;
         out[1][l] = i12;
         out[2][l] = i22;
         out[3][l] = r;
-        out[4][l] = shape * (n11 - i11) + size * i11;
-        out[5][l] = 2.0f * (shape * (n12 - i12) + size * i12);
-        out[6][l] = shape * (n22 - i22) + size * i22;
-        out[7][l] = r * x.area * (b * ratio - a - b);
+        out[4][l] = shape * n11 + size * i11;
+        out[5][l] = 2.0f * (shape * n12 + size * i12);
+        out[6][l] = shape * n22 + size * i22;
+        out[7][l] = r * x.area * (b * ratio - a);
         out[8][l] = x.area * (a + b);
     }
     pliant_store_rows(plain, s, out, 9);
@@ -150,7 +159,7 @@ void pliant_layers_combine(const pliant_kernels* kernels, const pliant_asset* as
     const size_t stride = pliant_pad_lanes(batch->element_count);
     const float* rows = (const float*)(const void*)(asset->elements + batch->rows_offset);
     const float* fixed = (const float*)(const void*)(asset->elements + batch->fixed_offset);
-    const pliant_arap_poses poses = { batch->valence, shape.fixed_count, NULL, 0, 0 };
+    const pliant_arap_poses poses = { batch->valence, shape.fixed_count, NULL, 0, 0, 1 };
     pliant_finish_kernel* finish = choose_finish(kernels, batch->kind);
     add_changes(asset, batch, shape.pose_number_count, stride, weights, plain);
     for (size_t l = 0; finish && l < stride; l += PLIANT_LANES) {

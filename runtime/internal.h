@@ -105,6 +105,7 @@ typedef struct pliant_arap_poses {
     const float* weights;
     uint32_t pose_count;
     size_t pose_stride;
+    int is_finished; /* of layers: behind sigma0 lies what its rounding to a float has left over */
 } pliant_arap_poses;
 
 /* y = sum over j < columns of x[j] * matrix[j], each matrix[j] being `count` floats: a product with the columns' matrix. */

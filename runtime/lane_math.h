@@ -86,26 +86,26 @@ static PLIANT_INLINE float pliant_log1p_minus(float u)
     return series + rest;
 }
 
-/* exp(x) to 1.5 ulp for |x| <= 80; beyond that the answer is meaningless, not a number if x is. Polynomial: Cephes expf on
-   |x| <= log(2)/2. */
-static PLIANT_INLINE float pliant_exp(float x)
+/* exp(x) - 1 to 2 ulp for |x| <= 80, also where it is tiny; beyond that the answer is meaningless, not a number if x is.
+   Polynomial: Cephes expf on |x| <= log(2)/2. */
+static PLIANT_INLINE float pliant_expm1(float x)
 {
     /* As in pliant_wrap_angle. The last bits of the shifted number are those of the integer: no conversion, which
        processors do differently for what is not a number. */
     const float shifted = x * 1.44269504f + 12582912.0f;
     const float n = shifted - 12582912.0f;
     const float r = (x - n * 0.693359375f) + n * 2.12194440e-4f;
+    const float power = pliant_bits_float((pliant_float_bits(shifted) << 23) + 0x3F800000u);
     float p = 1.9875691500e-4f;
     p = p * r + 1.3981999507e-3f;
     p = p * r + 8.3334519073e-3f;
     p = p * r + 4.1665795894e-2f;
     p = p * r + 1.6666665459e-1f;
     p = p * r + 5.0000001201e-1f;
-    const float power = p * (r * r) + r + 1.0f;
-    return power * pliant_bits_float((pliant_float_bits(shifted) << 23) + 0x3F800000u);
+    return power * (p * (r * r) + r) + (power - 1.0f);
 }
 
-/* sinh(k)/k to 2 ulp for 0 <= k <= 80, given exp(k); 1 at 0. A series where the difference of exponentials would cancel. */
+/* sinh(k)/k to 3 ulp for 0 <= k <= 80, given exp(k); 1 at 0. A series where the difference of exponentials would cancel. */
 static PLIANT_INLINE float pliant_sinh_ratio(float k, float exp_k)
 {
     const float s = k * k;

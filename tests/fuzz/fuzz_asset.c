@@ -24,7 +24,7 @@ static void solve_frames(const pliant_asset* asset, pliant_solver* solver)
     float weights[64], q[256], positions[3 * 48];
     for (uint32_t frame = 0; frame < 2; ++frame) {
         pliant_solve_info info;
-        for (uint32_t k = 0; k < asset->pose_count; ++k) weights[k] = 1.0f + 0.01f * (float)(k * frame);
+        for (uint32_t k = 0; k < asset->weight_count; ++k) weights[k] = 1.0f + 0.01f * (float)(k * frame);
         require(pliant_solve(solver, weights, q, &info) == PLIANT_OK);
         require(info.evaluations <= 3);
         for (uint32_t j = 0; j < asset->dimension; ++j) require(q[j] - q[j] == 0.0f);
@@ -69,6 +69,11 @@ static void use_asset(const pliant_asset* asset, size_t blob_size)
     }
     use_normals(asset);
     for (uint32_t k = 0; k < asset->pose_count; ++k) require(strlen(pliant_asset_pose_name(asset, k)) < blob_size);
+    pliant_weight weight;
+    for (uint32_t k = 0; k < asset->weight_count; ++k) {
+        require(pliant_asset_weight(asset, k, &weight) == PLIANT_OK && strlen(weight.name) < blob_size);
+        require(weight.low <= weight.initial && weight.initial <= weight.high);
+    }
     for (uint32_t i = 0; i < 3 * asset->triangle_count; ++i) require(asset->triangles[i] < asset->boundary_vertex_count);
     require(asset->boundary_vertex_count <= asset->vertex_count);
     pliant_column column;

@@ -59,7 +59,7 @@ int main(int argc, char** argv)
         for (uint32_t k = 0; k < count; ++k, answer += asset.pose_count + asset.dimension) {
             float q[PLIANT_FORMAT_MAX_DIMENSION];
             pliant_solver_reset(made.solver);
-            CHECK(pliant_solve(made.solver, answer, q, NULL) == PLIANT_OK, "%s: answer %u", argv[i], k);
+            CHECK(pliant_solve(made.solver, answer + asset.has_layers, q, NULL) == PLIANT_OK, "%s: answer %u", argv[i], k);
             CHECK(difference(&asset, q, answer + asset.pose_count) < 1e-4, "%s: answer %u is off by %.3g", argv[i], k,
                   difference(&asset, q, answer + asset.pose_count));
         }

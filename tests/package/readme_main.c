@@ -55,7 +55,7 @@ static int asset_failures(const char* path, const void* blob, size_t size)
     for (uint32_t i = 0; i < answer_count; ++i) {
         const float* weights = answers + (size_t)i * (asset.pose_count + asset.dimension);
         pliant_reconstruct(&asset, weights + asset.pose_count, 0, asset.vertex_count, wanted, 12);
-        const int done = blend(blob, size, weights, blended);
+        const int done = blend(blob, size, weights + asset.has_layers, blended);
         const double error = shape_distance(blended, wanted, asset.vertex_count) / pose_distance;
         printf("%s: answer %u: relative error %.1e\n", path, (unsigned)i, error);
         if (!done || !(error < SHAPE_TOLERANCE)) ++failures;

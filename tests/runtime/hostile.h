@@ -57,7 +57,7 @@ static inline pliant_result exercise(const unsigned char* bytes, size_t size)
     if (memory && pliant_solver_init(&solver, &asset, &desc, memory, needed) == PLIANT_OK) {
         float weights[64], q[256], positions[48 * 3];
         for (int frame = 0; frame < 3; ++frame) {
-            for (uint32_t k = 0; k < asset.pose_count; ++k)
+            for (uint32_t k = 0; k < asset.weight_count; ++k)
                 weights[k] = frame == 2 ? (float)(k == 0) : 1.0f + (float)(k * (uint32_t)frame);
             CHECK(pliant_solve(solver, weights, q, NULL) == PLIANT_OK, "a frame of an open asset");
             for (uint32_t j = 0; j < asset.dimension; ++j) CHECK(q[j] - q[j] == 0.0f, "q is not finite");
@@ -72,6 +72,11 @@ static inline pliant_result exercise(const unsigned char* bytes, size_t size)
         const char* name = pliant_asset_pose_name(&asset, k);
         CHECK(name && strlen(name) < size, "pose name %u", k);
         CHECK(pliant_asset_pose_coordinates(&asset, k) != NULL, "pose %u", k);
+    }
+    for (uint32_t k = 0; k < asset.weight_count; ++k) {
+        pliant_weight weight;
+        CHECK(pliant_asset_weight(&asset, k, &weight) == PLIANT_OK && strlen(weight.name) < size, "weight %u", k);
+        CHECK(weight.low <= weight.initial && weight.initial <= weight.high, "range of weight %u", k);
     }
     for (uint32_t i = 0; i < 3 * asset.triangle_count; ++i)
         CHECK(asset.triangles[i] < asset.boundary_vertex_count, "a triangle");

@@ -1,10 +1,11 @@
 """The museum: one file for each way to break each rule of formats/SPEC.md section 5.
 
     make_bad_assets.py GOOD.pliant LOADED.pliant SOLID.pliant QUARTIC.pliant COMPACT.pliant TIED.pliant RANGED.pliant
-        FACTORED.pliant FOLDER
+        FACTORED.pliant LAYERED.pliant FOLDER
 
 GOOD: a shell with all optional chunks but LOAD, LOADED: one with a dead load, SOLID: with tetrahedra, QUARTIC: with QUAR,
-COMPACT: with BASC and BNDS, TIED: with ties, RANGED: with MRNG, FACTORED: with BASF.
+COMPACT: with BASC and BNDS, TIED: with ties, RANGED: with MRNG, FACTORED: with BASF, LAYERED: layers with all their kinds of
+elements.
 
 Files are named RULE_what.CODE.pliant, CODE being the pliant_result that the C runtime must answer; the script itself checks
 that the numpy reference refuses each one, naming the same rule. Every file has right checksums except those that are about
@@ -18,6 +19,8 @@ import numpy as np
 
 import pliant_reference_path  # noqa: F401
 from asset_draft import ALIGNMENT, CHECKSUM, INDEX, LAYOUT, LIMIT, NOT_PLIANT, NUMBER, TRUNCATED, VERSION, Draft, editor
+from bad_layers import (bad_answers_of_layers, bad_batches_of_layers, bad_changes, bad_ranges_of_layers, good_layers,
+                        with_quartic)
 from bad_shapes import bad_compacts, bad_factors
 from pliant_reference import TIE, Asset, FormatError
 from pliant_reference_solid import Layout
@@ -98,7 +101,7 @@ def bad_files(good):
             yield f"R09_{tag.decode()}_long", LAYOUT, resized(tag, 4)
     yield "R09_POLY_short", LAYOUT, resized(b"POLY", -4)
     yield "R09_kind_0", LAYOUT, chunk(b"ELEM", 64, "I", 0)
-    yield "R09_kind_9", LAYOUT, chunk(b"ELEM", 64, "I", 9)
+    yield "R09_kind_12", LAYOUT, chunk(b"ELEM", 64, "I", 12)
     yield "R09_rows_in_records", LAYOUT, chunk(b"ELEM", 64 + 16, "Q", 0)
     yield "R09_rows_misaligned", LAYOUT, chunk(b"ELEM", 64 + 16, "Q", 64 * 4 + 4)
     yield "R09_numbers_past_end", LAYOUT, chunk(b"ELEM", 64 + 32, "Q", (len(draft().data[b"ELEM"]) + 63) // 64 * 64)
@@ -385,8 +388,8 @@ def good_variants(good, loaded, solid, quartic, compact, tied, ranged, factored)
 
 
 def main():
-    goods = [Path(path).read_bytes() for path in sys.argv[1:9]]
-    good, loaded, solid, quartic, compact, tied, ranged, factored = goods
+    goods = [Path(path).read_bytes() for path in sys.argv[1:10]]
+    good, loaded, solid, quartic, compact, tied, ranged, factored, layered = goods
     folder = Path(sys.argv[-1])
     folder.mkdir(parents=True, exist_ok=True)
     if any(Draft(blob).join() != blob for blob in goods):
@@ -395,7 +398,9 @@ def main():
     np.seterr(invalid="ignore", over="ignore")
     for name, code, blob in [*bad_files(good), *bad_loads(loaded), *bad_solids(solid), *bad_quartics(quartic),
                              *bad_smoothing(good), *bad_compacts(compact), *bad_ties(tied),
-                             *bad_ranges(ranged), *bad_factors(factored)]:
+                             *bad_ranges(ranged), *bad_factors(factored), *bad_ranges_of_layers(layered),
+                             *bad_batches_of_layers(layered, tied), *bad_changes(layered), *bad_answers_of_layers(layered),
+                             ("R23_with_QUAR", LAYOUT, with_quartic(quartic))]:
         try:
             Asset(blob)
             raise SystemExit(f"{name}: the reference accepts it")
@@ -405,10 +410,10 @@ def main():
         rules.add(name[:3])
         names.append(f"{name}.{code}")
         (folder / f"{name}.{code}.pliant").write_bytes(blob)
-    missing = {f"R{i:02}" for i in range(1, 23)} - rules
+    missing = {f"R{i:02}" for i in range(1, 25)} - rules
     if missing:
         raise SystemExit(f"no file breaks {missing}")
-    for name, blob in good_variants(*goods):
+    for name, blob in [*good_variants(*goods[:8]), *good_layers(layered)]:
         Asset(blob)
         names.append(f"{name}.0")
         (folder / f"{name}.0.pliant").write_bytes(blob)

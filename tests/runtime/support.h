@@ -151,4 +151,15 @@ static inline void random_weights(uint64_t* state, uint32_t count, float* weight
     for (uint32_t k = 0; k < count; ++k) weights[k] = random_unit(state) + 1e-6f;
 }
 
+/* Weights of any blend of the asset, weight_count of them. Of many layers only some are moved, as a face does: all of them
+   together would be no shape. */
+static inline void random_blend(uint64_t* state, const pliant_asset* asset, float* weights)
+{
+    random_weights(state, asset->weight_count, weights);
+    for (uint32_t k = 0; asset->has_layers && k < asset->weight_count; ++k) {
+        weights[k] = 1.4f * weights[k] - 0.4f;
+        if (random_below(state, asset->weight_count) >= 3) weights[k] = 0.0f;
+    }
+}
+
 #endif

@@ -68,7 +68,7 @@ static pliant_solve_info solve(const face* f, uint32_t max_iterations, made_solv
 {
     static const float weights[POSES] = { 1.0f, 1.0f };
     pliant_solver_desc desc = pliant_solver_desc_default();
-    pliant_solve_info info = { PLIANT_STATUS_STALLED, 0, 0, 0.0f, 0.0f };
+    pliant_solve_info info = { PLIANT_STATUS_STALLED, 0, 0, 0.0f, 0.0f, 0.0f };
     desc.max_iterations = max_iterations;
     *made = make_solver(&f->asset, &desc);
     CHECK(pliant_solve(made->solver, weights, q, &info) == PLIANT_OK, "a frame");

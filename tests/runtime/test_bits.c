@@ -27,8 +27,8 @@ static void add_asset(const opened* o)
     if (!positions || !memory || pliant_normals_init(&normals, &o->asset, memory, size) != PLIANT_OK) exit(2);
     for (int frame = 0; frame < 30; ++frame) {
         pliant_solve_info info;
-        if (frame % 6 == 0) random_weights(&state, o->asset.pose_count, weights);
-        weights[frame % (int)o->asset.pose_count] += 0.03f;
+        if (frame % 6 == 0) random_blend(&state, &o->asset, weights);
+        weights[frame % (int)o->asset.weight_count] += 0.03f;
         CHECK(pliant_solve(made.solver, weights, q, &info) == PLIANT_OK, "%s", o->name);
         pliant_reconstruct(&o->asset, q, 0, n, positions, 12);
         pliant_normals_compute(&normals, positions, 12, 0, n, positions + 3 * (size_t)n, 12);

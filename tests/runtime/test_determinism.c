@@ -7,10 +7,12 @@
 
 enum { FRAMES = 60 };
 
-static void drag(uint32_t count, int frame, float scale, float* weights)
+static void drag(const pliant_asset* asset, int frame, float scale, float* weights)
 {
-    for (uint32_t k = 0; k < count; ++k)
-        weights[k] = scale * (1.0f + sinf(0.07f * (float)frame + 2.1f * (float)k + (frame > 40 ? 3.0f : 0.0f)));
+    for (uint32_t k = 0; k < asset->weight_count; ++k) {
+        const float wave = sinf(0.07f * (float)frame + 2.1f * (float)k + (frame > 40 ? 3.0f : 0.0f));
+        weights[k] = asset->has_layers ? (k < 3 ? 0.5f * wave : 0.03f * wave) : scale * (1.0f + wave);
+    }
 }
 
 static uint64_t run(pliant_solver* solver, const pliant_asset* asset, float scale)
@@ -18,7 +20,7 @@ static uint64_t run(pliant_solver* solver, const pliant_asset* asset, float scal
     uint64_t bits = 14695981039346656037ull;
     for (int frame = 0; frame < FRAMES; ++frame) {
         float weights[64], q[256];
-        drag(asset->pose_count, frame, scale, weights);
+        drag(asset, frame, scale, weights);
         CHECK(pliant_solve(solver, weights, q, NULL) == PLIANT_OK, "frame %d", frame);
         for (uint32_t j = 0; j < asset->dimension; ++j) {
             uint32_t word;
@@ -37,7 +39,7 @@ static void check_bits(const opened* o)
     CHECK(run(two.solver, &o->asset, 1.0f) == first, "%s: another solver", o->name);
     /* Next to where run() starts: without the reset it would go on from here. */
     float weights[64], q[256];
-    drag(o->asset.pose_count, 1, 1.0f, weights);
+    drag(&o->asset, 1, 1.0f, weights);
     CHECK(pliant_solve(one.solver, weights, q, NULL) == PLIANT_OK, "%s", o->name);
     pliant_solver_reset(one.solver);
     CHECK(run(one.solver, &o->asset, 1.0f) == first, "%s: after a reset", o->name);
@@ -61,7 +63,7 @@ static void check_path(const opened* o)
     for (int frame = 0; frame <= 40; ++frame) {
         float weights[64], q[256], cold[256];
         double error = 0.0, size = 0.0;
-        drag(o->asset.pose_count, frame, 1.0f, weights);
+        drag(&o->asset, frame, 1.0f, weights);
         pliant_solve_info info, cold_info;
         CHECK(pliant_solve(dragged.solver, weights, q, &info) == PLIANT_OK, "%s", o->name);
         pliant_solver_reset(jumped.solver);

@@ -1,5 +1,5 @@
 /* The copies of the kernels for AVX2 and AVX-512 give the bits of the plain ones: energy and gradient at random points,
-   blends while dragging and jumping, tiles of vertices, normals, for all eight kinds of elements and the quartic. Where a
+   blends while dragging and jumping, tiles of vertices, normals, for all eleven kinds of elements and the quartic. Where a
    processor has AVX2 or AVX-512 they are what it gets. (test_unpack.c compares them on tiles of every kind.) */
 #include "internal.h"
 #include "support.h"
@@ -7,7 +7,7 @@
 #include <math.h>
 
 static const pliant_kernels *chosen, *compared;
-static int seen[PLIANT_ELEMENT_TIE + 1]; /* elements of each kind; [0]: assets with a quartic */
+static int seen[PLIANT_ELEMENT_LAYERED_ARAP_CELL + 1]; /* elements of each kind; [0]: assets with a quartic */
 
 static int seen_compact, seen_factored;
 
@@ -41,7 +41,8 @@ static void check_evaluations(const opened* o, pliant_solver* plain, pliant_solv
     for (int round = 0; round < 40; ++round) {
         float z[PLIANT_FORMAT_MAX_DIMENSION] = { 0 };
         double energy[2] = { 0.0, 0.0 };
-        random_weights(&state, m, plain->weights);
+        plain->weights[0] = 1.0f;
+        random_blend(&state, &o->asset, plain->weights + o->asset.has_layers);
         memcpy(copy->weights, plain->weights, m * sizeof(float));
         for (uint32_t j = 0; j < d; ++j) z[j] = sizes[round % 4] * scale * (random_unit(&state) - 0.5f);
         pliant_solver_combine(plain);
@@ -65,8 +66,8 @@ static void check_blends(const opened* o, pliant_solver* plain, pliant_solver* c
     float weights[PLIANT_FORMAT_MAX_POSES], q[2][PLIANT_FORMAT_MAX_DIMENSION];
     for (int frame = 0; frame < 60; ++frame) {
         pliant_solve_info info[2];
-        if (frame % 6 == 0) random_weights(&state, o->asset.pose_count, weights);
-        weights[frame % (int)o->asset.pose_count] += 0.03f;
+        if (frame % 6 == 0) random_blend(&state, &o->asset, weights);
+        weights[frame % (int)o->asset.weight_count] += 0.03f;
         CHECK(pliant_solve(plain, weights, q[0], &info[0]) == PLIANT_OK, "%s: frame %d", o->name, frame);
         CHECK(pliant_solve(copy, weights, q[1], &info[1]) == PLIANT_OK, "%s: frame %d", o->name, frame);
         CHECK(are_same(q[0], q[1], o->asset.dimension), "%s: blend of frame %d", o->name, frame);
@@ -181,7 +182,8 @@ int main(int argc, char** argv)
 #endif
     CHECK(chosen != &pliant_kernels_plain, "a processor with AVX2 gets the plain kernels");
     for_each_asset(argv[1], check_asset);
-    for (int kind = 0; kind <= PLIANT_ELEMENT_TIE; ++kind) CHECK(seen[kind] > 0, "nothing of kind %d in any asset", kind);
+    for (int kind = 0; kind <= PLIANT_ELEMENT_LAYERED_ARAP_CELL; ++kind)
+        CHECK(seen[kind] > 0, "nothing of kind %d in any asset", kind);
     CHECK(seen_compact > 0, "no tile of a compact basis");
     CHECK(seen_factored > 0, "no tile of a factored basis");
     return report("dispatch");

@@ -69,6 +69,36 @@ static void test_cbrt(void)
     CHECK(fabsf(pliant_cbrt(5.96046448e-8f) - 0.00390625f) < 1e-9f, "2^-24, the smallest 1 + u");
 }
 
+static void test_expm1(void)
+{
+    uint64_t state = 5;
+    double worst = 0.0;
+    for (int i = 0; i < 2000000; ++i) {
+        const float x = ldexpf(80.0f * (2.0f * random_unit(&state) - 1.0f), -(int)random_below(&state, 20));
+        const double error = ulps(pliant_expm1(x), expm1((double)x));
+        if (error > worst) worst = error;
+    }
+    printf("exp(x)-1: %.2f ulp\n", worst);
+    CHECK(worst <= 2.0, "%.2f ulp", worst);
+    CHECK(pliant_expm1(0.0f) == 0.0f, "at 0: layers at rest must change nothing");
+    CHECK(isnan(pliant_expm1(NAN)), "what is no number must not become one");
+}
+
+static void test_sinh_ratio(void)
+{
+    uint64_t state = 6;
+    double worst = 0.0;
+    for (int i = 0; i < 2000000; ++i) {
+        const float k = ldexpf(80.0f * random_unit(&state), -(int)random_below(&state, 40));
+        const double exact = k > 0.0f ? sinh((double)k) / (double)k : 1.0;
+        const double error = ulps(pliant_sinh_ratio(k, 1.0f + pliant_expm1(k)), exact);
+        if (error > worst) worst = error;
+    }
+    printf("sinh(k)/k: %.2f ulp\n", worst);
+    CHECK(worst <= 3.0, "%.2f ulp", worst);
+    CHECK(pliant_sinh_ratio(0.0f, 1.0f) == 1.0f, "at 0");
+}
+
 static void test_wrap_angle(void)
 {
     uint64_t state = 3;
@@ -89,6 +119,8 @@ int main(void)
     test_atan2();
     test_log1p_minus();
     test_cbrt();
+    test_expm1();
+    test_sinh_ratio();
     test_wrap_angle();
     return report("lane math");
 }

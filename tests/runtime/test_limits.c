@@ -17,7 +17,7 @@ static void check_caps(const opened* o)
         uint64_t state = 31;
         for (int frame = 0; frame < 20; ++frame) {
             pliant_solve_info info;
-            random_weights(&state, o->asset.pose_count, weights);
+            random_blend(&state, &o->asset, weights);
             CHECK(pliant_solve(made.solver, weights, q, &info) == PLIANT_OK, "%s", o->name);
             CHECK(info.iterations <= cap && info.evaluations <= desc.max_evaluations, "%s: %u iterations, %u evaluations",
                   o->name, info.iterations, info.evaluations);
@@ -31,7 +31,7 @@ static void check_caps(const opened* o)
         const made_solver made = make_solver(&o->asset, &desc);
         pliant_solve_info info;
         uint64_t state = 37;
-        random_weights(&state, o->asset.pose_count, weights);
+        random_blend(&state, &o->asset, weights);
         CHECK(pliant_solve(made.solver, weights, q, &info) == PLIANT_OK, "%s", o->name);
         CHECK(info.evaluations <= cap, "%s: %u evaluations, %u allowed", o->name, info.evaluations, cap);
         free(made.memory);
@@ -46,7 +46,7 @@ static void check_descent(const opened* o)
     uint64_t state = 41;
     for (int round = 0; round < 10; ++round) {
         float start = 0.0f;
-        random_weights(&state, o->asset.pose_count, weights);
+        random_blend(&state, &o->asset, weights);
         for (uint32_t cap = 0; cap <= 30; cap += SLOWNESS > 1 ? 10 : 3) {
             pliant_solver_desc desc = pliant_solver_desc_default();
             desc.max_iterations = cap;
@@ -102,7 +102,7 @@ static void check_absurd_numbers(const opened* o)
             ++opened_count;
             for (int frame = 0; frame < 3; ++frame) {
                 pliant_solve_info info;
-                random_weights(&state, asset.pose_count, weights);
+                random_blend(&state, &asset, weights);
                 CHECK(pliant_solve(made.solver, weights, q, &info) == PLIANT_OK, "%s", o->name);
                 CHECK(info.evaluations <= desc.max_evaluations, "%s: %u evaluations", o->name, info.evaluations);
                 for (uint32_t j = 0; j < asset.dimension; ++j)

@@ -49,12 +49,12 @@ static int guards_are_intact(const unsigned char* memory, size_t offset, size_t 
 }
 
 /* A drag with a jump now and then. */
-static void step_weights(uint64_t* state, uint32_t count, int frame, float* weights)
+static void step_weights(uint64_t* state, const pliant_asset* asset, int frame, float* weights)
 {
-    if (frame % 50 == 0) random_weights(state, count, weights);
-    for (uint32_t k = 0; k < count; ++k) {
+    if (frame % 50 == 0) random_blend(state, asset, weights);
+    for (uint32_t k = 0; k < asset->weight_count; ++k) {
         weights[k] += 0.02f * (random_unit(state) - 0.5f);
-        if (weights[k] < 0.0f) weights[k] = 0.0f;
+        if (weights[k] < 0.0f && !asset->has_layers) weights[k] = 0.0f;
     }
     weights[0] += 1e-6f;
 }
@@ -80,7 +80,7 @@ static void check_alignments(const opened* o)
               "%s: one byte less was taken", o->name);
         CHECK(pliant_solver_init(&solver, &o->asset, &desc, start, size) == PLIANT_OK, "%s: the size asked for", o->name);
         for (int frame = 0; frame < 5; ++frame) {
-            step_weights(&state, o->asset.pose_count, frame, weights);
+            step_weights(&state, &o->asset, frame, weights);
             CHECK(pliant_solve(solver, weights, q, NULL) == PLIANT_OK, "%s", o->name);
         }
         CHECK(guards_are_intact(memory, offset, size), "%s: wrote outside its memory at alignment %zu", o->name, alignment);
@@ -101,7 +101,7 @@ static void check_frames(const opened* o)
     const long before = allocation_count;
     for (int frame = 0; frame < frames; ++frame) {
         pliant_solve_info info;
-        step_weights(&state, o->asset.pose_count, frame, weights);
+        step_weights(&state, &o->asset, frame, weights);
         CHECK(pliant_solve(made.solver, weights, q, &info) == PLIANT_OK, "%s: frame %d", o->name, frame);
         pliant_reconstruct(&o->asset, q, 0, 16, positions, 12);
         unconverged += info.status != PLIANT_STATUS_CONVERGED;

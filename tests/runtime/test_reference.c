@@ -77,7 +77,7 @@ static void check_solve(const opened* o, FILE* file)
     pliant_solver_desc desc = pliant_solver_desc_default();
     desc.tolerance = 1e-4f;
     const made_solver made = make_solver(&o->asset, &desc);
-    const uint32_t d = o->asset.dimension, m = o->asset.pose_count;
+    const uint32_t d = o->asset.dimension, m = o->asset.weight_count;
     float weights[PLIANT_FORMAT_MAX_POSES], q[PLIANT_FORMAT_MAX_DIMENSION];
     pliant_solve_info info;
     double error = 0.0, size = 0.0;
@@ -107,9 +107,10 @@ static void check_gradient(const opened* o)
     float start[PLIANT_FORMAT_MAX_DIMENSION], direction[PLIANT_FORMAT_MAX_DIMENSION];
     for (int round = 0; round < 20; ++round) {
         float sum = 0.0f;
-        random_weights(&state, o->asset.pose_count, e.weights);
+        e.weights[0] = 1.0f;
+        random_blend(&state, &o->asset, e.weights + o->asset.has_layers);
         for (uint32_t k = 0; k < o->asset.pose_count; ++k) sum += e.weights[k];
-        for (uint32_t k = 0; k < o->asset.pose_count; ++k) e.weights[k] /= sum;
+        for (uint32_t k = 0; k < o->asset.pose_count && !o->asset.has_layers; ++k) e.weights[k] /= sum;
         for (uint32_t j = 0; j < d; ++j) {
             start[j] = 0.2f * scale * (random_unit(&state) - 0.5f);
             direction[j] = (random_unit(&state) - 0.5f) / sqrtf((float)d);
@@ -136,12 +137,13 @@ static void check_gradient(const opened* o)
 static void check_combination(const opened* o)
 {
     const float mark = 12345.0f;
-    if (strstr(o->name, "arap")) return; /* has no such numbers */
+    if (strstr(o->name, "arap") && !o->asset.has_layers) return; /* has no such numbers */
     evaluator e = make_evaluator(&o->asset);
     evaluator other = make_evaluator(&o->asset);
     pliant_solver* s = e.made.solver;
     uint64_t state = 13;
-    random_weights(&state, o->asset.pose_count, e.weights);
+    e.weights[0] = 1.0f;
+    random_blend(&state, &o->asset, e.weights + o->asset.has_layers);
     pliant_solver_combine(s);
     const float first = s->combined[1];
     s->combined[1] = mark;
@@ -150,7 +152,7 @@ static void check_combination(const opened* o)
     pliant_solver_combine(s);
     CHECK(s->combined[1] == mark, "%s: combined again for the same weights", o->name);
     s->combined[1] = first;
-    e.weights[0] = nextafterf(e.weights[0], 1.0f);
+    e.weights[o->asset.pose_count - 1] = nextafterf(e.weights[o->asset.pose_count - 1], 1.0f);
     memcpy(other.weights, e.weights, o->asset.pose_count * sizeof(float));
     s->combined[2] = mark;
     const double energy = evaluate(&e);
@@ -164,7 +166,7 @@ static void check_combination(const opened* o)
 /* Without iterations the answer is the predictor's, whatever its energy and wherever the last frame was. */
 static void check_predict(const opened* o, FILE* file, pliant_solver* solver)
 {
-    const uint32_t d = o->asset.dimension, m = o->asset.pose_count;
+    const uint32_t d = o->asset.dimension, m = o->asset.weight_count;
     float weights[PLIANT_FORMAT_MAX_POSES], q[PLIANT_FORMAT_MAX_DIMENSION];
     pliant_solve_info info;
     double error = 0.0, size = 0.0;

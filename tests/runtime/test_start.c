@@ -15,7 +15,7 @@ static int cold_won, predictor_won, converged, unconverged;
 static pliant_solve_info jump(const pliant_asset* asset, uint32_t iterations, uint32_t evaluations, const float* weights)
 {
     float q[PLIANT_FORMAT_MAX_DIMENSION];
-    pliant_solve_info info = { PLIANT_STATUS_LIMIT, 0, 0, 0.0f, 0.0f };
+    pliant_solve_info info = { PLIANT_STATUS_LIMIT, 0, 0, 0.0f, 0.0f, 0.0f };
     pliant_solver_desc desc = pliant_solver_desc_default();
     desc.max_iterations = iterations;
     desc.max_evaluations = evaluations;
@@ -82,7 +82,8 @@ static void check_second_descent(const opened* o, const float* weights)
 static void check_repeated(const opened* o, const float* weights, uint32_t iterations)
 {
     float q[2][PLIANT_FORMAT_MAX_DIMENSION];
-    pliant_solve_info info[2] = { { PLIANT_STATUS_LIMIT, 0, 0, 0.0f, 0.0f }, { PLIANT_STATUS_LIMIT, 0, 0, 0.0f, 0.0f } };
+    pliant_solve_info info[2]
+        = { { PLIANT_STATUS_LIMIT, 0, 0, 0.0f, 0.0f, 0.0f }, { PLIANT_STATUS_LIMIT, 0, 0, 0.0f, 0.0f, 0.0f } };
     pliant_solver_desc desc = pliant_solver_desc_default();
     desc.max_iterations = iterations;
     const made_solver made = make_solver(&o->asset, &desc);
@@ -107,7 +108,8 @@ static void check_asset(const opened* o)
     float weights[PLIANT_FORMAT_MAX_POSES];
     uint64_t state = 59;
     for (int round = 0; round < rounds; ++round) {
-        corner_heavy_weights(&state, o->asset.pose_count, weights);
+        corner_heavy_weights(&state, o->asset.weight_count, weights);
+        for (uint32_t k = 3; o->asset.has_layers && k < o->asset.weight_count; ++k) weights[k] *= 0.1f;
         check_bounds(o, weights);
         check_second_descent(o, weights);
         check_repeated(o, weights, round % 2 ? 60 : 1);

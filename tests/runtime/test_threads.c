@@ -14,7 +14,9 @@ static void* work(void* argument)
     job* j = (job*)argument;
     for (int frame = 0; frame < 40; ++frame) {
         float weights[64], positions[48];
-        for (uint32_t k = 0; k < j->o->asset.pose_count; ++k) weights[k] = 1.0f + (float)((frame * (int)(k + 1)) % 7);
+        const float unit = j->o->asset.has_layers ? 0.05f : 1.0f;
+        for (uint32_t k = 0; k < j->o->asset.weight_count; ++k)
+            weights[k] = unit * (1.0f + (float)((frame * (int)(k + 1)) % 7));
         if (pliant_solve(j->solver, weights, j->q[frame], NULL) != PLIANT_OK) return NULL;
         pliant_reconstruct(&j->o->asset, j->q[frame], 0, 16, positions, 12);
     }

@@ -22,7 +22,7 @@ def make_poses(rest, count, random):
         flip = np.array([-1 if k % 2 else 1, 1, -1 if k % 2 else 1])  # a turn: orientation stays
         start = np.array([length * (0.4 + 0.1 * k) * (1 if k % 2 == 0 else -1), 0, 0])
         turned = rest * flip - start
-        bent = tiny_mesh.deform(np.maximum(turned, [0, -9, -9]), *[(1.1, 0, 0, 0), (0, 0.9, 0.1, 0), (-0.7, 0.3, 0, 0.1)][k])
+        bent = tiny_mesh.deform(np.maximum(turned, [0, -9, -9]), *[(0.5, 0, 0, 0), (0, 0.4, 0.05, 0), (-0.4, 0.2, 0, 0.1)][k])
         poses.append(np.where(turned[:, :1] > 0, (bent + start) * flip, rest))
     for _ in range(count - len(poses)):
         mixture = random.uniform(-0.3, 0.3, FREE)
