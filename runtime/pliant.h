@@ -276,7 +276,7 @@ typedef struct pliant_solve_info {
    exact bits. It makes no allocation and no system call.
    Cost: if the weights are those of the last frame and that one converged, dimension squared multiply-adds. Otherwise one
    combination of the surrogate energy's numbers, linear in the number of poses with a weight other than zero (of layers
-   linear in the elements that these change, and about the time of one evaluation for the new rest states); predictor and
+   linear in the elements that these change, and at most the time of one evaluation for the new rest states); predictor and
    dead load, (pose_count + 2 * dimension) multiply-adds for each centre of the predictor; and (iterations + 1)
    evaluations of the surrogate energy, or a few more. */
 PLIANT_API pliant_result pliant_solve(pliant_solver* solver, const float* weights, float* q, pliant_solve_info* info);

@@ -11,7 +11,7 @@ static void drag(const pliant_asset* asset, int frame, float scale, float* weigh
 {
     for (uint32_t k = 0; k < asset->weight_count; ++k) {
         const float wave = sinf(0.07f * (float)frame + 2.1f * (float)k + (frame > 40 ? 3.0f : 0.0f));
-        weights[k] = asset->has_layers ? (k < 3 ? 0.5f * wave : 0.03f * wave) : scale * (1.0f + wave);
+        weights[k] = asset->has_layers ? (k < 3 ? 0.3f * wave : 0.02f * wave) : scale * (1.0f + wave);
     }
 }
 
