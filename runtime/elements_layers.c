@@ -1,5 +1,5 @@
-/* Elements of layers: how the weights of a frame make elements of a plain kind out of them. Formulas: formats/SPEC.md, Layers
-   and kinds 9 to 11 (kind 11's finish is in elements_arap.c).
+/* Elements of layers: how the weights of a frame make elements of a plain kind out of them. Formulas: formats/SPEC.md,
+   Layers and kinds 9 to 11 (kind 11's finish is in elements_arap.c).
 
    Layers add up in the numbers that describe an element's rest state, and are stored sparsely, as most of them move a part
    of a character only. The rest state then gives the numbers that the plain kind would have had for it, once a frame: an

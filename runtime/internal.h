@@ -266,9 +266,9 @@ double pliant_quartic_evaluate(const pliant_kernels* kernels, const pliant_asset
 /* Floats that pliant_radial_evaluate needs as scratch. */
 uint64_t pliant_radial_floats(const pliant_asset* asset);
 
-/* The start z0(w) and the dead load c(w) for normalised weights or (1, v), padded_dimension floats each, padding zero; 0 where the
-   asset has none. `load` must be null if the asset has none. Cost: centre_count * (pose_count + dimension for each)
-   multiply-adds. */
+/* The start z0(w) and the dead load c(w) for normalised weights or (1, v), padded_dimension floats each, padding zero; 0
+   where the asset has none. `load` must be null if the asset has none. Cost: centre_count * (pose_count + dimension for
+   each) multiply-adds. */
 void pliant_radial_evaluate(const pliant_kernels* kernels, const pliant_asset* asset, const float* weights, float* scratch,
                             float* start, float* load);
 

@@ -14,7 +14,7 @@
    @par Terms
      - q: the reduced coordinates of a shape (d floats); positions are linear in q.
      - z: the solver's own coordinates; q = mean + S z, with the asset's mean and whitening matrix S.
-     - Average: the blend of poses whose weights say how near it lies to each. Weights are >= 0, and only their ratios matter.
+     - Average: the blend of poses whose weights say how near it lies to each. Weights are >= 0, only their ratios matter.
      - Layers: the blend of a rest shape (pose 0) and layers on it (poses 1 .. pose_count - 1), such as the expressions of a
        face. A weight says how much of a layer is added: 0 none, 1 all of it, as the input has it, 2 twice as much, -1 the
        opposite. Weights are any finite numbers, negative ones too. They add up and are not normalised. With all weights
@@ -202,7 +202,8 @@ typedef struct pliant_solver_desc {
     uint32_t struct_size; /**< set by pliant_solver_desc_default, do not change */
     /** Largest number of iterations per frame, default 60. With 0 every frame returns the answer of the predictor,
        q = mean + S z0(w), or the equal-weight average (of layers the rest shape) if the asset has no predictor or the
-       surrogate energy cannot be evaluated there. That costs one evaluation, at most two; the status is LIMIT unless that point has converged. */
+       surrogate energy cannot be evaluated there. That costs one evaluation, at most two; the status is LIMIT unless that
+       point has converged. */
     uint32_t max_iterations;
     /** Largest number of evaluations per frame, default 120, at least 1, never exceeded. Multiply it by the cost of one
        evaluation (runtime/README.md) to bound the time of a frame. From 32 up, a jump may spend a quarter of them on a
@@ -241,11 +242,11 @@ PLIANT_API void pliant_solver_reset(pliant_solver* solver);
    exceeds that of the start by no more than the noise of single precision (2e-5 of the asset's energy scale).
 
    A jump is the first frame, or a change of the weights beyond `continuity`. It starts from the predictor, or from the
-   equal-weight average (z = 0; of layers the rest shape, here and below) if the energy is lower there. A descent from the predictor is stuck if it ends
-   with STALLED or has used three quarters of max_evaluations, and the energy could still fall by more than noise. Then a
-   second descent starts from z = 0, within what is left of both limits, and the lower end is returned. So with
-   max_iterations > 0 and max_evaluations > 1 a jump ends, up to that noise, no higher than the predictor and no higher
-   than the equal-weight average.
+   equal-weight average (z = 0; of layers the rest shape, here and below) if the energy is lower there. A descent from the
+   predictor is stuck if it ends with STALLED or has used three quarters of max_evaluations, and the energy could still fall
+   by more than noise. Then a second descent starts from z = 0, within what is left of both limits, and the lower end is
+   returned. So with max_iterations > 0 and max_evaluations > 1 a jump ends, up to that noise, no higher than the predictor
+   and no higher than the equal-weight average.
 
    Not guaranteed: that a converged descent from the predictor ends as low as one from z = 0 would. Where the surrogate
    energy has several minima, only two full descents could tell; the predictor leads to the lower one far more often
@@ -272,8 +273,8 @@ typedef struct pliant_solve_info {
 /** Blends: `weights` (weight_count floats) in, `q` (dimension floats) out; `info` may be null. Weights of averages are >= 0
    with any positive sum, and only their ratios matter. Weights of layers are any finite numbers: weights[k] is that of pose
    k + 1, may be negative, above 1 and outside its range, and all may be 0. Weights so large that the surrogate energy
-   cannot be evaluated give the rest shape, and STALLED. If weights are invalid it returns an error, and q, info and the solver keep their
-   exact bits. It makes no allocation and no system call.
+   cannot be evaluated give the rest shape, and STALLED. If weights are invalid it returns an error, and q, info and the
+   solver keep their exact bits. It makes no allocation and no system call.
    Cost: if the weights are those of the last frame and that one converged, dimension squared multiply-adds. Otherwise one
    combination of the surrogate energy's numbers, linear in the number of poses with a weight other than zero (of layers
    linear in the elements that these change, and at most the time of one evaluation for the new rest states); predictor and

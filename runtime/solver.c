@@ -303,8 +303,8 @@ static void describe(pliant_solver* solver, pliant_status status, pliant_solve_i
     info->outside = solver->outside;
 }
 
-/* An asset whose numbers cannot be evaluated anywhere that we looked: the equal-weight average, or the rest shape of layers, is
-   all there is. */
+/* An asset whose numbers cannot be evaluated anywhere that we looked: the equal-weight average, or the rest shape
+   of layers, is all there is. */
 static void give_up(pliant_solver* solver, float* q, pliant_solve_info* info)
 {
     memcpy(q, solver->asset.mean, solver->asset.dimension * sizeof *q);

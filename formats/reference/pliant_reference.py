@@ -23,8 +23,8 @@ from pliant_reference_solid import Layout, Quartic, evaluate_tet_mooney_rivlin, 
 
 IDENTIFIER = bytes([0xAB]) + b"PLIANT" + bytes([0xBB]) + b"\r\n\x1a\n"
 REQUIRED = ("SOLV", "TRIS", "NAME", "ANSW", "CERT")
-KNOWN = REQUIRED + ("ELEM", "QUAR", "LAYR", "PRED", "LOAD", "REST", "POLY", "VERT", "SMTH", "MRNG", "GLTF", "BASI", "BASC", "BASF",
-                    "BNDS")
+KNOWN = REQUIRED + ("ELEM", "QUAR", "LAYR", "PRED", "LOAD", "REST", "POLY", "VERT", "SMTH", "MRNG", "GLTF", "BASI", "BASC",
+                    "BASF", "BNDS")
 HINGE, NEO_HOOKEAN, STVK, EDGE, ARAP, TET_STVK, TET_MOONEY_RIVLIN, TIE = range(1, 9)
 LAYERED_HINGE, LAYERED_NEO_HOOKEAN, LAYERED_ARAP = range(9, 12)
 
@@ -56,8 +56,8 @@ def shape_of(kind, valence, is_closed):
 
 
 class Batch:
-    """Elements of one kind: rows [1+d, R, E], fixed [F, E], poses [m, K, E]. Of layers poses[0] are the numbers for v = 0, and
-    the others how the layers change them: their sum with the weights w = (1, v) is right for both."""
+    """Elements of one kind: rows [1+d, R, E], fixed [F, E], poses [m, K, E]. Of layers poses[0] are the numbers for v = 0,
+    and the others how the layers change them: their sum with the weights w = (1, v) is right for both."""
 
     def __init__(self, kind, valence, is_closed, rows, fixed, poses):
         self.kind, self.valence, self.is_closed = kind, valence, is_closed
@@ -373,8 +373,8 @@ class Asset:
         return self.features(weights) @ self.load_coefficients
 
     def evaluate(self, z, weights):
-        """Energy and gradient of the surrogate energy, its load included, for w as of full_weights(); (inf, None) where it is
-        not defined."""
+        """Energy and gradient of the surrogate energy, its load included, for w as of full_weights(); (inf, None) where it
+        is not defined."""
         gradient = self.load(weights)
         energy = gradient @ z
         if self.quartic is not None:

@@ -1,8 +1,6 @@
-/* Cost of layers: combining the numbers of the surrogate energy, once a frame, and one evaluation, for every number of moving
+/* Cost of layers: combining the numbers of the surrogate energy, once a frame, and one evaluation, by the number of moving
    layers. Arguments: assets of layers. Measures, asserts nothing. */
-#ifndef _POSIX_C_SOURCE
-#define _POSIX_C_SOURCE 199309L /* clock_gettime */
-#endif
+#define _POSIX_C_SOURCE 199309L
 #include "internal.h"
 #include "support.h"
 

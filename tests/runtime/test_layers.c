@@ -108,7 +108,7 @@ static void check_faces(void)
     }
 }
 
-/* What weights of 1e30 and hostile files bring: finite where the fixed numbers are sound, and never worse than not finite. */
+/* What weights of 1e30 and hostile files bring: finite where the fixed numbers are sound; what is no number stays none. */
 static void check_absurd_faces(void)
 {
     static const float strains[] = { 0.0f, 1e-40f, 1e-20f, 16.0f, -16.0f, 1e10f, -1e10f, 1e30f, -1e30f, FLT_MAX, -FLT_MAX };

@@ -1,5 +1,5 @@
-/* Weights of averages of any kind: bad ones get their code and change nothing, extreme ones blend, and the frame after converges as
-   from a new solver. */
+/* Weights of averages of any kind: bad ones get their code and change nothing, extreme ones blend, and the frame after
+   converges as from a new solver. */
 #include "support.h"
 
 #include <math.h>

@@ -93,7 +93,8 @@ def make_model(mesh, size, poses, dimension, material, predictor, load, seed, qu
     answers = [stand_in.minimise(user_weights(w, layers), np.zeros(dimension))[0] for w in samples]
     scale = np.mean([absolute(w, centre) + stand_in.evaluate(z, w)[0] for w, z in zip(samples, answers)])
     model = SimpleNamespace(x=x, faces=faces, basis=basis, mean=mean, whitening=whitening, stand_in=stand_in, scale=scale,
-                            samples=samples, answers=answers, centres=None, coefficients=None, load=None, vertices=vertices, layers=layers,
+                            samples=samples, answers=answers, centres=None, coefficients=None, load=None, vertices=vertices,
+                            layers=layers,
                             pose_coordinates=np.array([np.tensordot(basis, pose - x[0], 2) for pose in x]))
     if predictor:
         model.centres = samples

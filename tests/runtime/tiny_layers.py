@@ -1,8 +1,8 @@
 """Element numbers of layers, kinds 8 to 11 of SPEC.md, of a whole tiny mesh: x[0] is the rest shape, x[1:] are the layers.
 
 As in tiny_elements.py every energy is written twice, here with the rest state of given weights w = (1, v): rest angles,
-logarithms of metrics, edge vectors and places of ties add up. At v = a unit vector the rest state of hinges, faces and ties is
-that of a pose, so the blend is the pose.
+logarithms of metrics, edge vectors and places of ties add up. At v = a unit vector the rest state is that of a pose,
+so the blend is the pose.
 """
 import numpy as np
 
@@ -11,6 +11,7 @@ import tiny_mesh
 from pliant_reference import LAYERED_ARAP, LAYERED_HINGE, LAYERED_NEO_HOOKEAN, TIE, Batch
 from tiny_elements import ARAP, HINGE, LAMBDA, MU, NEO_HOOKEAN
 
+DEFORMATIONS = [(0.5, 0, 0, 0), (0, 0.4, 0.05, 0), (-0.4, 0.2, 0, 0.1)]
 FREE = 3  # this many layers are deformations of their own, further ones mixtures of them
 
 
@@ -22,7 +23,7 @@ def make_poses(rest, count, random):
         flip = np.array([-1 if k % 2 else 1, 1, -1 if k % 2 else 1])  # a turn: orientation stays
         start = np.array([length * (0.4 + 0.1 * k) * (1 if k % 2 == 0 else -1), 0, 0])
         turned = rest * flip - start
-        bent = tiny_mesh.deform(np.maximum(turned, [0, -9, -9]), *[(0.5, 0, 0, 0), (0, 0.4, 0.05, 0), (-0.4, 0.2, 0, 0.1)][k])
+        bent = tiny_mesh.deform(np.maximum(turned, [0, -9, -9]), *DEFORMATIONS[k])
         poses.append(np.where(turned[:, :1] > 0, (bent + start) * flip, rest))
     for _ in range(count - len(poses)):
         mixture = random.uniform(-0.3, 0.3, FREE)
@@ -75,8 +76,8 @@ def stretches(topology, x):
 
 
 def cell_edges(topology, x, fan_class):
-    """c [E, N] and rest edges of all poses [m, E, N, 3], layers as differences. Each cell of a layer is turned back as far as
-    it goes: without that the rest edges would add up to those of the linear sum, where no cell has any energy."""
+    """c [E, N] and rest edges of all poses [m, E, N, 3], layers as differences. Each cell of a layer is turned back as far
+    as it goes: without that the rest edges would add up to those of the linear sum, where no cell has any energy."""
     c, rest = shells.cell_data(topology, x[0], fan_class)
     edges = np.array([shells.cell_data(topology, pose, fan_class)[1] for pose in x])
     for turned in edges[1:]:
@@ -181,6 +182,7 @@ def absolute_energy(topology, x, material, weights, y):
     if material in ("arap", "mixed"):
         total += arap_energy(topology, x, weights, y)
     if material in ("tied", "mixed"):
-        moved = shells.tie_places(topology, shells.tie_frames(topology, x), y) - np.tensordot(weights, places(topology, x), 1)
+        moved = shells.tie_places(topology, shells.tie_frames(topology, x), y)
+        moved -= np.tensordot(weights, places(topology, x), 1)
         total += shells.TIE_STIFFNESS * (moved ** 2).sum()
     return total
