@@ -41,6 +41,11 @@ def bad_ranges_of_layers(layered):
     yield "R23_one_layer_less", LAYOUT, put(0, "I", count - 1)
     yield "R23_one_layer_more", LAYOUT, put(0, "I", count + 1)
     yield "R23_64_layers", LAYOUT, put(0, "I", 64)
+    for name, layers in (("removed", count - 1), ("added", count + 1)):
+        d = Draft(layered)
+        d.data[b"LAYR"] = (d.data[b"LAYR"] + d.data[b"LAYR"][-16:])[:64 + 16 * layers]
+        d.put(b"LAYR", 0, "I", layers)
+        yield f"R23_layer_{name}", LAYOUT, d.join()
     for name, values in (("empty_range", (0, 0, 0)), ("low_above_high", (0.5, -0.5, 0)), ("low_positive", (0.1, 1, 0.5)),
                          ("high_negative", (-1, -0.1, -0.5)), ("initial_low", (-1, 1, -1.01)),
                          ("initial_high", (-1, 1, 1.01))):

@@ -28,6 +28,12 @@ static void check_hinge_example(void)
         const double t = remainder(1.0 - centre, 2.0 * acos(-1.0));
         CHECK(fabs((t - t0) * beta * (t + t0) + 1.875) < 1e-5 && plain[3][3] == 0.0f, "%d turns: centre %g, t0 %g", turns,
               centre, t0);
+        CHECK(fabs(centre - 1.25) < 2e-6, "%d turns: the centre is %.9g and costs digits", turns, centre);
+
+        fixed[0][5] = 3.0f;
+        plain[0][5] = -3.0f + (float)turns * 6.28318531f;
+        pliant_finish_hinge(&group, NULL, plain[0]);
+        CHECK(fabs((double)plain[1][5] + 0.283185) < 5e-6, "%d turns: t0 is %g", turns, (double)plain[1][5]);
     }
 }
 
