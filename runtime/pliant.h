@@ -180,9 +180,10 @@ PLIANT_API const float* pliant_asset_pose_coordinates(const pliant_asset* asset,
 /** A weight of a blend. */
 typedef struct pliant_weight {
     const char* name; /**< of the pose or layer that it belongs to: UTF-8, zero-terminated, inside the blob */
-    /** The range of weights whose blends the baker has measured; of averages 0 and 1, for weights of sum 1. Not a limit: see
-       pliant_solve_info.outside. */
-    float low, high;
+    /** The low end of the range of weights whose blends the baker has measured; 0 of averages, for weights of sum 1. Not a
+       limit: see pliant_solve_info.outside. */
+    float low;
+    float high;    /**< the high end; 1 of averages */
     float initial; /**< the weight to start with: inside the range; of averages 1 / weight_count */
 } pliant_weight;
 
