@@ -107,9 +107,11 @@ def subdivide(poses, triangles):
     return [np.concatenate([pose, pose[edges].mean(axis=1)]) for pose in poses], finer
 
 
-def write_ply(path, positions, triangles):
+def write_ply(path, positions, triangles, scalar="float"):
+    """`scalar`: "float" or "double", what the positions are stored as."""
     faces = np.empty(len(triangles), [("count", "u1"), ("vertices", "<i4", 3)])
     faces["count"], faces["vertices"] = 3, triangles
-    header = (f"ply\nformat binary_little_endian 1.0\nelement vertex {len(positions)}\nproperty float x\nproperty float y\n"
-              f"property float z\nelement face {len(triangles)}\nproperty list uchar int vertex_indices\nend_header\n")
-    path.write_bytes(header.encode() + positions.astype("<f4").tobytes() + faces.tobytes())
+    header = (f"ply\nformat binary_little_endian 1.0\nelement vertex {len(positions)}\n"
+              + "".join(f"property {scalar} {axis}\n" for axis in "xyz")
+              + f"element face {len(triangles)}\nproperty list uchar int vertex_indices\nend_header\n")
+    path.write_bytes(header.encode() + positions.astype("<" + SCALARS[scalar]).tobytes() + faces.tobytes())
