@@ -21,12 +21,13 @@ TWIST_END, TWIST_DEGREES = 2.0, 90
 
 FACE_SHAPES = ["blink_brow_down", "cheek_puff", "jaw_open", "pucker", "smile", "sneer_frown"]
 FACE_LAYERS = 52
-SEAM = 2.0  # centimetres, half the width of the strip where halves of a face fade
+SEAM = 3.0  # centimetres, half the width of the strip where halves of a face fade
 
 # The figure is 16.7 units tall and 15.9 wide, its face looks along z. Of two joints of a limb the outer one comes first.
 LEFT_ELBOW = joints.Joint("left_elbow", (7.9, 5.3, 0), (3.7, 5.4, 0.13), (1, 0, 0), (0, 0, 1), length=1.4, degrees=90)
 LEFT_KNEE = joints.Joint("left_knee", (1.7, -8.2, 0), (1.3, -2.8, 0.13), (0, -1, 0), (0, 0, -1), length=2.0, degrees=90)
-LEFT_SHOULDER = joints.Joint("left_shoulder", (7.9, 5.3, 0), (1.75, 5.1, 0.1), (1, 0, 0), (0, -1, 0), length=1.7, degrees=70)
+LEFT_SHOULDER = joints.Joint("left_shoulder", (7.9, 5.3, 0), (1.75, 5.1, 0.1), (1, 0, 0), (0, -1, 0), length=1.7,
+                             degrees=70)
 LEFT_HIP = joints.Joint("left_hip", (1.7, -8.2, 0), (0.9, -0.1, 0.28), (0.34, -0.94, 0), (0.2, 0.05, 1), length=2.2, degrees=60)
 SPINE = joints.Joint("spine", (0, 8.5, 0), (0, 0.9, 0.5), (0, 1, 0), (0, 0, 1), length=2.4, degrees=60)
 BODY_JOINTS = [LEFT_ELBOW, joints.mirrored(LEFT_ELBOW, "right_elbow"), LEFT_KNEE, joints.mirrored(LEFT_KNEE, "right_knee"),
@@ -92,12 +93,20 @@ def have_other_shapes(first, second):
     return first.rsplit("_", 1)[0] != second.rsplit("_", 1)[0]
 
 
+def spread(items, count):
+    """So many of the items, evenly over all of them."""
+    return [items[i * len(items) // count] for i in range(count)]
+
+
 def face52():
+    """Shapes, halves, sums of two shapes, and as many sums of two halves as are missing. Only 12 changes of the 52 are
+    linearly independent."""
     rest, triangles, layers = ict7()
     whole = {name: layer - rest for name, layer in layers.items()}
     half = dict(halves(rest, whole))
-    every = {**whole, **half, **dict(pairs(whole)), **dict(pairs(half, have_other_shapes))}
-    return rest, triangles, {name: rest + every[name] for name in itertools.islice(every, FACE_LAYERS)}
+    changes = {**whole, **half, **dict(pairs(whole))}
+    changes.update(spread(list(pairs(half, have_other_shapes)), FACE_LAYERS - len(changes)))
+    return rest, triangles, {name: rest + change for name, change in changes.items()}
 
 
 def limbs8_shape(weights, rest, triangles):
