@@ -28,7 +28,8 @@ LEFT_ELBOW = joints.Joint("left_elbow", (7.9, 5.3, 0), (3.7, 5.4, 0.13), (1, 0, 
 LEFT_KNEE = joints.Joint("left_knee", (1.7, -8.2, 0), (1.3, -2.8, 0.13), (0, -1, 0), (0, 0, -1), length=2.0, degrees=90)
 LEFT_SHOULDER = joints.Joint("left_shoulder", (7.9, 5.3, 0), (1.75, 5.1, 0.1), (1, 0, 0), (0, -1, 0), length=1.7,
                              degrees=70)
-LEFT_HIP = joints.Joint("left_hip", (1.7, -8.2, 0), (0.9, -0.1, 0.28), (0.34, -0.94, 0), (0.2, 0.05, 1), length=2.2, degrees=60)
+LEFT_HIP = joints.Joint("left_hip", (1.7, -8.2, 0), (0.9, -0.1, 0.28), (0.34, -0.94, 0), (0.2, 0.05, 1), length=2.2,
+                        degrees=60)
 SPINE = joints.Joint("spine", (0, 8.5, 0), (0, 0.9, 0.5), (0, 1, 0), (0, 0, 1), length=2.4, degrees=60)
 BODY_JOINTS = [LEFT_ELBOW, joints.mirrored(LEFT_ELBOW, "right_elbow"), LEFT_KNEE, joints.mirrored(LEFT_KNEE, "right_knee"),
                LEFT_SHOULDER, joints.mirrored(LEFT_SHOULDER, "right_shoulder"), LEFT_HIP, SPINE]

@@ -1,7 +1,7 @@
-"""rival.py [--tool PLIANT] [--only TEXT]: layers whose weights have the sum 1 beside averages, unreduced, as a Markdown table;
-README.md has it and explains the columns. Layers are the model of Froehlich and Botsch 2011 with a metric in place of edge
-lengths; pose 0 is their rest shape, and its weight is what the others leave. Data: PLIANT_DATA; sets that are not there are
-left out. The creature is made by the program `creature` of the tool's build folder."""
+"""rival.py [--tool PLIANT] [--only TEXT]: layers whose weights have the sum 1 beside averages, unreduced, as a Markdown
+table; README.md has it and explains the columns. Layers are the model of Froehlich and Botsch 2011 with a metric in place of
+edge lengths; pose 0 is their rest shape, and its weight is what the others leave. Data: PLIANT_DATA; sets that are not there
+are left out. The creature is made by the program `creature` of the tool's build folder."""
 import argparse
 import pathlib
 import resource
@@ -39,7 +39,7 @@ def creature(tool, folder):
     program = tool.parents[1] / "samples" / "creature" / "creature"
     if not program.exists():
         return []
-    subprocess.run([program, "-o", folder, "--vertices", "8000"], check=True, stderr=subprocess.DEVNULL)
+    subprocess.run([program, "-o", folder, "--vertices", "8000"], check=True, stdout=subprocess.DEVNULL)
     return [folder / f"creature_{pose}.ply" for pose in make_moving_pictures.CREATURE_POSES]
 
 
