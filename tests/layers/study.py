@@ -80,8 +80,9 @@ def kind_of(check):
 def read_figures(report, measured):
     """All that this script knows of the names in both files: vertices, layers, d, elements, whether the tolerance is met;
     and (kind, error, error of the linear sum) of the certificate's checks and of the fresh weights."""
-    errors = [[(kind_of(check), check["relative_l2"], check.get("linear_relative_l2", np.nan)) for check in checks]
-              for checks in (report["measured"]["checks"], measured["samples"])]
+    errors = [[(kind_of(check), check["relative_l2"], check.get(linear, np.nan)) for check in checks]
+              for checks, linear in ((report["measured"]["checks"], "linear_error"),
+                                     (measured["samples"], "linear_relative_l2"))]
     facts = [report["vertices"], len(report["poses"]) - 1, report["subspace"]["dimension"], report["stand_in"]["elements"],
              report["meets_tolerance"]]
     return facts, errors
