@@ -73,14 +73,16 @@ StoredMesh stored_render_mesh(const RenderMesh& drawn, const PoseSet& poses, con
     return mesh;
 }
 
-AssetModel assemble(const NormalizedPoses& set, const FittedModel& fitted, StoredMesh mesh, const PoseSet& poses,
-                    const Eigen::MatrixXd& reachable, const BakeOptions& options)
+AssetModel assemble(const NormalizedPoses& set, const WeightDomain& domain, const FittedModel& fitted, StoredMesh mesh,
+                    const PoseSet& poses, const Eigen::MatrixXd& reachable, const BakeOptions& options)
 {
     const Embedding* embedding = mesh.embedding ? &*mesh.embedding : nullptr;
     const std::size_t boundary_count = mesh.source_vertices.empty() ? mesh.vertex_count : mesh.boundary_vertex_count;
     StoredShape shape
         = store_shape(set, fitted.subspace, embedding, reachable, options.basis_error() * set.diagonal, boundary_count);
-    return { set, fitted.subspace, fitted.model, fitted.mean_shape(), std::move(mesh), std::move(shape), poses.names };
+    return {
+        set, fitted.subspace, fitted.model, fitted.mean_shape(), std::move(mesh), std::move(shape), poses.names, domain
+    };
 }
 
 } // namespace pliant

@@ -18,7 +18,7 @@ std::shared_ptr<const RenderMesh> render_mesh_of(const PoseSet& poses, const Bak
 StoredMesh stored_render_mesh(const RenderMesh& drawn, const PoseSet& poses, const BakeOptions& options);
 
 // The asset with this mesh, its basis within options.position_error at `reachable`.
-AssetModel assemble(const NormalizedPoses& set, const FittedModel& fitted, StoredMesh mesh, const PoseSet& poses,
-                    const Eigen::MatrixXd& reachable, const BakeOptions& options);
+AssetModel assemble(const NormalizedPoses& set, const WeightDomain& domain, const FittedModel& fitted, StoredMesh mesh,
+                    const PoseSet& poses, const Eigen::MatrixXd& reachable, const BakeOptions& options);
 
 } // namespace pliant

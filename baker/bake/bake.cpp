@@ -107,11 +107,13 @@ BakedAsset bake(const PoseSet& poses, const BakeOptions& given, Progress& listen
     Stopwatch watch;
     const TimeBudget budget(options.time_limit);
     progress.update("poses", 0);
-    const NormalizedPoses set = normalize(poses, options.energy.keep_placement);
+    const NormalizedPoses set = normalize(poses, options.energy.keeps_placement());
+    const WeightDomain domain = domain_of(options, poses.names);
     const ElasticModel model = make_model(set, options.energy, &progress);
     const Energy& energy = *model.energy;
     report.input = describe(poses, set, energy);
     report.input.material = *options.energy.material;
+    report.input.ranges = domain.ranges();
     warn_of_foldover(report.input, options.energy, progress);
     SolverPool pool(energy, set, options.energy.solver);
     watch.end_stage("poses");
@@ -123,14 +125,14 @@ BakedAsset bake(const PoseSet& poses, const BakeOptions& given, Progress& listen
     report.start_pose = family.start_pose();
     watch.end_stage("mean");
 
-    InterpolatedFamily known(family, &progress);
-    const FoundSubspace found = find_subspace(known, pool, options, budget, progress);
+    const FoundFamily known = find_subspace(family, domain, options, budget, progress);
+    const FoundSubspace& found = known.found;
     report.snapshot_count = found.averages.size() - found.interpolated_count();
     report.interpolated_count = found.interpolated_count();
     report.unconverged_snapshot_count = found.unconverged_count;
     watch.end_stage("subspace");
 
-    const FitProblem problem { set, energy, family, known, found, budget };
+    const FitProblem problem { set, energy, family, *known.source, found, budget, domain };
     const FittedModel fitted = fit(problem, options, progress);
     report.fit = fitted.report;
     watch.end_stage(name_of(fitted.report.kind));

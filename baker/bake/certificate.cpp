@@ -102,6 +102,10 @@ Json measured_of(const BakeReport& report)
         json["converged"] = check.has_converged;
         json["near_jump"] = check.is_near_jump;
         json["weights"] = json_of(check.weights);
+        if (*check.kind) {
+            json["kind"] = check.kind;
+            json["linear_error"] = check.linear_error;
+        }
         unconverged += !check.has_converged;
         checks.push_back(json);
     }
@@ -114,6 +118,25 @@ Json measured_of(const BakeReport& report)
                       { "unconverged_checks", unconverged },
                       { "checks", checks } };
     return measured;
+}
+
+// Of layers: the ranges of their weights, and the errors of each kind of mixture beside those of linear sums.
+Json layers_of(const BakeReport& report, const std::vector<std::string>& pose_names)
+{
+    Json ranges = Json::array(), errors = Json::array();
+    for (std::size_t k = 0; k < report.input.ranges.size(); ++k) {
+        const WeightRange& range = report.input.ranges[k];
+        ranges.push_back({ { "layer", pose_names[k + 1] }, { "low", range.low }, { "high", range.high } });
+    }
+    for (const KindErrors& kind : report.check.kinds)
+        errors.push_back({ { "kind", kind.kind },
+                           { "count", kind.count },
+                           { "without_shape", kind.lost_count },
+                           { "mean_error", kind.mean },
+                           { "largest_error", kind.largest },
+                           { "linear_mean_error", kind.linear_mean },
+                           { "linear_largest_error", kind.linear_largest } });
+    return { { "ranges", ranges }, { "errors", errors } };
 }
 
 Json drift_of(const WorstDrift& worst)
@@ -180,6 +203,7 @@ std::string write_certificate(const BakeReport& report, const BakeOptions& optio
     const ShellOptions& shell = options.energy.shell;
     const Material material = report.input.material;
     Json energy = { { "material", name_of(material) } };
+    if (options.energy.blend == Blend::layers) energy["blend"] = name_of(options.energy.blend);
     if (report.input.tet_count && options.energy.poisson >= 0) energy["poisson"] = options.energy.poisson;
     if (material == Material::discrete_shells) {
         energy["membrane"] = name_of(shell.membrane);
@@ -191,7 +215,7 @@ std::string write_certificate(const BakeReport& report, const BakeOptions& optio
             energy["rough_vertices"] = report.input.rough_count;
         if (report.input.rough_count > 0) energy["roughest_vertex"] = report.input.roughest_vertex;
     }
-    energy["aligned"] = !options.energy.keep_placement;
+    energy["aligned"] = !options.energy.keeps_placement();
     energy["solver"] = name_of(options.energy.solver);
     if (report.input.repairs.welded_count > 0) energy["weld"] = options.energy.weld_tolerance;
     if (!report.input.fixed_vertices.empty()) energy["fixed_vertices"] = report.input.fixed_vertices;
@@ -205,6 +229,7 @@ std::string write_certificate(const BakeReport& report, const BakeOptions& optio
     if (options.render_mesh) certificate["surface"] = drawn_of(report, *options.render_mesh);
     certificate["energy"] = energy;
     if (report.check.ties) certificate["ties"] = ties_of(*report.check.ties);
+    if (!report.input.ranges.empty()) certificate["layers"] = layers_of(report, pose_names);
     certificate["tolerance"] = options.tolerance;
     if (options.tolerance_max > 0) certificate["tolerance_max"] = options.tolerance_max;
     if (options.time_limit) certificate["time_limit"] = *options.time_limit;
@@ -231,6 +256,7 @@ EnergyOptions read_energy_options(const std::string& certificate, const std::str
         options.material
             = parse_name(energy.at("material").get<std::string>(),
                          { Material::discrete_shells, Material::arap, Material::stvk, Material::mooney_rivlin });
+        options.blend = parse_name(energy.value("blend", "average"), { Blend::average, Blend::layers });
         options.poisson = energy.value("poisson", -1.0);
         options.weld_tolerance = energy.value("weld", 0.0); // nothing was welded
         options.fixed_vertices = energy.value("fixed_vertices", std::vector<std::uint32_t>());

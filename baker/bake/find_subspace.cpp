@@ -6,6 +6,7 @@
 #include "pliant_format.h"
 #include "reduced/subspace/barbic.h"
 #include "reduced/subspace/krylov.h"
+#include "reduced/subspace/layered.h"
 
 #include <algorithm>
 #include <cmath>
@@ -53,27 +54,56 @@ Subspace build_fixed_subspace(SolverPool& pool, const BakeOptions& options, Prog
     return build_barbic_subspace(pool.at(0), { BarbicOptions().mode_count, options.dimension, dimension_limit }, &progress);
 }
 
-} // namespace
-
-FoundSubspace find_subspace(InterpolatedFamily& known, SolverPool& pool, const BakeOptions& options,
-                            const TimeBudget& budget, Progress& progress)
+AdaptiveOptions adaptive_options(const BakeOptions& options, const TimeBudget& budget)
 {
-    const std::size_t m = pool.set().pose_count();
-    const std::vector<Weights> check_weights = draw_weights(options.seed + check_seed, m, options.check_count);
-    if (options.subspace != SubspaceKind::adaptive) {
-        FoundSubspace out;
-        out.subspace = build_fixed_subspace(pool, options, progress);
-        out.checks = known.find_in_time(check_weights, "averages to check", budget.part(check_share));
-        return out;
-    }
     AdaptiveOptions adaptive;
     adaptive.dimension = options.dimension;
     adaptive.tolerance = options.tolerance;
     adaptive.seed = options.seed;
     adaptive.snapshot_time = budget.part(snapshot_share);
     adaptive.check_time = budget.part(check_share);
-    return build_adaptive_subspace(known, training_weights(m, training_count(m), options.seed), check_weights, adaptive,
-                                   &progress);
+    return adaptive;
+}
+
+FoundSubspace find_layered_subspace(LayeredFamily& known, const WeightDomain& domain,
+                                    const std::vector<Weights>& check_weights, const BakeOptions& options,
+                                    const TimeBudget& budget, Progress& progress)
+{
+    AdaptiveOptions adaptive = adaptive_options(options, budget);
+    adaptive.max_dimension += Eigen::Index(domain.size());
+    return build_layered_subspace(known, domain, check_weights, adaptive, &progress);
+}
+
+FoundSubspace find_subspace_of_averages(InterpolatedFamily& known, const std::vector<Weights>& check_weights,
+                                        const BakeOptions& options, const TimeBudget& budget, Progress& progress)
+{
+    SolverPool& pool = known.family().pool();
+    const std::size_t m = pool.set().pose_count();
+    if (options.subspace != SubspaceKind::adaptive) {
+        FoundSubspace out;
+        out.subspace = build_fixed_subspace(pool, options, progress);
+        out.checks = known.find_in_time(check_weights, "averages to check", budget.part(check_share));
+        return out;
+    }
+    return build_adaptive_subspace(known, training_weights(m, training_count(m), options.seed), check_weights,
+                                   adaptive_options(options, budget), &progress);
+}
+
+} // namespace
+
+FoundFamily find_subspace(AverageFamily& family, const WeightDomain& domain, const BakeOptions& options,
+                          const TimeBudget& budget, Progress& progress)
+{
+    const std::vector<Weights> check_weights
+        = domain.draw_counted(options.seed + check_seed, std::size_t(options.check_count));
+    if (domain.is_box()) {
+        auto known = std::make_unique<LayeredFamily>(family, &progress);
+        FoundSubspace found = find_layered_subspace(*known, domain, check_weights, options, budget, progress);
+        return { std::move(found), std::move(known) };
+    }
+    auto known = std::make_unique<InterpolatedFamily>(family, &progress);
+    FoundSubspace found = find_subspace_of_averages(*known, check_weights, options, budget, progress);
+    return { std::move(found), std::move(known) };
 }
 
 } // namespace pliant

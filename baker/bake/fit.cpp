@@ -26,7 +26,7 @@ constexpr Eigen::Index quartic_dimension_wanted = 32;
 // Of a limited time: when the last fit is to end.
 constexpr double fit_share = 0.85;
 
-// Share of the mean's energy that an error of one tolerance may cost. Soft directions then follow the unreduced average,
+// Share of the unit of energies that an error of one tolerance may cost. Soft directions then follow the unreduced average,
 // stiff ones the energy (training_of). With a much larger share training shapes get creased.
 constexpr double nearness_share = 0.003;
 
@@ -34,11 +34,11 @@ constexpr double nearness_share = 0.003;
 // few averages only, energies would lead farther away.
 constexpr double largest_nearness_tolerance = 1e-3;
 
-double nearness_wanted(const NormalizedPoses& set, double mean_energy, double tolerance)
+double nearness_wanted(const NormalizedPoses& set, double energy_scale, double tolerance)
 {
     const double off
         = std::min(tolerance, largest_nearness_tolerance) * mass_norm(set.shapes[0], set.masses); // shapes are centred
-    return 2 * nearness_share * std::max(mean_energy, 1e-13) / (off * off);
+    return 2 * nearness_share * energy_scale / (off * off);
 }
 
 std::vector<AverageAt> checks_of(const FoundSubspace& found)
@@ -55,10 +55,10 @@ public:
         : p_(problem)
         , options_(options)
         , progress_(progress)
-        , nearness_(nearness_wanted(p_.set, p_.family.mean().energy, options.tolerance))
+        , nearness_(nearness_wanted(p_.set, p_.family.energy_scale(), options.tolerance))
     {
         const AverageProjector projector(p_.energy, all(), p_.set, &progress);
-        std::vector<AverageAt> averages = distinct_averages(p_.found.averages);
+        std::vector<AverageAt> averages = distinct_averages(p_.found.averages, corner_weights_of(p_.energy));
         const auto rest = std::stable_partition(averages.begin(), averages.end(),
                                                 [](const AverageAt& average) { return !average.is_interpolated; });
         averages_ = projector.project({ averages.begin(), rest });
@@ -165,7 +165,7 @@ FittedModel Fitter::fit_at(Eigen::Index d, const Quartic* quartic)
 {
     FittedModel out;
     out.subspace = leading(all(), d);
-    const ReducedSolver reduced(p_.energy, out.subspace, p_.family.mean_hessian(), p_.family.mean().energy);
+    const ReducedSolver reduced(p_.energy, out.subspace, p_.family.mean_hessian(), p_.family.energy_scale());
     out.training = train(reduced);
     ChosenModel chosen = fit_surrogate(reduced.energy(), quartic, out);
     out.model = std::move(chosen.model);

@@ -15,9 +15,10 @@ struct FitProblem {
     const NormalizedPoses& set;
     const Energy& energy;
     AverageFamily& family;
-    const InterpolatedFamily& known;
+    const AverageSource& known;
     const FoundSubspace& found;
     const TimeBudget& budget;
+    const WeightDomain& domain;
 };
 
 // What the runtime will solve, with the data that it was fitted to. Refers to the averages of `found` and to the energy.

@@ -143,11 +143,34 @@ void check_surrogate(const BakeOptions& options, const PoseSet& poses)
 
 } // namespace
 
+namespace {
+
+// What of a bake layers do not have.
+void check_layers(const BakeOptions& options, const PoseSet& poses)
+{
+    const char* what = nullptr;
+    if (poses.is_solid())
+        what = "solids";
+    else if (options.energy.shell.membrane != Membrane::neo_hookean)
+        what = "--membrane stvk and edge";
+    else if (options.subspace != SubspaceKind::adaptive)
+        what = "--subspace krylov and barbic";
+    else if (options.surrogate == SurrogateKind::ghost)
+        what = "--energy ghost";
+    if (what)
+        throw Failure(ExitCode::usage,
+                      error_at(1234, "", fmt::format("{} cannot be baked with --blend layers", what),
+                               "leave it out, or bake the poses with --blend average; `pliant average` has both"));
+}
+
+} // namespace
+
 BakeOptions resolve_options(const BakeOptions& given, const PoseSet& poses)
 {
     BakeOptions options = given;
     options.energy.material = material_of(given.energy, poses.is_solid());
     check_surrogate(options, poses);
+    if (options.energy.blend == Blend::layers) check_layers(options, poses);
     return options;
 }
 

@@ -4,7 +4,6 @@
 #include "bake/make_energy.h"
 #include "base/common/parallel.h"
 #include "base/mesh/align.h"
-#include "base/weights/sampling.h"
 #include "elastic/average/family.h"
 #include "elastic/average/rigid_modes.h"
 
@@ -76,16 +75,24 @@ void time_solve(RuntimeBlender& blender, const std::vector<float>& w, Measuremen
     sample.microseconds = median(times);
 }
 
-std::vector<Measurement> draw_samples(const MeasureOptions& options, std::size_t pose_count)
+std::vector<Measurement> draw_samples(const MeasureOptions& options, const WeightDomain& domain)
 {
-    static const char* const kinds[] = { "uniform", "edge", "corner" };
     Random random(options.seed);
     std::vector<Measurement> samples(std::size_t(options.sample_count));
     for (std::size_t i = 0; i < samples.size(); ++i) {
-        samples[i].kind = pose_count == 2 ? kinds[0] : kinds[i % 3];
-        samples[i].weights = mixed_weights(random, pose_count, i);
+        samples[i].weights = domain.draw(random, i);
+        samples[i].kind = domain.kind_of(samples[i].weights, i);
     }
     return samples;
+}
+
+// The linear blend: the weighted mean of the poses; of layers the rest shape and the weighted differences from it.
+Shape linear_blend(const NormalizedPoses& set, const Weights& w)
+{
+    const Weights shares = linear_shares(w, set.pose_count());
+    Shape sum = Shape::Zero(set.dof_count());
+    for (std::size_t k = 0; k < set.pose_count(); ++k) sum += shares[Eigen::Index(k)] * set.shapes[k];
+    return sum;
 }
 
 void compare(const AverageFamily& family, std::size_t worker, SharedProgress& progress, bool from_blend, const Shape& blend,
@@ -99,9 +106,7 @@ void compare(const AverageFamily& family, std::size_t worker, SharedProgress& pr
     s.nearest_error = check.nearest_error;
     const Energy& energy = family.pool().energy();
     s.error = shape_error(energy, set, s.weights, blend, average);
-    Shape linear = Shape::Zero(set.dof_count());
-    for (std::size_t k = 0; k < set.pose_count(); ++k) linear += s.weights[Eigen::Index(k)] * set.shapes[k];
-    s.linear = shape_error(energy, set, s.weights, linear, average);
+    s.linear = shape_error(energy, set, s.weights, linear_blend(set, s.weights), average);
 }
 
 // The same where the asset draws a surface: its blends say nothing about energy, nor where to look for the average next to
@@ -115,9 +120,7 @@ void compare_drawn(const AverageFamily& family, std::size_t worker, SharedProgre
     s.branch_count = point.jumps.size();
     s.error = shape_distance(drawn.set, blend, average);
     s.nearest_error = s.error.relative_l2;
-    Shape linear = Shape::Zero(drawn.set.dof_count());
-    for (std::size_t k = 0; k < drawn.set.pose_count(); ++k) linear += s.weights[Eigen::Index(k)] * drawn.set.shapes[k];
-    s.linear = shape_distance(drawn.set, linear, average);
+    s.linear = shape_distance(drawn.set, linear_blend(drawn.set, s.weights), average);
     s.error.energy_excess = s.linear.energy_excess = std::nan("");
 }
 
@@ -145,7 +148,7 @@ std::vector<Measurement> measure(RuntimeBlender& blender, const std::string& ass
                                  const MeasureOptions& options, Progress& listener)
 {
     PlannedProgress progress(listener, { { "ties", 0.1 }, { "mean", 0.3 }, { "unreduced averages", 1 } });
-    const NormalizedPoses set = normalize(poses, energy_options.keep_placement);
+    const NormalizedPoses set = normalize(poses, energy_options.keeps_placement());
     std::optional<Drawn> drawn;
     if (surface) drawn.emplace(Drawn { *surface, render_mesh_shapes(set, *surface) });
     check_same_poses(blender, drawn_set(poses, set, drawn ? &*drawn : nullptr), asset_path);
@@ -155,7 +158,7 @@ std::vector<Measurement> measure(RuntimeBlender& blender, const std::string& ass
     newton.step_floor = average_floor * mass_norm(set.shapes[0], set.masses);
     AverageFamily family(pool, newton, &progress, read_start_pose(blender.certificate()), model.coarse.get());
     family.mean();
-    std::vector<Measurement> samples = draw_samples(options, set.pose_count());
+    std::vector<Measurement> samples = draw_samples(options, blender.domain());
     const std::vector<Shape> blends = time_blends(blender, poses, set, samples);
     SharedProgress shared(&progress);
     std::atomic<std::size_t> done { 0 };

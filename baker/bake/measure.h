@@ -23,7 +23,7 @@ struct MeasureOptions {
 
 // One blend.
 struct Measurement {
-    std::string kind; // uniform, edge, corner
+    std::string kind; // uniform, edge, corner; of layers single, pair, sparse, dense, corner
     Weights weights;
     ShapeError error,
         linear; // of the blend, of the linear blend; the energies are NaN where the asset draws a surface of its own

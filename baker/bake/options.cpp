@@ -1,6 +1,52 @@
 #include "bake/options.h"
 
+#include "base/common/diagnostics.h"
+
+#include <algorithm>
+#include <cmath>
+#include <fmt/ranges.h>
+
 namespace pliant {
+
+namespace {
+
+void check_range(const NamedRange& named)
+{
+    const auto& [low, high, initial] = named.range;
+    if (low < high && low <= 0 && high >= 0 && std::isfinite(high - low)) return;
+    const std::string name = named.layer.empty() ? "" : named.layer + "=";
+    throw Failure(ExitCode::usage,
+                  error_at(1231, "", fmt::format("--range {}{:.6g}:{:.6g} is empty or does not hold 0", name, low, high),
+                           "write LO:HI with LO < HI, LO at most 0 and HI at least 0: 0 is the rest shape"));
+}
+
+} // namespace
+
+WeightDomain domain_of(const BakeOptions& options, const std::vector<std::string>& pose_names)
+{
+    if (options.energy.blend == Blend::average) {
+        if (options.ranges.empty()) return WeightDomain::simplex(pose_names.size());
+        throw Failure(ExitCode::usage,
+                      error_at(1233, "", "--range belongs to --blend layers",
+                               "leave it out: weights of averages are not negative and have the sum 1"));
+    }
+    std::vector<WeightRange> ranges(pose_names.size() - 1);
+    for (const NamedRange& named : options.ranges) {
+        check_range(named);
+        if (named.layer.empty()) std::fill(ranges.begin(), ranges.end(), named.range);
+    }
+    for (const NamedRange& named : options.ranges) {
+        if (named.layer.empty()) continue;
+        const auto found = std::find(pose_names.begin() + 1, pose_names.end(), named.layer);
+        if (found == pose_names.end())
+            throw Failure(
+                ExitCode::usage,
+                error_at(1232, "", fmt::format("there is no layer '{}' for --range", named.layer),
+                         fmt::format("the layers are {}", fmt::join(pose_names.begin() + 1, pose_names.end(), ", "))));
+        ranges[std::size_t(found - pose_names.begin()) - 1] = named.range;
+    }
+    return WeightDomain::box(std::move(ranges));
+}
 
 void make_preview(BakeOptions& options, bool has_tolerance)
 {

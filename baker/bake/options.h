@@ -29,16 +29,25 @@ struct EnergyOptions {
     Continuity continuity = Continuity::automatic;
     ShellOptions shell;
     double poisson = -1;                       // of solids; negative: 0.4 for stvk, 0.45 for mooney-rivlin
-    bool keep_placement = false;               // do not align the poses
+    bool keep_placement = false;               // do not align the poses; layers are where they are anyway
     std::string fixed_path;                    // a file of vertices that stay where they are; empty: none
     std::vector<std::uint32_t> fixed_vertices; // the same by the files' numbers, where a certificate names them
     // Of surfaces: vertices this near in all poses are one (over the diagonal); 0: none
     double weld_tolerance = default_weld_tolerance;
     SolverKind solver = default_solver();
+
+    bool keeps_placement() const { return keep_placement || blend == Blend::layers; }
+};
+
+// The range of a layer's weight, by the layer's name; without one of all layers that no other names.
+struct NamedRange {
+    std::string layer;
+    WeightRange range;
 };
 
 struct BakeOptions {
     EnergyOptions energy;
+    std::vector<NamedRange> ranges; // of layers
     SubspaceKind subspace = SubspaceKind::adaptive;
     double tolerance = 1e-3;    // total relative L2, mean over the checks
     double tolerance_max = 0;   // the largest over them; 0: not bounded
@@ -60,6 +69,9 @@ struct BakeOptions {
     // Of a solid: the surface that the asset draws instead of the solid's boundary. Null: the boundary.
     std::shared_ptr<const RenderMesh> render_mesh;
 };
+
+// Where the weights lie. Throws Failure (usage, P1231 to P1233) for ranges that are empty, do not hold 0 or name no layer.
+WeightDomain domain_of(const BakeOptions& options, const std::vector<std::string>& pose_names);
 
 // A bake that refines nothing, at a tolerance of its own where the caller has none.
 void make_preview(BakeOptions& options, bool has_tolerance);

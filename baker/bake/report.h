@@ -32,6 +32,7 @@ struct InputReport {
     std::size_t foldover_count = 0;               // hinges whose bending is damped
     std::vector<std::uint32_t> foldover_vertices; // of the edges of such hinges, the first of them
     std::vector<std::uint32_t> fixed_vertices;    // ascending
+    std::vector<WeightRange> ranges;              // of layers
 };
 
 // The surrogate energy and the dimension that were chosen.
@@ -56,6 +57,15 @@ struct BlendCheck {
     bool is_fresh = false;     // nothing was chosen by it
     bool has_converged = true; // the unreduced average
     bool is_near_jump = false; // a jump lies on the way to these weights, or another average
+    const char* kind = "";     // of layers: WeightDomain::kind_of()
+    double linear_error = 0;   // of layers: of the sum of their displacements, relative L2
+};
+
+// Blends of one kind of mixture of layers; relative L2.
+struct KindErrors {
+    std::string kind;
+    std::size_t count = 0, lost_count = 0; // with errors; where no shape was found to compare with
+    double mean = 0, largest = 0, linear_mean = 0, linear_largest = 0;
 };
 
 // How the basis was stored.
@@ -76,6 +86,7 @@ struct CheckReport {
     Weights worst_weights;
     bool meets_tolerance = false; // the mean, the largest if bounded, and every blend next to a jump
     BasisReport basis;
+    std::vector<KindErrors> kinds;               // of layers
     std::optional<TieReport> ties;               // of a character in several parts, or with cracks
     std::optional<RenderMeshErrors> render_mesh; // at the same weights, of a solid that draws a surface of its own
 };

@@ -2,7 +2,6 @@
 
 #include "base/common/parallel.h"
 #include "base/mesh/tets.h"
-#include "base/weights/sampling.h"
 #include "elastic/average/rigid_modes.h"
 #include "elastic/parts/tied_energy.h"
 #include "output/asset/asset_facts.h"
@@ -105,8 +104,7 @@ double smallest_cell_ratio(const NormalizedPoses& set, const Shape& blend)
 std::vector<CheckPoint> fresh_averages(OpenedAsset& opened, const FitProblem& problem, const BakeOptions& options,
                                        Progress& progress)
 {
-    const std::vector<Weights> fresh
-        = draw_weights(options.seed + fresh_seed, problem.set.pose_count(), options.fresh_count);
+    const std::vector<Weights> fresh = problem.domain.draw_all(options.seed + fresh_seed, std::size_t(options.fresh_count));
     std::vector<CheckPoint> points = problem.known.find_in_time(fresh, "fresh averages", problem.budget.part(fresh_share));
     std::vector<Shape> blends;
     for (const CheckPoint& point : points) blends.push_back(opened.blend(point.weights));
@@ -121,30 +119,67 @@ std::vector<CheckPoint> fresh_averages(OpenedAsset& opened, const FitProblem& pr
     return points;
 }
 
-CheckReport summarize(std::vector<BlendCheck> blends, const BakeOptions& options)
+// In the order in which the kinds appear.
+std::vector<KindErrors> errors_by_kind(const std::vector<BlendCheck>& blends)
+{
+    std::vector<KindErrors> kinds;
+    for (const BlendCheck& check : blends) {
+        auto kind = std::find_if(kinds.begin(), kinds.end(), [&](const KindErrors& k) { return k.kind == check.kind; });
+        if (kind == kinds.end()) {
+            kind = kinds.insert(kind, KindErrors());
+            kind->kind = check.kind;
+        }
+        if (!check.has_converged) {
+            ++kind->lost_count;
+            continue;
+        }
+        const double count = double(++kind->count), error = check.error.relative_l2;
+        kind->mean += (error - kind->mean) / count;
+        kind->linear_mean += (check.linear_error - kind->linear_mean) / count;
+        kind->largest = std::max(kind->largest, error);
+        kind->linear_largest = std::max(kind->linear_largest, check.linear_error);
+    }
+    return kinds;
+}
+
+// Whether the tolerance is judged by this blend. An average that did not converge is near enough to be compared with; layers
+// for which no shape was found have none.
+bool is_judged(const BlendCheck& check, const WeightDomain& domain)
+{
+    return domain.is_counted(check.weights) && (check.has_converged || !domain.is_box());
+}
+
+CheckReport summarize(std::vector<BlendCheck> blends, const WeightDomain& domain, const BakeOptions& options)
 {
     CheckReport report;
     report.blends = std::move(blends);
+    double count = 0;
     for (const BlendCheck& check : report.blends) {
-        report.mean_error += check.error.relative_l2 / double(report.blends.size());
+        if (!is_judged(check, domain)) continue;
+        report.mean_error += check.error.relative_l2;
+        ++count;
         report.largest_distance = std::max(report.largest_distance, check.error.largest_distance);
         report.cell_ratio = std::min(report.cell_ratio, check.cell_ratio);
         if (check.error.relative_l2 < report.largest_error) continue;
         report.largest_error = check.error.relative_l2;
         report.worst_weights = check.weights;
     }
-    report.meets_tolerance = !report.blends.empty() && report.mean_error <= options.tolerance
+    report.mean_error /= std::max(count, 1.0);
+    report.meets_tolerance
+        = count > 0 && report.mean_error <= options.tolerance
         && (options.tolerance_max == 0 || report.largest_error <= options.tolerance_max)
         && std::none_of(report.blends.begin(), report.blends.end(), [&](const BlendCheck& check) {
-               return check.is_near_jump && check.error.relative_l2 > options.tolerance;
+               return is_judged(check, domain) && check.is_near_jump && check.error.relative_l2 > options.tolerance;
            });
+    if (domain.is_box()) report.kinds = errors_by_kind(report.blends);
     return report;
 }
 
 // Blends next to the averages at `points`, the last `fresh_count` of which nothing was chosen by.
-CheckReport compare_with_averages(OpenedAsset& opened, const SolverPool& pool, const std::vector<CheckPoint>& points,
+CheckReport compare_with_averages(OpenedAsset& opened, const FitProblem& problem, const std::vector<CheckPoint>& points,
                                   std::size_t fresh_count, const BakeOptions& options)
 {
+    const SolverPool& pool = problem.family.pool();
     const NormalizedPoses& set = pool.set();
     const TieSet* ties = ties_of(pool.energy());
     std::optional<TieReport> tie_report;
@@ -156,9 +191,13 @@ CheckReport compare_with_averages(OpenedAsset& opened, const SolverPool& pool, c
         blends.push_back({ point.weights, shape_error(pool.energy(), set, point.weights, blend, point.reference),
                            smallest_cell_ratio(set, blend), i + fresh_count >= points.size(), point.has_converged,
                            !point.branches.empty() });
+        if (problem.domain.is_box()) {
+            blends.back().kind = problem.domain.kind_of(point.weights, i);
+            blends.back().linear_error = relative_distance(set, problem.family.sum().linear(point.weights), point.reference);
+        }
         if (ties) add_check(*ties, set, point.weights, point.reference, blend, *tie_report);
     }
-    CheckReport report = summarize(std::move(blends), options);
+    CheckReport report = summarize(std::move(blends), problem.domain, options);
     report.ties = std::move(tie_report);
     return report;
 }
@@ -205,14 +244,15 @@ CheckedAsset self_check(const CheckProblem& p, const BakeOptions& options, Progr
     const NormalizedPoses& set = p.fit.set;
     const TrainingSet& training = p.fitted.training;
     const Eigen::MatrixXd reachable = reachable_coordinates(p.fitted);
-    const auto assemble_with
-        = [&](StoredMesh mesh) { return assemble(set, p.fitted, std::move(mesh), p.poses, reachable, options); };
+    const auto assemble_with = [&](StoredMesh mesh) {
+        return assemble(set, p.fit.domain, p.fitted, std::move(mesh), p.poses, reachable, options);
+    };
     const AssetModel simulated = assemble_with(simulation_mesh(p.poses, set, options));
     OpenedAsset opened(simulated, training);
     const std::vector<CheckPoint> fresh = fresh_averages(opened, p.fit, options, progress);
     std::vector<CheckPoint> points = p.fit.found.checks;
     points.insert(points.end(), fresh.begin(), fresh.end());
-    CheckReport report = compare_with_averages(opened, p.pool, points, fresh.size(), options);
+    CheckReport report = compare_with_averages(opened, p.fit, points, fresh.size(), options);
     const auto complete = [&](OpenedAsset& last, AssetModel asset) -> CheckedAsset {
         report.basis = check_basis(last.blender(), asset, reachable);
         AssetRecord record = make_record(last, training);

@@ -5,13 +5,31 @@
 #include "cli/verbs.h"
 
 #include <filesystem>
+#include <fmt/core.h>
+#include <stdexcept>
 
 namespace pliant {
+
+namespace {
+
+void add_blend_options(CLI::App& verb, BakeRequest& r)
+{
+    add_blend_kind(verb, r.bake.energy);
+    verb.add_option("--range", r.ranges,
+                    "Layers: the range in which weights are proven, of all layers or of one, as 0:1.3 or smile=-0.5:1 "
+                    "(default: 0:1). Outside of it the runtime blends as well, without a certificate")
+        ->type_name("RANGE")
+        ->expected(1, -1)
+        ->allow_extra_args(false);
+}
+
+} // namespace
 
 void add_bake_options(CLI::App& verb, BakeRequest& r)
 {
     add_pose_arguments(verb, r.poses)->required(false);
     verb.add_option("-o,--output", r.output, "Asset to write")->type_name("OUT.pliant");
+    add_blend_options(verb, r);
     add_energy_options(verb, r.bake.energy);
     add_surface(verb, r.surface);
     verb.add_option(
@@ -107,6 +125,29 @@ void add_bake_options(CLI::App& verb, BakeRequest& r)
     add_quiet(verb, r.is_quiet);
 }
 
+namespace {
+
+// "0:1.3" or "smile=0:1.3"; names may hold a '='.
+NamedRange parse_range(const std::string& text)
+{
+    const std::size_t equals = text.rfind('='), start = equals == std::string::npos ? 0 : equals + 1,
+                      colon = text.find(':', start);
+    try {
+        if (colon == std::string::npos) throw std::invalid_argument(text);
+        NamedRange out;
+        if (start > 0) out.layer = text.substr(0, equals);
+        out.range.low = parse_weights(text.substr(start, colon - start)).at(0);
+        out.range.high = parse_weights(text.substr(colon + 1)).at(0);
+        return out;
+    } catch (const std::exception&) {
+        throw Failure(ExitCode::usage,
+                      error_at(1235, "", fmt::format("--range '{}' is no range", text),
+                               "write it as 0:1.3, or for one layer as smile=-0.5:1"));
+    }
+}
+
+} // namespace
+
 void complete_request(CLI::App& verb, BakeRequest& r)
 {
     if (!r.config.empty()) {
@@ -124,6 +165,7 @@ void complete_request(CLI::App& verb, BakeRequest& r)
     r.bake.subspace = r.subspace == "krylov" ? SubspaceKind::krylov
         : r.subspace == "barbic"             ? SubspaceKind::barbic
                                              : SubspaceKind::adaptive;
+    for (const std::string& text : r.ranges) r.bake.ranges.push_back(parse_range(text));
     if (r.is_preview) make_preview(r.bake, r.has_tolerance);
     for (SurrogateKind kind : { SurrogateKind::quartic, SurrogateKind::cubature, SurrogateKind::ghost })
         if (r.surrogate == name_of(kind)) r.bake.surrogate = kind;

@@ -12,7 +12,7 @@
 namespace pliant {
 
 struct BakeRequest {
-    std::vector<std::string> poses;
+    std::vector<std::string> poses, ranges;
     std::string output, report, surface, depfile, stamp, config;
     std::string subspace = "adaptive", surrogate = "auto";
     BakeOptions bake;

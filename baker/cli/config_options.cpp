@@ -14,7 +14,7 @@ namespace {
 namespace fs = std::filesystem;
 
 // What an option takes, as its type name on the command line tells.
-enum class Kind { flag, number, whole, name, path, path_list };
+enum class Kind { flag, number, whole, name, name_list, path, path_list };
 
 Kind option_kind(const CLI::Option& option)
 {
@@ -24,6 +24,7 @@ Kind option_kind(const CLI::Option& option)
     if (begins("FLOAT")) return Kind::number;
     if (begins("INT") || begins("UINT")) return Kind::whole;
     if (begins("NAME")) return Kind::name;
+    if (begins("RANGE")) return Kind::name_list;
     return option.get_items_expected_max() > 1 ? Kind::path_list : Kind::path;
 }
 
@@ -95,6 +96,10 @@ Json checked_value(const CLI::Option& option, const Json& value, const std::stri
     case Kind::name:
         if (!value.is_string()) fail_wrong_kind(where, key, "a string", value);
         return value;
+    case Kind::name_list:
+        if (!value.is_array() || !std::all_of(value.begin(), value.end(), [](const Json& v) { return v.is_string(); }))
+            fail_wrong_kind(where, key, "a list of strings", value);
+        return value;
     default: return checked_paths(kind, key, value, where, folder);
     }
 }
@@ -136,7 +141,7 @@ Json value_of(const CLI::Option& option)
 {
     const Kind kind = option_kind(option);
     if (kind == Kind::flag) return option.count() > 0;
-    if (kind == Kind::path_list) return option.results();
+    if (kind == Kind::path_list || kind == Kind::name_list) return option.results();
     const std::string text = option.count() > 0 ? option.results().back() : option.get_default_str();
     if (kind != Kind::number && kind != Kind::whole) return text;
     const Json number = Json::parse(text, nullptr, false); // ".5" and "+1" are numbers to the command line only
@@ -193,7 +198,12 @@ std::vector<std::string> to_arguments(const Json& config)
         std::string option = "--" + key;
         std::replace(option.begin(), option.end(), '_', '-');
         if (value.is_array())
-            for (const Json& item : value) poses.push_back(item.get<std::string>());
+            for (const Json& item : value) {
+                if (key == "poses")
+                    poses.push_back(item.get<std::string>());
+                else
+                    arguments.push_back(option + "=" + item.get<std::string>());
+            }
         else if (value.is_boolean() && value.get<bool>())
             arguments.push_back(option);
         else if (!value.is_boolean())

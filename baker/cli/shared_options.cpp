@@ -182,7 +182,7 @@ PoseSet load_with_warnings(const std::string& verb, const std::vector<std::strin
                            std::vector<Diagnostic>* kept)
 {
     LoadOptions load;
-    load.align = !options.keep_placement;
+    load.align = !options.keeps_placement();
     load.fixed_path = options.fixed_path;
     load.fixed_vertices = options.fixed_vertices;
     load.weld_tolerance = options.weld_tolerance;

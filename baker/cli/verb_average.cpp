@@ -205,7 +205,7 @@ ExitCode run_average(const AverageArguments& a)
     const std::vector<Wanted> wanted = wanted_averages(a, poses.pose_count()); // one glTF file may give many poses
     const std::vector<std::string> inputs = all_inputs(a);
     for (const Wanted& one : wanted) probe_output(one.output, inputs);
-    const NormalizedPoses set = normalize(poses, a.energy.keep_placement);
+    const NormalizedPoses set = normalize(poses, a.energy.keeps_placement());
     EnergyOptions options = a.energy;
     options.material = material_of(options, poses.is_solid());
     const ElasticModel model = make_model(set, options, &progress);

@@ -6,6 +6,7 @@
 #include "pipeline/json_file.h"
 
 #include <fmt/core.h>
+#include <map>
 #include <memory>
 
 namespace pliant {
@@ -14,6 +15,7 @@ namespace {
 
 struct BlendArguments {
     std::string asset, weights, path, output;
+    std::vector<std::string> set;
     bool all_vertices = false, is_quiet = false, is_json = false;
 };
 
@@ -37,7 +39,10 @@ void write_frame(const RuntimeBlender& blender, const std::vector<float>& q, con
 
 nlohmann::ordered_json to_json(const std::string& output, const pliant_solve_info& info)
 {
-    return { { "output", output }, { "iterations", info.iterations }, { "evaluations", info.evaluations } };
+    return { { "output", output },
+             { "iterations", info.iterations },
+             { "evaluations", info.evaluations },
+             { "outside", info.outside } };
 }
 
 void print_frames(const BlendArguments& a, const nlohmann::ordered_json& frames)
@@ -46,22 +51,56 @@ void print_frames(const BlendArguments& a, const nlohmann::ordered_json& frames)
     fmt::print("{}\n", json_text(json));
 }
 
+std::string names_of(const pliant_asset& asset)
+{
+    std::string names;
+    pliant_weight weight;
+    for (std::uint32_t i = 0; pliant_asset_weight(&asset, i, &weight) == PLIANT_OK; ++i)
+        names += (names.empty() ? "" : ", ") + std::string(weight.name);
+    return names;
+}
+
+// --set: layers that are not named keep the weight that the asset starts with, poses take no part.
+std::vector<float> weights_by_name(const BlendArguments& a, const RuntimeBlender& blender)
+{
+    const pliant_asset& asset = blender.asset();
+    std::vector<float> weights(asset.weight_count);
+    std::map<std::string, std::uint32_t> places;
+    pliant_weight weight;
+    for (std::uint32_t i = 0; pliant_asset_weight(&asset, i, &weight) == PLIANT_OK; ++i) {
+        places.emplace(weight.name, i); // of equal names the first
+        if (asset.has_layers) weights[i] = weight.initial;
+    }
+    for (const std::string& text : a.set) {
+        const std::size_t equals = text.rfind('=');
+        const auto found = places.find(text.substr(0, equals));
+        if (equals == std::string::npos || found == places.end())
+            throw Failure(ExitCode::usage,
+                          error_at(1236, a.asset, fmt::format("--set '{}' names no weight of the asset", text),
+                                   fmt::format("write NAME=W; the names are {}", names_of(asset))));
+        weights[found->second] = to_floats(parse_weights(text.substr(equals + 1)))[0];
+    }
+    return weights;
+}
+
 ExitCode run_blend(const BlendArguments& a)
 {
-    if (a.weights.empty() == a.path.empty())
-        throw Failure(ExitCode::usage, error_at(1202, "", "give either --weights or --path", "see `pliant blend --help`"));
-    const std::vector<double> values = a.path.empty() ? parse_weights(a.weights) : std::vector<double>();
+    if (int(!a.weights.empty()) + int(!a.path.empty()) + int(!a.set.empty()) != 1)
+        throw Failure(ExitCode::usage,
+                      error_at(1202, "", "give one of --weights, --set and --path", "see `pliant blend --help`"));
     RuntimeBlender blender = RuntimeBlender::from_file(a.asset);
     const Writing how
         = { blender.faces(), { blender.source_vertices(), blender.asset().boundary_vertex_count }, a.all_vertices };
     pliant_solve_info info {};
     if (a.path.empty()) {
+        const std::vector<float> weights = a.set.empty() ? to_floats(parse_weights(a.weights)) : weights_by_name(a, blender);
         probe_output(a.output, { a.asset });
-        write_frame(blender, blender.solve(to_floats(values), false, &info), how, a.output);
+        write_frame(blender, blender.solve(weights, false, &info), how, a.output);
         if (a.is_json)
             print_frames(a, nlohmann::ordered_json::array({ to_json(a.output, info) }));
         else if (!a.is_quiet)
-            fmt::print("{}: {} iterations, {} evaluations\n", a.output, info.iterations, info.evaluations);
+            fmt::print("{}: {} iterations, {} evaluations{}\n", a.output, info.iterations, info.evaluations,
+                       info.outside > 0 ? ", outside of the measured ranges" : "");
         return ExitCode::done;
     }
     const auto rows = read_weight_rows(a.path);
@@ -88,10 +127,21 @@ Verb add_blend(CLI::App& app)
     auto a = std::make_shared<BlendArguments>();
     CLI::App* verb = app.add_subcommand("blend", "Compute blends with the runtime and write them as meshes");
     verb->footer("Examples:\n  pliant blend hero.pliant --weights 0.5,0.25,0.25 -o blend.ply\n"
+                 "  pliant blend face.pliant --set smile=1 --set blink=1.2 -o face.ply\n"
                  "  pliant blend hero.pliant --path weights.csv -o frame_%04d.ply");
     verb->add_option("asset", a->asset, "Asset")->required()->type_name("ASSET");
-    verb->add_option("-w,--weights", a->weights, "One weight per pose, separated by commas; only their ratios matter")
+    verb->add_option(
+            "-w,--weights", a->weights,
+            "One weight per pose, separated by commas; only their ratios matter. Of layers one weight per layer, as "
+            "it is")
         ->type_name("W1,W2,...");
+    verb->add_option(
+            "--set", a->set,
+            "The weight of one pose or layer by its name (`pliant info` lists them); may be repeated. Others are 0, "
+            "or what the file's layers start with")
+        ->type_name("NAME=W")
+        ->expected(1, -1)
+        ->allow_extra_args(false);
     verb->add_option("--path", a->path, "File with one line of weights per frame")->type_name("FILE.csv");
     verb->add_option("-o,--output", a->output, "Mesh to write; with --path a pattern such as frame_%04d.ply")
         ->required()

@@ -66,7 +66,7 @@ ExitCode run_check(const CheckArguments& a)
         fmt::print("{}\n", json_text(describe_poses(poses, a.bake)));
         return ExitCode::done;
     }
-    const NormalizedPoses set = normalize(poses, a.bake.energy.keep_placement);
+    const NormalizedPoses set = normalize(poses, a.bake.energy.keeps_placement());
     const Material material = material_of(a.bake.energy, poses.is_solid());
     if (poses.is_solid())
         fmt::print("{} poses of {} vertices, {} tetrahedra, {} of the vertices on the boundary: ready to bake\n",
@@ -88,7 +88,7 @@ ExitCode run_check(const CheckArguments& a)
 
 nlohmann::ordered_json describe_poses(const PoseSet& poses, const BakeOptions& options)
 {
-    const NormalizedPoses set = normalize(poses, options.energy.keep_placement);
+    const NormalizedPoses set = normalize(poses, options.energy.keeps_placement());
     const Material material = material_of(options.energy, poses.is_solid());
     const Folds folds = folds_of(set, options.energy);
     const BakeEstimate e = estimate_bake(poses.vertex_count(), poses.pose_count(), options);

@@ -104,6 +104,12 @@ Json describe(const RuntimeBlender& blender)
                   { "chunks", chunk_table(asset) } };
     info["shape"] = shape_costs(asset);
     for (std::uint32_t k = 0; k < asset.pose_count; ++k) info["poses"].push_back(blender.pose_name(k));
+    for (std::uint32_t i = 0; asset.has_layers && i < asset.weight_count; ++i) {
+        pliant_weight weight {};
+        pliant_asset_weight(&asset, i, &weight);
+        info["layers"].push_back(
+            { { "name", weight.name }, { "low", weight.low }, { "high", weight.high }, { "initial", weight.initial } });
+    }
     const Json certificate = parse_foreign_json(blender.certificate());
     info["certificate"] = certificate.is_discarded() ? Json() : certificate;
     return info;
@@ -124,6 +130,19 @@ void print_shape(const Json& info)
         morph["file_size"].get<double>() / 1024, morph["frame_bytes"].get<double>() / 1024);
 }
 
+// The names of the poses; of layers with their ranges and errors.
+void print_weights(const Json& info)
+{
+    if (!info.contains("layers")) {
+        for (const Json& pose : info["poses"]) fmt::print("  pose {}\n", pose.get<std::string>());
+        return;
+    }
+    fmt::print("  rest shape {}\n", info["poses"][0].get<std::string>());
+    for (const Json& layer : info["layers"])
+        fmt::print("  layer {}, weights {} .. {}\n", layer["name"].get<std::string>(), layer["low"].dump(),
+                   layer["high"].dump());
+}
+
 ExitCode run_info(const InfoArguments& a)
 {
     const RuntimeBlender blender = RuntimeBlender::from_file(a.asset);
@@ -135,7 +154,7 @@ ExitCode run_info(const InfoArguments& a)
     fmt::print("{}: {} vertices, {} triangles, d = {}, {:.2f} MiB, {:.1f} KiB of solver memory per character\n", a.asset,
                info["vertices"].dump(), info["triangles"].dump(), info["dimension"].dump(),
                info["file_size"].get<double>() / 1048576.0, info["solver_memory"].get<double>() / 1024.0);
-    for (const Json& pose : info["poses"]) fmt::print("  pose {}\n", pose.get<std::string>());
+    print_weights(info);
     for (const Json& chunk : info["chunks"])
         fmt::print("  {}  {:>12} bytes at {}\n", chunk["tag"].get<std::string>(), chunk["size"].dump(),
                    chunk["offset"].dump());
@@ -159,12 +178,13 @@ Verdict solve_answers(RuntimeBlender& blender)
     std::memcpy(&head, chunk, sizeof head);
     Verdict verdict;
     verdict.answer_count = head.count;
-    const std::size_t m = asset.pose_count, d = asset.dimension;
+    const std::size_t m = asset.pose_count, d = asset.dimension, skipped = asset.has_layers; // of layers (1, v)
     double scale = 0, difference = 0;
     for (std::size_t i = 0; i < head.count; ++i) {
         std::vector<float> row(m + d);
         std::memcpy(row.data(), chunk + sizeof head + i * row.size() * sizeof(float), row.size() * sizeof(float));
-        const std::vector<float> q = blender.solve(std::vector<float>(row.begin(), row.begin() + std::ptrdiff_t(m)), false);
+        const std::vector<float> weights(row.begin() + std::ptrdiff_t(skipped), row.begin() + std::ptrdiff_t(m));
+        const std::vector<float> q = blender.solve(weights, false);
         for (std::size_t j = 0; j < d; ++j) {
             difference = std::max(difference, double(std::abs(q[j] - row[m + j])));
             scale = std::max(scale, double(std::abs(row[m + j])));

@@ -161,8 +161,9 @@ private:
     {
         BakeOptions options;
         options.position_error = 0;
-        const AssetModel asset = assemble(set_, fitted_, simulation_mesh(poses_, set_, options), poses_,
-                                          reachable_coordinates(fitted_), options);
+        const AssetModel asset
+            = assemble(set_, WeightDomain::simplex(set_.pose_count()), fitted_, simulation_mesh(poses_, set_, options),
+                       poses_, reachable_coordinates(fitted_), options);
         AssetRecord record; // the format wants an answer; nothing here asks for it
         record.answers = { { fitted_.training.weights[0], asset.shape.frame.stored(fitted_.model.mean).cast<float>() } };
         return RuntimeBlender(encode_asset(asset, record), "the asset");

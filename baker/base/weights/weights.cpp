@@ -16,6 +16,14 @@ Weights equal_weights(std::size_t pose_count)
     return Weights::Constant(Eigen::Index(pose_count), 1.0 / double(pose_count));
 }
 
+Weights linear_shares(const Weights& w, std::size_t pose_count)
+{
+    if (std::size_t(w.size()) == pose_count) return w / w.sum();
+    Weights shares(w.size() + 1);
+    shares << 1 - w.sum(), w;
+    return shares;
+}
+
 std::string weights_text(const Weights& w)
 {
     std::string text;

@@ -13,6 +13,9 @@ using Weights = Eigen::VectorXd; // one per pose, or one per layer
 Weights corner_weights(std::size_t pose_count, std::size_t pose);
 Weights equal_weights(std::size_t pose_count);
 
+// How much each of `pose_count` poses counts in the linear blend, with the sum 1: w itself, or of layers (1 - sum v, v).
+Weights linear_shares(const Weights& w, std::size_t pose_count);
+
 // "0.25,0.75": for messages.
 std::string weights_text(const Weights& w);
 

@@ -38,19 +38,12 @@ constexpr double energy_doubt = 0.02, rough_distance = 0.05;
 // The mean of the full mesh is looked for no farther than this from that of the coarse one.
 constexpr double refinement_limit = 0.1;
 
-// Newton's method from the linear sum of layers takes no more iterations than this; where it needs more, the line is
+// Newton's method from the sum of layers takes no more iterations than this; where it needs more, the line is
 // followed.
 constexpr int sum_iterations = 15;
 
 // A tangent step may change the areas of triangles, the volumes of tetrahedra by this factor.
 constexpr double sound_stretch = 1.5;
-
-Shape linear_sum(const NormalizedPoses& set, const Weights& v)
-{
-    Shape sum = set.shapes[0];
-    for (std::size_t k = 1; k < set.pose_count(); ++k) sum += v[Eigen::Index(k) - 1] * (set.shapes[k] - set.shapes[0]);
-    return sum;
-}
 
 } // namespace
 
@@ -124,7 +117,7 @@ void AverageFamily::follow(Path& path, const Weights& to, bool is_rough) const
     double length = is_rough ? rough_step : first_step;
     for (double left = step_length(to - path.w); left > 1e-12; left = step_length(to - path.w)) {
         // Steps along layers that agree cost no factorisation.
-        if (path.solver.factorization_count() - first_count > path_limit || ++step_count > path_limit) {
+        if (path.solver.factorization_count() - first_count > factorization_limit() || ++step_count > path_limit) {
             path.point.has_converged = false;
             break;
         }
@@ -158,7 +151,7 @@ void AverageFamily::follow(Path& path, const Weights& to, bool is_rough) const
         path.has_factor = true;
     }
     path.point.iterations = iterations;
-    fix_gauge(set, path.point.y);
+    place(path.w, path.point.y);
 }
 
 FamilyPoint AverageFamily::reach_mean(std::size_t pose, std::size_t worker, Progress* progress) const
@@ -191,6 +184,16 @@ bool AverageFamily::refine_coarse_mean()
     return true;
 }
 
+int AverageFamily::factorization_limit() const { return has_layers() ? layered_path_limit : path_limit; }
+
+void AverageFamily::place(const Weights& w, Shape& shape) const
+{
+    if (has_layers())
+        sum_->place(w, shape);
+    else
+        fix_gauge(pool_.set(), shape);
+}
+
 Weights AverageFamily::centre() const
 {
     return has_layers() ? weights_of_pose(pool_.energy(), 0) : equal_weights(pool_.set().pose_count());
@@ -220,6 +223,7 @@ const NewtonResult& AverageFamily::mean()
         mean_->y = pool_.set().shapes[0];
         mean_->has_converged = true;
         start_pose_ = 0;
+        sum_.emplace(pool_);
     } else if (!coarse_ || !refine_coarse_mean()) {
         search_mean();
     }
@@ -274,6 +278,14 @@ void AverageFamily::search_mean()
     mean_ = std::move(means[best].average);
 }
 
+double AverageFamily::energy_scale()
+{
+    if (!has_layers()) return std::max(mean().energy, least_energy_scale);
+    double sum = 0;
+    for (const Weights& v : corner_weights_of(pool_.energy())) sum += energy_value(pool_.energy(), v, pool_.set().shapes[0]);
+    return std::max(sum / (4 * double(pool_.set().pose_count() - 1)), least_energy_scale);
+}
+
 std::size_t AverageFamily::start_pose()
 {
     mean();
@@ -304,30 +316,31 @@ FamilyPoint AverageFamily::at(const Weights& w, std::size_t worker, Progress* pr
 {
     // A hair away from the mean is rounding of the division by the sum of the weights.
     if ((w - centre()).lpNorm<1>() < 1e-12) return { *mean_, {} };
-    if (has_layers()) return layers_at(w, worker, progress);
+    if (has_layers()) return layers_from(w, sum_->guess(w, sum_->turned(w, worker), nullptr), true, worker, progress);
     return from({ centre(), mean_->y }, w, worker, progress);
 }
 
-// Newton's method from the linear sum of the layers; not converged where that has no finite energy.
-NewtonResult AverageFamily::from_sum(const Weights& v, const Shape& sum, std::size_t worker, Progress* progress) const
+// Newton's method from the sum of the layers; not converged where that has no finite energy.
+NewtonResult AverageFamily::from_guess(const Weights& v, const Shape& guess, std::size_t worker, Progress* progress) const
 {
     NewtonOptions options = options_;
     options.max_iterations = std::min(options_.max_iterations, sum_iterations);
     NewtonResult result;
-    result.y = sum;
-    if (std::isfinite(energy_value(pool_.energy(), v, sum))) result = pool_.at(worker).minimize(v, sum, options, progress);
-    fix_gauge(pool_.set(), result.y);
+    result.y = guess;
+    if (std::isfinite(energy_value(pool_.energy(), v, guess)))
+        result = pool_.at(worker).minimize(v, guess, options, progress);
+    sum_->place(v, result.y);
     return result;
 }
 
-FamilyPoint AverageFamily::layers_at(const Weights& v, std::size_t worker, Progress* progress) const
+FamilyPoint AverageFamily::layers_from(const Weights& v, const Shape& guess, bool may_follow, std::size_t worker,
+                                       Progress* progress) const
 {
-    const NormalizedPoses& set = pool_.set();
-    const Shape sum = linear_sum(set, v);
-    NewtonResult beside = from_sum(v, sum, worker, progress);
-    if (beside.has_converged && relative_distance(set, beside.y, sum) <= correction_limit) return { std::move(beside), {} };
+    NewtonResult beside = from_guess(v, guess, worker, progress);
+    if (beside.has_converged && relative_distance(pool_.set(), beside.y, guess) <= correction_limit)
+        return { std::move(beside), {} };
     // Beyond some stretch a rest state is no number any more.
-    if (!std::isfinite(energy_value(pool_.energy(), v, mean_->y))) return { std::move(beside), {} };
+    if (!may_follow || !std::isfinite(energy_value(pool_.energy(), v, mean_->y))) return { std::move(beside), {} };
     FamilyPoint point = from({ centre(), mean_->y }, v, worker, progress);
     if (!point.average.has_converged && beside.has_converged) point.average = std::move(beside);
     return point;
@@ -345,7 +358,7 @@ NewtonResult AverageFamily::near(const Shape& shape, const Weights& w, std::size
     NewtonOptions options = options_;
     options.has_near_factor = has_near_factor;
     NewtonResult result = pool_.at(worker).minimize(w, shape, options, progress);
-    fix_gauge(pool_.set(), result.y);
+    place(w, result.y);
     return result;
 }
 

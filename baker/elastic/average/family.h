@@ -1,7 +1,9 @@
 // The family a(w) of averages, or a(v) of layers, defined by continuation, so that every user of it means the same branch.
 #pragma once
 
+#include "base/common/time_budget.h"
 #include "elastic/average/hessian.h"
+#include "elastic/average/layer_sum.h"
 #include "elastic/average/solver_pool.h"
 
 #include <optional>
@@ -22,7 +24,7 @@ struct Branch {
     std::size_t vertex; // that moves most between them
 };
 
-// A shape that is an average for certain weights, aligned to pose 0.
+// A shape that is an average for certain weights, aligned to pose 0; of layers to their linear sum.
 struct KnownAverage {
     Weights weights;
     Shape shape;
@@ -44,6 +46,16 @@ struct CheckPoint {
     std::vector<Branch> branches;
 };
 
+// Where averages at any weights come from.
+class AverageSource {
+public:
+    virtual ~AverageSource() = default;
+
+    // Averages at the first of the weights, in groups until the time is spent: one group at least.
+    virtual std::vector<CheckPoint> find_in_time(const std::vector<Weights>& weights, const char* stage,
+                                                 const TimeBudget& budget) const = 0;
+};
+
 struct CoarseBody;
 
 // a(w) is reached along the straight line in weight space from the equal-weight average. That one is reached from every
@@ -52,7 +64,7 @@ struct CoarseBody;
 // average next to the one found. An elastic average need not be unique; one definition of it is needed where
 // snapshots, reference averages and measurements are compared.
 // Of layers the centre is the rest shape, v = 0, in the place of the mean: nothing is searched. Where Newton's method finds
-// a(v) next to the linear sum of the layers, no line is followed.
+// a(v) next to the sum of the layers, no line is followed.
 class AverageFamily {
 public:
     // `start_pose`: if known (a certificate holds it), the mean is reached from that pose only, which costs a fraction.
@@ -64,6 +76,13 @@ public:
     // tasks.
     const NewtonResult& mean();
     std::size_t start_pose();
+
+    // The unit of energies: that of the mean. Of layers, whose averages may have none at all, a quarter of what it takes to
+    // hold the rest shape against a whole layer, their mean: what the average of the two would have were it linear.
+    double energy_scale();
+
+    // The sum of layers. Needs mean() before.
+    const LayerSum& sum() const { return *sum_; }
 
     // The exact Hessian there (lower triangle), assembled at the first call. Not from tasks.
     const SparseLower& mean_hessian();
@@ -79,6 +98,11 @@ public:
     // before; then tasks may call it at the same time, each with its worker. Cost: 4 to 30 factorisations, at most some more
     // than path_limit.
     FamilyPoint at(const Weights& w, std::size_t worker, Progress* progress) const;
+
+    // Of layers, from a guess of the shape; where Newton's method fails there, along the line from the rest shape if
+    // `may_follow`.
+    FamilyPoint layers_from(const Weights& v, const Shape& guess, bool may_follow, std::size_t worker,
+                            Progress* progress) const;
 
     // The same, to be compared with a blend.
     CheckPoint point_at(const Weights& w, std::size_t worker, Progress* progress) const;
@@ -105,14 +129,15 @@ public:
 private:
     struct Path;
     Shape start_of_step(Path& path, const Weights& to, double share) const;
+    int factorization_limit() const;
     void follow(Path& path, const Weights& to, bool is_rough) const;
     void search_mean();
     bool refine_coarse_mean();
     bool has_layers() const { return pool_.energy().blend() == Blend::layers; }
+    void place(const Weights& w, Shape& shape) const;
     double step_length(const Weights& change) const;
     std::size_t growing_pose(const Weights& change) const;
-    NewtonResult from_sum(const Weights& v, const Shape& sum, std::size_t worker, Progress* progress) const;
-    FamilyPoint layers_at(const Weights& v, std::size_t worker, Progress* progress) const;
+    NewtonResult from_guess(const Weights& v, const Shape& guess, std::size_t worker, Progress* progress) const;
     FamilyPoint reach_mean(std::size_t pose, std::size_t worker, Progress* progress) const;
 
     SolverPool& pool_;
@@ -121,6 +146,7 @@ private:
     std::optional<std::size_t> start_pose_;
     const CoarseBody* coarse_;
     std::optional<NewtonResult> mean_;
+    std::optional<LayerSum> sum_; // of layers
     std::optional<SparseLower> mean_hessian_;
     double speed_ = 0; // largest relative distance of the centre from a pose per change of weights
     std::vector<Branch> branches_;
@@ -133,6 +159,12 @@ constexpr double correction_limit = 0.04;
 // On the way to one average no step begins after so many factorisations, or steps; the average counts as not converged.
 // Most ways take less than a quarter of that.
 constexpr int path_limit = 120;
+
+// The same of layers: at most weights there is a way of a few steps, or no shape at all.
+constexpr int layered_path_limit = 40;
+
+// Identical poses have no energy.
+constexpr double least_energy_scale = 1e-13;
 
 // Averages farther apart than this (relative L2) are different ones: ten times the default tolerance, of which reference
 // averages are wanted to a twentieth.

@@ -1,7 +1,6 @@
 // The family of averages, interpolated between those that are known.
 #pragma once
 
-#include "base/common/time_budget.h"
 #include "base/weights/hermite_interpolation.h"
 #include "elastic/average/family.h"
 #include "elastic/average/rotation_strain.h"
@@ -15,7 +14,7 @@ namespace pliant {
 // at other weights are interpolated, or found by Newton's method from the interpolated shape, which also measures its error.
 // Memory for each average that is known: 24 bytes per triangle or 36 per tetrahedron, times the number of poses.
 // Results do not depend on the number of threads.
-class InterpolatedFamily {
+class InterpolatedFamily final : public AverageSource {
 public:
     // What progress is told: `done` of `total` averages of a stage were found before.
     struct Span {
@@ -42,10 +41,9 @@ public:
     // Cost: up to 3 factorisations each where the family is smooth, up to some more than path_limit elsewhere.
     std::vector<CheckPoint> find(const std::vector<Weights>& weights, const Span& span) const;
 
-    // The same at the first of the weights, in groups of four (eight on a smooth family) until the time is
-    // spent: one group at least.
+    // The same in groups of four, or of eight on a smooth family.
     std::vector<CheckPoint> find_in_time(const std::vector<Weights>& weights, const char* stage,
-                                         const TimeBudget& budget) const;
+                                         const TimeBudget& budget) const override;
 
     // The same as find(); those that converge are known afterwards (64 of them at most). Cost: some solves more for each.
     Wave learn(const std::vector<Weights>& weights, const Span& span);

@@ -247,6 +247,19 @@ void Arap::add_edges(const Cell& cell, const double* weights, const PointMap& y,
     }
 }
 
+// Kind 11 of formats/SPEC.md.
+void Arap::add_layers(const Cell& cell, RuntimeElement& out)
+{
+    out.kind = PLIANT_ELEMENT_LAYERED_ARAP_CELL;
+    out.fixed.assign(cell.cotangents.col(0).begin(), cell.cotangents.col(0).end());
+    const Index pose_count = cell.cotangents.cols();
+    out.pose_numbers.resize(pose_count, 3 * cell.edge_count());
+    for (Index k = 0; k < pose_count; ++k)
+        for (Index i = 0; i < cell.edge_count(); ++i)
+            out.pose_numbers.block<1, 3>(k, 3 * i) = cell.cotangents(i, 0) * cell.rest_edge(k, cell.edge(i)).transpose();
+    out.pose_numbers.bottomRows(pose_count - 1).rowwise() -= out.pose_numbers.row(0).eval();
+}
+
 RuntimeElement Arap::runtime_element(std::size_t element, const Shape& reference) const
 {
     const Cell& cell = cells_[element];
@@ -258,6 +271,10 @@ RuntimeElement Arap::runtime_element(std::size_t element, const Shape& reference
     for (std::size_t i = 0; i < cell.vertices.size(); ++i) {
         if (i > 0) out.differences.push_back({ cell.vertices[0], cell.vertices[i] });
         y.col(Index(i)) = point(reference, cell.vertices[i]);
+    }
+    if (blend_ == Blend::layers) {
+        add_layers(cell, out);
+        return out;
     }
     out.pose_numbers.resize(pose_count_, 4 * cell.edge_count() + 1);
     for (Index k = 0; k < pose_count_; ++k) {

@@ -54,6 +54,7 @@ private:
     Cell make_cell(const Fan& fan, const NormalizedPoses& set) const;
     static void turn_to_rest(Cell& cell);
     static Cell layered_cell(const Cell& cell, const double* weights);
+    static void add_layers(const Cell& cell, RuntimeElement& out);
     static void evaluate_cell(const Cell& cell, const double* weights, const PointMap& y, Order order, HessianKind kind,
                               ElementResult& result);
     static void add_edges(const Cell& cell, const double* weights, const PointMap& y, Order order, ElementResult& result);

@@ -1,13 +1,11 @@
-// The two kinds of blend. Averages: W(w, y) = sum_k w_k W_k(y), a weight per pose. Layers: the poses after pose 0 are layers
-// on it, each with a weight v_k of its own; W(v, y) is the energy of one body whose rest state every element blends from
-// those of the poses. Source: Froehlich, Botsch 2011; THEORY.md, section 11.
+// The energies of the two kinds of blend (base/weights/domain.h). Averages: W(w, y) = sum_k w_k W_k(y). Layers: W(v, y) is
+// the energy of one body whose rest state every element blends from those of the poses. Source: Froehlich, Botsch 2011;
+// THEORY.md, section 11.
 #pragma once
 
-#include <Eigen/Core>
+#include "base/weights/domain.h"
 
 namespace pliant {
-
-enum class Blend { average, layers };
 
 // How layers blend quantities of an element that know no rotations (columns of `poses`): x_0 + sum_k v_k (x_k - x_0).
 template <class Poses> auto layered(const Poses& poses, const double* v)

@@ -207,8 +207,15 @@ RuntimeElement DiscreteShells::runtime_hinge(std::size_t hinge, const Shape& ref
     const Eigen::Index h = Eigen::Index(hinge);
     const auto& v = hinges_[hinge].vertices;
     RuntimeElement out;
-    out.kind = PLIANT_ELEMENT_HINGE;
     out.differences = { { v[0], v[1] }, { v[0], v[2] }, { v[0], v[3] } };
+    if (blend_ == Blend::layers) {
+        out.kind = PLIANT_ELEMENT_LAYERED_HINGE;
+        out.fixed = { angle_of(reference, v), stiffness_(0, h) };
+        out.pose_numbers = rest_angles_.col(h).array() - rest_angles_(0, h);
+        out.pose_numbers(0, 0) = centres_[h] + rest_angles_(0, h);
+        return out;
+    }
+    out.kind = PLIANT_ELEMENT_HINGE;
     out.fixed = { centres_[h], relative_angle(hinge, angle_of(reference, v)) };
     out.pose_numbers.resize(pose_count_, 2);
     out.pose_numbers.col(0) = stiffness_.col(h);
@@ -216,9 +223,34 @@ RuntimeElement DiscreteShells::runtime_hinge(std::size_t hinge, const Shape& ref
     return out;
 }
 
+// Kind 10 of formats/SPEC.md. Only with a neo-Hookean membrane.
+RuntimeElement DiscreteShells::runtime_layered_face(std::size_t face, const Shape& reference) const
+{
+    const Triangle& t = triangles_[face];
+    const Metric g = metric_of(reference, t), rest = rest_metric(face, 0);
+    const double det = determinant(g), a = std::sqrt(rest[0]), c = std::sqrt(determinant(rest)) / a,
+                 area = std::sqrt(determinant(rest)) / 2;
+    RuntimeElement out;
+    out.kind = PLIANT_ELEMENT_LAYERED_FACE_NEO_HOOKEAN;
+    out.differences = { { t[0], t[1] }, { t[0], t[2] } };
+    out.fixed = { g[2] / det,
+                  -g[1] / det,
+                  g[0] / det,
+                  1 / det,
+                  1 / a,
+                  -rest[1] / (rest[0] * c),
+                  1 / c,
+                  area * options_.moduli.mu / 2,
+                  area * options_.moduli.lambda / 4 };
+    out.pose_numbers.setZero(pose_count_, 3);
+    for (Eigen::Index k = 1; k < pose_count_; ++k) out.pose_numbers.row(k) = rest_metric(face, k).transpose();
+    return out;
+}
+
 // The coefficients of formats/SPEC.md, kinds 2 to 4: the membrane expanded around the metric at z = 0.
 RuntimeElement DiscreteShells::runtime_face(std::size_t face, const Shape& reference) const
 {
+    if (blend_ == Blend::layers) return runtime_layered_face(face, reference);
     const Triangle& t = triangles_[face];
     const Metric g0 = metric_of(reference, t);
     const double det0 = determinant(g0);

@@ -45,6 +45,7 @@ private:
                        ElementResult& result) const;
     RuntimeElement runtime_hinge(std::size_t hinge, const Shape& reference) const;
     RuntimeElement runtime_face(std::size_t face, const Shape& reference) const;
+    RuntimeElement runtime_layered_face(std::size_t face, const Shape& reference) const;
     void measure_hinges(const NormalizedPoses& set);
     void take_logarithms();
     Metric layered_metric(std::size_t face, const double* weights) const;

@@ -2,6 +2,8 @@
 
 #include "base/common/parallel.h"
 
+#include "pliant_format.h"
+
 #include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>
 #include <algorithm>
@@ -15,6 +17,29 @@ Weights weights_of_pose(const Energy& energy, std::size_t pose)
 {
     const Weights w = corner_weights(energy.pose_count(), pose);
     return w.tail(Eigen::Index(weight_count(energy)));
+}
+
+std::vector<Weights> corner_weights_of(const Energy& energy)
+{
+    std::vector<Weights> out;
+    for (std::size_t k = energy.blend() == Blend::layers ? 1 : 0; k < energy.pose_count(); ++k)
+        out.push_back(weights_of_pose(energy, k));
+    return out;
+}
+
+// Most kinds are linear in the numbers of the poses. Of hinges and faces of layers these say what the rest state is.
+void RuntimeElement::scale(double factor)
+{
+    if (kind == PLIANT_ELEMENT_LAYERED_HINGE) {
+        fixed[1] *= factor;
+    } else if (kind == PLIANT_ELEMENT_LAYERED_FACE_NEO_HOOKEAN) {
+        fixed[7] *= factor;
+        fixed[8] *= factor;
+    } else {
+        if (kind == PLIANT_ELEMENT_LAYERED_ARAP_CELL)
+            for (double& stiffness : fixed) stiffness *= factor;
+        pose_numbers *= factor;
+    }
 }
 
 void gather(const std::uint32_t* vertices, std::size_t count, const Shape& y, double* x)

@@ -36,7 +36,10 @@ struct RuntimeElement {
     std::vector<std::array<std::uint32_t, 2>> differences;
     Eigen::MatrixXd combination;  // differences x c: the element looks at these combinations of them; empty: at themselves
     std::vector<double> fixed;    // F numbers
-    Eigen::MatrixXd pose_numbers; // m x K
+    Eigen::MatrixXd pose_numbers; // m x K; of layers: those of the rest shape, then what each layer adds
+
+    // As of an element that counts so many times: a cubature weight.
+    void scale(double factor);
 };
 
 // The only virtual interface of the mathematics. Immutable after construction: may be shared by threads.
@@ -62,8 +65,7 @@ public:
     // forces lead on.
     virtual bool allows_collapse() const { return false; }
 
-    // The element of averages for the runtime; `reference` is the shape at z = 0, to which the runtime's energies are
-    // relative.
+    // The element for the runtime; `reference` is the shape at z = 0, to which the runtime's energies are relative.
     virtual RuntimeElement runtime_element(std::size_t element, const Shape& reference) const = 0;
 };
 
@@ -72,6 +74,9 @@ inline std::size_t weight_count(const Energy& energy) { return energy.pose_count
 
 // The weights at which pose `pose` has no energy: e_pose, or for layers 0 (pose 0) and e_(pose - 1).
 Weights weights_of_pose(const Energy& energy, std::size_t pose);
+
+// Those of all poses; of layers without pose 0, which is the centre of their weights.
+std::vector<Weights> corner_weights_of(const Energy& energy);
 
 // Copies the coordinates of an element's vertices out of a shape.
 void gather(const std::uint32_t* vertices, std::size_t count, const Shape& y, double* x);

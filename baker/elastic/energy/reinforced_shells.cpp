@@ -96,7 +96,7 @@ RuntimeElement ReinforcedShells::runtime_element(std::size_t element, const Shap
 {
     const Element& part = elements_[element];
     RuntimeElement out = energy_of(part).runtime_element(part.number, reference);
-    out.pose_numbers *= part.share; // every kind of element is linear in them
+    out.scale(part.share);
     return out;
 }
 

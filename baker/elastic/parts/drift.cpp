@@ -21,10 +21,9 @@ Eigen::Matrix3Xd posed_positions(const Tie& tie, const Shape& y)
 // The weighted mean of point clouds (3 x n each) that keeps its size where they are rotated against each other: the mean of
 // their shapes after each is rotated onto the plain mean. Rigid clouds are then rotated by the mean of their rotations, so
 // that they do not leave the plane of their motion. The pivot of the result is at the weighted mean of the clouds' pivots.
-Eigen::Matrix3Xd mean_cloud(const std::vector<Eigen::Matrix3Xd>& clouds, const Eigen::VectorXd& weights, bool is_rigid)
+Eigen::Matrix3Xd mean_cloud(const std::vector<Eigen::Matrix3Xd>& clouds, const Eigen::VectorXd& shares, bool is_rigid)
 {
     const Eigen::Index count = clouds[0].cols();
-    const Eigen::VectorXd shares = weights / weights.sum();
     Eigen::Matrix3Xd plain = Eigen::Matrix3Xd::Zero(3, count);
     for (std::size_t k = 0; k < clouds.size(); ++k) plain += shares[Eigen::Index(k)] * clouds[k];
     if (count < 3) return plain;            // too few points to define a rotation
@@ -46,20 +45,19 @@ Eigen::Matrix3Xd mean_cloud(const std::vector<Eigen::Matrix3Xd>& clouds, const E
 }
 
 // The ties first ... last - 1.
-PartPlaces place_part(const TieSet& ties, std::size_t first, std::size_t last, const Eigen::VectorXd& weights,
-                      const Shape& y)
+PartPlaces place_part(const TieSet& ties, std::size_t first, std::size_t last, const Eigen::VectorXd& shares, const Shape& y)
 {
     const Eigen::Index count = Eigen::Index(last - first);
     PartPlaces out = { ties.ties[first].part, first, Eigen::Matrix3Xd(3, count), {}, Eigen::Matrix3Xd(3, count) };
-    std::vector<Eigen::Matrix3Xd> clouds(std::size_t(weights.size()), Eigen::Matrix3Xd(3, count));
+    std::vector<Eigen::Matrix3Xd> clouds(std::size_t(shares.size()), Eigen::Matrix3Xd(3, count));
     for (Eigen::Index i = 0; i < count; ++i) {
         const Tie& tie = ties.ties[first + std::size_t(i)];
         const Eigen::Matrix3Xd positions = posed_positions(tie, y);
         for (std::size_t k = 0; k < clouds.size(); ++k) clouds[k].col(i) = positions.col(Eigen::Index(k));
         out.actual.col(i) = point(y, tie.vertices[0]);
-        out.target.col(i) = positions * weights / weights.sum();
+        out.target.col(i) = positions * shares;
     }
-    out.expected = mean_cloud(clouds, weights, joint_of(ties, first) != nullptr);
+    out.expected = mean_cloud(clouds, shares, joint_of(ties, first) != nullptr);
     return out;
 }
 
@@ -68,9 +66,11 @@ PartPlaces place_part(const TieSet& ties, std::size_t first, std::size_t last, c
 std::vector<PartPlaces> place_parts(const TieSet& ties, const Eigen::VectorXd& weights, const Shape& y)
 {
     std::vector<PartPlaces> out;
+    if (ties.ties.empty()) return out;
+    const Weights shares = linear_shares(weights, std::size_t(posed_positions(ties.ties[0], y).cols()));
     for (std::size_t first = 0, last = 0; first < ties.ties.size(); first = last) {
         last = end_of_part(ties, first);
-        out.push_back(place_part(ties, first, last, weights, y));
+        out.push_back(place_part(ties, first, last, shares, y));
     }
     return out;
 }

@@ -154,6 +154,8 @@ RuntimeElement TiedEnergy::runtime_element(std::size_t element, const Shape& ref
     out.pose_numbers.resize(term.rest.cols(), 4);
     out.pose_numbers.col(0).setConstant(term.stiffness);
     out.pose_numbers.rightCols<3>() = 2 * term.stiffness * (start.replicate(1, term.rest.cols()) - term.rest).transpose();
+    if (blend() == Blend::layers)
+        out.pose_numbers.bottomRows(term.rest.cols() - 1).rowwise() -= out.pose_numbers.row(0).eval();
     return out;
 }
 

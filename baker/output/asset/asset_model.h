@@ -37,6 +37,7 @@ struct AssetModel {
     StoredMesh mesh;
     StoredShape shape; // of the mesh
     std::vector<std::string> pose_names;
+    WeightDomain domain;
 };
 
 // Weights and the q that the runtime found for them, in stored coordinates.

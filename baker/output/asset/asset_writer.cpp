@@ -44,11 +44,32 @@ Bytes encode_solver(const AssetModel& asset)
     return out;
 }
 
+// What layers change in the numbers of a batch.
+void put_changes(Bytes& out, pliant_format_batch& record, const ElementBatch& batch)
+{
+    const std::vector<LayerChange> changes = changes_of(batch);
+    record.changes_offset = out.data.size();
+    record.change_count = std::uint32_t(changes.size());
+    for (const LayerChange& change : changes) out.put(pliant_format_change { change.layer, change.group });
+    out.align(PLIANT_FORMAT_CHUNK_ALIGNMENT);
+    for (const LayerChange& change : changes)
+        for (Eigen::Index c = 0; c < batch[0].element.pose_numbers.cols(); ++c)
+            for (std::size_t i = 0; i < PLIANT_FORMAT_LANES; ++i) {
+                const std::size_t lane = PLIANT_FORMAT_LANES * change.group + i;
+                out.put_float(lane < batch.size() ? batch[lane].element.pose_numbers(1 + Eigen::Index(change.layer), c)
+                                                  : 0.0);
+            }
+    out.align(PLIANT_FORMAT_CHUNK_ALIGNMENT);
+}
+
 // Arrays of one batch, lane by lane; lanes past the last element repeat it without stiffness.
-void put_batch(Bytes& out, pliant_format_batch& record, const ElementBatch& batch)
+void put_batch(Bytes& out, pliant_format_batch& record, const ElementBatch& batch, Blend blend)
 {
     const std::size_t lanes = pad16(batch.size());
-    const auto lane = [&](std::size_t i) -> const BakedElement& { return batch[std::min(i, batch.size() - 1)]; };
+    BakedElement padding = batch.back();
+    padding.element.scale(0);
+    padding.element.pose_numbers.array() += 0.0; // no negative zeros
+    const auto lane = [&](std::size_t i) -> const BakedElement& { return i < batch.size() ? batch[i] : padding; };
     record.rows_offset = out.data.size();
     for (Eigen::Index j = 0; j < batch[0].rows.cols(); ++j)
         for (Eigen::Index r = 0; r < batch[0].rows.rows(); ++r)
@@ -60,18 +81,19 @@ void put_batch(Bytes& out, pliant_format_batch& record, const ElementBatch& batc
     out.align(PLIANT_FORMAT_CHUNK_ALIGNMENT);
     record.pose_offset = out.data.size();
     const Eigen::MatrixXd& numbers = batch[0].element.pose_numbers;
-    for (Eigen::Index k = 0; k < numbers.rows(); ++k)
+    for (Eigen::Index k = 0; k < (blend == Blend::layers ? 1 : numbers.rows()); ++k)
         for (Eigen::Index c = 0; c < numbers.cols(); ++c)
-            for (std::size_t i = 0; i < lanes; ++i)
-                out.put_float(i < batch.size() ? batch[i].weight * batch[i].element.pose_numbers(k, c) : 0.0);
+            for (std::size_t i = 0; i < lanes; ++i) out.put_float(lane(i).element.pose_numbers(k, c));
     out.align(PLIANT_FORMAT_CHUNK_ALIGNMENT);
+    if (blend == Blend::layers) put_changes(out, record, batch);
 }
 
 Bytes encode_elements(const AssetModel& asset)
 {
     std::vector<BakedElement> elements;
     for (std::size_t i = 0; i < asset.model.surrogate->element_count(); ++i) elements.push_back(bake_element(asset, i));
-    const std::vector<ElementBatch> batches = group_elements(std::move(elements));
+    const Blend blend = asset.domain.blend();
+    const std::vector<ElementBatch> batches = group_elements(std::move(elements), blend);
     Bytes out;
     out.put(count_record(batches.size()));
     std::vector<pliant_format_batch> records;
@@ -84,8 +106,24 @@ Bytes encode_elements(const AssetModel& asset)
         records.push_back(record);
         out.put(record);
     }
-    for (std::size_t i = 0; i < batches.size(); ++i) put_batch(out, records[i], batches[i]);
+    for (std::size_t i = 0; i < batches.size(); ++i) put_batch(out, records[i], batches[i], blend);
     std::memcpy(out.data.data() + sizeof(pliant_format_count), records.data(), records.size() * sizeof(records[0]));
+    return out;
+}
+
+// Of layers (1, v).
+void put_weights(Bytes& out, const Weights& w, bool has_layers)
+{
+    if (has_layers) out.put_float(1);
+    for (Eigen::Index k = 0; k < w.size(); ++k) out.put_float(w[k]);
+}
+
+Bytes encode_layers(const std::vector<WeightRange>& ranges)
+{
+    Bytes out;
+    out.put(count_record(ranges.size()));
+    for (const WeightRange& range : ranges)
+        out.put(pliant_format_layer { float(range.low), float(range.high), float(range.initial), 0 });
     return out;
 }
 
@@ -111,8 +149,7 @@ Bytes encode_predictor(const BlendModel& model)
 {
     Bytes out;
     out.put(count_record(model.predictor.centres.size()));
-    for (const Weights& centre : model.predictor.centres)
-        for (Eigen::Index k = 0; k < centre.size(); ++k) out.put_float(centre[k]);
+    for (const Weights& centre : model.predictor.centres) put_weights(out, centre, model.predictor.has_constant);
     out.align(PLIANT_FORMAT_CHUNK_ALIGNMENT);
     put_coefficients(out, model.predictor);
     return out;
@@ -214,12 +251,12 @@ Bytes encode_names(const std::vector<std::string>& names)
     return out;
 }
 
-Bytes encode_answers(const std::vector<Answer>& answers)
+Bytes encode_answers(const std::vector<Answer>& answers, bool has_layers)
 {
     Bytes out;
     out.put(count_record(answers.size()));
     for (const auto& [weights, q] : answers) {
-        for (Eigen::Index k = 0; k < weights.size(); ++k) out.put_float(weights[k]);
+        put_weights(out, weights, has_layers);
         for (Eigen::Index j = 0; j < q.size(); ++j) out.put(q[j]);
     }
     return out;
@@ -250,6 +287,7 @@ void add_model_chunks(const AssetModel& asset, std::vector<Chunk>& chunks)
         chunks.push_back({ PLIANT_CHUNK_QUARTIC, required, encode_quartic(model) });
     else
         chunks.push_back({ PLIANT_CHUNK_ELEMENTS, required, encode_elements(asset) });
+    if (asset.domain.is_box()) chunks.push_back({ PLIANT_CHUNK_LAYERS, required, encode_layers(asset.domain.ranges()) });
     if (!model.predictor.centres.empty()) chunks.push_back({ PLIANT_CHUNK_PREDICTOR, 0, encode_predictor(model) });
     if (model.load) chunks.push_back({ PLIANT_CHUNK_LOAD, required, encode_load(model) });
 }
@@ -274,7 +312,7 @@ std::vector<Chunk> encode_chunks(const AssetModel& asset, const AssetRecord& rec
     if (record.morph_ranges) chunks.push_back({ PLIANT_CHUNK_MORPH_RANGES, 0, encode_morph_ranges(*record.morph_ranges) });
     add_mesh_chunks(asset, chunks);
     chunks.push_back({ PLIANT_CHUNK_NAMES, required, encode_names(asset.pose_names) });
-    chunks.push_back({ PLIANT_CHUNK_ANSWERS, required, encode_answers(record.answers) });
+    chunks.push_back({ PLIANT_CHUNK_ANSWERS, required, encode_answers(record.answers, asset.domain.is_box()) });
     chunks.push_back({ PLIANT_CHUNK_CERTIFICATE, required, encode_text(record.certificate) });
     if (!asset.mesh.scene.empty()) chunks.push_back({ PLIANT_CHUNK_SCENE, 0, Bytes { asset.mesh.scene } });
     chunks.push_back({ PLIANT_CHUNK_BOUNDS, 0, Bytes { asset.shape.bounds } });
@@ -285,13 +323,19 @@ std::vector<Chunk> encode_chunks(const AssetModel& asset, const AssetRecord& rec
     return chunks;
 }
 
+// The oldest that has what is in the file.
+std::uint16_t minor_version(const AssetModel& asset)
+{
+    if (asset.domain.is_box()) return PLIANT_FORMAT_MINOR_LAYERS;
+    return asset.shape.basis.empty() ? PLIANT_FORMAT_MINOR_PARTS : PLIANT_FORMAT_MINOR_FACTORED;
+}
+
 pliant_format_header header_of(const AssetModel& asset, std::size_t chunk_count)
 {
     const Eigen::Vector3d& centre = asset.set.centre;
     return { PLIANT_FORMAT_IDENTIFIER,
              PLIANT_FORMAT_MAJOR,
-             asset.shape.basis.empty() ? std::uint16_t(PLIANT_FORMAT_MINOR_PARTS)
-                                       : std::uint16_t(PLIANT_FORMAT_MINOR_FACTORED),
+             minor_version(asset),
              0,
              std::uint32_t(chunk_count),
              0,

@@ -11,6 +11,9 @@ namespace {
 
 constexpr std::size_t lane_count = 16;
 
+// A layer that changes the rest state of an element by less leaves it as it is.
+constexpr double least_change = 1e-6;
+
 // What the element looks at: the differences (three rows each), or combinations of them.
 Eigen::MatrixXd combine(const Eigen::MatrixXd& differences, const RuntimeElement& element)
 {
@@ -37,16 +40,49 @@ BakedElement open_cell(const BakedElement& cell, std::uint32_t valence)
     out.rows.resize(3 * wanted, cell.rows.cols());
     for (Eigen::Index i = 0; i < wanted; ++i)
         out.rows.middleRows<3>(3 * i) = cell.rows.middleRows<3>(3 * (i < spokes ? i : 0));
-    const Eigen::MatrixXd& from = old.pose_numbers; // four numbers for every spoke, then for every rim; one number more
+    // Numbers for every spoke, then for every rim; of averages one number more.
+    const bool has_layers = old.kind == PLIANT_ELEMENT_LAYERED_ARAP_CELL;
+    const Eigen::Index each = has_layers ? 3 : 4, more = has_layers ? 0 : 1;
+    const Eigen::MatrixXd& from = old.pose_numbers;
     Eigen::MatrixXd& to = out.element.pose_numbers;
-    to.setZero(from.rows(), 4 * (2 * wanted - 1) + 1);
-    to.leftCols(4 * spokes) = from.leftCols(4 * spokes);
-    to.middleCols(4 * wanted, 4 * rims) = from.middleCols(4 * spokes, 4 * rims);
-    to.rightCols(1) = from.rightCols(1);
+    to.setZero(from.rows(), each * (2 * wanted - 1) + more);
+    to.leftCols(each * spokes) = from.leftCols(each * spokes);
+    to.middleCols(each * wanted, each * rims) = from.middleCols(each * spokes, each * rims);
+    to.rightCols(more) = from.rightCols(more);
+    if (!has_layers) return out;
+    out.element.fixed.assign(std::size_t(2 * wanted - 1), 0.0);
+    std::copy_n(old.fixed.begin(), spokes, out.element.fixed.begin());
+    std::copy_n(old.fixed.begin() + spokes, rims, out.element.fixed.begin() + wanted);
     return out;
 }
 
 std::uint32_t open_valence(const BakedElement& cell) { return cell.element.valence + (cell.element.is_closed ? 1 : 0); }
+
+// Whether a layer changes the element: beyond rounding, of angles and logarithms of stretches as they are, of others
+// relative to their own size.
+bool is_changed(const RuntimeElement& element, Eigen::Index layer)
+{
+    const bool is_absolute
+        = element.kind == PLIANT_ELEMENT_LAYERED_HINGE || element.kind == PLIANT_ELEMENT_LAYERED_FACE_NEO_HOOKEAN;
+    const double unit = is_absolute ? 1 : element.pose_numbers.row(0).cwiseAbs().maxCoeff();
+    return element.pose_numbers.row(1 + layer).cwiseAbs().maxCoeff() > least_change * unit;
+}
+
+// Elements that the same layers change lie next to each other, so that few groups of lanes need any one layer.
+void sort_by_layers(ElementBatch& batch)
+{
+    std::vector<std::pair<std::vector<bool>, std::size_t>> order;
+    for (std::size_t i = 0; i < batch.size(); ++i) {
+        std::vector<bool> changed;
+        for (Eigen::Index layer = 0; layer + 1 < batch[i].element.pose_numbers.rows(); ++layer)
+            changed.push_back(is_changed(batch[i].element, layer));
+        order.emplace_back(std::move(changed), i);
+    }
+    std::sort(order.begin(), order.end());
+    ElementBatch sorted;
+    for (const auto& place : order) sorted.push_back(std::move(batch[place.second]));
+    batch = std::move(sorted);
+}
 
 // Sorted by valence, each block of lanes as wide as its largest cell.
 void widen_cells(ElementBatch& cells)
@@ -69,7 +105,7 @@ BakedElement bake_element(const AssetModel& asset, std::size_t i)
     const std::size_t id = surrogate.elements()[i];
     BakedElement baked;
     baked.element = surrogate.energy().runtime_element(id, asset.surrogate_reference);
-    baked.weight = surrogate.weights()[Eigen::Index(i)];
+    baked.element.scale(surrogate.weights()[Eigen::Index(i)]);
     std::size_t count = 0;
     const std::uint32_t* vertices = surrogate.energy().element_vertices(id, count);
     Eigen::MatrixXd local(surrogate.rows(i).rows(), 1 + model.whitening.cols());
@@ -86,11 +122,27 @@ BakedElement bake_element(const AssetModel& asset, std::size_t i)
     return baked;
 }
 
-std::vector<ElementBatch> group_elements(std::vector<BakedElement> elements)
+std::vector<LayerChange> changes_of(const ElementBatch& batch)
+{
+    std::vector<LayerChange> out;
+    for (Eigen::Index layer = 0; layer + 1 < batch[0].element.pose_numbers.rows(); ++layer)
+        for (std::size_t first = 0; first < batch.size(); first += lane_count) {
+            const auto begin = batch.begin() + std::ptrdiff_t(first),
+                       end = batch.begin() + std::ptrdiff_t(std::min(batch.size(), first + lane_count));
+            if (std::any_of(begin, end, [&](const BakedElement& element) { return is_changed(element.element, layer); }))
+                out.push_back({ std::uint32_t(layer), std::uint32_t(first / lane_count) });
+        }
+    return out;
+}
+
+std::vector<ElementBatch> group_elements(std::vector<BakedElement> elements, Blend blend)
 {
     std::map<std::uint32_t, ElementBatch> kinds;
     for (BakedElement& element : elements) kinds[element.element.kind].push_back(std::move(element));
-    if (kinds.count(PLIANT_ELEMENT_ARAP_CELL)) widen_cells(kinds[PLIANT_ELEMENT_ARAP_CELL]);
+    if (blend == Blend::layers)
+        for (auto& [kind, batch] : kinds) sort_by_layers(batch);
+    for (const std::uint32_t kind : { PLIANT_ELEMENT_ARAP_CELL, PLIANT_ELEMENT_LAYERED_ARAP_CELL })
+        if (kinds.count(kind)) widen_cells(kinds[kind]);
     std::vector<ElementBatch> batches;
     for (auto& [kind, batch] : kinds)
         for (BakedElement& element : batch) {

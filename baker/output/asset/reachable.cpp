@@ -30,7 +30,7 @@ constexpr int path_steps = 24;
 // Coordinates on the way from each pose to each other, and to and from the mean, every frame going on from the one before.
 Eigen::MatrixXf path_ranges(RuntimeBlender& blender)
 {
-    const std::vector<std::vector<float>> stops = covering_weights(blender.asset().pose_count, 0, range_seed);
+    const std::vector<std::vector<float>> stops = blender.domain().covering(0, range_seed);
     Eigen::MatrixXf ends(blender.asset().dimension, 2);
     ends.colwise() = blend_coordinates(blender, { stops[0] }).col(0);
     std::vector<float> weights(stops[0].size());
@@ -60,8 +60,8 @@ MorphRanges ranges_of(const Eigen::MatrixXf& coordinates, float margin)
 
 MorphRanges find_morph_ranges(RuntimeBlender& blender)
 {
-    const auto weights = covering_weights(blender.asset().pose_count, range_sample_count, range_seed);
-    const Eigen::MatrixXf cold = blend_coordinates(blender, weights), warm = path_ranges(blender);
+    const Eigen::MatrixXf cold = blend_coordinates(blender, blender.domain().covering(range_sample_count, range_seed)),
+                          warm = path_ranges(blender);
     Eigen::MatrixXf all(cold.rows(), cold.cols() + warm.cols());
     all << cold, warm;
     return ranges_of(all, range_margin);

@@ -1,7 +1,6 @@
 // Where the coordinates of an asset can go: what its morph targets, their normals and bones are fitted to.
 #pragma once
 
-#include "base/weights/sampling.h"
 #include "output/asset/runtime_blender.h"
 
 #include <Eigen/Core>

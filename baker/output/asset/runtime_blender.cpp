@@ -83,6 +83,18 @@ void RuntimeBlender::solve_tightly()
     configure(desc);
 }
 
+WeightDomain RuntimeBlender::domain() const
+{
+    if (!asset_.has_layers) return WeightDomain::simplex(asset_.pose_count);
+    std::vector<WeightRange> ranges;
+    for (std::uint32_t i = 0; i < asset_.weight_count; ++i) {
+        pliant_weight weight {};
+        pliant_asset_weight(&asset_, i, &weight);
+        ranges.push_back({ weight.low, weight.high, weight.initial });
+    }
+    return WeightDomain::box(std::move(ranges));
+}
+
 std::vector<float> RuntimeBlender::pose_coordinates(std::uint32_t pose) const
 {
     const float* q = pliant_asset_pose_coordinates(&asset_, pose);
@@ -91,18 +103,22 @@ std::vector<float> RuntimeBlender::pose_coordinates(std::uint32_t pose) const
 
 std::vector<float> RuntimeBlender::solve(const std::vector<float>& weights, bool continuous, pliant_solve_info* info)
 {
-    if (weights.size() != asset_.pose_count)
-        throw Failure(ExitCode::usage,
-                      error_at(1203, "",
-                               fmt::format("{} weights given, the asset has {} poses", weights.size(), asset_.pose_count),
-                               "give one weight per pose, separated by commas"));
+    if (weights.size() != asset_.weight_count) {
+        const char* of = asset_.has_layers ? "layer" : "pose";
+        throw Failure(
+            ExitCode::usage,
+            error_at(1203, "",
+                     fmt::format("{} weights given, the asset has {} {}s", weights.size(), asset_.weight_count, of),
+                     fmt::format("give one weight per {}, separated by commas", of)));
+    }
     if (!continuous) pliant_solver_reset(solver_);
     std::vector<float> q(asset_.dimension);
     const pliant_result result = pliant_solve(solver_, weights.data(), q.data(), info);
     if (result != PLIANT_OK)
         throw Failure(ExitCode::usage,
                       error_at(1204, "", fmt::format("weights {}: {}", fmt::join(weights, ","), pliant_result_text(result)),
-                               "weights must be finite, not negative and not all zero"));
+                               asset_.has_layers ? "weights must be finite"
+                                                 : "weights must be finite, not negative and not all zero"));
     return q;
 }
 

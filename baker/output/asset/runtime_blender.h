@@ -3,6 +3,7 @@
 
 #include "base/common/diagnostics.h"
 #include "base/mesh/pose_set.h"
+#include "base/weights/domain.h"
 
 #include "pliant.h"
 
@@ -28,6 +29,7 @@ public:
     static RuntimeBlender from_file(const std::string& path, bool verify_checksums = false);
 
     const pliant_asset& asset() const { return asset_; }
+    WeightDomain domain() const;
 
     // Solves as a new solver would (`continuous` false) or going on from the last call. Throws Failure (usage, P1203) for
     // bad weights, naming them.

@@ -119,9 +119,8 @@ void animate_joints(Glb& glb, const Skin& skin, const std::vector<BonePose>& fra
 Json add_skinned_mesh(Glb& glb, RuntimeBlender& blender, const DrawnSpace& space, const RenderScene& scene,
                       const ExportOptions& options, ExportReport& report, Grid& grid)
 {
-    const std::size_t poses = blender.asset().pose_count;
-    const Eigen::MatrixXf fitted = blend_coordinates(blender, covering_weights(poses, blend_count, bone_fit_seed));
-    const Eigen::MatrixXf judged = blend_coordinates(blender, covering_weights(poses, blend_count, bone_judge_seed));
+    const Eigen::MatrixXf fitted = blend_coordinates(blender, blender.domain().covering(blend_count, bone_fit_seed));
+    const Eigen::MatrixXf judged = blend_coordinates(blender, blender.domain().covering(blend_count, bone_judge_seed));
     const Eigen::MatrixXf path = path_coordinates(blender, options.path);
     const Eigen::VectorXd rest = space.rest();
     const SkinFit fit = fit_skin(as_columns(rest), shapes_of(space, fitted), std::size_t(options.bone_count));

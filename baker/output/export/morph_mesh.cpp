@@ -44,7 +44,7 @@ Eigen::VectorXd column_of(const RuntimeBlender& blender, std::uint32_t j, const 
 // The weights of as many mixed blends, the poses and their mean.
 Eigen::MatrixXf blend_weights(RuntimeBlender& blender, const MorphMesh& mesh, std::size_t count, std::uint64_t seed)
 {
-    Eigen::MatrixXf all = blend_coordinates(blender, covering_weights(blender.asset().pose_count, count, seed));
+    Eigen::MatrixXf all = blend_coordinates(blender, blender.domain().covering(count, seed));
     for (Eigen::Index i = 0; i < all.cols(); ++i) all.col(i) = mesh.weights(all.col(i));
     return all;
 }

@@ -33,7 +33,7 @@ Weights normalized(const std::vector<float>& weights)
 
 Blends blends_at(RuntimeBlender& blender, const MorphMesh& mesh, std::size_t count, std::uint64_t seed)
 {
-    Blends blends { covering_weights(blender.asset().pose_count, count, seed), {} };
+    Blends blends { blender.domain().covering(count, seed), {} };
     for (std::vector<float>& weights : blends.poses)
         for (float& w : weights) w = float(rounded(w, centre_digits));
     const Eigen::MatrixXf q = blend_coordinates(blender, blends.poses);

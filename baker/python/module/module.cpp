@@ -142,7 +142,7 @@ Positions in_input_order(const PoseSet& poses, const Positions& positions)
 std::vector<double> averages(const PoseSet& poses, const std::vector<Weights>& wanted, EnergyOptions options,
                              Progress& progress)
 {
-    const NormalizedPoses set = normalize(poses, options.keep_placement);
+    const NormalizedPoses set = normalize(poses, options.keeps_placement());
     options.material = material_of(options, poses.is_solid());
     const ElasticModel model = make_model(set, options, &progress);
     SolverPool pool(*model.energy, set, options.solver);

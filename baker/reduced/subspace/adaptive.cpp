@@ -21,14 +21,6 @@ constexpr double mean_explained = 1, largest_explained = 4, excess_explained = 1
 // Averages for each pose that are interpolated when the time for snapshots is spent.
 constexpr std::size_t least_training = 8;
 
-void add(FoundSubspace& out, std::vector<CheckPoint> points)
-{
-    for (CheckPoint& point : points) {
-        out.unconverged_count += !point.has_converged;
-        out.averages.push_back({ point.weights, std::move(point.reference) });
-    }
-}
-
 enum class Explained { nothing, shapes, all };
 
 Explained explained_part(const InterpolatedFamily::Wave& wave, double tolerance)
@@ -67,7 +59,7 @@ void add_training(FoundSubspace& out, InterpolatedFamily& known, std::vector<Wei
             = known.learn({ &training[done], &training[0] + end }, { "averages", done, training.size(), true });
         explained = explained_part(wave, options.tolerance);
         seconds = (budget.elapsed() - start) / double(end - done);
-        add(out, std::move(wave.averages));
+        append_averages(out, std::move(wave.averages));
         done = end;
     }
     // If the time ended earlier, creased training data are better than almost none.
@@ -85,6 +77,22 @@ std::size_t FoundSubspace::interpolated_count() const
         std::count_if(averages.begin(), averages.end(), [](const KnownAverage& a) { return a.is_interpolated; }));
 }
 
+void append_averages(FoundSubspace& out, std::vector<CheckPoint> points)
+{
+    for (CheckPoint& point : points) {
+        out.unconverged_count += !point.has_converged;
+        out.averages.push_back({ point.weights, std::move(point.reference) });
+    }
+}
+
+Subspace build_snapshot_subspace(const NormalizedPoses& set, const std::vector<KnownAverage>& averages,
+                                 const AdaptiveOptions& options)
+{
+    Eigen::MatrixXd directions(set.dof_count(), Eigen::Index(averages.size()));
+    for (std::size_t i = 0; i < averages.size(); ++i) directions.col(Eigen::Index(i)) = averages[i].shape - set.shapes[0];
+    return build_subspace(set, directions, options.dimension ? options.dimension : options.max_dimension);
+}
+
 FoundSubspace build_adaptive_subspace(InterpolatedFamily& known, const std::vector<Weights>& training,
                                       const std::vector<Weights>& check_weights, const AdaptiveOptions& options,
                                       Progress* progress)
@@ -97,14 +105,11 @@ FoundSubspace build_adaptive_subspace(InterpolatedFamily& known, const std::vect
     while (Eigen::Index(out.averages.size()) < options.dimension) {
         std::vector<Weights> batch;
         for (std::size_t i = 0; i < batch_size; ++i) batch.push_back(mixed_weights(random, set.pose_count(), i));
-        add(out, known.find(batch, { "averages", 0, batch.size() }));
+        append_averages(out, known.find(batch, { "averages", 0, batch.size() }));
     }
     out.checks = known.find_in_time(check_weights, "averages to check", options.check_time);
     if (progress) progress->update("subspace", 0.9, fmt::format("leading directions of {} snapshots", out.averages.size()));
-    Eigen::MatrixXd directions(set.dof_count(), Eigen::Index(out.averages.size()));
-    for (std::size_t i = 0; i < out.averages.size(); ++i)
-        directions.col(Eigen::Index(i)) = out.averages[i].shape - set.shapes[0];
-    out.subspace = build_subspace(set, directions, options.dimension ? options.dimension : options.max_dimension);
+    out.subspace = build_snapshot_subspace(set, out.averages, options);
     return out;
 }
 

@@ -30,6 +30,13 @@ struct FoundSubspace {
     std::size_t interpolated_count() const; // of the averages; the others are unreduced averages
 };
 
+// Adds averages that were found.
+void append_averages(FoundSubspace& out, std::vector<CheckPoint> points);
+
+// Differences of the poses, exactly, and of the averages the leading directions.
+Subspace build_snapshot_subspace(const NormalizedPoses& set, const std::vector<KnownAverage>& averages,
+                                 const AdaptiveOptions& options);
+
 // The family of averages a(w) is smooth in w, so that a basis of snapshots converges exponentially where the Krylov basis of
 // Algorithm 1 stalls (reduced/THEORY.md, section 1). Averages at the training weights (the equal ones first, where the mean
 // is) are learned in waves until the interpolation of those before says what a wave finds; the rest is interpolated. Where

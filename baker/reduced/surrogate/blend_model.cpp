@@ -13,13 +13,18 @@ namespace pliant {
 
 namespace {
 
-// Centres of the fits: the training weights, then the poses, where nothing needs correction.
-std::vector<Weights> centres_of(const TrainingSet& training)
+// Centres of the fits: the training weights, then the poses, where nothing needs correction. Pose 0 of layers is the first
+// training weight.
+std::vector<Weights> centres_of(const TrainingSet& training, const Energy& energy)
 {
     std::vector<Weights> centres = training.weights;
-    const std::size_t m = std::size_t(training.weights[0].size());
-    for (std::size_t k = 0; k < m; ++k) centres.push_back(corner_weights(m, k));
+    for (const Weights& corner : corner_weights_of(energy)) centres.push_back(corner);
     return centres;
+}
+
+RadialFunction fit_to_training(const TrainingSet& training, const Energy& energy, const Eigen::MatrixXd& values)
+{
+    return fit_radial_function(centres_of(training, energy), values, energy.blend() == Blend::layers);
 }
 
 double mean_energy(const SurrogateEnergy& surrogate, const TrainingSet& training)
@@ -27,7 +32,7 @@ double mean_energy(const SurrogateEnergy& surrogate, const TrainingSet& training
     double energy = 0;
     for (std::size_t t = 0; t < training.weights.size(); ++t)
         energy += surrogate.value(training.weights[t], training.averages[t]);
-    return std::max(energy / double(training.weights.size()), 1e-13); // identical poses have no energy
+    return std::max(energy / double(training.weights.size()), least_energy_scale);
 }
 
 // Mean of the Hessians at the averages: a metric for all weights (THEORY.md, section 6).
@@ -46,7 +51,8 @@ BlendModel model_around(std::shared_ptr<const SurrogateEnergy> surrogate, const 
     BlendModel model;
     model.mean = mean;
     model.whitening = whitening_of(mean_hessian(*surrogate, training), metric_floor);
-    model.energy_scale = mean_energy(*surrogate, training);
+    const bool has_layers = surrogate->energy().blend() == Blend::layers;
+    model.energy_scale = has_layers ? training.energy_scale : mean_energy(*surrogate, training);
     model.surrogate = std::move(surrogate);
     return model;
 }
@@ -57,10 +63,12 @@ Eigen::MatrixXd whitened(const BlendModel& model, const Eigen::MatrixXd& q)
     return Eigen::PartialPivLU<Eigen::MatrixXd>(model.whitening).solve(q.colwise() - model.mean);
 }
 
-Eigen::MatrixXd pose_columns(const Subspace& subspace, std::size_t training_count)
+// Room for the training averages, then the poses of corner_weights_of().
+Eigen::MatrixXd pose_columns(const Subspace& subspace, std::size_t training_count, const Energy& energy)
 {
-    Eigen::MatrixXd q(subspace.dimension(), Eigen::Index(training_count) + subspace.pose_coordinates.cols());
-    q.rightCols(subspace.pose_coordinates.cols()) = subspace.pose_coordinates;
+    const Eigen::Index corners = Eigen::Index(weight_count(energy));
+    Eigen::MatrixXd q(subspace.dimension(), Eigen::Index(training_count) + corners);
+    q.rightCols(corners) = subspace.pose_coordinates.rightCols(corners);
     return q;
 }
 
@@ -87,10 +95,11 @@ MinimizeResult BlendModel::solve(const Weights& w, double tolerance) const
 BlendModel plain_model(std::shared_ptr<const SurrogateEnergy> surrogate, const TrainingSet& training,
                        const Subspace& subspace)
 {
+    const Energy& energy = surrogate->energy();
     const MinimizeResult mean = minimize_newton(*surrogate, training.weights[0], training.averages[0], 1e-8, 100);
     BlendModel model = model_around(std::move(surrogate), training, mean.q);
     const Eigen::MatrixXd metric = model.whitening * model.whitening.transpose();
-    Eigen::MatrixXd q = pose_columns(subspace, training.weights.size());
+    Eigen::MatrixXd q = pose_columns(subspace, training.weights.size(), energy);
     for_each_task(training.weights.size(), [&](std::size_t t, std::size_t) {
         MinimizeOptions options;
         options.scale = model.energy_scale;
@@ -99,15 +108,16 @@ BlendModel plain_model(std::shared_ptr<const SurrogateEnergy> surrogate, const T
         };
         q.col(Eigen::Index(t)) = minimize(objective, training.averages[t], metric, options).q;
     });
-    model.predictor = fit_radial_function(centres_of(training), whitened(model, q));
+    model.predictor = fit_to_training(training, energy, whitened(model, q));
     return model;
 }
 
 BlendModel loaded_model(std::shared_ptr<const SurrogateEnergy> surrogate, const TrainingSet& training,
                         const Subspace& subspace)
 {
+    const Energy& energy = surrogate->energy();
     BlendModel model = model_around(std::move(surrogate), training, training.averages[0]);
-    Eigen::MatrixXd q = pose_columns(subspace, training.weights.size());
+    Eigen::MatrixXd q = pose_columns(subspace, training.weights.size(), energy);
     Eigen::MatrixXd loads = Eigen::MatrixXd::Zero(q.rows(), q.cols());
     for (std::size_t t = 0; t < training.weights.size(); ++t) {
         Eigen::VectorXd gradient;
@@ -115,8 +125,8 @@ BlendModel loaded_model(std::shared_ptr<const SurrogateEnergy> surrogate, const 
         loads.col(Eigen::Index(t)) = -model.whitening.transpose() * gradient;
         q.col(Eigen::Index(t)) = training.averages[t];
     }
-    model.load = fit_radial_function(centres_of(training), loads);
-    model.predictor = fit_radial_function(centres_of(training), whitened(model, q));
+    model.load = fit_to_training(training, energy, loads);
+    model.predictor = fit_to_training(training, energy, whitened(model, q));
     return model;
 }
 

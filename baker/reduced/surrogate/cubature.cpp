@@ -62,13 +62,20 @@ struct Probe {
 
 namespace {
 
-std::vector<Probe> make_probes(const TrainingSet& training, std::uint64_t seed)
+// Weights at whose energy an average is no equilibrium: those of a pose; of layers, which may move little, other training
+// weights.
+std::vector<Weights> force_weights(const TrainingSet& training, const Energy& energy)
+{
+    return energy.blend() == Blend::layers ? training.weights : corner_weights_of(energy);
+}
+
+std::vector<Probe> make_probes(const TrainingSet& training, const Energy& energy, std::uint64_t seed)
 {
     Random random(seed ^ 0x9e3779b97f4a7c15ull);
     const Eigen::Index d = training.whitening.rows();
     const double unit = 1 / std::sqrt(training.energy_scale); // forces in units of the root of the energy
-    const std::size_t m = std::size_t(training.weights[0].size()), count = training.weights.size(),
-                      force_count = std::min(count, force_probe_count);
+    const std::vector<Weights> others = force_weights(training, energy);
+    const std::size_t count = training.weights.size(), force_count = std::min(count, force_probe_count);
     std::vector<Probe> probes;
     const double share = unit / std::sqrt(double(count)), force_share = unit / std::sqrt(double(force_count));
     for (std::size_t t = 0; t < count; ++t) {
@@ -76,7 +83,7 @@ std::vector<Probe> make_probes(const TrainingSet& training, std::uint64_t seed)
         const Eigen::VectorXd& q = training.averages[t];
         probes.push_back({ Probe::Kind::equilibrium, t, w, q, equilibrium_weight * share, {} });
         if (t >= force_count) continue;
-        probes.push_back({ Probe::Kind::force, t, corner_weights(m, random.below(m)), q, force_share, {} });
+        probes.push_back({ Probe::Kind::force, t, others[random.below(others.size())], q, force_share, {} });
         // Where the solver passes on its way: off the average by about the energy that the average has.
         Eigen::VectorXd z(d);
         for (Eigen::Index i = 0; i < d; ++i) z[i] = random.normal();
@@ -263,7 +270,7 @@ CubatureFit::CubatureFit(const ReducedEnergy& reduced, const TrainingSet& traini
     , all_(reduced.energy(), reduced.subspace().rest, reduced.subspace().basis, candidates_,
            Eigen::VectorXd::Ones(Eigen::Index(candidates_.size())))
 {
-    std::vector<Probe> probes = make_probes(training, options.seed);
+    std::vector<Probe> probes = make_probes(training, reduced.energy(), options.seed);
     const Sketch sketch = make_sketch(row_count(probes), options.seed);
     append_rows(std::move(probes), sketch);
 }

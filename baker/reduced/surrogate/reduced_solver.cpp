@@ -7,7 +7,7 @@ namespace pliant {
 ReducedSolver::ReducedSolver(const Energy& energy, const Subspace& subspace, const SparseLower& mean_hessian,
                              double energy_scale)
     : reduced_(energy, subspace)
-    , energy_scale_(std::max(energy_scale, 1e-13)) // identical poses have no energy
+    , energy_scale_(std::max(energy_scale, least_energy_scale))
 {
     const Eigen::MatrixXd hessian = times_symmetric(subspace.basis.transpose(), mean_hessian) * subspace.basis;
     whitening_ = whitening_of(0.5 * (hessian + hessian.transpose()), metric_floor);

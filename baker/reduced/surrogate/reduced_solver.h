@@ -18,6 +18,7 @@ public:
     MinimizeResult solve(const Weights& w, const Eigen::VectorXd& start) const;
 
     const Subspace& subspace() const { return reduced_.subspace(); }
+    double energy_scale() const { return energy_scale_; }
     const ReducedEnergy& energy() const { return reduced_; }
 
     // S with S S^T = inverse of the reduced Hessian at the mean: the metric of all fits.

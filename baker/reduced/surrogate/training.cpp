@@ -87,11 +87,9 @@ std::vector<ProjectedAverage> AverageProjector::project(const std::vector<Averag
     return out;
 }
 
-std::vector<AverageAt> distinct_averages(const std::vector<KnownAverage>& averages)
+std::vector<AverageAt> distinct_averages(const std::vector<KnownAverage>& averages, std::vector<Weights> corners)
 {
-    std::vector<Weights> taken;
-    const std::size_t pose_count = averages.empty() ? 0 : std::size_t(averages[0].weights.size());
-    for (std::size_t k = 0; k < pose_count; ++k) taken.push_back(corner_weights(pose_count, k));
+    std::vector<Weights> taken = std::move(corners);
     std::vector<AverageAt> out;
     for (const KnownAverage& average : averages) {
         const bool is_near = std::any_of(taken.begin(), taken.end(), [&](const Weights& other) {
@@ -128,7 +126,8 @@ TrainingSet training_of(const ReducedSolver& reduced, const std::vector<Projecte
         energy += average.energy / double(averages.size());
     }
     training.whitening = whitening_of(mean_stiffness, metric_floor);
-    training.energy_scale = std::max(energy, 1e-13);
+    const bool has_layers = reduced.energy().energy().blend() == Blend::layers;
+    training.energy_scale = has_layers ? reduced.energy_scale() : std::max(energy, least_energy_scale);
     return training;
 }
 
@@ -174,7 +173,7 @@ TrainingSet solve_training_set(const ReducedSolver& reduced, const NormalizedPos
         starts.fit();
         done = end;
     }
-    training.energy_scale = std::max(training.energy_scale / double(training.averages.size()), 1e-13);
+    training.energy_scale = std::max(training.energy_scale / double(training.averages.size()), least_energy_scale);
     return training;
 }
 

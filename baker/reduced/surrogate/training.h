@@ -13,7 +13,7 @@ struct TrainingSet {
     // S with S S^T = an inverse reduced Hessian (mean over the averages; of reduced ones the one at the mean): metric of all
     // fits
     Eigen::MatrixXd whitening;
-    double energy_scale = 1; // mean energy over the averages
+    double energy_scale = 1; // mean energy over the averages; of layers AverageFamily::energy_scale()
     int unconverged_count = 0;
     // Of true averages: what the mesh does there, which is what a surrogate energy is to do at `averages`. Empty for reduced
     // ones.
@@ -29,8 +29,8 @@ struct AverageAt {
     bool is_interpolated = false;
 };
 
-// The averages of a list, without those next to others or to poses: radial functions need distinct centres.
-std::vector<AverageAt> distinct_averages(const std::vector<KnownAverage>& averages);
+// The averages of a list, without those next to others or to `corners`: radial functions need distinct centres.
+std::vector<AverageAt> distinct_averages(const std::vector<KnownAverage>& averages, std::vector<Weights> corners);
 
 // A full average seen through a subspace: the energy's quadratic model there, and where the average lies.
 struct ProjectedAverage {
@@ -68,8 +68,8 @@ private:
 // can be, but creased where triangles are small. In between soft directions follow the average, stiff ones the energy.
 Eigen::VectorXd reduced_average(const ProjectedAverage& average, Eigen::Index d, double nearness);
 
-// Training data from averages (the first one for equal weights): what reduced_average() makes of them. The stiffness of the
-// first `exact_count` is no interpolation.
+// Training data from averages (the first one at the centre of the weights): what reduced_average() makes of them. The
+// stiffness of the first `exact_count` is no interpolation.
 TrainingSet training_of(const ReducedSolver& reduced, const std::vector<ProjectedAverage>& averages, std::size_t exact_count,
                         double nearness);
 

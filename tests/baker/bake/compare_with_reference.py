@@ -1,5 +1,5 @@
-"""The third opinion: blends by the C runtime (tube_*.txt and bar_*.txt, written by test_bake and test_bake_solid) against
-the numpy reference, to 1e-5 relative."""
+"""The third opinion: blends by the C runtime (tube_*.txt, bar_*.txt and layers_*.txt, written by test_bake, test_bake_solid
+and test_bake_layers) against the numpy reference, to 1e-5 relative."""
 import glob
 import os
 import sys
@@ -11,16 +11,17 @@ from pliant_reference import Asset  # noqa: E402
 
 TOLERANCE = 1e-5
 
-assets = sorted(glob.glob("tube_*.pliant") + glob.glob("bar_*.pliant"))
-if len(assets) < 10:
-    sys.exit("expected the six assets of test_bake and four of test_bake_solid, found %d: run them first" % len(assets))
+assets = sorted(path for name in ("tube", "bar", "layers") for path in glob.glob(name + "_*.pliant"))
+if len(assets) < 13:
+    sys.exit("expected the six assets of test_bake, four of test_bake_solid and three of test_bake_layers, found %d: "
+             "run them first" % len(assets))
 failed = 0
 for path in assets:
     with open(path, "rb") as file:
         asset = Asset(file.read())
     for line in open(path[: -len(".pliant")] + ".txt"):
         numbers = numpy.array(line.split(), dtype=float)
-        weights, runtime = numpy.split(numbers, [asset.pose_count])
+        weights, runtime = numpy.split(numbers, [asset.pose_count - (asset.layers is not None)])
         runtime = runtime.reshape(-1, 3)
         z, _ = asset.minimise(weights)
         reference = asset.reconstruct(asset.coordinates(z))

@@ -225,7 +225,7 @@ TEST_CASE("averages next to others or to poses are no training data of their own
     const std::vector<KnownAverage> known
         = { { equal_weights(2), mean }, { near, mean }, { corner, mean }, { other, set.shapes[1] } };
     const std::vector<ProjectedAverage> averages
-        = AverageProjector(energy, subspace, set, nullptr).project(distinct_averages(known));
+        = AverageProjector(energy, subspace, set, nullptr).project(distinct_averages(known, corner_weights_of(energy)));
     REQUIRE(averages.size() == 2);
     CHECK(averages[1].weights == other);
     // What the subspace holds is reproduced, whatever counts more: energy or distance.
@@ -262,7 +262,7 @@ TEST_CASE("an interpolated stiffness gives about the same training data")
     const FoundSubspace found = build_adaptive_subspace(known, weights, { weights[11] }, AdaptiveOptions(), nullptr);
     const Subspace subspace = leading(found.subspace, 4);
     const AverageProjector projector(energy, subspace, set, nullptr);
-    std::vector<AverageAt> others = distinct_averages(found.averages);
+    std::vector<AverageAt> others = distinct_averages(found.averages, corner_weights_of(energy));
     const AverageAt last = others.back();
     others.pop_back();
     const ProjectedAverage exact = projector.project({ last })[0],

@@ -1,9 +1,12 @@
 // Functions of the weights.
+#include "base/weights/domain.h"
 #include "base/weights/hermite_interpolation.h"
 #include "base/weights/sampling.h"
 
 #include <doctest/doctest.h>
 #include <functional>
+#include <set>
+#include <string>
 
 using namespace pliant;
 
@@ -64,4 +67,31 @@ TEST_CASE("interpolation from values and derivatives: quadratic functions exactl
         const Weights known = training_weights(m, 3, 1)[2];
         CHECK(interpolate(centres_of(m, 3), smooth, known) == doctest::Approx(smooth(known)).epsilon(1e-9));
     }
+}
+
+TEST_CASE("mixtures of layers lie in the box, and their kinds are what they are called")
+{
+    std::vector<WeightRange> ranges(9);
+    ranges[2] = { -0.5, 1.5, 0 };
+    const WeightDomain domain = WeightDomain::box(ranges);
+    std::set<std::string> kinds;
+    for (const Weights& v : domain.draw_all(4, 60)) {
+        const std::string kind = domain.kind_of(v, 0);
+        kinds.insert(kind);
+        const long used = (v.array() != 0).count();
+        CHECK(domain.is_counted(v) == (used <= 6));
+        if (kind == "single") CHECK(used <= 1);
+        if (kind == "pair") CHECK(used == 2);
+        if (kind == "sparse") CHECK((used > 2 && used <= 6));
+        if (kind == "dense") CHECK(used > 6);
+        for (std::size_t k = 0; k < ranges.size(); ++k) {
+            CHECK(v[Eigen::Index(k)] >= ranges[k].low);
+            CHECK(v[Eigen::Index(k)] <= ranges[k].high);
+        }
+    }
+    CHECK(kinds == std::set<std::string> { "single", "pair", "sparse", "dense", "corner" });
+    for (const Weights& v : domain.draw_counted(4, 20)) CHECK(domain.is_counted(v));
+    CHECK(domain.covering(5, 1).size() == 15);
+    CHECK(domain.covering(5, 1)[2][2] == 1.5f);
+    CHECK(WeightDomain::simplex(3).centre() == equal_weights(3));
 }

@@ -1,4 +1,5 @@
-"""Runs `pliant average --blend layers` as a user does: test_layers.py PLIANT. Without other packages."""
+"""Runs `pliant average` and `pliant bake` with `--blend layers` as a user does: test_layers.py PLIANT. Without other
+packages."""
 import json
 import math
 import pathlib
@@ -78,6 +79,35 @@ with tempfile.TemporaryDirectory(prefix="pliant_layers_") as temporary:
     result = subprocess.run([TOOL, "average", *many, "--blend", "layers", "--weights", ",".join(["0.1"] * 14), "--quiet",
                              "-o", "many.ply"], cwd=work, capture_output=True, text=True, check=False)
     assert result.returncode == 0, f"more layers than an average has poses: {result.stderr}"
+    # A bake, and blends by the runtime.
+    def run(*arguments, expected=0):
+        done = subprocess.run([TOOL, *arguments], cwd=work, capture_output=True, text=True, check=False)
+        assert done.returncode == expected, done.stderr
+        return done.stdout
+
+    run("bake", "rest.obj", "twisted.obj", "bent.obj", "--blend", "layers", "--range", "bent=-0.5:1", "-o", "tube.pliant",
+        "--report", "tube.json", "-q")
+    report = json.loads((work / "tube.json").read_text(encoding="utf-8"))
+    assert report["meets_tolerance"] and report["subspace"]["dimension"] <= 12, report["subspace"]
+    kinds = {row["kind"]: row for row in report["layers"]["errors"]}
+    assert {"single", "pair"} <= set(kinds) and sum(row["count"] for row in kinds.values()) == 40, kinds
+    assert all(10 * row["mean_error"] < row["linear_mean_error"] for row in kinds.values()), kinds
+    ranges = [(row["layer"], row["low"], row["high"]) for row in report["layers"]["ranges"]]
+    assert ranges == [("twisted", 0, 1), ("bent", -0.5, 1)], ranges
+    assert "valid" in run("validate", "tube.pliant")
+    info = json.loads(run("info", "tube.pliant", "--json"))
+    assert [layer["name"] for layer in info["layers"]] == ["twisted", "bent"] and info["format"] == "1.5", info["layers"]
+
+    run("blend", "tube.pliant", "--set", "bent=1", "--set", "twisted=1", "-o", "both.ply")
+    assert difference(read(work / "both.ply"), tube(1, 1.2)) < 0.02, "both layers at full strength"
+    run("blend", "tube.pliant", "--weights", "0,1", "-o", "bent.ply")
+    assert max(math.dist(a, b) for a, b in zip(read(work / "bent.ply"), tube(0, 1.2))) < 2e-3, "a layer is in its place"
+    for weights, outside in (("1,-0.5", 0), ("1.5,-0.5", 0.5)):
+        frame = json.loads(run("blend", "tube.pliant", f"--weights={weights}", "-o", "w.ply", "--json"))["frames"][0]
+        assert frame["outside"] == outside, frame
+    samples = json.loads(run("measure", "tube.pliant", "rest.obj", "twisted.obj", "bent.obj", "--samples", "12", "--json"))
+    errors = [sample["relative_l2"] for sample in samples["samples"]]
+    assert max(errors) < 2 * report["measured"]["largest_error"], errors
     help_text = subprocess.run([TOOL, "average", "--help"], capture_output=True, text=True, check=True).stdout
     assert "--blend" in help_text and "layer" in help_text and "rest shape" in " ".join(help_text.split())
-print("layers: sum, exaggeration, path, grid, many layers, help")
+print("layers: bake, sum, exaggeration, path, grid, many layers, help")

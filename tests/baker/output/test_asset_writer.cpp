@@ -71,7 +71,8 @@ struct Problem {
     // With the basis within `error` (normalized units; 0: single precision) at the averages.
     AssetModel asset(const BlendModel& model, double error = 0) const
     {
-        AssetModel out { set, subspace, model, subspace.shape(model.mean), {}, {}, poses.names };
+        AssetModel out { set, subspace, model,       subspace.shape(model.mean),
+                         {},  {},       poses.names, WeightDomain::simplex(set.pose_count()) };
         out.mesh.triangles = set.triangles;
         out.mesh.vertex_count = std::size_t(set.dof_count() / 3);
         out.shape = store_shape(set, subspace, nullptr, reachable(), error, std::size_t(set.dof_count() / 3));

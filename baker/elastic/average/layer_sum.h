@@ -1,0 +1,44 @@
+// Where the shape of some layers is looked for.
+#pragma once
+
+#include "elastic/average/rotation_strain.h"
+#include "elastic/average/solver_pool.h"
+
+#include <memory>
+#include <vector>
+
+namespace pliant {
+
+// Layers added up before any energy is asked. Their displacements, or the rotations and strains of their cells: half of a
+// limb that turned is then a limb that turned half as far. The one with less energy is the guess; at 0 and at single whole
+// layers both are the shape itself.
+class LayerSum {
+public:
+    // The pool must outlive it. Cost: the coordinates of every pose; at the first call of each worker a factorisation with
+    // one unknown per vertex.
+    explicit LayerSum(SolverPool& pool);
+
+    // The sum of the displacements.
+    Shape linear(const Weights& v) const;
+
+    // Moves the shape of layers rigidly to where it lies closest to the sum of the displacements: layers move a character as
+    // morph targets do, and a single whole layer is the pose as it was given.
+    void place(const Weights& v, Shape& shape) const;
+
+    // The sum of rotations and strains. Tasks may call it at the same time, each with its worker. Cost: a solve with one
+    // unknown per vertex.
+    Shape turned(const Weights& v, std::size_t worker) const;
+
+    // The guess: the one of least energy of both sums and `turned`, of which the last is given, with what is known to be
+    // missing from it. Cost: their energies.
+    Shape guess(const Weights& v, const Shape& turned, const Shape* correction) const;
+
+private:
+    SolverPool& pool_;
+    RotationStrain coordinates_;
+    Eigen::VectorXd rest_;                               // coordinates of pose 0
+    Eigen::MatrixXf changes_;                            // of each layer from them
+    mutable std::vector<std::unique_ptr<CellFit>> fits_; // one for each worker, made when it is needed
+};
+
+} // namespace pliant

@@ -1,0 +1,83 @@
+#include "elastic/average/layered_family.h"
+
+#include "base/common/parallel.h"
+
+#include <algorithm>
+#include <atomic>
+#include <fmt/core.h>
+
+namespace pliant {
+
+namespace {
+
+// Shapes between two looks at the clock.
+constexpr std::size_t timed_group_size = 4;
+
+} // namespace
+
+LayeredFamily::LayeredFamily(AverageFamily& family, Progress* progress)
+    : family_(family)
+    , progress_(progress)
+{
+    family.mean();
+    learned_ = { family.centre() };
+    for (const Weights& corner : corner_weights_of(family.pool().energy())) learned_.push_back(corner);
+}
+
+Shape LayeredFamily::guess(const Weights& v, std::size_t worker) const
+{
+    const LayerSum& sum = family_.sum();
+    const Shape turned = sum.turned(v, worker);
+    if (corrections_.cols() == 0) return sum.guess(v, turned, nullptr);
+    const Shape correction = (corrections_ * shares_(v).cast<float>()).cast<double>();
+    return sum.guess(v, turned, &correction);
+}
+
+void LayeredFamily::learn(const std::vector<CheckPoint>& points)
+{
+    const Eigen::Index before = corrections_.cols();
+    corrections_.conservativeResize(family_.pool().set().dof_count(), before + Eigen::Index(points.size()));
+    Eigen::Index count = before;
+    for (const CheckPoint& point : points) {
+        if (!point.has_converged) continue;
+        corrections_.col(count++) = (point.reference - family_.sum().turned(point.weights, 0)).cast<float>();
+        learned_.push_back(point.weights);
+    }
+    corrections_.conservativeResize(Eigen::NoChange, count);
+    Eigen::MatrixXd values = Eigen::MatrixXd::Zero(count, Eigen::Index(learned_.size()));
+    values.rightCols(count).setIdentity();
+    shares_ = fit_radial_function(learned_, values, true);
+}
+
+std::vector<CheckPoint> LayeredFamily::find(const std::vector<Weights>& weights, const Span& span, bool may_follow) const
+{
+    std::vector<CheckPoint> points(weights.size());
+    SharedProgress shared(progress_);
+    std::atomic<std::size_t> found { span.done };
+    for_each_task(weights.size(), [&](std::size_t i, std::size_t worker) {
+        if (worker == 0)
+            shared.describe(span.stage, double(found) / double(span.total),
+                            fmt::format("{} of {}", found.load(), span.total));
+        FamilyPoint point = family_.layers_from(weights[i], guess(weights[i], worker), may_follow, worker, &shared);
+        points[i] = { weights[i], std::move(point.average.y), 0, 0, point.average.has_converged, std::move(point.jumps) };
+        ++found;
+    });
+    return points;
+}
+
+std::vector<CheckPoint> LayeredFamily::find_in_time(const std::vector<Weights>& weights, const char* stage,
+                                                    const TimeBudget& budget) const
+{
+    const std::size_t size = budget.has_limit() ? timed_group_size : weights.size();
+    std::vector<CheckPoint> points;
+    for (std::size_t done = 0; done < weights.size(); done = points.size()) {
+        if (done > 0 && budget.is_spent()) break;
+        const auto first = weights.begin() + std::ptrdiff_t(done),
+                   last = weights.begin() + std::ptrdiff_t(std::min(weights.size(), done + size));
+        for (CheckPoint& point : find({ first, last }, { stage, done, weights.size() }, true))
+            points.push_back(std::move(point));
+    }
+    return points;
+}
+
+} // namespace pliant

@@ -1,0 +1,121 @@
+// Whole bakes of layers on small bodies, looked at through the C runtime.
+#include "../for_reference.h"
+#include "../layered_bodies.h"
+
+#include "bake/bake.h"
+#include "bake/make_energy.h"
+#include "base/mesh/align.h"
+#include "elastic/average/layered_family.h"
+#include "elastic/average/shape_error.h"
+#include "output/asset/runtime_blender.h"
+
+#include <doctest/doctest.h>
+
+using namespace pliant;
+
+namespace {
+
+BakeOptions layered_options(Material material = Material::discrete_shells, double low = 0, double high = 1)
+{
+    BakeOptions options;
+    options.energy.blend = Blend::layers;
+    options.energy.material = material;
+    options.ranges = { { "", { low, high, 0 } } };
+    return options;
+}
+
+BakedAsset bake_quietly(const PoseSet& poses, const BakeOptions& options)
+{
+    Progress silent;
+    return bake(poses, options, silent);
+}
+
+const KindErrors* find_kind(const BakeReport& report, const std::string& kind)
+{
+    for (const KindErrors& errors : report.check.kinds)
+        if (errors.kind == kind) return &errors;
+    return nullptr;
+}
+
+} // namespace
+
+TEST_CASE("layers bake to assets whose blends are near the unreduced shapes")
+{
+    struct Body {
+        const char* name;
+        PoseSet poses;
+        Material material;
+    };
+    for (const Body& body :
+         { Body { "tube", layered_tube(), Material::discrete_shells }, Body { "arap", layered_tube(), Material::arap },
+           Body { "parts", layered_parts(), Material::discrete_shells } }) {
+        CAPTURE(body.name);
+        BakeOptions options = layered_options(body.material);
+        options.tolerance = 3e-3;
+        const BakedAsset baked = bake_quietly(body.poses, options);
+        CHECK(baked.report.check.meets_tolerance);
+        CHECK(baked.report.check.runtime_error < 1e-5);
+        CHECK(baked.report.fit.dimension <= 16);
+        for (const KindErrors& errors : baked.report.check.kinds) CHECK(errors.mean < 0.2 * errors.linear_mean);
+
+        RuntimeBlender blender(baked.bytes, body.name);
+        const NormalizedPoses set = normalize(body.poses, true);
+        CHECK(blender.asset().weight_count == 2);
+        for (std::size_t k = 0; k < 3 && !body.poses.render_mesh; ++k) { // poses come back in their place
+            const std::vector<float> v = { k == 1 ? 1.0f : 0.0f, k == 2 ? 1.0f : 0.0f };
+            const Shape shape = from_input_units(set, blender.positions(blender.solve(v, false)));
+            CHECK((shape - set.shapes[k]).norm() < 5e-3 * set.shapes[k].norm());
+        }
+        write_for_reference(std::string("layers_") + body.name, baked, blender,
+                            { { 1, 1 }, { 0.5f, 0.25f }, { 1.2f, -0.1f } });
+    }
+}
+
+TEST_CASE("ranges of layers beyond 0 to 1 are measured")
+{
+    BakeOptions options = layered_options(Material::discrete_shells, -0.5, 1.5);
+    options.tolerance = 1e-2;
+    const BakeReport report = bake_quietly(layered_tube(), options).report;
+    CHECK(report.check.meets_tolerance);
+    double low = 0, high = 0;
+    for (const BlendCheck& check : report.check.blends) {
+        low = std::min(low, check.weights.minCoeff());
+        high = std::max(high, check.weights.maxCoeff());
+    }
+    CHECK(low < -0.2);
+    CHECK(high > 1.2);
+}
+
+TEST_CASE("layers whose sum is linear take no more dimensions than layers")
+{
+    PoseSet poses = layered_tube();
+    for (std::size_t k = 1; k < 3; ++k)
+        poses.positions[k] = poses.positions[0] + 0.02 * (poses.positions[k] - poses.positions[0]);
+    const BakeReport report = bake_quietly(poses, layered_options()).report;
+    CHECK(report.fit.dimension == 2);
+    CHECK(report.check.meets_tolerance);
+    REQUIRE(find_kind(report, "pair"));
+    CHECK(find_kind(report, "pair")->linear_mean < 1e-3);
+}
+
+TEST_CASE("what a family of layers has learned saves factorisations, and changes no shape")
+{
+    const NormalizedPoses set = normalize(layered_tube(), true);
+    const std::unique_ptr<Energy> energy = make_energy(set, layered_options().energy);
+    SolverPool pool(*energy, set, default_solver());
+    AverageFamily family(pool, NewtonOptions(), nullptr);
+    LayeredFamily known(family, nullptr);
+    const WeightDomain domain = WeightDomain::box({ {}, {} });
+    const std::vector<Weights> wanted = domain.draw_all(9, 6);
+    const int before = pool.factorization_count();
+    const std::vector<CheckPoint> first = known.find(wanted, { "averages", 0, 6 }, true);
+    const int unguided = pool.factorization_count() - before;
+    known.learn(known.find(domain.draw_all(1, 30), { "averages", 0, 30 }, true));
+    const int learned = pool.factorization_count();
+    const std::vector<CheckPoint> second = known.find(wanted, { "averages", 0, 6 }, true);
+    CHECK(pool.factorization_count() - learned < unguided);
+    for (std::size_t i = 0; i < wanted.size(); ++i) {
+        CHECK(second[i].has_converged);
+        CHECK(relative_distance(set, first[i].reference, second[i].reference) < 1e-5);
+    }
+}
