@@ -203,7 +203,7 @@ std::string write_certificate(const BakeReport& report, const BakeOptions& optio
     const ShellOptions& shell = options.energy.shell;
     const Material material = report.input.material;
     Json energy = { { "material", name_of(material) } };
-    if (options.energy.blend == Blend::layers) energy["blend"] = name_of(options.energy.blend);
+    if (options.energy.blend == Blend::layers) energy["blend"] = name_of(Blend::layers);
     if (report.input.tet_count && options.energy.poisson >= 0) energy["poisson"] = options.energy.poisson;
     if (material == Material::discrete_shells) {
         energy["membrane"] = name_of(shell.membrane);

@@ -21,9 +21,10 @@ bool is_of_solids(Material material) { return material == Material::stvk || mate
 
 std::unique_ptr<Energy> make_surface_energy(const NormalizedPoses& set, Material material, const EnergyOptions& options)
 {
-    if (material == Material::arap) return std::make_unique<Arap>(set, options.blend);
-    if (options.continuity == Continuity::off) return std::make_unique<DiscreteShells>(set, options.shell, options.blend);
-    return std::make_unique<ReinforcedShells>(set, options.shell, options.blend);
+    const Blend blend = options.blend.value_or(Blend::average);
+    if (material == Material::arap) return std::make_unique<Arap>(set, blend);
+    if (options.continuity == Continuity::off) return std::make_unique<DiscreteShells>(set, options.shell, blend);
+    return std::make_unique<ReinforcedShells>(set, options.shell, blend);
 }
 
 // Which vertices have an ARAP cell.
@@ -84,7 +85,8 @@ std::unique_ptr<Energy> make_uncalibrated(const NormalizedPoses& set, const Ener
     const Material material = material_of(options, set.is_solid());
     if (is_of_solids(material)) {
         const SolidLaw law = material == Material::stvk ? SolidLaw::stvk : SolidLaw::mooney_rivlin;
-        return std::make_unique<Solid>(set, SolidOptions { law, options.poisson }, options.blend);
+        return std::make_unique<Solid>(set, SolidOptions { law, options.poisson },
+                                       options.blend.value_or(Blend::average));
     }
     std::unique_ptr<Energy> surface = make_surface_energy(set, material, options);
     TieSet ties = ties_for(set, centres_of_cells(*surface));
@@ -168,6 +170,7 @@ void check_layers(const BakeOptions& options, const PoseSet& poses)
 BakeOptions resolve_options(const BakeOptions& given, const PoseSet& poses)
 {
     BakeOptions options = given;
+    options.energy.blend = given.energy.blend.value_or(poses.blend);
     options.energy.material = material_of(given.energy, poses.is_solid());
     check_surrogate(options, poses);
     if (options.energy.blend == Blend::layers) check_layers(options, poses);

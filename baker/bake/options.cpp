@@ -22,9 +22,10 @@ void check_range(const NamedRange& named)
 
 } // namespace
 
-WeightDomain domain_of(const BakeOptions& options, const std::vector<std::string>& pose_names)
+WeightDomain domain_of(const BakeOptions& options, const PoseSet& poses)
 {
-    if (options.energy.blend == Blend::average) {
+    const std::vector<std::string>& pose_names = poses.names;
+    if (options.energy.blend != Blend::layers) {
         if (options.ranges.empty()) return WeightDomain::simplex(pose_names.size());
         throw Failure(ExitCode::usage,
                       error_at(1233, "", "--range belongs to --blend layers",
@@ -44,6 +45,12 @@ WeightDomain domain_of(const BakeOptions& options, const std::vector<std::string
                 error_at(1232, "", fmt::format("there is no layer '{}' for --range", named.layer),
                          fmt::format("the layers are {}", fmt::join(pose_names.begin() + 1, pose_names.end(), ", "))));
         ranges[std::size_t(found - pose_names.begin()) - 1] = named.range;
+    }
+    for (std::size_t k = 0; k < ranges.size() && k + 1 < poses.initial_weights.size(); ++k) {
+        WeightRange& range = ranges[k];
+        range.initial = poses.initial_weights[k + 1];
+        range.low = std::min(range.low, range.initial);
+        range.high = std::max(range.high, range.initial);
     }
     return WeightDomain::box(std::move(ranges));
 }

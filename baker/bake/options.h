@@ -1,6 +1,7 @@
 // What a bake is asked for. The defaults are those of the command line.
 #pragma once
 
+#include "base/mesh/pose_set.h"
 #include "base/mesh/render_mesh.h"
 #include "base/mesh/weld.h"
 #include "elastic/average/solver_pool.h"
@@ -23,7 +24,7 @@ enum class SurrogateKind { automatic, quartic, cubature, ghost };
 
 // What an elastic energy is made of: shared by all verbs that need one.
 struct EnergyOptions {
-    Blend blend = Blend::average;
+    std::optional<Blend> blend; // none: what the poses are
     std::optional<Material> material; // none: stvk for solids, discrete shells for surfaces
     // Of discrete shells. automatic: with ARAP cells at rough vertices; off: as in the literature.
     Continuity continuity = Continuity::automatic;
@@ -70,8 +71,9 @@ struct BakeOptions {
     std::shared_ptr<const RenderMesh> render_mesh;
 };
 
-// Where the weights lie. Throws Failure (usage, P1231 to P1233) for ranges that are empty, do not hold 0 or name no layer.
-WeightDomain domain_of(const BakeOptions& options, const std::vector<std::string>& pose_names);
+// Where the weights lie; ranges are widened to hold the initial weights of the poses. Throws Failure (usage, P1231 to P1233)
+// for ranges that are empty, do not hold 0 or name no layer.
+WeightDomain domain_of(const BakeOptions& options, const PoseSet& poses);
 
 // A bake that refines nothing, at a tolerance of its own where the caller has none.
 void make_preview(BakeOptions& options, bool has_tolerance);

@@ -134,10 +134,15 @@ void add_energy_options(CLI::App& verb, EnergyOptions& options)
 
 void add_blend_kind(CLI::App& verb, EnergyOptions& options)
 {
-    add_choice(verb, "--blend", options.blend, { Blend::average, Blend::layers },
-               "average: a shape between all poses, a weight per pose. layers: the first pose is the rest shape, each other "
-               "pose a layer on it with a weight of its own, as of morph targets: 0 without, 1 with the layer; layers add "
-               "up, negative weights are the opposite, weights above 1 exaggerate");
+    verb.add_option_function<std::string>(
+            "--blend",
+            [&options](const std::string& name) { options.blend = name == "layers" ? Blend::layers : Blend::average; },
+            "average: a shape between all poses, a weight per pose. layers: the first pose is the rest shape, each other "
+            "pose a layer on it with a weight of its own, as of morph targets: 0 without, 1 with the layer; layers add "
+            "up, negative weights are the opposite, weights above 1 exaggerate. Default: layers for one glTF file with "
+            "morph targets, named without '#'; else average")
+        ->check(CLI::IsMember({ "average", "layers" }))
+        ->type_name("NAME");
 }
 
 void add_threads(CLI::App& verb)
@@ -182,11 +187,11 @@ PoseSet load_with_warnings(const std::string& verb, const std::vector<std::strin
                            std::vector<Diagnostic>* kept)
 {
     LoadOptions load;
-    load.align = !options.keeps_placement();
+    load.blend = options.blend;
+    load.align = !options.keep_placement;
     load.fixed_path = options.fixed_path;
     load.fixed_vertices = options.fixed_vertices;
     load.weld_tolerance = options.weld_tolerance;
-    if (options.blend == Blend::layers) load.pose_limit = layered_pose_limit;
     std::vector<Diagnostic> warnings;
     PoseSet poses = load_poses(paths, load, &warnings);
     report_warnings(verb, warnings, kept);

@@ -197,11 +197,12 @@ void print_figures(const AverageArguments& a, const nlohmann::ordered_json& aver
     }
 }
 
-ExitCode run_average(const AverageArguments& a)
+ExitCode run_average(AverageArguments a)
 {
     check_usage(a);
     ConsoleProgress progress("average", a.is_quiet);
     const PoseSet poses = load_with_warnings("average", a.poses, a.energy);
+    a.energy.blend = poses.blend;
     const std::vector<Wanted> wanted = wanted_averages(a, poses.pose_count()); // one glTF file may give many poses
     const std::vector<std::string> inputs = all_inputs(a);
     for (const Wanted& one : wanted) probe_output(one.output, inputs);

@@ -125,6 +125,7 @@ ExitCode run_bake(BakeRequest& a, CLI::App& verb)
     ConsoleProgress progress("bake", a.is_quiet);
     std::vector<Diagnostic> warnings;
     const PoseSet poses = load_with_warnings("bake", a.poses, a.bake.energy, &warnings);
+    a.bake.energy.blend = poses.blend;
     if (!a.surface.empty())
         a.bake.render_mesh
             = std::make_shared<const RenderMesh>(load_surface_with_warnings("bake", a.surface, poses, &warnings));

@@ -59,9 +59,10 @@ void print_surface(const PoseSet& poses)
                    poses.triangles.size(), poses.repairs.component_count);
 }
 
-ExitCode run_check(const CheckArguments& a)
+ExitCode run_check(CheckArguments a)
 {
     const PoseSet poses = load_with_warnings("check", a.poses, a.bake.energy);
+    a.bake.energy.blend = poses.blend;
     if (a.is_json) {
         fmt::print("{}\n", json_text(describe_poses(poses, a.bake)));
         return ExitCode::done;
@@ -73,7 +74,10 @@ ExitCode run_check(const CheckArguments& a)
                    poses.pose_count(), poses.vertex_count(), poses.tets.size(), poses.boundary_vertex_count);
     else
         print_surface(poses);
-    for (std::size_t k = 1; k < poses.pose_count(); ++k)
+    if (poses.blend == Blend::layers)
+        fmt::print("  {} is the rest shape, the others are layers on it (--blend average: poses of equal rank)\n",
+                   poses.names[0]);
+    for (std::size_t k = 1; k < poses.pose_count() && poses.blend == Blend::average; ++k)
         fmt::print("  {}: rotated by {:.1f} degrees to align it with {}\n", poses.names[k], turned_degrees(set, k),
                    poses.names[0]);
     print_folds(folds_of(set, a.bake.energy), poses.vertex_count());
@@ -97,6 +101,7 @@ nlohmann::ordered_json describe_poses(const PoseSet& poses, const BakeOptions& o
         list.push_back({ { "name", poses.names[k] }, { "turned_degrees", turned_degrees(set, k) } });
     const RenderMesh* const drawn = poses.render_mesh.get();
     nlohmann::ordered_json json = { { "poses", list },
+                                    { "blend", name_of(poses.blend) },
                                     { "kind", poses.is_solid() ? "solid" : "surface" },
                                     { "material", name_of(material) },
                                     { "vertices", drawn ? drawn->embedding.count() : poses.vertex_count() },
@@ -116,6 +121,7 @@ Verb add_check(CLI::App& app)
     CLI::App* verb = app.add_subcommand("check", "Check poses and estimate the cost of a bake; writes nothing");
     verb->footer("Example:\n  pliant check rest.ply run.ply jump.ply\nReports the problems of all files in one run.");
     add_pose_arguments(*verb, a->poses);
+    add_blend_kind(*verb, a->bake.energy);
     add_energy_options(*verb, a->bake.energy);
     verb->add_option("--dim", a->bake.dimension, "Dimension of the reduced space, as for bake")->check(CLI::Range(1, 256));
     add_json(*verb, a->is_json);

@@ -1,6 +1,8 @@
 // What the baker works on: several poses of one mesh, a surface of faces or a solid of tetrahedra. Plain data, no behaviour.
 #pragma once
 
+#include "base/weights/domain.h"
+
 #include <Eigen/Core>
 #include <Eigen/Geometry>
 #include <array>
@@ -56,6 +58,7 @@ struct MeshFile {
     SolidRegions regions;
 
     std::shared_ptr<const RenderScene> scene; // of a glTF file: what its vertices and faces are drawn with
+    double initial_weight = 0;                // of a morph target: what the file draws it with
 };
 
 // How the surface that files draw differs from the one that the elastic energy lives on, and what is unusual about the
@@ -82,6 +85,8 @@ struct RenderMesh;
 struct PoseSet {
     std::vector<std::string> paths;
     std::vector<std::string> names;   // file names without folder and extension, or what glTF calls the pose; for people
+    Blend blend = Blend::average;     // what the poses are to each other
+    std::vector<double> initial_weights; // per pose; of layers what they start with
     std::vector<Positions> positions; // per pose
     Polygons polygons;                // as pose 0 gave them, by the files' numbers, for writing; of a solid: the triangles
     // The same, triangulated alike in all poses, a fan from the first corner, as far as they have an energy. Of a solid: its

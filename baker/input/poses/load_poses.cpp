@@ -119,6 +119,7 @@ PoseSet to_pose_set(std::vector<MeshFile> meshes, Checked checked)
         poses.names.push_back(pose_name(mesh));
         poses.paths.push_back(std::move(mesh.path));
         poses.positions.push_back(std::move(mesh.positions));
+        poses.initial_weights.push_back(mesh.initial_weight);
     }
     poses.polygons = std::move(meshes[0].faces);
     poses.tets = std::move(meshes[0].tets);
@@ -136,7 +137,7 @@ PoseSet to_pose_set(std::vector<MeshFile> meshes, Checked checked)
 }
 
 // The checks of what was read; the fixed vertices.
-Checked check_all(std::vector<MeshFile>& meshes, const LoadOptions& options, DiagnosticList& diagnostics)
+Checked check_all(std::vector<MeshFile>& meshes, Blend blend, const LoadOptions& options, DiagnosticList& diagnostics)
 {
     const bool is_solid = !meshes[0].tets.empty();
     if (is_solid) orient_tets(meshes, diagnostics);
@@ -156,23 +157,25 @@ Checked check_all(std::vector<MeshFile>& meshes, const LoadOptions& options, Dia
         check_fixed_vertices(name, is_solid ? fixed : checked.surface.joined(fixed),
                              vertex_count - checked.surface.repairs.welded_count, meshes, diagnostics);
     if (is_comparable && meshes.size() > 1)
-        check_distinct(meshes, is_solid ? checked.triangulation : checked.surface.triangulation, options.align && !has_fixed,
-                       diagnostics);
+        check_distinct(meshes, is_solid ? checked.triangulation : checked.surface.triangulation,
+                       blend == Blend::average && options.align && !has_fixed, diagnostics);
     return checked;
 }
 
 // `has_first`: the first of the meshes is the first pose; else it could not be read, and the diagnostics say why.
-PoseSet finish(std::vector<MeshFile> meshes, bool has_first, const LoadOptions& options, DiagnosticList& diagnostics,
-               std::vector<Diagnostic>* warnings)
+PoseSet finish(std::vector<MeshFile> meshes, bool has_first, Blend blend, const LoadOptions& options,
+               DiagnosticList& diagnostics, std::vector<Diagnostic>* warnings)
 {
     Checked checked;
-    if (has_first) checked = check_all(meshes, options, diagnostics);
+    if (has_first) checked = check_all(meshes, blend, options, diagnostics);
     if (diagnostics.has_errors()) throw Failure(ExitCode::bad_input, diagnostics.diagnostics());
     if (warnings) {
         const std::vector<Diagnostic> found = diagnostics.diagnostics();
         warnings->insert(warnings->end(), found.begin(), found.end());
     }
-    return to_pose_set(std::move(meshes), std::move(checked));
+    PoseSet poses = to_pose_set(std::move(meshes), std::move(checked));
+    poses.blend = blend;
+    return poses;
 }
 
 } // namespace
@@ -185,14 +188,14 @@ std::string pose_name(const MeshFile& mesh)
 PoseSet load_poses(const std::vector<std::string>& paths, const LoadOptions& options, std::vector<Diagnostic>* warnings)
 {
     DiagnosticList diagnostics(options.lines_per_number);
-    PoseSources read = read_pose_sources(paths, options.pose_limit, diagnostics);
-    return finish(std::move(read.meshes), read.has_first, options, diagnostics, warnings);
+    PoseSources read = read_pose_sources(paths, options.blend, diagnostics);
+    return finish(std::move(read.meshes), read.has_first, read.blend, options, diagnostics, warnings);
 }
 
 PoseSet check_poses(std::vector<MeshFile> meshes, const LoadOptions& options, std::vector<Diagnostic>* warnings)
 {
     DiagnosticList diagnostics(options.lines_per_number);
-    return finish(std::move(meshes), true, options, diagnostics, warnings);
+    return finish(std::move(meshes), true, options.blend.value_or(Blend::average), options, diagnostics, warnings);
 }
 
 } // namespace pliant

@@ -5,23 +5,22 @@
 #include "base/mesh/pose_set.h"
 #include "base/mesh/weld.h"
 
+#include <optional>
+
 namespace pliant {
 
-// Of averages, and of layers with the rest shape.
-constexpr std::size_t pose_count_limit = 12, layered_pose_limit = 65;
-
 struct LoadOptions {
-    bool align = true;                 // poses will be aligned rigidly, so those that differ by a motion only are the same
+    std::optional<Blend> blend;        // none: what the files are (read_pose_sources)
+    bool align = true;                 // averages will be aligned rigidly: poses that differ by a motion only are the same
     std::size_t lines_per_number = 10; // diagnostics of one kind that are told one by one
     std::string fixed_path;            // a text file of fixed vertices; then nothing is aligned. Empty: none is fixed
     std::vector<std::uint32_t> fixed_vertices; // the same by the files' numbers; those past the last one are left out
     std::string fixed_name;                    // what messages call fixed_vertices; empty: they are not judged
     // Of surfaces, see base/mesh/weld.h; 0: vertices stay as the files have them
     double weld_tolerance = default_weld_tolerance;
-    std::size_t pose_limit = pose_count_limit;
 };
 
-// Reads 2 to pose_limit poses from mesh files and glTF files (input/poses/pose_source.h says what an argument may be) and
+// Reads 2 to pose_limit() poses from mesh files and glTF files (input/poses/pose_source.h says what an argument may be) and
 // checks that an elastic average of them exists: each file on its own (P2xxx) and against the first (P3xxx). All diagnostics
 // of all files are gathered before anything is thrown.
 //

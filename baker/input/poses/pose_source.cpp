@@ -157,12 +157,25 @@ GltfState state_of(const GltfScene& scene, const Plan& plan)
     return state;
 }
 
+// What the file draws a target with: by the first mesh that has it.
+double initial_weight_of(const GltfScene& scene, const std::string& target)
+{
+    for (const GltfInstance& instance : scene.instances) {
+        const std::vector<std::string>& names = scene.meshes[instance.mesh].target_names;
+        const std::vector<double>& weights = scene.rest.weights[instance.node];
+        for (std::size_t k = 0; k < weights.size(); ++k)
+            if (names[k] == target) return weights[k];
+    }
+    return 0;
+}
+
 MeshFile make_pose(GltfFile& file, const Plan& plan, DiagnosticList& diagnostics)
 {
     const GltfScene& scene = file.scene;
     MeshFile mesh;
     mesh.path = scene.document->path() + "#" + plan.choice;
     mesh.name = plan.name;
+    if (plan.kind == Plan::Kind::target) mesh.initial_weight = initial_weight_of(scene, plan.target);
     const GltfState state = state_of(scene, plan);
     Positions normals;
     mesh.positions = evaluate(scene, state, file.drawn ? nullptr : &normals);
@@ -291,7 +304,8 @@ PoseArgument split_pose_argument(const std::string& argument)
     return { argument, "" };
 }
 
-PoseSources read_pose_sources(const std::vector<std::string>& arguments, std::size_t limit, DiagnosticList& diagnostics)
+PoseSources read_pose_sources(const std::vector<std::string>& arguments, std::optional<Blend> blend,
+                              DiagnosticList& diagnostics)
 {
     Reader reader(diagnostics);
     std::vector<Source> sources;
@@ -304,7 +318,9 @@ PoseSources read_pose_sources(const std::vector<std::string>& arguments, std::si
         sources.push_back(has_gltf ? reader.plan(argument) : Source { { argument, "" }, nullptr, {}, false });
         out.count += sources.back().is_gltf && sources.back().file ? sources.back().plans.size() : 1;
     }
-    check_pose_count(sources, out.count, limit, diagnostics);
+    const bool has_targets = sources.size() == 1 && sources[0].plans.size() > 1 && sources[0].argument.choice.empty();
+    out.blend = blend.value_or(has_targets ? Blend::layers : Blend::average);
+    check_pose_count(sources, out.count, pose_limit(out.blend), diagnostics);
     for (const Source& source : sources) {
         reader.read(source, out.meshes);
         if (&source == &sources.front()) out.has_first = !out.meshes.empty();

@@ -4,6 +4,7 @@
 #include "base/common/diagnostics.h"
 #include "base/mesh/pose_set.h"
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -18,6 +19,7 @@ PoseArgument split_pose_argument(const std::string& argument);
 
 // The poses of all arguments, in order.
 struct PoseSources {
+    Blend blend = Blend::average;
     std::vector<MeshFile> meshes; // those that could be read
     bool has_first = false;       // the first argument is among them
     std::size_t count = 0;        // poses asked for; of an unreadable glTF file one
@@ -30,8 +32,14 @@ struct PoseSources {
 //   FILE.glb#animation=NAME@T[,T...] the animation (by name, or by number from 0) at these seconds
 // Vertices and triangles come as an engine decodes them: all primitives of triangles of all meshes in the default scene, in
 // the order of the nodes' numbers. Poses of one file share their RenderScene.
-// Wrong choices (P1211 to P1213) are thrown as Failure (usage); more than `limit` poses or fewer than two as P3002 and P3001
-// (bad_input), before any is made. Everything else goes to the diagnostics: P2xxx.
-PoseSources read_pose_sources(const std::vector<std::string>& arguments, std::size_t limit, DiagnosticList& diagnostics);
+// Without a kind of blend one glTF file with morph targets, named without a choice, is one of layers, since that is what its
+// targets mean; everything else is one of averages.
+// Wrong choices (P1211 to P1213) are thrown as Failure (usage); more than pose_limit() poses or fewer than two as P3002 and
+// P3001 (bad_input), before any is made. Everything else goes to the diagnostics: P2xxx.
+PoseSources read_pose_sources(const std::vector<std::string>& arguments, std::optional<Blend> blend,
+                              DiagnosticList& diagnostics);
+
+// Of layers with the rest shape.
+constexpr std::size_t pose_limit(Blend blend) { return blend == Blend::layers ? 65 : 12; }
 
 } // namespace pliant

@@ -56,7 +56,7 @@ SourcePoses load_sources(const std::vector<std::string>& paths, const Listener& 
     SourcePoses out;
     work_interruptibly(listener, 0, [&](Progress& progress) {
         DiagnosticList diagnostics;
-        out.meshes = read_pose_sources(paths, pose_count_limit, diagnostics).meshes;
+        out.meshes = read_pose_sources(paths, Blend::average, diagnostics).meshes;
         if (diagnostics.has_errors()) throw Failure(ExitCode::bad_input, diagnostics.diagnostics());
         report_warnings(diagnostics.diagnostics(), progress);
     });

@@ -92,7 +92,8 @@ BakeOptions bake_options(const nb::dict& given)
 LoadOptions load_options(const EnergyOptions& options)
 {
     LoadOptions load;
-    load.align = !options.keeps_placement();
+    load.blend = options.blend;
+    load.align = !options.keep_placement;
     load.fixed_vertices = options.fixed_vertices;
     if (!options.fixed_vertices.empty()) load.fixed_name = "fix";
     load.weld_tolerance = options.weld_tolerance;
