@@ -34,6 +34,7 @@ static uint16_t oldest_minor(const pliant_asset* asset)
         is_solid |= batches[i].kind == PLIANT_ELEMENT_TET_STVK || batches[i].kind == PLIANT_ELEMENT_TET_MOONEY_RIVLIN;
         has_parts |= batches[i].kind == PLIANT_ELEMENT_TIE;
     }
+    if (asset->has_layers) return PLIANT_FORMAT_MINOR_LAYERS;
     if (asset->products) return PLIANT_FORMAT_MINOR_FACTORED;
     if (has_parts) return PLIANT_FORMAT_MINOR_PARTS;
     if (is_solid) return PLIANT_FORMAT_MINOR_SOLID;

@@ -25,8 +25,8 @@ int main(int argc, char** argv)
     const std::string folder = std::string(argc > 2 ? argv[1] : ".") + "/";
     try {
         pliant::DiagnosticList diagnostics;
-        const pliant::PoseSources read
-            = pliant::read_pose_sources(std::vector<std::string>(argv + std::min(argc, 2), argv + argc), 1000, diagnostics);
+        const pliant::PoseSources read = pliant::read_pose_sources(
+            std::vector<std::string>(argv + std::min(argc, 2), argv + argc), pliant::Blend::layers, diagnostics);
         for (const pliant::Diagnostic& diagnostic : diagnostics.diagnostics())
             std::fprintf(stderr, "%s\n", pliant::to_text(diagnostic).c_str());
         for (std::size_t k = 0; k < read.meshes.size(); ++k) {

@@ -24,7 +24,7 @@ std::unique_ptr<draco::Mesh> decode(const std::string& data)
 
 std::vector<MeshFile> read(const std::string& path, DiagnosticList& diagnostics)
 {
-    return read_pose_sources({ path, path }, 100, diagnostics).meshes;
+    return read_pose_sources({ path, path }, Blend::layers, diagnostics).meshes;
 }
 
 // Positions of points in order, bit for bit; corners of faces in order, from vertex `first` and face `face` on.

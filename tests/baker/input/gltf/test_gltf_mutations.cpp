@@ -61,7 +61,7 @@ bool read_is_sane(const std::vector<std::string>& arguments)
 {
     DiagnosticList diagnostics;
     try {
-        const PoseSources poses = read_pose_sources(arguments, 100, diagnostics);
+        const PoseSources poses = read_pose_sources(arguments, Blend::layers, diagnostics);
         for (const MeshFile& mesh : poses.meshes)
             if (!is_sane(mesh)) return false;
         return diagnostics.has_errors() || poses.meshes.size() == poses.count;
@@ -110,9 +110,9 @@ TEST_CASE("skin, morph target, animation, texture, sparse accessor")
         const pliant_test::TemporaryFolder folder;
         pliant_test::write_bytes(folder / "a.glb", sample);
         DiagnosticList diagnostics;
-        REQUIRE(
-            read_pose_sources({ folder / "a.glb", folder / "a.glb#animation=Run@0,0.4,1" }, 100, diagnostics).meshes.size()
-            == 5);
+        REQUIRE(read_pose_sources({ folder / "a.glb", folder / "a.glb#animation=Run@0,0.4,1" }, Blend::layers, diagnostics)
+                    .meshes.size()
+                == 5);
         REQUIRE(!diagnostics.has_errors());
     }
     CHECK(first_failure(sample, choices) == -1);

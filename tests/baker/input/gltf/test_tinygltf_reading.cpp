@@ -203,7 +203,7 @@ void compare(const std::string& path, std::size_t target_count)
 {
     CAPTURE(path);
     DiagnosticList diagnostics;
-    const std::vector<MeshFile> poses = read_pose_sources({ path, path + "#rest" }, 1000, diagnostics).meshes;
+    const std::vector<MeshFile> poses = read_pose_sources({ path, path + "#rest" }, Blend::layers, diagnostics).meshes;
     const tinygltf::Model model = pliant_test::load_file(path);
     const Shown shown(model);
     REQUIRE(poses.size() == target_count + 2);
