@@ -64,23 +64,10 @@ def measure(tool, asset, poses):
     return json.loads(result.stdout)
 
 
-def kind_of(check):
-    """As the tool says, else from the weights."""
-    weights = np.array(check["weights"])
-    if check.get("kind") in KINDS:
-        return check["kind"]
-    moved = np.count_nonzero(weights)
-    if moved <= 2:
-        return "pair" if moved == 2 else "single"
-    if np.isin(weights, (0, 1)).all():
-        return "corner"
-    return "sparse" if 2 * moved <= len(weights) else "dense"
-
-
 def read_figures(report, measured):
     """All that this script knows of the names in both files: vertices, layers, d, elements, whether the tolerance is met;
     and (kind, error, error of the linear sum) of the certificate's checks and of the fresh weights."""
-    errors = [[(kind_of(check), check["relative_l2"], check.get(linear, np.nan)) for check in checks]
+    errors = [[(check["kind"], check["relative_l2"], check[linear]) for check in checks]
               for checks, linear in ((report["measured"]["checks"], "linear_error"),
                                      (measured["samples"], "linear_relative_l2"))]
     facts = [report["vertices"], len(report["poses"]) - 1, report["subspace"]["dimension"], report["stand_in"]["elements"],
