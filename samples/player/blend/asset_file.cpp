@@ -77,6 +77,16 @@ AssetFile::AssetFile(const std::string& path)
         pose_names_.push_back(name.empty() ? "pose " + std::to_string(k) : name);
     }
     short_names_ = without_common_prefix(pose_names_);
+    read_layers();
+}
+
+void AssetFile::read_layers()
+{
+    for (std::uint32_t i = 0; asset_.has_layers && i < asset_.weight_count; ++i) {
+        pliant_weight weight {};
+        pliant_asset_weight(&asset_, i, &weight);
+        layers_.push_back({ pose_names_[i + 1], weight.low, weight.high, weight.initial });
+    }
 }
 
 std::vector<std::string> without_common_prefix(const std::vector<std::string>& names)
@@ -92,6 +102,12 @@ std::vector<std::string> without_common_prefix(const std::vector<std::string>& n
         result.push_back(name.substr(cut));
     }
     return result;
+}
+
+std::string AssetFile::counted() const
+{
+    return has_layers() ? std::to_string(layers_.size()) + (layers_.size() == 1 ? " layer" : " layers")
+                        : std::to_string(asset_.pose_count) + " poses";
 }
 
 std::string AssetFile::title() const { return std::filesystem::path(path_).stem().string(); }

@@ -10,6 +10,12 @@
 
 namespace pliant::player {
 
+// A weight of an asset of layers: the layer's name, the range that the baker has measured, the weight to start with.
+struct LayerWeight {
+    std::string name;
+    double low = 0.0, high = 1.0, initial = 0.0;
+};
+
 // Owns the bytes and the view into them. Moving it leaves the bytes where they are.
 class AssetFile {
 public:
@@ -22,9 +28,15 @@ public:
     const std::vector<std::string>& pose_names() const { return pose_names_; }
     // pose_names() without their common prefix up to a separator ("creature_"), for labels.
     const std::vector<std::string>& short_names() const { return short_names_; }
-    std::string title() const; // the file's name without folder and extension
+    // One for each weight if the asset has layers; empty if it blends averages.
+    const std::vector<LayerWeight>& layers() const { return layers_; }
+    bool has_layers() const { return !layers_.empty(); }
+    std::string counted() const; // "5 poses" or "7 layers"
+    std::string title() const;   // the file's name without folder and extension
 
 private:
+    void read_layers();
+
     struct AlignedDelete {
         void operator()(std::byte* bytes) const;
     };
@@ -34,6 +46,7 @@ private:
     pliant_asset asset_ {};
     std::vector<std::string> pose_names_;
     std::vector<std::string> short_names_;
+    std::vector<LayerWeight> layers_;
 };
 
 // Removes the common prefix, up to its last separator, from all names. Returns them unchanged if one would become empty.

@@ -1,6 +1,7 @@
 #include "blend/character.h"
 
 #include "blend/error.h"
+#include "blend/layer_walk.h"
 
 #include <glm/common.hpp>
 #include <glm/geometric.hpp>
@@ -56,10 +57,7 @@ BlendCost Character::blend(const std::vector<double>& weights, BlendMode mode)
     } else {
         const std::vector<float> weights_f32(weights.begin(), weights.end());
         const pliant_result result = pliant_solve(solver_, weights_f32.data(), q_.data(), &cost.info);
-        if (result != PLIANT_OK) {
-            throw Error(ErrorNumber::weights, ExitCode::usage, std::string("weights: ") + pliant_result_text(result),
-                        "give one number >= 0 per pose, not all zero");
-        }
+        if (result != PLIANT_OK) refuse_weights(file_.view(), result);
     }
     cost.solve_us = solve.microseconds();
 
@@ -87,35 +85,70 @@ void Character::set_heat(const std::vector<float>& heat)
     for (std::size_t v = 0; v < vertices_.size(); ++v) vertices_[v].heat = heat.empty() ? -1.0f : heat[v];
 }
 
-Extent extent_of_poses(Character& character)
-{
-    constexpr int direction_count = 96; // about 20 degrees apart: what lies between them is missed by about 1 % of the size
-    std::vector<glm::vec3> directions;
-    for (int i = 0; i < direction_count; ++i) { // evenly over the sphere: a Fibonacci spiral
-        const float up = 1.0f - (2.0f * static_cast<float>(i) + 1.0f) / direction_count, level = std::sqrt(1.0f - up * up);
-        const float angle = static_cast<float>(i) * 2.39996323f;
-        directions.emplace_back(level * std::cos(angle), up, level * std::sin(angle));
+namespace {
+
+// Collects the extent of shapes.
+class ExtentOfShapes {
+public:
+    ExtentOfShapes()
+    {
+        for (int i = 0; i < direction_count; ++i) { // evenly over the sphere: a Fibonacci spiral
+            const float up = 1.0f - (2.0f * static_cast<float>(i) + 1.0f) / direction_count;
+            const float level = std::sqrt(1.0f - up * up), angle = static_cast<float>(i) * 2.39996323f;
+            directions_.emplace_back(level * std::cos(angle), up, level * std::sin(angle));
+        }
+        extent_.outline.resize(direction_count);
     }
-    Extent extent { glm::vec3(std::numeric_limits<float>::max()), glm::vec3(std::numeric_limits<float>::lowest()), {} };
-    std::vector<float> furthest(direction_count, std::numeric_limits<float>::lowest());
-    extent.outline.resize(direction_count);
-    const std::uint32_t pose_count = character.file().view().pose_count;
-    for (std::uint32_t k = 0; k < pose_count; ++k) {
-        std::vector<double> weights(pose_count, 0.0);
-        weights[k] = 1.0;
-        character.blend(weights, BlendMode::linear); // one weight of 1 gives the pose itself
-        for (const Vertex& vertex : character.vertices()) {
-            extent.lowest = glm::min(extent.lowest, vertex.position);
-            extent.highest = glm::max(extent.highest, vertex.position);
+
+    void add(const std::vector<Vertex>& vertices)
+    {
+        for (const Vertex& vertex : vertices) {
+            extent_.lowest = glm::min(extent_.lowest, vertex.position);
+            extent_.highest = glm::max(extent_.highest, vertex.position);
             for (int i = 0; i < direction_count; ++i) {
-                const float reach = glm::dot(directions[i], vertex.position);
-                if (reach <= furthest[i]) continue;
-                furthest[i] = reach;
-                extent.outline[i] = vertex.position;
+                const float reach = glm::dot(directions_[i], vertex.position);
+                if (reach <= furthest_[i]) continue;
+                furthest_[i] = reach;
+                extent_.outline[i] = vertex.position;
             }
         }
     }
-    return extent;
+
+    const Extent& extent() const { return extent_; }
+
+private:
+    // About 20 degrees apart: what lies between them is missed by about 1 % of the size.
+    static constexpr int direction_count = 96;
+
+    std::vector<glm::vec3> directions_;
+    std::vector<float> furthest_ = std::vector<float>(direction_count, std::numeric_limits<float>::lowest());
+    Extent extent_ { glm::vec3(std::numeric_limits<float>::max()), glm::vec3(std::numeric_limits<float>::lowest()), {} };
+};
+
+} // namespace
+
+Extent extent_of_poses(Character& character)
+{
+    const pliant_asset& asset = character.file().view();
+    ExtentOfShapes shapes;
+    for (std::uint32_t k = 0; k < asset.pose_count; ++k) {
+        character.blend(weights_of_pose(asset, k), BlendMode::linear);
+        shapes.add(character.vertices());
+    }
+    if (!character.file().has_layers()) return shapes.extent();
+    for (const std::vector<double>& weights : layer_keys(character.file().layers())) {
+        character.forget();
+        character.blend(weights, BlendMode::elastic);
+        shapes.add(character.vertices());
+    }
+    character.forget();
+    return shapes.extent();
+}
+
+void refuse_weights(const pliant_asset& asset, pliant_result result)
+{
+    throw Error(ErrorNumber::weights, ExitCode::usage, std::string("weights: ") + pliant_result_text(result),
+                asset.has_layers ? "give one finite number per layer" : "give one number >= 0 per pose, not all zero");
 }
 
 } // namespace pliant::player

@@ -15,8 +15,8 @@ namespace pliant::player {
 
 enum class BlendMode { elastic, linear };
 
-// The space that all poses take, each standing on the floor: their bounding box, and the farthest points in many directions,
-// to which a camera fits its view.
+// The space that all blends take, each standing on the floor: their bounding box, and the farthest points in many
+// directions, to which a camera fits its view.
 struct Extent {
     glm::vec3 lowest { 0.0f };
     glm::vec3 highest { 0.0f };
@@ -48,7 +48,8 @@ public:
     // to_world: rotation from the asset's axes to the world's (y up).
     Character(const AssetFile& file, const glm::mat3& to_world);
 
-    // Blends and sets the result on the floor (y = 0). weights: pose_count numbers >= 0 with a positive sum. Throws Error.
+    // Blends and sets the result on the floor (y = 0). weights: weight_count numbers, of averages >= 0 with a positive sum.
+    // Throws Error.
     BlendCost blend(const std::vector<double>& weights, BlendMode mode);
 
     // Takes a shape that was computed elsewhere: positions of the drawn vertices, in the asset's units. All other
@@ -76,6 +77,10 @@ private:
     std::vector<Vertex> vertices_;
 };
 
+// Of all poses; of layers also of those mixtures that the player shows by itself (layer_walk.h).
 Extent extent_of_poses(Character& character);
+
+// Throws the error for weights that the runtime refused.
+[[noreturn]] void refuse_weights(const pliant_asset& asset, pliant_result result);
 
 } // namespace pliant::player

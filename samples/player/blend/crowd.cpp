@@ -24,7 +24,7 @@ Crowd::Crowd(const AssetFile& file, const glm::mat3& to_world, std::uint32_t cou
     : file_(file)
     , to_world_(to_world)
     , q_(count, std::vector<float>(file.view().dimension))
-    , weights_(file.view().pose_count)
+    , weights_(file.view().weight_count)
     , positions_(file.view().vertex_count)
 {
     const pliant_solver_desc desc = pliant_solver_desc_default();
@@ -58,10 +58,7 @@ void Crowd::solve(const std::vector<std::vector<double>>& weights, BlendMode mod
         std::copy(weights[i].begin(), weights[i].end(), weights_.begin());
         pliant_solve_info info {};
         const pliant_result result = pliant_solve(solvers_[i], weights_.data(), q_[i].data(), &info);
-        if (result != PLIANT_OK) {
-            throw Error(ErrorNumber::weights, ExitCode::usage, std::string("weights: ") + pliant_result_text(result),
-                        "give one number >= 0 per pose, not all zero");
-        }
+        if (result != PLIANT_OK) refuse_weights(file_.view(), result);
         cost.evaluations += info.evaluations;
         cost.not_converged += info.status != PLIANT_STATUS_CONVERGED;
     }

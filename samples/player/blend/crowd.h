@@ -31,7 +31,7 @@ public:
     // count: at least 1. All solvers share one block of memory. The file must outlive the crowd. Throws Error.
     Crowd(const AssetFile& file, const glm::mat3& to_world, std::uint32_t count);
 
-    // Solves all characters one after the other on this thread; weights: one row of pose_count weights per character.
+    // Solves all characters one after the other on this thread; weights: one row of weight_count numbers per character.
     // Sets the cost's solve_us, evaluations and not_converged.
     void solve(const std::vector<std::vector<double>>& weights, BlendMode mode, CrowdCost& cost);
     // Computes vertices() of all characters from the result of solve(), and sets reconstruct_us and normals_us. Not

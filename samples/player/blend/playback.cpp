@@ -10,10 +10,10 @@ Playback::Playback(const ControlPolygon& polygon, std::vector<double> start, boo
     , given_(std::move(start))
     , path_(std::move(path))
     , fps_(fps)
-    , path_plays_(path_.has_value())
-    , source_(path_       ? Source::path
-                  : plays ? Source::point
-                          : Source::given)
+    , path_plays_(path_ && plays)
+    , source_(!plays      ? Source::given
+                  : path_ ? Source::path
+                          : Source::point)
     , motion_(polygon, polygon.point(given_), source_ == Source::point)
 {
 }
@@ -48,6 +48,13 @@ void Playback::toggle_play()
         source_ = Source::path;
         path_plays_ = true;
     }
+}
+
+void Playback::set_weight(std::uint32_t layer, double weight)
+{
+    given_ = weights();
+    given_[layer] = weight;
+    source_ = Source::given;
 }
 
 void Playback::advance(double seconds)

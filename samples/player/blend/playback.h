@@ -11,8 +11,8 @@ namespace pliant::player {
 
 class Playback {
 public:
-    // Shows `start` (sum 1) until the point is moved or the path plays. path: plays at once, `fps` rows per second.
-    // Without a path and if `plays`, the point starts along the polygon's idle path.
+    // Shows `start` until the point is moved, a weight is set or the path plays. If `plays`, the path plays at once, `fps`
+    // rows per second, or without a path the point starts along the polygon's idle path.
     Playback(const ControlPolygon& polygon, std::vector<double> start, bool plays, std::optional<WeightPath> path,
              double fps);
 
@@ -20,6 +20,8 @@ public:
     void drag_to(glm::dvec2 point);
     void go_to(std::uint32_t corner);
     void toggle_play();
+    // Of layers: keeps the weights that are shown, but for this one.
+    void set_weight(std::uint32_t layer, double weight);
 
     // Advances the playback by a time step.
     void advance(double seconds);

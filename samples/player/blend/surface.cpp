@@ -14,6 +14,17 @@ long long nanoseconds_now()
     return std::chrono::duration_cast<std::chrono::nanoseconds>(std::chrono::steady_clock::now().time_since_epoch()).count();
 }
 
+void add_layers(const pliant_asset& asset, const std::vector<double>& weights, std::vector<float>& q)
+{
+    const float* rest = pliant_asset_pose_coordinates(&asset, 0);
+    std::copy(rest, rest + q.size(), q.begin());
+    for (std::uint32_t k = 0; k < weights.size(); ++k) {
+        const float* layer = pliant_asset_pose_coordinates(&asset, k + 1);
+        const float weight = static_cast<float>(weights[k]);
+        for (std::size_t j = 0; j < q.size(); ++j) q[j] += weight * (layer[j] - rest[j]);
+    }
+}
+
 } // namespace
 
 Stopwatch::Stopwatch()
@@ -25,6 +36,10 @@ double Stopwatch::microseconds() const { return static_cast<double>(nanoseconds_
 
 void blend_linearly(const pliant_asset& asset, const std::vector<double>& weights, std::vector<float>& q)
 {
+    if (asset.has_layers) {
+        add_layers(asset, weights, q);
+        return;
+    }
     double sum = 0.0;
     for (double weight : weights) sum += weight;
     std::fill(q.begin(), q.end(), 0.0f);
@@ -33,6 +48,17 @@ void blend_linearly(const pliant_asset& asset, const std::vector<double>& weight
         const float weight = static_cast<float>(weights[k] / sum);
         for (std::size_t j = 0; j < q.size(); ++j) q[j] += weight * pose[j];
     }
+}
+
+std::vector<double> weights_of_pose(const pliant_asset& asset, std::uint32_t pose)
+{
+    std::vector<double> weights(asset.weight_count, 0.0);
+    if (!asset.has_layers) {
+        weights[pose] = 1.0;
+    } else if (pose > 0) {
+        weights[pose - 1] = 1.0;
+    }
+    return weights;
 }
 
 void compute_normals(const pliant_asset& asset, const std::vector<glm::vec3>& positions, std::vector<Vertex>& vertices)

@@ -27,9 +27,12 @@ private:
     long long start_; // nanoseconds
 };
 
-// The coordinates of the linear blend: the weighted mean of the poses' coordinates. weights: pose_count numbers with a
-// positive sum.
+// The coordinates of the linear blend. weights: weight_count numbers. Of averages, whose sum must be positive, it is the
+// weighted mean of the poses' coordinates, of layers the rest shape plus the weighted differences of the layers from it.
 void blend_linearly(const pliant_asset& asset, const std::vector<double>& weights, std::vector<float>& q);
+
+// The weights whose linear blend is a pose. Of layers pose 0 is the rest shape, and the others are layers at 1.
+std::vector<double> weights_of_pose(const pliant_asset& asset, std::uint32_t pose);
 
 // Smooth normals: the area-weighted sum of the adjacent faces' normals, over all vertices that share a normal.
 void compute_normals(const pliant_asset& asset, const std::vector<glm::vec3>& positions, std::vector<Vertex>& vertices);

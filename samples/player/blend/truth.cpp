@@ -114,7 +114,7 @@ std::vector<glm::vec3> read_ply_positions(const std::string& path)
 }
 
 Truth::Truth(const std::string& weights_file, const std::string& pattern, const AssetFile& asset)
-    : weights_(weights_file, asset.view().pose_count)
+    : weights_(weights_file, asset.view().weight_count, asset.has_layers())
 {
     for (std::size_t i = 0; i < weights_.count(); ++i) {
         const std::string path = numbered_name("--truth", pattern, i);

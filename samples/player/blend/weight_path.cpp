@@ -13,7 +13,7 @@ namespace {
 [[noreturn]] void refuse_path(const std::string& where, const std::string& reason)
 {
     throw Error(ErrorNumber::path_refused, ExitCode::bad_input, where + ": " + reason,
-                "write one line per frame, one weight per pose, separated by commas; # starts a comment");
+                "write one line per frame, one weight per pose or layer, separated by commas; # starts a comment");
 }
 
 } // namespace
@@ -54,7 +54,18 @@ bool normalise_weights(std::vector<double>& weights)
     return true;
 }
 
-WeightPath::WeightPath(const std::string& file, std::uint32_t pose_count)
+bool are_finite(const std::vector<double>& weights)
+{
+    return std::all_of(weights.begin(), weights.end(),
+                       [](double weight) { return std::isfinite(static_cast<float>(weight)); });
+}
+
+std::string count_of_weights(std::size_t given, std::uint32_t weight_count, bool of_layers)
+{
+    return std::to_string(given) + " weights for " + std::to_string(weight_count) + (of_layers ? " layers" : " poses");
+}
+
+WeightPath::WeightPath(const std::string& file, std::uint32_t weight_count, bool of_layers)
 {
     std::ifstream stream(file);
     std::string line;
@@ -63,9 +74,10 @@ WeightPath::WeightPath(const std::string& file, std::uint32_t pose_count)
         std::vector<double> weights = parse_numbers(line, ',');
         const std::string where = file + ":" + std::to_string(number);
         if (weights.empty()) refuse_path(where, "'" + line.substr(0, 60) + "' is not a list of numbers");
-        if (weights.size() != pose_count)
-            refuse_path(where, std::to_string(weights.size()) + " weights for " + std::to_string(pose_count) + " poses");
-        if (!normalise_weights(weights)) refuse_path(where, "the weights are not all >= 0 with a positive sum");
+        if (weights.size() != weight_count) refuse_path(where, count_of_weights(weights.size(), weight_count, of_layers));
+        if (of_layers && !are_finite(weights)) refuse_path(where, "a weight is not finite in single precision");
+        if (!of_layers && !normalise_weights(weights))
+            refuse_path(where, "the weights are not all >= 0 with a positive sum");
         rows_.push_back(std::move(weights));
     }
     if (!stream.is_open() || stream.bad() || (stream.fail() && !stream.eof())) refuse_path(file, "cannot be read");

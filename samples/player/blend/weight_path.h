@@ -8,12 +8,12 @@
 
 namespace pliant::player {
 
-// Blend weights, one row per frame. Each row has one weight per pose, >= 0, sum 1.
+// Blend weights, one row per frame. Each row has one weight per pose, >= 0, sum 1, or one weight per layer.
 class WeightPath {
 public:
     // Reads the file: numbers separated by commas; empty lines and lines that start with # are ignored. Throws Error
-    // (P5913) with the number of the first line that does not hold pose_count weights, or if the file holds no weights.
-    WeightPath(const std::string& file, std::uint32_t pose_count);
+    // (P5913) with the number of the first line that does not hold weight_count weights, or if the file holds no weights.
+    WeightPath(const std::string& file, std::uint32_t weight_count, bool of_layers = false);
     // rows: at least one, each as above.
     explicit WeightPath(std::vector<std::vector<double>> rows);
 
@@ -37,5 +37,11 @@ std::vector<double> parse_numbers(const std::string& text, char separator);
 
 // Divides by the sum. Returns false and changes nothing unless all weights are finite, >= 0, and at least one is positive.
 bool normalise_weights(std::vector<double>& weights);
+
+// Whether all weights are finite in single precision, as those of layers must be.
+bool are_finite(const std::vector<double>& weights);
+
+// "2 weights for 3 poses"
+std::string count_of_weights(std::size_t given, std::uint32_t weight_count, bool of_layers);
 
 } // namespace pliant::player

@@ -67,12 +67,24 @@ void draw_sources(const Overlay& overlay, const HudModel& model)
         std::to_string(*model.shown.truth + 1) + " of " + std::to_string(model.truth->count()));
     ImGui::PushFont(overlay.small());
     ImGui::PushStyleColor(ImGuiCol_Text, unreduced_ink);
-    ImGui::TextUnformatted("all blends use its weights: the ring\nnearest to the point");
+    ImGui::TextUnformatted(model.file.has_layers() ? "all blends use its weights: the rings\non the sliders"
+                                                   : "all blends use its weights: the ring\nnearest to the point");
     ImGui::PopStyleColor();
     ImGui::PopFont();
 }
 
-void draw_facts(const Overlay& overlay, const HudModel& model, HudActions& actions)
+// How far the weights of layers lie outside their ranges.
+void draw_outside(const Overlay& overlay, float outside)
+{
+    char text[32];
+    std::snprintf(text, sizeof text, "%.2f of a range", outside);
+    ImGui::PushStyleColor(ImGuiCol_Text, elastic_ink);
+    row(overlay, "outside by", text);
+    ImGui::PopStyleColor();
+}
+
+// Returns where the panel ends.
+float draw_facts(const Overlay& overlay, const HudModel& model, HudActions& actions)
 {
     begin_facts(overlay, model.file);
     draw_choices(overlay, model, actions);
@@ -85,11 +97,14 @@ void draw_facts(const Overlay& overlay, const HudModel& model, HudActions& actio
             = std::to_string(model.shown.cost.info.iterations) + " / " + std::to_string(model.shown.cost.info.evaluations);
         row(overlay, "iterations / evaluations", work);
         row(overlay, "status", status_text(model.shown.cost.info.status));
+        if (model.shown.cost.info.outside > 0.0f) draw_outside(overlay, model.shown.cost.info.outside);
     }
     row(overlay, "reconstruct", microseconds(model.reconstruct_us));
     row(overlay, "normals", microseconds(model.normals_us));
     draw_sources(overlay, model);
+    const float end = ImGui::GetWindowPos().y + ImGui::GetWindowHeight();
     ImGui::End();
+    return end;
 }
 
 // A drag moves the point if it starts off the corners or has left the corner where it started. A click on a corner must
@@ -134,11 +149,10 @@ void draw_polygon_panel(const Overlay& overlay, const HudModel& model, int heigh
 
 std::vector<Key> keys_for(const HudModel& model)
 {
-    std::vector<Key> keys = { { "drag the point", "blend" },
-                              { "double click a corner, 1-9", "go there" },
-                              { "drag the scene, wheel", "turn, zoom" },
-                              { "L", "linear / elastic" },
-                              { "B", "both" } };
+    std::vector<Key> keys = { { "drag the point", "blend" }, { "double click a corner, 1-9", "go there" } };
+    if (model.file.has_layers())
+        keys = { { "drag a slider", "blend" }, { "double click", "initial weight" }, { "0", "all initial" } };
+    keys.insert(keys.end(), { { "drag the scene, wheel", "turn, zoom" }, { "L", "linear / elastic" }, { "B", "both" } });
     if (model.truth) keys.emplace_back("T", "three");
     keys.emplace_back("E", model.truth ? "error colours" : "difference colours");
     if (model.has_paint) keys.emplace_back("M", "materials");
@@ -150,11 +164,16 @@ std::vector<Key> keys_for(const HudModel& model)
 
 } // namespace
 
-HudActions draw_hud(const Overlay& overlay, const HudModel& model, int width, int height)
+HudActions draw_hud(const Overlay& overlay, const HudModel& model, SliderSearch& search, int width, int height)
 {
     HudActions actions;
-    draw_facts(overlay, model, actions);
-    draw_polygon_panel(overlay, model, height, actions);
+    const float facts_end = draw_facts(overlay, model, actions);
+    if (model.file.has_layers()) {
+        const SliderModel sliders { model.file.layers(), model.weights, model.truth ? &model.shown.weights : nullptr };
+        actions.sliders = draw_sliders(overlay, sliders, search, facts_end, static_cast<float>(height));
+    } else {
+        draw_polygon_panel(overlay, model, height, actions);
+    }
     draw_keys(overlay, keys_for(model), model.help, width, height);
     return actions;
 }

@@ -1,4 +1,4 @@
-// The panels over a single character: the kind of blend, its cost, the control polygon, the keys.
+// The panels over a single character: the kind of blend, its cost, the control polygon or the sliders, the keys.
 #pragma once
 
 #include "blend/character.h"
@@ -6,6 +6,7 @@
 #include "blend/truth.h"
 #include "panels/hud_parts.h"
 #include "panels/shown.h"
+#include "panels/sliders.h"
 
 #include <cstdint>
 #include <optional>
@@ -20,6 +21,7 @@ struct HudModel {
     const ControlPolygon& polygon;
     const Shown& shown;
     const Truth* truth = nullptr;
+    std::vector<double> weights {}; // as requested; shown.weights may be those of an unreduced average
     glm::dvec2 point { 0.0 };
     std::optional<double> path_frame {}; // set while a path is shown
     std::size_t path_count = 0;
@@ -35,8 +37,9 @@ struct HudActions {
     std::optional<glm::dvec2> drag_to;
     std::optional<std::uint32_t> go_to; // a corner
     std::optional<Show> show;
+    SliderActions sliders;
 };
 
-HudActions draw_hud(const Overlay& overlay, const HudModel& model, int width, int height);
+HudActions draw_hud(const Overlay& overlay, const HudModel& model, SliderSearch& search, int width, int height);
 
 } // namespace pliant::player

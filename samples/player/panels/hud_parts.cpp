@@ -48,8 +48,7 @@ void begin_facts(const Overlay& overlay, const AssetFile& file)
     ImGui::Begin("facts", nullptr, panel_flags | ImGuiWindowFlags_AlwaysAutoResize);
     const pliant_asset& asset = file.view();
     heading(overlay, file.title(),
-            std::to_string(asset.pose_count) + " poses · " + grouped(asset.vertex_count)
-                + " vertices · d = " + std::to_string(asset.dimension));
+            file.counted() + " · " + grouped(asset.vertex_count) + " vertices · d = " + std::to_string(asset.dimension));
 }
 
 std::string microseconds(double value)

@@ -120,6 +120,52 @@ ImVec2 draw_text(ImDrawList* list, ImFont* font, ImVec2 place, ImVec2 anchor, Im
     return size;
 }
 
+namespace {
+
+float width_of(ImFont* font, const std::string& text)
+{
+    return font->CalcTextSizeA(font->FontSize, FLT_MAX, 0.0f, text.c_str()).x;
+}
+
+bool continues_letter(char byte) { return (static_cast<unsigned char>(byte) & 0xC0) == 0x80; } // in UTF-8
+
+void drop_last_letter(std::string& text)
+{
+    while (!text.empty() && continues_letter(text.back())) text.pop_back();
+    if (!text.empty()) text.pop_back();
+}
+
+void drop_first_letter(std::string& text)
+{
+    if (!text.empty()) text.erase(0, 1);
+    while (!text.empty() && continues_letter(text.front())) text.erase(0, 1);
+}
+
+} // namespace
+
+std::string shortened(ImFont* font, const std::string& text, float room)
+{
+    if (width_of(font, text) <= room) return text;
+    std::string start = text;
+    while (!start.empty() && width_of(font, start + "…") > room) drop_last_letter(start);
+    return start + "…";
+}
+
+std::string elided(ImFont* font, const std::string& text, float room)
+{
+    if (width_of(font, text) <= room) return text;
+    std::size_t middle = text.size() / 2;
+    while (middle > 0 && continues_letter(text[middle])) --middle;
+    std::string start = text.substr(0, middle), end = text.substr(middle);
+    while (!(start.empty() && end.empty()) && width_of(font, start + "…" + end) > room) {
+        if (start.size() > end.size())
+            drop_last_letter(start);
+        else
+            drop_first_letter(end);
+    }
+    return start + "…" + end;
+}
+
 std::string grouped(std::uint64_t number)
 {
     std::string digits = std::to_string(number);

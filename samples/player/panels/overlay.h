@@ -52,6 +52,11 @@ inline constexpr ImU32 sand_ink = IM_COL32(206, 184, 142, 255);
 // Draws text with its anchor (0 to 1 in both directions) at `place`; returns the size of the text.
 ImVec2 draw_text(ImDrawList* list, ImFont* font, ImVec2 place, ImVec2 anchor, ImU32 colour, const std::string& text);
 
+// Cuts letters off the end of a text that is wider than `room` pixels.
+std::string shortened(ImFont* font, const std::string& text, float room);
+// The same from its middle: "mouthSm…Left".
+std::string elided(ImFont* font, const std::string& text, float room);
+
 // 18439 as "18,439".
 std::string grouped(std::uint64_t number);
 

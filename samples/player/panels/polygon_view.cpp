@@ -114,21 +114,6 @@ void draw_label(ImDrawList* list, const Overlay& overlay, const PolygonView& vie
     draw_text(list, overlay.small(), { place.x, place.y + line }, { anchor, 0.0f }, faint_ink, percentage(weight));
 }
 
-// Cuts letters off the end of a text that is wider than `room` pixels.
-std::string shortened(ImFont* font, const std::string& text, float room)
-{
-    const auto width = [&](const std::string& t) { return font->CalcTextSizeA(font->FontSize, FLT_MAX, 0.0f, t.c_str()).x; };
-    if (width(text) <= room) return text;
-    std::string start = text;
-    while (!start.empty() && width(start + "…") > room) {
-        do {
-            start.pop_back();
-        } while (!start.empty()
-                 && (static_cast<unsigned char>(start.back()) & 0xC0) == 0x80); // never inside a UTF-8 sequence
-    }
-    return start + "…";
-}
-
 // A label beside its corner that grows outwards to the edge of the panel; above or below corners in the middle.
 class SideLabel {
 public:

@@ -87,6 +87,7 @@ void App::open_dropped_file()
     options.asset = std::exchange(dropped_, "");
     // These options belong to the character on the command line.
     options.weights.clear();
+    options.set_weights.clear();
     options.path.clear();
     options.truth_weights.clear();
     try {
@@ -101,6 +102,7 @@ void App::open_dropped_file()
 
 void App::read_keys()
 {
+    if (ImGui::GetIO().WantTextInput) return; // letters belong to the search field
     const auto pressed = [](int key) { return ImGui::IsKeyPressed(key, false); };
     if (pressed(GLFW_KEY_ESCAPE)) ends_ = true;
     if (pressed(GLFW_KEY_H)) help_ = !help_;

@@ -34,6 +34,11 @@ void print_json_row(const char* name, const Spread& s)
     std::printf(",\n  \"%s\": { \"median\": %.3f, \"p95\": %.3f }", name, s.median, s.high);
 }
 
+void print_json_layers(const AssetFile& file)
+{
+    if (file.has_layers()) std::printf(",\n  \"layers\": %zu", file.layers().size());
+}
+
 void print_text_row(const char* name, const Spread& s) { std::printf("%-11s %8.1f   %8.1f  us\n", name, s.median, s.high); }
 
 // Reconstructs crowds on the graphics card, with an offscreen context.
@@ -98,6 +103,7 @@ void run_crowd(const Options& options, const AssetFile& file)
         std::printf(
             "{\n  \"blend\": \"%s\",\n  \"frames\": %d,\n  \"characters\": %u,\n  \"vertices\": %u,\n  \"poses\": %u", blend,
             options.benchmark_frames, crowd.count(), asset.vertex_count, asset.pose_count);
+        print_json_layers(file);
         std::printf(",\n  \"dimension\": %u,\n  \"solver_bytes\": %zu,\n  \"solves_not_converged\": %llu", asset.dimension,
                     crowd.solver_bytes() * crowd.count(), static_cast<unsigned long long>(not_converged));
         if (gpu)
@@ -108,10 +114,9 @@ void run_crowd(const Options& options, const AssetFile& file)
         std::printf("\n}\n");
         return;
     }
-    std::printf(
-        "%s: %s blend, %u characters, %d frames, %u vertices, %u poses, d = %u; all numbers are for the whole crowd\n",
-        file.path().c_str(), blend, crowd.count(), options.benchmark_frames, asset.vertex_count, asset.pose_count,
-        asset.dimension);
+    std::printf("%s: %s blend, %u characters, %d frames, %u vertices, %s, d = %u; all numbers are for the whole crowd\n",
+                file.path().c_str(), blend, crowd.count(), options.benchmark_frames, asset.vertex_count,
+                file.counted().c_str(), asset.dimension);
     if (gpu) std::printf("shapes rebuilt by pliant::gl: %s, %s\n", gpu->path().c_str(), gpu->driver().c_str());
     std::printf("              median        p95\n");
     print_text_row("solve", solve);
@@ -135,11 +140,13 @@ void run_benchmark(const Options& options, const AssetFile& file)
     Character character(file, options.to_world());
     std::vector<BlendCost> costs;
     int not_converged = 0;
+    float outside = 0.0f;
     for (int frame = 0; frame < options.benchmark_frames; ++frame) {
         const double phase = static_cast<double>(frame) / options.benchmark_frames;
         const std::vector<double> weights
             = path ? path->at(phase * static_cast<double>(path->count())) : polygon.weights(polygon.idle_point(phase));
         costs.push_back(character.blend(weights, mode));
+        outside = std::max(outside, costs.back().info.outside);
         if (costs.back().info.status != PLIANT_STATUS_CONVERGED) ++not_converged;
     }
     const Spread solve = spread(costs, [](const BlendCost& c) { return c.solve_us; });
@@ -151,7 +158,9 @@ void run_benchmark(const Options& options, const AssetFile& file)
     if (options.json) {
         std::printf("{\n  \"blend\": \"%s\",\n  \"frames\": %d,\n  \"vertices\": %u,\n  \"poses\": %u,\n  \"dimension\": %u",
                     blend, options.benchmark_frames, asset.vertex_count, asset.pose_count, asset.dimension);
+        print_json_layers(file);
         std::printf(",\n  \"frames_not_converged\": %d", not_converged);
+        if (file.has_layers()) std::printf(",\n  \"largest_outside\": %.6g", outside);
         print_json_row("solve_us", solve);
         print_json_row("reconstruct_us", reconstruct);
         print_json_row("normals_us", normals);
@@ -160,8 +169,9 @@ void run_benchmark(const Options& options, const AssetFile& file)
         std::printf("\n}\n");
         return;
     }
-    std::printf("%s: %s blend, %d frames along the %s path, %u vertices, %u poses, d = %u\n", file.path().c_str(), blend,
-                options.benchmark_frames, path ? "given" : "idle", asset.vertex_count, asset.pose_count, asset.dimension);
+    std::printf("%s: %s blend, %d frames along the %s path, %u vertices, %s, d = %u\n", file.path().c_str(), blend,
+                options.benchmark_frames, options.path.empty() ? "idle" : "given", asset.vertex_count,
+                file.counted().c_str(), asset.dimension);
     std::printf("              median        p95\n");
     print_text_row("solve", solve);
     print_text_row("reconstruct", reconstruct);
@@ -169,6 +179,7 @@ void run_benchmark(const Options& options, const AssetFile& file)
     std::printf("iterations  %8.0f   %8.0f\n", iterations.median, iterations.high);
     std::printf("evaluations %8.0f   %8.0f\n", evaluations.median, evaluations.high);
     std::printf("frames that did not converge: %d\n", not_converged);
+    if (outside > 0.0f) std::printf("weights outside the measured ranges: by up to %.3g of their width\n", outside);
 }
 
 } // namespace pliant::player

@@ -26,10 +26,10 @@ BlendSession::BlendSession(const Options& options, AssetFile file, Quality quali
     : file_(std::move(file))
     , truth_(truth_for(options, file_))
     , stage_(options, file_, truth_ ? &*truth_ : nullptr, quality)
-    , playback_(stage_.polygon(), weights_for(options, file_), options.weights.empty(), path_for(options, file_),
-                options.fps)
+    , playback_(stage_.polygon(), weights_for(options, file_), !options.has_weights(), path_for(options, file_), options.fps)
     , show_(first_show(options))
     , heat_(options.heat)
+    , has_lines_(!options.path.empty())
 {
 }
 
@@ -42,8 +42,17 @@ void BlendSession::read_keys()
     if (pressed(GLFW_KEY_E)) heat_ = !heat_;
     if (pressed(GLFW_KEY_M)) stage_.show_paint(paint_ = !paint_);
     if (pressed(GLFW_KEY_SPACE)) playback_.toggle_play();
+    if (file_.has_layers()) {
+        if (pressed(GLFW_KEY_0)) reset_layers();
+        return;
+    }
     for (std::uint32_t k = 0; k < std::min(stage_.polygon().corner_count(), 9u); ++k)
         if (pressed(GLFW_KEY_1 + static_cast<int>(k))) playback_.go_to(k);
+}
+
+void BlendSession::reset_layers()
+{
+    for (std::uint32_t k = 0; k < file_.layers().size(); ++k) playback_.set_weight(k, file_.layers()[k].initial);
 }
 
 void BlendSession::draw_scene(const Canvas& canvas, const Area& area, const Area& free)
@@ -58,21 +67,24 @@ void BlendSession::draw_panels(const Overlay& overlay, int width, int height, bo
                            stage_.polygon(),
                            stage_.shown(),
                            stage_.truth(),
+                           playback_.weights(),
                            playback_.point(),
-                           playback_.path_frame(),
-                           playback_.path_count(),
+                           has_lines_ ? playback_.path_frame() : std::nullopt,
+                           has_lines_ ? playback_.path_count() : 0,
                            with_help,
                            stage_.has_paint(),
                            history_.median(&BlendCost::solve_us),
                            history_.median(&BlendCost::reconstruct_us),
                            history_.median(&BlendCost::normals_us) };
-    const HudActions actions = draw_hud(overlay, model, width, height);
+    const HudActions actions = draw_hud(overlay, model, search_, width, height);
     const Area free = free_area(overlay.scale(), width, height);
     draw_side_captions(overlay, stage_.shown(), free);
     draw_heat_legend(overlay, stage_.shown(), free);
     if (actions.show) show_ = *actions.show;
     if (actions.drag_to) playback_.drag_to(*actions.drag_to);
     if (actions.go_to) playback_.go_to(*actions.go_to);
+    for (const auto& [layer, weight] : actions.sliders.weights) playback_.set_weight(layer, weight);
+    if (actions.sliders.reset_all) reset_layers();
 }
 
 } // namespace pliant::player

@@ -28,6 +28,8 @@ public:
     std::string title() const override { return file_.title(); }
 
 private:
+    void reset_layers();
+
     AssetFile file_;
     std::optional<Truth> truth_;
     Stage stage_;
@@ -36,6 +38,8 @@ private:
     Show show_;
     bool heat_;
     bool paint_ = true;
+    bool has_lines_; // the path is a given one
+    SliderSearch search_;
 };
 
 } // namespace pliant::player

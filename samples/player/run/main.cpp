@@ -19,6 +19,7 @@ int run(int argc, char** argv)
     const auto [options, exit_code] = parse_command_line(argc, argv);
     if (exit_code) return *exit_code;
     AssetFile file(options.asset);
+    weights_for(options, file); // reports wrong weights before a missing driver
     if (!options.screenshot.empty()) {
         write_screenshot(options, file);
     } else if (!options.sequence.empty()) {

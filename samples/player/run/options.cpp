@@ -1,6 +1,7 @@
 #include "run/options.h"
 
 #include "blend/error.h"
+#include "blend/layer_walk.h"
 
 #include <CLI/CLI.hpp>
 
@@ -17,11 +18,14 @@ A window
   pliant-player creature.pliant
       Drag the point inside the control polygon. Each corner is a pose; the place of the point gives the weights. The
       shape is the elastic blend. L shows the linear blend instead, B shows both side by side, H lists all keys.
+      An asset of layers (`pliant bake --blend layers`) has a slider for each layer instead of the polygon.
 
 Pictures, with or without a display
   pliant-player creature.pliant --screenshot blend.png --weights 0.5,0,0.5 --view=-35,10 --size 1600x1000
   pliant-player creature.pliant --sheet sheet.png
-      Weights are numbers >= 0, one per pose in the order of `pliant info`; only their ratios matter.
+      Weights are numbers >= 0, one per pose in the order of `pliant info`; only their ratios matter. If the asset has
+      layers, they are any numbers, one per layer, and add up.
+  pliant-player face.pliant --screenshot smile.png --set smile=0.8 --set jaw_open=0.3 --hud
 
   pliant-player creature.pliant --sequence frame_%04d.png --path weights.csv
       weights.csv has one line of weights per frame, separated by commas, as for `pliant blend --path`.
@@ -42,13 +46,17 @@ Exit code: 0 success, 1 failure, 2 wrong usage, 3 bad input file.)";
     throw Error(ErrorNumber::usage, ExitCode::usage, what, hint);
 }
 
+[[noreturn]] void refuse_weights(const std::string& what, const std::string& hint)
+{
+    throw Error(ErrorNumber::weights, ExitCode::usage, what, hint);
+}
+
+constexpr char weights_hint[] = "give one number >= 0 per pose, separated by commas, not all zero: --weights 0.5,0.5,0";
+
 void parse_weights(const std::string& text, Options& options)
 {
     options.weights = parse_numbers(text, ',');
-    if (!normalise_weights(options.weights)) {
-        throw Error(ErrorNumber::weights, ExitCode::usage, "--weights: '" + text + "' is not a list of weights",
-                    "give one number >= 0 per pose, separated by commas, not all zero: --weights 0.5,0.5,0");
-    }
+    if (options.weights.empty()) refuse_weights("--weights: '" + text + "' is not a list of weights", weights_hint);
 }
 
 void parse_size(const std::string& text, Options& options)
@@ -85,11 +93,11 @@ void check_path_and_sequence(const Options& options, bool fps_given)
     }
     if (fps_given && options.path.empty())
         refuse_together("--fps belongs to --path", "it is the number of lines played per second");
-    if (!options.path.empty() && !options.weights.empty())
+    if (!options.path.empty() && options.has_weights())
         refuse_together("--path and --weights exclude each other", "the path has its own weights");
     if (!options.path.empty() && (!options.screenshot.empty() || !options.sheet.empty()))
         refuse_together("--path is not for single pictures", "use --sequence frame_%04d.png");
-    if (!options.sequence.empty() && !options.weights.empty())
+    if (!options.sequence.empty() && options.has_weights())
         refuse_together("--sequence chooses its own weights", "use --screenshot --weights ... for one blend");
 }
 
@@ -107,8 +115,7 @@ void check_truth_heat_and_crowd(const Options& options)
             refuse_together("--rebuild belongs to --crowd", "add --crowd 100, or leave it out");
         return;
     }
-    if (!options.sheet.empty() || !options.weights.empty() || !options.truth_weights.empty() || options.both
-        || options.heat) {
+    if (!options.sheet.empty() || options.has_weights() || !options.truth_weights.empty() || options.both || options.heat) {
         refuse_together("--crowd shows one kind of blend, each character with its own weights",
                         "leave out --sheet, --weights, --truth, --both and --heat");
     }
@@ -123,7 +130,7 @@ void check_combination(const Options& options, bool fps_given)
     if (options.json && options.benchmark_frames == 0) refuse("--json belongs to --frames", "add --frames 1000");
     if (options.linear && options.both)
         refuse("--linear and --both exclude each other", "--both shows linear next to elastic");
-    if (!options.sheet.empty() && !options.weights.empty())
+    if (!options.sheet.empty() && options.has_weights())
         refuse("--sheet chooses its own weights", "use --screenshot --both --weights ... for one blend");
     check_path_and_sequence(options, fps_given);
     check_truth_heat_and_crowd(options);
@@ -166,7 +173,11 @@ ParsedLine parse_command_line(int argc, char** argv)
         ->type_name("N")
         ->check(CLI::Range(1, 10000000));
     app.add_flag("--json", options.json, "with --frames: print JSON");
-    app.add_option("--weights", weights, "initial weights (default: equal)")->type_name("W1,W2,...");
+    app.add_option("--weights", weights, "initial weights (default: equal, of layers those that the asset starts with)")
+        ->type_name("W1,W2,...");
+    app.add_option("--set", options.set_weights, "initial weight of one layer by its name; may be repeated")
+        ->type_name("NAME=W")
+        ->allow_extra_args(false);
     app.add_option("--path", options.path,
                    "play the weights of this file in a loop, one line per frame, interpolated between lines")
         ->type_name("WEIGHTS.csv");
@@ -225,23 +236,66 @@ ParsedLine parse_command_line(int argc, char** argv)
 
 std::optional<WeightPath> path_for(const Options& options, const AssetFile& file)
 {
-    if (options.path.empty()) return std::nullopt;
-    return WeightPath(options.path, file.view().pose_count);
+    if (!options.path.empty()) return WeightPath(options.path, file.view().weight_count, file.has_layers());
+    if (file.has_layers()) return layer_walk(file.layers());
+    return std::nullopt;
 }
+
+namespace {
+
+std::string names_of(const AssetFile& file)
+{
+    std::string names;
+    for (std::size_t k = file.has_layers() ? 1 : 0; k < file.pose_names().size(); ++k)
+        names += (names.empty() ? "" : ", ") + file.pose_names()[k];
+    return std::string("the ") + (file.has_layers() ? "layers" : "poses") + " of " + file.path() + " are: " + names;
+}
+
+void set_weight(const std::string& text, const AssetFile& file, std::vector<double>& weights)
+{
+    const std::size_t equals = text.rfind('=');
+    const std::vector<double> value
+        = equals == std::string::npos ? std::vector<double>() : parse_numbers(text.substr(equals + 1), ',');
+    if (value.size() != 1) refuse_weights("--set: '" + text + "' is not a name and a weight", "write it as --set smile=0.8");
+    const std::string name = text.substr(0, equals);
+    for (std::size_t k = 0; k < weights.size(); ++k) {
+        if (file.layers()[k].name != name) continue;
+        weights[k] = value[0];
+        return;
+    }
+    refuse_weights("--set: there is no layer '" + name + "'", names_of(file));
+}
+
+std::vector<double> weights_of_layers(const Options& options, const AssetFile& file)
+{
+    std::vector<double> weights = options.weights;
+    if (weights.empty())
+        for (const LayerWeight& layer : file.layers()) weights.push_back(layer.initial);
+    if (weights.size() == file.view().weight_count)
+        for (const std::string& text : options.set_weights) set_weight(text, file, weights);
+    if (!are_finite(weights))
+        refuse_weights("--weights: a weight is not finite in single precision", "give smaller numbers");
+    return weights;
+}
+
+std::vector<double> weights_of_average(const Options& options, const AssetFile& file)
+{
+    if (!options.set_weights.empty()) refuse_weights("--set: " + file.path() + " has no layers", "give --weights");
+    std::vector<double> weights = options.weights;
+    if (weights.empty()) weights.assign(file.view().weight_count, 1.0);
+    if (!normalise_weights(weights)) refuse_weights("--weights: they are not all >= 0 with a positive sum", weights_hint);
+    return weights;
+}
+
+} // namespace
 
 std::vector<double> weights_for(const Options& options, const AssetFile& file)
 {
-    const std::uint32_t pose_count = file.view().pose_count;
-    std::vector<double> weights = options.weights;
-    if (weights.empty()) weights.assign(pose_count, 1.0);
-    if (weights.size() != pose_count) {
-        std::string names;
-        for (const std::string& name : file.pose_names()) names += (names.empty() ? "" : ", ") + name;
-        throw Error(ErrorNumber::weights, ExitCode::usage,
-                    "--weights: " + std::to_string(weights.size()) + " weights for " + std::to_string(pose_count) + " poses",
-                    "the poses of " + file.path() + " are: " + names);
+    std::vector<double> weights = file.has_layers() ? weights_of_layers(options, file) : weights_of_average(options, file);
+    if (weights.size() != file.view().weight_count) {
+        refuse_weights("--weights: " + count_of_weights(weights.size(), file.view().weight_count, file.has_layers()),
+                       names_of(file));
     }
-    normalise_weights(weights);
     return weights;
 }
 

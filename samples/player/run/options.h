@@ -23,10 +23,11 @@ struct Options {
     std::string sequence;   // pattern of paths; empty: none
     int benchmark_frames = 0;
     bool json = false;
-    std::vector<double> weights; // empty: equal
-    std::string path;            // file of weights; empty: none
-    double fps = 30.0;           // rows per second
-    int count = 0;               // pictures of a sequence; 0: one per row of the path
+    std::vector<double> weights;          // empty: equal, of layers those that the asset starts with
+    std::vector<std::string> set_weights; // of layers: NAME=W
+    std::string path;                     // file of weights; empty: none
+    double fps = 30.0;                    // rows per second
+    int count = 0;                        // pictures of a sequence; 0: one per row of the path
     std::string truth_weights, truth_pattern;
     bool heat = false;
     int crowd = 0; // characters; 0: not a crowd
@@ -40,6 +41,7 @@ struct Options {
     std::optional<glm::vec2> view; // yaw and pitch in degrees
     double exit_after = 0.0;       // seconds; 0: never
 
+    bool has_weights() const { return !weights.empty() || !set_weights.empty(); }
     glm::mat3 to_world() const;
 };
 
@@ -51,10 +53,11 @@ struct ParsedLine {
 // Throws Error for wrong usage.
 ParsedLine parse_command_line(int argc, char** argv);
 
-// The path to play, if the options name one. Throws Error.
+// The path to play: the one that the options name, else layer_walk() if the asset has layers. Throws Error.
 std::optional<WeightPath> path_for(const Options& options, const AssetFile& file);
 
-// The weights to show for an asset: as given, or equal. Throws Error if their number differs from the number of poses.
+// The weights to show for an asset: as given, else equal, or of layers those that the asset starts with. Throws Error
+// (P5902) if they are not weights of this asset.
 std::vector<double> weights_for(const Options& options, const AssetFile& file);
 
 } // namespace pliant::player

@@ -79,6 +79,7 @@ public:
         , show_(first_show(options))
         , heat_(options.heat)
         , moves_(!options.sequence.empty())
+        , has_lines_(!options.path.empty())
     {
     }
 
@@ -99,16 +100,19 @@ public:
                                stage_.polygon(),
                                stage_.shown(),
                                stage_.truth(),
+                               weights,
                                stage_.polygon().point(weights),
-                               path_ ? std::optional<double>(phase * static_cast<double>(path_->count())) : std::nullopt,
-                               path_ ? path_->count() : 0,
+                               has_lines_ ? std::optional<double>(phase * static_cast<double>(path_->count()))
+                                          : std::nullopt,
+                               has_lines_ ? path_->count() : 0,
                                true,
                                stage_.has_paint(),
                                history_.median(&BlendCost::solve_us),
                                history_.median(&BlendCost::reconstruct_us),
                                history_.median(&BlendCost::normals_us) };
         easel.draw_over([&] {
-            if (easel.hud) draw_hud(easel.overlay, model, easel.width, easel.height);
+            SliderSearch search;
+            if (easel.hud) draw_hud(easel.overlay, model, search, easel.width, easel.height);
             draw_side_captions(easel.overlay, stage_.shown(), easel.free());
             draw_heat_legend(easel.overlay, stage_.shown(), easel.free());
         });
@@ -128,7 +132,7 @@ private:
     Stage stage_;
     CostHistory history_;
     Show show_;
-    bool heat_, moves_;
+    bool heat_, moves_, has_lines_;
 };
 
 class CrowdSubject final : public Subject {
@@ -210,8 +214,7 @@ std::unique_ptr<Subject> subject_for(const Options& options, const AssetFile& fi
 
 void write_screenshot(const Options& options, const AssetFile& file)
 {
-    weights_for(options, file); // report wrong weights and files before a missing driver
-    const std::optional<Truth> truth = truth_for(options, file);
+    const std::optional<Truth> truth = truth_for(options, file); // reports wrong files before a missing driver
     Easel easel(options);
     const std::unique_ptr<Subject> subject = subject_for(options, file, truth ? &*truth : nullptr, easel);
     subject->draw(easel, 0.0);

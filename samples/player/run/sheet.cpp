@@ -1,5 +1,6 @@
 #include "run/sheet.h"
 
+#include "blend/layer_walk.h"
 #include "draw/gl_context.h"
 #include "draw/image_writer.h"
 #include "panels/overlay.h"
@@ -8,6 +9,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
 
 namespace pliant::player {
 namespace {
@@ -20,9 +22,28 @@ struct Blend {
     std::string caption;
 };
 
+// Mixtures of layers; the caption has a line for each that takes part.
+std::vector<Blend> chosen_mixtures(const AssetFile& file)
+{
+    std::vector<Blend> blends;
+    for (const std::vector<double>& weights : layer_mixtures(file.layers())) {
+        if (blends.size() > max_edges) break;
+        Blend blend { weights, "" };
+        for (std::size_t k = 0; k < weights.size(); ++k) {
+            if (weights[k] == file.layers()[k].initial) continue;
+            char weight[32];
+            std::snprintf(weight, sizeof weight, "%.2f ", weights[k]);
+            blend.caption += (blend.caption.empty() ? "" : "\n") + (weight + file.layers()[k].name);
+        }
+        blends.push_back(blend);
+    }
+    return blends;
+}
+
 // Blends at the midpoints of the polygon's edges, then at its centre.
 std::vector<Blend> chosen_blends(const AssetFile& file)
 {
+    if (file.has_layers()) return chosen_mixtures(file);
     const std::uint32_t count = file.view().pose_count;
     const std::vector<std::string>& names = file.short_names();
     std::vector<Blend> blends;
@@ -99,11 +120,31 @@ void clear_paper(const Canvas& canvas)
     glClear(GL_COLOR_BUFFER_BIT | GL_DEPTH_BUFFER_BIT);
 }
 
-std::vector<double> single_pose(std::uint32_t pose, std::uint32_t count)
+// Lines of text, one below the other, centred at the height `y`.
+void draw_lines(const Overlay& overlay, const Layout& layout, ImVec2 place, const std::string& text)
 {
-    std::vector<double> weights(count, 0.0);
-    weights[pose] = 1.0;
-    return weights;
+    std::size_t start = 0;
+    for (std::size_t end = 0; end != std::string::npos; start = end + 1, place.y += 22.0f * layout.s) {
+        end = text.find('\n', start);
+        const std::string line
+            = shortened(overlay.text(), text.substr(start, end - start), layout.caption_width - 6.0f * layout.s);
+        draw_text(ImGui::GetBackgroundDrawList(), overlay.text(), place, { 0.5f, 0.0f }, ink, line);
+    }
+}
+
+// Left of a blend: where it is in the polygon, and its name. Mixtures of layers have a name only.
+void draw_blend_caption(const Overlay& overlay, const Layout& layout, const AssetFile& file, const ControlPolygon& polygon,
+                        const Blend& blend, const Area& area)
+{
+    const float s = layout.s, middle = area.x + 0.5f * area.width - 6.0f * s, high = area.y + 0.42f * area.height;
+    if (file.has_layers()) {
+        const auto breaks = static_cast<float>(std::count(blend.caption.begin(), blend.caption.end(), '\n'));
+        draw_lines(overlay, layout, { middle, high - 11.0f * s * breaks }, blend.caption);
+        return;
+    }
+    const PolygonView view { polygon, file.short_names(), { middle, high }, 46.0f * s, 0.0f };
+    draw_polygon(ImGui::GetBackgroundDrawList(), overlay, view, blend.weights, polygon.point(blend.weights), false);
+    draw_lines(overlay, layout, { middle, high + 66.0f * s }, blend.caption);
 }
 
 void draw_captions(const Overlay& overlay, const Layout& layout, const AssetFile& file, const ControlPolygon& polygon,
@@ -112,28 +153,19 @@ void draw_captions(const Overlay& overlay, const Layout& layout, const AssetFile
     ImDrawList* list = ImGui::GetBackgroundDrawList();
     const float s = layout.s;
     const pliant_asset& asset = file.view();
-    const std::string facts = std::to_string(asset.pose_count) + " poses · " + grouped(asset.vertex_count)
-        + " vertices · d = " + std::to_string(asset.dimension);
+    const std::string facts
+        = file.counted() + " · " + grouped(asset.vertex_count) + " vertices · d = " + std::to_string(asset.dimension);
     const ImVec2 title = draw_text(list, overlay.title(), { layout.margin, layout.margin }, {}, ink, file.title());
     draw_text(list, overlay.text(), { layout.margin + title.x + 16.0f * s, layout.margin + 5.0f * s }, {}, faint_ink, facts);
     for (std::uint32_t k = 0; k < layout.pose_count; ++k) {
         const Area area = layout.pose(k);
         const ImVec2 dot { area.x + 16.0f * s, area.y + 18.0f * s };
         list->AddCircleFilled(dot, 5.5f * s, pose_colour(k, asset.pose_count, 1.0f), 24);
-        draw_text(list, overlay.small(), { dot.x + 12.0f * s, dot.y }, { 0.0f, 0.5f }, ink, file.short_names()[k]);
+        const std::string name = shortened(overlay.small(), file.short_names()[k], area.width - 34.0f * s);
+        draw_text(list, overlay.small(), { dot.x + 12.0f * s, dot.y }, { 0.0f, 0.5f }, ink, name);
     }
     for (std::size_t i = 0; i < blends.size(); ++i) {
-        const Area area = layout.cell(i, 0);
-        const float middle = area.x + 0.5f * area.width - 6.0f * s;
-        const PolygonView view { polygon, file.short_names(), { middle, area.y + 0.42f * area.height }, 46.0f * s, 0.0f };
-        draw_polygon(list, overlay, view, blends[i].weights, polygon.point(blends[i].weights), false);
-        float y = area.y + 0.42f * area.height + 66.0f * s;
-        std::size_t start = 0;
-        for (std::size_t end = 0; end != std::string::npos; start = end + 1, y += 22.0f * s) {
-            end = blends[i].caption.find('\n', start);
-            draw_text(list, overlay.text(), { middle, y }, { 0.5f, 0.0f }, ink,
-                      blends[i].caption.substr(start, end - start));
-        }
+        draw_blend_caption(overlay, layout, file, polygon, blends[i], layout.cell(i, 0));
         const Area linear = layout.cell(i, 1), elastic = layout.cell(i, 2);
         draw_text(list, overlay.text(), { linear.x + 14.0f * s, linear.y + 12.0f * s }, {}, linear_ink, "linear");
         draw_text(list, overlay.text(), { elastic.x + 14.0f * s, elastic.y + 12.0f * s }, {}, elastic_ink, "elastic");
@@ -151,7 +183,7 @@ void write_sheet(const Options& options, const AssetFile& file)
     const Canvas canvas(layout.width, layout.height);
     clear_paper(canvas);
     for (std::uint32_t k = 0; k < layout.pose_count; ++k) {
-        stage.blend(single_pose(k, file.view().pose_count), Show::linear);
+        stage.blend(weights_of_pose(file.view(), k), Show::linear);
         stage.draw_pose(canvas, layout.pose(k));
     }
     for (std::size_t i = 0; i < blends.size(); ++i) {

@@ -8,9 +8,7 @@ constexpr float separation = 1.04f;
 
 float diagonal_of_first_pose(Character& character)
 {
-    std::vector<double> weights(character.file().view().pose_count, 0.0);
-    weights[0] = 1.0;
-    character.blend(weights, BlendMode::linear); // one weight of 1 gives the pose itself
+    character.blend(weights_of_pose(character.file().view(), 0), BlendMode::linear);
     return diagonal_of(character.positions(), character.file().view().boundary_vertex_count);
 }
 

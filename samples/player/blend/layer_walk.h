@@ -1,0 +1,21 @@
+// Weights of layers that show what an asset can do: the layers one by one, then mixtures of a few of them.
+#pragma once
+
+#include "blend/asset_file.h"
+#include "blend/weight_path.h"
+
+#include <vector>
+
+namespace pliant::player {
+
+// Random mixtures of two to four layers (of all, if there are fewer) at weights inside their ranges; the others have their
+// initial weights. The same on every call.
+std::vector<std::vector<double>> layer_mixtures(const std::vector<LayerWeight>& layers);
+
+// The high and the low end of each layer's range, and the initial weights after them; at last the mixtures.
+std::vector<std::vector<double>> layer_keys(const std::vector<LayerWeight>& layers);
+
+// A closed path from the initial weights through all keys, which it reaches and leaves slowly. For 30 rows per second.
+WeightPath layer_walk(const std::vector<LayerWeight>& layers);
+
+} // namespace pliant::player
