@@ -4,6 +4,7 @@
 #include "blend/error.h"
 #include "blend/frame_times.h"
 #include "blend/heat.h"
+#include "blend/layer_walk.h"
 #include "blend/playback.h"
 #include "blend/truth.h"
 #include "blend/weight_path.h"
@@ -121,6 +122,40 @@ TEST_CASE("a path is a loop, mixed between its rows")
     CHECK(path.at(-1.0) == path.row(2));
     CHECK(path.at(0.5) == std::vector<double> { 0.75, 0.25 });
     CHECK(path.at(2.25) == std::vector<double> { 0.25, 0.75 });
+}
+
+TEST_CASE("rows of layers are any finite numbers, kept as they are")
+{
+    const TemporaryFile file("0,0\n-3,1.5\n");
+    const WeightPath path(file.path(), 2, true);
+    CHECK(path.row(0) == std::vector<double> { 0.0, 0.0 });
+    CHECK(path.row(1) == std::vector<double> { -3.0, 1.5 });
+    for (const char* row : { "1", "1,2,3", "1,nan", "1,1e39" }) {
+        const TemporaryFile wrong(row);
+        CHECK_MESSAGE(number_of_error([&] { WeightPath(wrong.path(), 2, true); }) == 5913, row);
+    }
+}
+
+TEST_CASE("the walk through layers is closed, eased, and inside the ranges")
+{
+    const std::vector<LayerWeight> layers { { "a", 0.0, 1.0, 0.0 }, { "b", -1.0, 2.0, 0.5 }, { "c", 0.0, 1.0, 1.0 } };
+    const WeightPath walk = layer_walk(layers);
+    CHECK(walk.row(0) == std::vector<double> { 0.0, 0.5, 1.0 });
+    std::vector<double> lowest { 9.0, 9.0, 9.0 }, highest { -9.0, -9.0, -9.0 };
+    for (std::size_t i = 0; i < walk.count(); ++i) {
+        const std::vector<double>& next = walk.row((i + 1) % walk.count());
+        for (std::size_t k = 0; k < 3; ++k) {
+            lowest[k] = std::min(lowest[k], walk.row(i)[k]);
+            highest[k] = std::max(highest[k], walk.row(i)[k]);
+            CHECK(std::abs(next[k] - walk.row(i)[k]) < 0.07 * (layers[k].high - layers[k].low)); // 1.5 / 24 at most
+        }
+    }
+    CHECK(lowest == std::vector<double> { 0.0, -1.0, 0.0 });
+    CHECK(highest == std::vector<double> { 1.0, 2.0, 1.0 });
+    for (const std::vector<double>& weights : layer_mixtures(layers)) {
+        const int active = (weights[0] != 0.0) + (weights[1] != 0.5) + (weights[2] != 1.0);
+        CHECK(active >= 2);
+    }
 }
 
 TEST_CASE("numbered names follow the rule of the tool")
@@ -249,6 +284,23 @@ TEST_CASE("given weights stay until the point moves")
     CHECK(idle.plays());
     idle.toggle_play();
     CHECK_FALSE(idle.plays());
+}
+
+TEST_CASE("a weight that is set stops the path, and the others stay")
+{
+    const ControlPolygon polygon(3);
+    const WeightPath path({ { 0.0, 1.0 }, { 1.0, 0.0 } });
+    Playback playback(polygon, { 0.0, 0.0 }, true, path, 1.0);
+    playback.advance(0.25);
+    playback.set_weight(1, -2.0);
+    CHECK_FALSE(playback.plays());
+    playback.advance(1.0);
+    CHECK(playback.weights() == std::vector<double> { 0.25, -2.0 });
+    playback.toggle_play();
+    CHECK(playback.weights() == path.at(0.25));
+
+    const Playback given(polygon, { 0.0, 3.0 }, false, path, 1.0);
+    CHECK(given.weights() == std::vector<double> { 0.0, 3.0 });
 }
 
 TEST_CASE("frame times: medians of the last 120")

@@ -30,7 +30,8 @@ Row mixture(const std::vector<LayerWeight>& layers, std::mt19937& random)
     for (std::size_t i = 0; i < active; ++i) {
         std::swap(left[i], left[i + random() % (left.size() - i)]);
         const LayerWeight& layer = layers[left[i]];
-        weights[left[i]] = layer.low + (layer.high - layer.low) * uniform(random);
+        const bool down = layer.low < layer.initial && uniform(random) < 0.5;
+        weights[left[i]] += (0.35 + 0.65 * uniform(random)) * ((down ? layer.low : layer.high) - layer.initial);
     }
     return weights;
 }

@@ -8,8 +8,8 @@
 
 namespace pliant::player {
 
-// Random mixtures of two to four layers (of all, if there are fewer) at weights inside their ranges; the others have their
-// initial weights. The same on every call.
+// Random mixtures of two to four layers (of all, if there are fewer) at weights well inside their ranges, away from the
+// initial weights, which the others have. The same on every call.
 std::vector<std::vector<double>> layer_mixtures(const std::vector<LayerWeight>& layers);
 
 // The high and the low end of each layer's range, and the initial weights after them; at last the mixtures.
