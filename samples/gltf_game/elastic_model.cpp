@@ -96,7 +96,21 @@ ElasticModel::ElasticModel(const std::string& path)
                                  + "; write it with `pliant export --embed`");
     open_asset(*mesh);
     for (const tinygltf::Primitive& primitive : mesh->primitives) read_part(primitive);
-    blend(std::vector<float>(pose_count(), 1));
+    blend(initial_weights());
+}
+
+pliant_weight ElasticModel::weight(std::uint32_t index) const
+{
+    pliant_weight found {};
+    check(pliant_asset_weight(&asset_, index, &found), "the weights");
+    return found;
+}
+
+std::vector<float> ElasticModel::initial_weights() const
+{
+    std::vector<float> weights;
+    for (std::uint32_t k = 0; k < weight_count(); ++k) weights.push_back(weight(k).initial);
+    return weights;
 }
 
 // The runtime opens the asset in place. tinygltf's buffer is not aligned for it, so it is copied once.
@@ -150,8 +164,9 @@ void ElasticModel::read_part(const tinygltf::Primitive& primitive)
 // vertices, here straight into the array that goes to the graphics processor.
 void ElasticModel::blend(const std::vector<float>& weights)
 {
-    if (weights.size() != pose_count())
-        throw std::runtime_error(std::to_string(weights.size()) + " weights for " + std::to_string(pose_count()) + " poses");
+    if (weights.size() != weight_count())
+        throw std::runtime_error(std::to_string(weights.size()) + " weights for " + std::to_string(weight_count())
+                                 + (has_layers() ? " layers" : " poses"));
     pliant_solve_info info;
     check(pliant_solve(solver_, weights.data(), q_.data(), &info), "the weights");
     const auto count = std::uint32_t(vertices_.size());

@@ -28,10 +28,13 @@ public:
     ElasticModel(const ElasticModel&) = delete;
     ElasticModel& operator=(const ElasticModel&) = delete;
 
-    std::uint32_t pose_count() const { return asset_.pose_count; }
-    std::string pose_name(std::uint32_t pose) const { return pliant_asset_pose_name(&asset_, pose); }
+    // Whether the weights add layers to a rest shape; else they blend poses.
+    bool has_layers() const { return asset_.has_layers != 0; }
+    std::uint32_t weight_count() const { return asset_.weight_count; }
+    pliant_weight weight(std::uint32_t index) const; // its name, its range, the weight to start with
 
-    // Shapes the character: one weight for each pose, not negative, not all zero. Throws std::runtime_error for others.
+    // Shapes the character: one weight for each pose, not negative, not all zero; or one for each layer, any numbers. Throws
+    // std::runtime_error for others.
     void blend(const std::vector<float>& weights);
 
     const std::vector<Vertex>& vertices() const { return vertices_; } // of the last blend
@@ -39,6 +42,7 @@ public:
     const tinygltf::Model& gltf() const { return gltf_; }
 
 private:
+    std::vector<float> initial_weights() const;
     void open_asset(const tinygltf::Mesh& mesh);
     void read_part(const tinygltf::Primitive& primitive);
 

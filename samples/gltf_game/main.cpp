@@ -14,9 +14,10 @@ namespace {
 constexpr char help[]
     = "gltf_game FILE.glb [--weights W,W,...] [--headless POSITIONS.f32 | --picture PICTURE.ppm]\n"
       "\n"
-      "Shows a character that `pliant export ASSET --embed -o FILE.glb` wrote, going round its poses. Escape ends it.\n"
+      "Shows a character that `pliant export ASSET --embed -o FILE.glb` wrote, going round its poses or layers. Escape ends "
+      "it.\n"
       "\n"
-      "  --weights W,W,...          one weight for each pose, held still\n"
+      "  --weights W,W,...          one weight for each pose or layer, held still\n"
       "  --headless POSITIONS.f32   no window: write the positions of all vertices (x y z, little-endian floats)\n"
       "  --picture PICTURE.ppm      draw one picture and end\n"
       "\n"
@@ -74,9 +75,24 @@ void write_positions(const game::ElasticModel& model, const std::string& path)
     if (!file.flush()) throw std::runtime_error(path + " cannot be written");
 }
 
-// From pose to pose, two seconds each.
-std::vector<float> weights_at(double seconds, std::size_t pose_count)
+// One layer after the other to the high end of its range and back, two seconds each.
+std::vector<float> layers_at(double seconds, const game::ElasticModel& model)
 {
+    const double at = seconds / 2, share = 0.5 - 0.5 * std::cos(2 * 3.14159265358979 * (at - std::floor(at)));
+    std::vector<float> weights;
+    for (std::uint32_t k = 0; k < model.weight_count(); ++k) {
+        const pliant_weight weight = model.weight(k);
+        const bool moves = std::size_t(at) % model.weight_count() == k;
+        weights.push_back(weight.initial + (moves ? float(share) * (weight.high - weight.initial) : 0));
+    }
+    return weights;
+}
+
+// From pose to pose, two seconds each.
+std::vector<float> weights_at(double seconds, const game::ElasticModel& model)
+{
+    if (model.has_layers()) return layers_at(seconds, model);
+    const std::size_t pose_count = model.weight_count();
     const double at = seconds / 2, share = 0.5 - 0.5 * std::cos(3.14159265358979 * (at - std::floor(at)));
     std::vector<float> weights(pose_count, 0);
     weights[std::size_t(at) % pose_count] = float(1 - share);
@@ -88,7 +104,7 @@ void play(game::ElasticModel& model, bool is_still)
 {
     game::Window window(model, 1280, 800, true);
     for (long frame = 0; window.is_open(); ++frame) {
-        if (!is_still) model.blend(weights_at(double(frame) / 60, model.pose_count()));
+        if (!is_still) model.blend(weights_at(double(frame) / 60, model));
         window.draw();
         window.show();
     }

@@ -1,5 +1,5 @@
 /* The shortest useful program with Pliant's runtime: hello_runtime ASSET [WEIGHT...]
-   Opens an asset, blends its poses (equally, or by the weights given), prints the answer. */
+   Opens an asset, blends its poses or layers (by the weights given, else by those to start with), prints the answer. */
 #include <pliant.h>
 
 #include <stdio.h>
@@ -46,16 +46,18 @@ int main(int argc, char** argv)
     pliant_solver_desc desc = pliant_solver_desc_default();
     size_t memory_size = pliant_solver_memory(&asset, &desc);
     void* memory = malloc(memory_size);
-    float* weights = malloc(asset.pose_count * sizeof(float));
+    float* weights = malloc(asset.weight_count * sizeof(float));
     float* q = malloc(asset.dimension * sizeof(float));
     if (!memory || !weights || !q) return fail(argv[1], "out of memory");
     pliant_solver* solver;
     result = pliant_solver_init(&solver, &asset, &desc, memory, memory_size);
     if (result != PLIANT_OK) return fail("solver", pliant_result_text(result));
 
-    for (uint32_t k = 0; k < asset.pose_count; ++k) {
-        weights[k] = argc == 2 ? 1.0f : (int)k + 2 < argc ? strtof(argv[k + 2], NULL) : 0.0f;
-        printf("weight %-8g %s\n", weights[k], pliant_asset_pose_name(&asset, k));
+    for (uint32_t k = 0; k < asset.weight_count; ++k) {
+        pliant_weight weight;
+        pliant_asset_weight(&asset, k, &weight);
+        weights[k] = argc == 2 ? weight.initial : (int)k + 2 < argc ? strtof(argv[k + 2], NULL) : 0.0f;
+        printf("weight %-8g %s\n", weights[k], weight.name);
     }
     pliant_solve_info info;
     result = pliant_solve(solver, weights, q, &info); /* once per frame */

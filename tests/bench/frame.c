@@ -1,21 +1,22 @@
 /* What a frame costs beside what engines do with the same vertices.
        pliant_bench_frame NAME=ASSET... [--frames N] [--characters N] [--threads N]
    Three Markdown tables. The first, microseconds of one character on one core, medians of N frames (1,000), all columns in
-   turns in every frame: solve on a slow drag through the weights and for random jumps, with evaluations of the surrogate
-   energy a frame; rebuild all vertices; normals; and beside it, compiled for this processor with -O3 and -ffast-math
-   (engine_mesh.c), the linear sum of the same poses in single precision, linear blend skinning and dual quaternions with 64
+   turns in every frame: solve on a slow drag through the weights (of layers from one sparse random mixture to the next) and
+   for random jumps, with evaluations of the surrogate energy a frame; rebuild all vertices; normals; and beside it,
+   compiled for this processor with -O3 and -ffast-math (engine_mesh.c), the linear sum of the same poses in single precision, linear blend skinning and dual quaternions with 64
    bones, four a vertex. The second, milliseconds of N characters (100), each with weights, a solver and vertices of its own,
    on N threads (2). The third, what a frame reads and what the file holds. Asserts nothing. */
 #define _POSIX_C_SOURCE 200112L
 #include "../../formats/pliant_format.h"
 #include "../runtime/support.h"
 #include "engine_mesh.h"
+#include "layer_weights.h"
 
 #include <math.h>
 #include <pthread.h>
 #include <time.h>
 
-enum { max_assets = 16, max_poses = 64, max_dimension = 256, max_threads = 64 };
+enum { max_assets = 16, max_poses = 65, max_dimension = 256, max_threads = 64 };
 
 typedef enum column { DRAG, JUMP, REBUILD, NORMALS, LINEAR, MATRICES, DUALS, COLUMN_COUNT } column;
 
@@ -104,9 +105,41 @@ static void drag_weights(int frame, float phase, uint32_t count, float* weights)
     for (uint32_t k = 0; k < count; ++k) weights[k] /= sum;
 }
 
-static void jump_weights(uint64_t* random, uint32_t count, float* weights)
+/* From one sparse random mixture of layers to the next in 200 frames. */
+static void drag_layers(const pliant_asset* asset, int frame, float phase, float* weights)
 {
-    for (uint32_t k = 0; k < count; ++k) weights[k] = -logf(random_unit(random) + 1e-6f) + 1e-6f;
+    enum { frames_per_mixture = 200 };
+    const uint64_t number = (uint64_t)(frame / frames_per_mixture) + (uint64_t)(1e6f * phase) + 1;
+    const float along = (float)(frame % frames_per_mixture) / frames_per_mixture;
+    float next[max_poses];
+    uint64_t random = number * 6364136223846793005ull, random_next = (number + 1) * 6364136223846793005ull;
+    draw_layers(asset, sparse_share(asset), &random, weights);
+    draw_layers(asset, sparse_share(asset), &random_next, next);
+    for (uint32_t k = 0; k < asset->weight_count; ++k) weights[k] += along * (next[k] - weights[k]);
+}
+
+static void drag(const pliant_asset* asset, int frame, float phase, float* weights)
+{
+    if (asset->has_layers)
+        drag_layers(asset, frame, phase, weights);
+    else
+        drag_weights(frame, phase, asset->pose_count, weights);
+}
+
+/* The linear sum's weights, one for each pose: the first one is the rest shape of layers. */
+static void weights_of_poses(const pliant_asset* asset, const float* weights, float* poses)
+{
+    poses[0] = 1.0f;
+    memcpy(poses + asset->has_layers, weights, asset->weight_count * sizeof *weights);
+}
+
+static void jump_weights(const pliant_asset* asset, uint64_t* random, float* weights)
+{
+    if (asset->has_layers) {
+        draw_layers(asset, sparse_share(asset), random, weights);
+        return;
+    }
+    for (uint32_t k = 0; k < asset->weight_count; ++k) weights[k] = -logf(random_unit(random) + 1e-6f) + 1e-6f;
 }
 
 /* ----------------------------------------------------------------------------------------------- one character ---- */
@@ -126,10 +159,11 @@ static double solve(measured* m, column which, const float* weights, float* q)
 static void run_frame(measured* m, int frame)
 {
     static bone_pose bones;
-    float weights[max_poses], jumped[max_poses], q[max_dimension], unused[max_dimension];
+    float weights[max_poses], poses[max_poses], jumped[max_poses], q[max_dimension], unused[max_dimension];
     double times[COLUMN_COUNT + 1];
-    drag_weights(frame, 0.0f, m->asset.pose_count, weights);
-    jump_weights(&m->random, m->asset.pose_count, jumped);
+    drag(&m->asset, frame, 0.0f, weights);
+    weights_of_poses(&m->asset, weights, poses);
+    jump_weights(&m->asset, &m->random, jumped);
     pose_bones(frame, &bones);
     m->times[JUMP][frame] = solve(m, JUMP, jumped, unused);
     m->times[DRAG][frame] = solve(m, DRAG, weights, q);
@@ -138,7 +172,7 @@ static void run_frame(measured* m, int frame)
     times[NORMALS] = now();
     pliant_normals_compute(&m->normals, m->positions, 12, 0, m->normals.vertex_count, m->directions, 12);
     times[LINEAR] = now();
-    blend_linearly(&m->others, weights, m->positions);
+    blend_linearly(&m->others, poses, m->positions);
     times[MATRICES] = now();
     blend_matrices(&m->others, &bones, m->positions);
     times[DUALS] = now();
@@ -165,7 +199,7 @@ typedef struct crowd {
     const measured* m;
     int count, threads;
     made_solver* solvers;
-    float *positions, *q, *weights; /* a row a character */
+    float *positions, *q, *weights, *poses; /* a row a character */
     bone_pose* bones;
 } crowd;
 
@@ -184,7 +218,7 @@ static void run_character(const crowd* c, crowd_stage stage, int i)
     switch (stage) {
     case CROWD_SOLVE: pliant_solve(c->solvers[i].solver, weights, q, NULL); break;
     case CROWD_REBUILD: pliant_reconstruct(asset, q, 0, asset->vertex_count, positions, 12); break;
-    case CROWD_LINEAR: blend_linearly(&c->m->others, weights, positions); break;
+    case CROWD_LINEAR: blend_linearly(&c->m->others, c->poses + i * max_poses, positions); break;
     default: blend_matrices(&c->m->others, c->bones, positions); break;
     }
 }
@@ -223,12 +257,15 @@ static void print_crowd(const measured* m, int count, int threads)
                 allocate(rows * vertices * 12),
                 allocate(rows * max_dimension * sizeof(float)),
                 allocate(rows * max_poses * sizeof(float)),
+                allocate(rows * max_poses * sizeof(float)),
                 &bones };
     for (int i = 0; i < count; ++i) c.solvers[i] = make_default_solver(&m->asset);
     for (int frame = 0; frame < frames; ++frame) {
         pose_bones(frame, &bones);
-        for (int i = 0; i < count; ++i)
-            drag_weights(frame, 0.37f * (float)i, m->asset.pose_count, c.weights + i * max_poses);
+        for (int i = 0; i < count; ++i) {
+            drag(&m->asset, frame, 0.37f * (float)i, c.weights + i * max_poses);
+            weights_of_poses(&m->asset, c.weights + i * max_poses, c.poses + i * max_poses);
+        }
         for (int s = 0; s < CROWD_STAGE_COUNT; ++s) times[s][frame] = run_stage(&c, (crowd_stage)s);
     }
     for (int s = 0; s < CROWD_STAGE_COUNT; ++s) t[s] = median(times[s], frames);
@@ -240,6 +277,7 @@ static void print_crowd(const measured* m, int count, int threads)
     free(c.positions);
     free(c.q);
     free(c.weights);
+    free(c.poses);
 }
 
 /* -------------------------------------------------------------------------------------------------------- bytes ---- */

@@ -2,14 +2,15 @@
        pliant_bench_jumps ASSET... [--jumps N] [--tolerance T]
    A line per asset: jumps that ended higher than from the average (by 1e-3 of the energy scale; the predictor led into a
    worse minimum), lower ones, unconverged ones, evaluations, the median time and that which one in twenty exceeds. A third
-   of the weights is uniform on the simplex, the others gather at its edges and corners. Asserts nothing. */
+   of the weights is uniform on the simplex, the others gather at its edges and corners. Of layers, where the rest shape takes
+   the place of the average, a third mixes all, a third every second one, a third four of them. Asserts nothing. */
 #define _POSIX_C_SOURCE 199309L
-#include "../runtime/support.h"
+#include "layer_weights.h"
 
 #include <math.h>
 #include <time.h>
 
-enum { max_poses = 64, max_dimension = 256 };
+enum { max_poses = 65, max_dimension = 256 };
 
 /* In parts of the energy scale: single precision leaves about 1e-5, other minima lie 1e-2 and more apart. */
 static const double other_minimum = 1e-3;
@@ -27,10 +28,16 @@ static int compare(const void* a, const void* b)
     return (x > y) - (x < y);
 }
 
-static void draw_weights(float* weights, uint32_t count, int jump, uint64_t* state)
+static void draw_weights(const pliant_asset* asset, float* weights, int jump, uint64_t* state)
 {
     static const float powers[3] = { 1, 3, 6 };
-    for (uint32_t k = 0; k < count; ++k) weights[k] = powf(-logf(random_unit(state) + 1e-6f) + 1e-6f, powers[jump % 3]);
+    if (asset->has_layers) {
+        const float shares[3] = { 1, 0.5f, sparse_share(asset) };
+        draw_layers(asset, shares[jump % 3], state, weights);
+        return;
+    }
+    for (uint32_t k = 0; k < asset->weight_count; ++k)
+        weights[k] = powf(-logf(random_unit(state) + 1e-6f) + 1e-6f, powers[jump % 3]);
 }
 
 static int measure(const char* path, int jumps, float tolerance)
@@ -58,7 +65,7 @@ static int measure(const char* path, int jumps, float tolerance)
     for (int i = 0; i < jumps; ++i) {
         float weights[max_poses], q[max_dimension];
         pliant_solve_info a, b;
-        draw_weights(weights, asset.pose_count, i, &state);
+        draw_weights(&asset, weights, i, &state);
         pliant_solver_reset(warm.solver);
         pliant_solver_reset(cold.solver);
         const double start = now();
