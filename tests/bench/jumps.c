@@ -2,8 +2,8 @@
        pliant_bench_jumps ASSET... [--jumps N] [--tolerance T]
    A line per asset: jumps that ended higher than from the average (by 1e-3 of the energy scale; the predictor led into a
    worse minimum), lower ones, unconverged ones, evaluations, the median time and that which one in twenty exceeds. A third
-   of the weights is uniform on the simplex, the others gather at its edges and corners. Of layers, where the rest shape takes
-   the place of the average, a third mixes all, a third every second one, a third four of them. Asserts nothing. */
+   of the weights is uniform on the simplex, the others gather at its edges and corners. Of layers, where the rest shape
+   takes the place of the average, a third mixes all, a third every second one, a third four of them. Asserts nothing. */
 #define _POSIX_C_SOURCE 199309L
 #include "layer_weights.h"
 

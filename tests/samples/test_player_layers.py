@@ -37,8 +37,8 @@ def dark(image):
 def case_sliders(folder):
     asset = make_layers(folder)
     shown = {name: picture(asset, folder, "--hud", *arguments, size="960x600")
-             for name, arguments in (("initial", ()), ("same", ("--weights=0,0.25,-0.25",)), ("moved", ("--set", "pose 2=1.5")),
-                                     ("outside", ("--set", "pose 2=2.25")))}
+             for name, arguments in (("initial", ()), ("same", ("--weights=0,0.25,-0.25",)),
+                                     ("moved", ("--set", "pose 2=1.5")), ("outside", ("--set", "pose 2=2.25")))}
     assert dark(shown["initial"][PANEL]) > 60, f"{dark(shown['initial'][PANEL])} dark pixels of names and handles"
     assert np.abs(shown["same"][PANEL] - shown["initial"][PANEL]).max() == 0, "the initial weights are not the asset's"
     moved = np.abs(shown["moved"][PANEL] - shown["initial"][PANEL]).max(axis=2) > 40
