@@ -1,11 +1,12 @@
 /* What a frame costs beside what engines do with the same vertices.
        pliant_bench_frame NAME=ASSET... [--frames N] [--characters N] [--threads N]
-   Three Markdown tables. The first, microseconds of one character on one core, medians of N frames (1,000), all columns in
-   turns in every frame: solve on a slow drag through the weights (of layers from one sparse random mixture to the next) and
-   for random jumps, with evaluations of the surrogate energy a frame; rebuild all vertices; normals; and beside it,
-   compiled for this processor with -O3 and -ffast-math (engine_mesh.c), the linear sum of the same poses in
-   single precision, linear blend skinning and dual quaternions with 64 bones, four a vertex. The second, milliseconds of N
-   characters (100), each with weights, a solver and vertices of its own, on N threads (2). The third, what a frame reads and what the file holds. Asserts nothing. */
+   Three Markdown tables. The first, microseconds of one character on one core, medians of N frames (1,000), all columns
+   in turns in every frame: solve on a slow drag through the weights (of layers from one sparse random mixture to the
+   next) and for random jumps, with evaluations of the surrogate energy a frame; rebuild all vertices; normals; and beside
+   it, compiled for this processor with -O3 and -ffast-math (engine_mesh.c), the linear sum of the same poses in single
+   precision, linear blend skinning and dual quaternions with 64 bones, four a vertex. The second, milliseconds of N
+   characters (100), each with weights, a solver and vertices of its own, on N threads (2). The third, what a frame reads
+   and what the file holds. Asserts nothing. */
 #define _POSIX_C_SOURCE 200112L
 #include "../../formats/pliant_format.h"
 #include "../runtime/support.h"
