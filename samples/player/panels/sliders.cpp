@@ -46,7 +46,7 @@ struct RowPlace {
         name_room = two_lines ? width - (value_width + 8.0f) * s : name_width * s;
         left = two_lines ? corner.x + radius : corner.x + (name_width + 8.0f) * s + radius;
         right = two_lines ? corner.x + width - radius : corner.x + width - value_width * s - radius;
-        y = two_lines ? corner.y + 31.0f * s : corner.y + 0.5f * low_row * s;
+        y = std::floor(two_lines ? corner.y + 31.0f * s : corner.y + 0.5f * low_row * s);
     }
     float at(double share) const { return left + static_cast<float>(share) * (right - left); }
 };
@@ -71,11 +71,9 @@ bool contains(const std::string& name, const char* wanted)
 void draw_track(ImDrawList* list, const LayerWeight& layer, const RowPlace& place, float s)
 {
     const Reach reach(layer);
-    const auto bar = [&](float from, float to, float half, ImU32 colour) {
-        list->AddRectFilled({ from, place.y - half * s }, { to, place.y + half * s }, colour, half * s);
-    };
-    bar(place.left, place.right, 1.5f, track_ink);
-    bar(place.at(reach.share(layer.low)), place.at(reach.share(layer.high)), 3.0f, range_ink);
+    list->AddLine({ place.left, place.y }, { place.right, place.y }, track_ink, std::max(3.0f * s, 1.0f));
+    const float low = place.at(reach.share(layer.low)), high = place.at(reach.share(layer.high));
+    list->AddLine({ low, place.y }, { high, place.y }, range_ink, 6.0f * s);
     const float initial = place.at(reach.share(layer.initial));
     list->AddLine({ initial, place.y - 7.0f * s }, { initial, place.y + 7.0f * s }, ink, 1.5f * s);
 }
