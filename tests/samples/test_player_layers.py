@@ -53,13 +53,13 @@ def case_sliders(folder):
 
 def case_many(folder):
     """A search field, a list that scrolls, and nothing beyond the panel."""
-    asset = make_layers(folder, 20)
-    image = picture(asset, folder, "--hud", size="960x600")
-    assert dark(image[PANEL]) > 150, "no rows"
-    # Between the panel's edge and the tube.
-    assert image[250:580, 226:240].min() > 150, "something sticks out of the panel"
-    few = picture(make_layers(folder), folder, "--hud", size="960x600")
-    assert np.abs(few[PANEL] - image[PANEL]).mean() > 1, "20 layers look like 3"
+    image = picture(make_layers(folder, 14), folder, "--hud", size="960x400")
+    panel = image[175:385, 15:197]
+    assert dark(panel) > 100, f"{dark(panel)} dark pixels of names and handles"
+    beyond = image[175:395, 204:214]  # between the panel's edge and the tube
+    assert beyond.min() > 150, "something sticks out of the panel"
+    scroll_bar = (np.ptp(panel[60:, -8:], axis=2) < 12) & (panel[60:, -8:].max(axis=2) < 210)
+    assert scroll_bar.sum() > 200, f"{scroll_bar.sum()} pixels of a scroll bar"
 
 
 def case_weights(folder):
@@ -91,13 +91,14 @@ def case_linear(folder):
     """One layer at 1 is its pose in both kinds of blend. Of two the linear blend is another shape: that is what --heat
     shows."""
     asset = make_layers(folder)
-    one = picture(asset, folder, "--heat", "--weights=0,1,0", size="450x450")[100:-70]
     two = picture(asset, folder, "--heat", "--weights=1,1.5,1", size="450x450")[100:-70]
 
     def hot(image):
         return (image[..., 0] - image[..., 1] > 60) & (image.mean(axis=2) < 190)
 
-    assert not hot(one).any(), f"{hot(one).sum()} warm pixels where both blends are the layer's pose"
+    for weights in ("1,0,0", "0,1,0", "0,0,1"):
+        one = picture(asset, folder, "--heat", f"--weights={weights}", size="450x450")[100:-70]
+        assert not hot(one).any(), f"{hot(one).sum()} warm pixels where both blends are the layer's pose"
     assert hot(two).mean() > 0.005, "no difference between linear and elastic"
     both = picture(asset, folder, "--both", "--weights=1,1.5,1", size="600x300")
     assert np.abs(both[:, :300] - both[:, 300:]).mean() > 1
@@ -191,9 +192,9 @@ def case_tool(folder):
 
     linear_is_hot = 0
     for row in rows:
-        image = picture(asset, folder, "--truth", path, folder / "truth_%d.ply", "--heat", "--up", "z",
+        image = picture(asset, folder, "--truth", path, folder / "truth_%d.ply", "--heat", "--view=90,10",
                         f"--weights={row[0]},{row[1]}", size="900x450")[80:-70]
-        linear, elastic = image[:, :300], image[:, 300:600]
+        linear, elastic = image[:, :315], image[:, 315:595]
         assert not hot(elastic).any(), f"{row}: the elastic blend is not that of the tool"
         linear_is_hot += hot(linear).any()
     assert linear_is_hot >= 1, "the heat shows nothing at all"
