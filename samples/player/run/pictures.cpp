@@ -50,12 +50,15 @@ struct Easel {
     Area whole() const { return { 0.0f, 0.0f, static_cast<float>(width), static_cast<float>(height) }; }
     Area free() const { return hud ? free_area(overlay.scale(), width, height) : whole(); }
 
-    // Runs ImGui calls twice: panels that fit their contents have the right size only in the second frame, which is drawn.
+    // Runs ImGui calls three times: panels that fit their contents have the right size only in the second frame, and lists
+    // below them know in the third one, which is drawn, whether they scroll.
     void draw_over(const std::function<void()>& panels)
     {
-        overlay.begin_frame(width, height);
-        panels();
-        overlay.discard_frame();
+        for (int unseen = 0; unseen < 2; ++unseen) {
+            overlay.begin_frame(width, height);
+            panels();
+            overlay.discard_frame();
+        }
         overlay.begin_frame(width, height);
         panels();
         overlay.end_frame();
