@@ -137,7 +137,8 @@ private:
     void place(const Weights& w, Shape& shape) const;
     double step_length(const Weights& change) const;
     std::size_t growing_pose(const Weights& change) const;
-    NewtonResult from_guess(const Weights& v, const Shape& guess, std::size_t worker, Progress* progress) const;
+    NewtonResult from_guess(const Weights& v, const Shape& guess, int iterations, std::size_t worker,
+                            Progress* progress) const;
     FamilyPoint reach_mean(std::size_t pose, std::size_t worker, Progress* progress) const;
 
     SolverPool& pool_;

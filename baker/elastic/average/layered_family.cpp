@@ -39,7 +39,9 @@ void LayeredFamily::learn(const std::vector<CheckPoint>& points)
     corrections_.conservativeResize(family_.pool().set().dof_count(), before + Eigen::Index(points.size()));
     Eigen::Index count = before;
     for (const CheckPoint& point : points) {
-        if (!point.has_converged) continue;
+        const bool is_known = std::any_of(learned_.begin(), learned_.end(),
+                                          [&](const Weights& v) { return (v - point.weights).norm() < closest_centres; });
+        if (!point.has_converged || is_known) continue;
         corrections_.col(count++) = (point.reference - family_.sum().turned(point.weights, 0)).cast<float>();
         learned_.push_back(point.weights);
     }

@@ -28,7 +28,7 @@ public:
 
     const AverageFamily& family() const { return family_; }
 
-    // The converged ones of these shapes, found at distinct weights, guide others from now on.
+    // The converged ones of these shapes guide others from now on.
     void learn(const std::vector<CheckPoint>& points);
 
 private:

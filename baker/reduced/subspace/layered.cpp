@@ -16,6 +16,9 @@ namespace {
 // Of the displacements of two layers. With less in common their sum is linear.
 constexpr double least_overlap = 1e-3;
 
+// In multiples of the median.
+constexpr double most_promised = 4;
+
 // A wave is explained if its shapes lay this near to the span of those before it, in tolerances.
 constexpr double mean_in_span = 0.35, largest_in_span = 1.5;
 
@@ -93,7 +96,7 @@ void project_out(const Eigen::MatrixXd& basis, const Eigen::VectorXd& masses, Ei
 }
 
 // How far a mixture is from a linear sum: the root of the energy that the sum has there. Nothing is promised of mixtures for
-// which no tolerance is meant.
+// which no tolerance is meant, nor of those whose sums have much more energy than most: they seldom make a shape.
 Eigen::VectorXd promises_of(const LayeredFamily& known, const WeightDomain& domain, const std::vector<Weights>& mixtures)
 {
     Eigen::VectorXd out(Eigen::Index(mixtures.size()));
@@ -102,6 +105,11 @@ Eigen::VectorXd promises_of(const LayeredFamily& known, const WeightDomain& doma
             = energy_value(known.family().pool().energy(), mixtures[i], known.family().sum().linear(mixtures[i]));
         out[Eigen::Index(i)] = std::isfinite(energy) && domain.is_counted(mixtures[i]) ? std::sqrt(energy) : 0;
     });
+    std::vector<double> sorted(out.begin(), out.end());
+    const auto middle = sorted.begin() + std::ptrdiff_t(sorted.size() / 2);
+    std::nth_element(sorted.begin(), middle, sorted.end());
+    for (double& promise : out)
+        if (promise > most_promised * *middle) promise = 0;
     return out;
 }
 
@@ -149,8 +157,8 @@ private:
     Weights most_promising()
     {
         Eigen::Index best = 0;
-        promises_.cwiseProduct(distances_).maxCoeff(&best);
-        return leave(mixtures_[std::size_t(best)]);
+        const double promise = promises_.cwiseProduct(distances_).maxCoeff(&best);
+        return promise > 0 ? leave(mixtures_[std::size_t(best)]) : next_in_list();
     }
 
     Weights next_in_list()
