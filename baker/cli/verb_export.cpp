@@ -3,6 +3,7 @@
 #include "input/io/write_file.h"
 #include "output/export/export_asset.h"
 
+#include <algorithm>
 #include <filesystem>
 #include <fmt/core.h>
 #include <memory>
@@ -19,15 +20,18 @@ struct ExportArguments {
     double frames_per_second = 30;
 };
 
-constexpr double default_seconds = 6;
+// Of layers one for each, and one for all of them.
+double default_seconds(const WeightDomain& domain) { return std::max(6.0, domain.is_box() ? double(domain.size()) + 1 : 0); }
+
 constexpr double default_error = 1e-4; // of --meshopt: far below what is seen, and 16 bits are enough
 
 // A line of the path as weights; what is wrong with it is the file's fault.
-std::vector<float> weights_of(const std::vector<double>& row, std::size_t frame, std::size_t pose_count,
+std::vector<float> weights_of(const std::vector<double>& row, std::size_t frame, const WeightDomain& domain,
                               const std::string& path)
 {
     try {
-        const Eigen::VectorXf floats = normalized_weights(row, pose_count).cast<float>();
+        const Weights weights = domain.is_box() ? layer_weights(row, domain.size()) : normalized_weights(row, domain.size());
+        const Eigen::VectorXf floats = weights.cast<float>();
         return std::vector<float>(floats.data(), floats.data() + floats.size());
     } catch (const Failure& failure) {
         const Diagnostic& diagnostic = failure.diagnostics()[0];
@@ -36,12 +40,12 @@ std::vector<float> weights_of(const std::vector<double>& row, std::size_t frame,
     }
 }
 
-std::vector<std::vector<float>> path_of(const ExportArguments& a, std::size_t pose_count)
+std::vector<std::vector<float>> path_of(const ExportArguments& a, const WeightDomain& domain)
 {
-    if (a.path.empty()) return default_path(pose_count, default_seconds, a.frames_per_second);
+    if (a.path.empty()) return default_path(domain, default_seconds(domain), a.frames_per_second);
     std::vector<std::vector<float>> path;
     for (const std::vector<double>& row : read_weight_rows(a.path))
-        path.push_back(weights_of(row, path.size(), pose_count, a.path));
+        path.push_back(weights_of(row, path.size(), domain, a.path));
     if (path.empty())
         throw Failure(ExitCode::bad_input,
                       error_at(5204, a.path, "has no frames", "one line of weights per frame, separated by commas"));
@@ -57,7 +61,7 @@ void print_targets(const ExportArguments& a, const ExportReport& report)
                    report.target_count, report.normal_error.mean_degrees, report.normal_error.percentile_degrees,
                    report.normal_error.worst_degrees);
     fmt::print("  animation of {} frames at {:g} frames per second\n"
-               "  table of pose weights: {} centres; error at fresh weights: mean {:.2g}, largest {:.2g} of the diagonal\n",
+               "  table of weights: {} centres; error at fresh weights: mean {:.2g}, largest {:.2g} of the diagonal\n",
                report.frame_count, a.frames_per_second, report.centre_count, report.table_mean, report.table_largest);
 }
 
@@ -105,7 +109,7 @@ ExitCode run_export(const ExportArguments& a)
     options.name = std::filesystem::path(a.asset).stem().string();
     options.source = a.asset;
     options.frames_per_second = a.frames_per_second;
-    options.path = path_of(a, blender.asset().pose_count);
+    options.path = path_of(a, blender.domain());
     ConsoleProgress progress("export", a.is_quiet);
     progress.update("fit", 0);
     const ExportedFile file = export_asset(blender, options);
@@ -155,7 +159,7 @@ Verb add_export(CLI::App& app)
     verb->add_option(
             "--path", a->path,
             "Animation: a file with one line of weights per frame (default: 6 seconds from pose to pose and through "
-            "their average)")
+            "their average; of layers a second for each, up to full strength and back, then for all of them)")
         ->type_name("FILE.csv");
     verb->add_option("--fps", a->frames_per_second, "Frames per second of the animation")
         ->check(CLI::Range(1.0, 1000.0))

@@ -35,6 +35,30 @@ void add_scene(Glb& glb, const std::string& name, Json mesh, bool is_skinned, co
     json["scene"] = 0;
 }
 
+std::vector<Weights> stops_at_poses(const WeightDomain& domain)
+{
+    std::vector<Weights> stops;
+    for (std::size_t k = 0; k < domain.size(); ++k) stops.push_back(corner_weights(domain.size(), k));
+    stops.push_back(domain.centre());
+    stops.push_back(stops[0]);
+    return stops;
+}
+
+std::vector<Weights> stops_at_layers(const WeightDomain& domain)
+{
+    std::vector<Weights> stops = { domain.centre() };
+    Weights all = domain.centre();
+    for (std::size_t k = 0; k < domain.size(); ++k) {
+        const Weights full = domain.full(k) * corner_weights(domain.size(), k);
+        if (k < sparse_layer_limit) all += full;
+        stops.push_back(full);
+        stops.push_back(domain.centre());
+    }
+    stops.push_back(all);
+    stops.push_back(domain.centre());
+    return stops;
+}
+
 // The shape of pose 0, and nothing that moves it.
 Json add_still_mesh(Glb& glb, const DrawnSpace& space, const RenderScene& scene, const ExportOptions& options,
                     ExportReport& report, Grid& grid)
@@ -89,22 +113,17 @@ std::vector<Diagnostic> warnings_about(const ExportReport& report)
     return warnings;
 }
 
-std::vector<std::vector<float>> default_path(std::size_t pose_count, double seconds, double frames_per_second)
+std::vector<std::vector<float>> default_path(const WeightDomain& domain, double seconds, double frames_per_second)
 {
-    std::vector<std::vector<float>> stops(pose_count, std::vector<float>(pose_count, 0.0f));
-    for (std::size_t k = 0; k < pose_count; ++k) stops[k][k] = 1;
-    stops.emplace_back(pose_count, 1 / float(pose_count));
-    stops.push_back(stops[0]);
+    const std::vector<Weights> stops = domain.is_box() ? stops_at_layers(domain) : stops_at_poses(domain);
     const auto frame_count = std::size_t(std::max(1.0, std::round(seconds * frames_per_second)));
     std::vector<std::vector<float>> path;
     for (std::size_t i = 0; i <= frame_count; ++i) {
         const double at = double(i) / double(frame_count) * double(stops.size() - 1);
         const std::size_t leg = std::min(std::size_t(at), stops.size() - 2);
         const double t = at - double(leg), eased = t * t * (3 - 2 * t);
-        std::vector<float> weights(pose_count);
-        for (std::size_t k = 0; k < pose_count; ++k)
-            weights[k] = float((1 - eased) * double(stops[leg][k]) + eased * double(stops[leg + 1][k]));
-        path.push_back(weights);
+        const Eigen::VectorXf weights = ((1 - eased) * stops[leg] + eased * stops[leg + 1]).cast<float>();
+        path.push_back(to_float_list(weights));
     }
     return path;
 }

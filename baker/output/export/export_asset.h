@@ -18,8 +18,9 @@ struct ExportedFile {
 // What of it may not work in some engine: P5202, P5205.
 std::vector<Diagnostic> warnings_about(const ExportReport& report);
 
-// Weights from pose to pose, through the mean and back to the first, eased in and out: `seconds` long.
-std::vector<std::vector<float>> default_path(std::size_t pose_count, double seconds, double frames_per_second);
+// Weights from pose to pose, through the mean and back to the first, eased in and out: `seconds` long. Of layers: from the
+// rest shape to each layer at its full strength and back, then to all of them, or the first few if they are many.
+std::vector<std::vector<float>> default_path(const WeightDomain& domain, double seconds, double frames_per_second);
 
 // Throws Failure (P5201) if the file would not fit the format, (bad_input, P1203 and P1204) for a path of wrong weights.
 ExportedFile export_asset(RuntimeBlender& blender, const ExportOptions& options);

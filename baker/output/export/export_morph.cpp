@@ -39,6 +39,19 @@ Json table_json(const PoseTable& table)
              { "error_of_diagonal", { { "mean", table.mean_error }, { "largest", table.largest_error } } } };
 }
 
+Json layers_json(const WeightDomain& domain, const RuntimeBlender& blender)
+{
+    Json layers = Json::array();
+    for (std::size_t k = 0; k < domain.size(); ++k) {
+        const WeightRange& range = domain.ranges()[k];
+        layers.push_back({ { "name", blender.pose_name(std::uint32_t(k) + 1) },
+                           { "low", range.low },
+                           { "high", range.high },
+                           { "initial", range.initial } });
+    }
+    return layers;
+}
+
 // What a program that feeds the weights must know and glTF has no place for.
 Json extras_of_mesh(const RuntimeBlender& blender, const MorphMesh& morph, const PoseTable& table,
                     const ExportReport& report)
@@ -53,6 +66,10 @@ Json extras_of_mesh(const RuntimeBlender& blender, const MorphMesh& morph, const
         ours["normal_error_degrees"]
             = { { "mean", report.normal_error.mean_degrees }, { "worst", report.normal_error.worst_degrees } };
     if (report.position_error > 0) ours["position_error_of_diagonal"] = { { "largest", report.position_error } };
+    if (const WeightDomain domain = blender.domain(); domain.is_box()) {
+        ours["blend"] = "layers";
+        ours["layers"] = layers_json(domain, blender);
+    }
     ours["pose_table"] = table_json(table);
     return { { "targetNames", names }, { "pliant", std::move(ours) } };
 }

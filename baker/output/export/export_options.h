@@ -28,7 +28,7 @@ struct ExportReport {
     bool has_stored_ranges = false;              // with morph targets
     NormalError normal_error;
     double position_error = 0;                // of whole numbers, at the vertices, of the diagonal
-    double table_mean = 0, table_largest = 0; // of the table of pose weights, likewise
+    double table_mean = 0, table_largest = 0; // of the table of weights, likewise
     std::size_t centre_count = 0;
     std::size_t bone_count = 0;
     double skin_rms = 0, skin_largest = 0; // over the diagonal, at fresh weights and in the animation

@@ -20,23 +20,26 @@ constexpr double centre_digits = 1e4, coefficient_digits = 1e6;
 double rounded(double value, double digits) { return std::round(value * digits) / digits; }
 
 struct Blends {
-    std::vector<std::vector<float>> poses; // weights of poses, with few digits
-    Eigen::MatrixXd morphs;                // weights of targets, d x blends
+    std::vector<Weights> weights; // of the blends, as a script has them: those of averages divided by their sum
+    Eigen::MatrixXd morphs;       // weights of targets, d x blends
+    bool has_layers;
 };
 
-// As a script has them: divided by their sum.
-Weights normalized(const std::vector<float>& weights)
+Weights as_given(const std::vector<float>& weights, bool has_layers)
 {
-    Weights w = Eigen::Map<const Eigen::VectorXf>(weights.data(), Eigen::Index(weights.size())).cast<double>();
-    return w / w.sum();
+    const Weights w = Eigen::Map<const Eigen::VectorXf>(weights.data(), Eigen::Index(weights.size())).cast<double>();
+    return has_layers ? w : Weights(w / w.sum());
 }
 
 Blends blends_at(RuntimeBlender& blender, const MorphMesh& mesh, std::size_t count, std::uint64_t seed)
 {
-    Blends blends { blender.domain().covering(count, seed), {} };
-    for (std::vector<float>& weights : blends.poses)
+    Blends blends { {}, {}, blender.domain().is_box() };
+    std::vector<std::vector<float>> solved = blender.domain().covering(count, seed);
+    for (std::vector<float>& weights : solved) {
         for (float& w : weights) w = float(rounded(w, centre_digits));
-    const Eigen::MatrixXf q = blend_coordinates(blender, blends.poses);
+        blends.weights.push_back(as_given(weights, blends.has_layers));
+    }
+    const Eigen::MatrixXf q = blend_coordinates(blender, solved);
     blends.morphs.resize(q.rows(), q.cols());
     for (Eigen::Index i = 0; i < q.cols(); ++i) blends.morphs.col(i) = mesh.weights(q.col(i)).cast<double>();
     return blends;
@@ -47,12 +50,12 @@ RadialFunction fit(const Blends& blends, const std::vector<std::size_t>& centres
     std::vector<Weights> places;
     Eigen::MatrixXd values(blends.morphs.rows(), Eigen::Index(centres.size()));
     for (std::size_t i = 0; i < centres.size(); ++i) {
-        Weights w = normalized(blends.poses[centres[i]]);
+        Weights w = blends.weights[centres[i]];
         for (double& x : w) x = rounded(x, centre_digits);
         places.push_back(w);
         values.col(Eigen::Index(i)) = blends.morphs.col(Eigen::Index(centres[i]));
     }
-    RadialFunction function = fit_radial_function(places, values);
+    RadialFunction function = fit_radial_function(places, values, blends.has_layers);
     for (double& x : function.coefficients.reshaped()) x = rounded(x, coefficient_digits);
     return function;
 }
@@ -60,7 +63,7 @@ RadialFunction fit(const Blends& blends, const std::vector<std::size_t>& centres
 Eigen::MatrixXd differences(const RadialFunction& function, const Blends& blends)
 {
     Eigen::MatrixXd all = -blends.morphs;
-    for (std::size_t i = 0; i < blends.poses.size(); ++i) all.col(Eigen::Index(i)) += function(normalized(blends.poses[i]));
+    for (std::size_t i = 0; i < blends.weights.size(); ++i) all.col(Eigen::Index(i)) += function(blends.weights[i]);
     return all;
 }
 
@@ -72,15 +75,14 @@ Eigen::VectorXd distances(const Eigen::MatrixXd& gram, const Eigen::MatrixXd& di
 
 void add_worst(const Blends& blends, const Eigen::VectorXd& errors, std::vector<std::size_t>& centres)
 {
-    std::vector<std::size_t> order(blends.poses.size());
+    std::vector<std::size_t> order(blends.weights.size());
     std::iota(order.begin(), order.end(), std::size_t(0));
     std::stable_sort(order.begin(), order.end(),
                      [&](std::size_t a, std::size_t b) { return errors[Eigen::Index(a)] > errors[Eigen::Index(b)]; });
     const std::size_t before = centres.size(), most = std::min(most_centres, before + centres_a_round);
     for (std::size_t i = 0; i < order.size() && centres.size() < most; ++i) {
-        const Weights w = normalized(blends.poses[order[i]]);
         const auto is_far = [&](std::size_t k) {
-            const double distance = (normalized(blends.poses[centres[k]]) - w).norm();
+            const double distance = (blends.weights[centres[k]] - blends.weights[order[i]]).norm();
             return distance > (k < before ? closest_centres : nearest_in_round);
         };
         bool is_new = true;
@@ -111,7 +113,7 @@ PoseTable fit_pose_table(RuntimeBlender& blender, const MorphMesh& mesh)
     const Blends candidates = blends_at(blender, mesh, tried_count, tried_seed);
     const Eigen::MatrixXf square = mesh.deltas.transpose() * mesh.deltas;
     const Eigen::MatrixXd gram = square.cast<double>() / (double(mesh.deltas.rows()) / 3);
-    std::vector<std::size_t> centres(std::size_t(blender.asset().pose_count) + 1); // the poses, and the equal weights
+    std::vector<std::size_t> centres(std::size_t(blender.asset().weight_count) + 1); // poses or layers, and the centre
     std::iota(centres.begin(), centres.end(), std::size_t(0));
     PoseTable table;
     for (std::size_t before = 0; centres.size() != before;) {

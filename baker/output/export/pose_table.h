@@ -1,4 +1,5 @@
-// A table from pose weights to morph weights, for programs without the runtime: some lines of script evaluate it.
+// A table from weights of poses or layers to morph weights, for programs without the runtime: some lines of script evaluate
+// it.
 #pragma once
 
 #include "base/weights/radial_function.h"

@@ -185,7 +185,7 @@ TEST_CASE("warnings about what some engine may not do: P5202, P5205")
 
 TEST_CASE("the path passes all poses and the mean, and every row sums to 1")
 {
-    const auto path = default_path(3, 6, 30);
+    const auto path = default_path(WeightDomain::simplex(3), 6, 30);
     REQUIRE(path.size() == 181);
     CHECK(path[0] == std::vector<float> { 1, 0, 0 });
     CHECK(path[45] == std::vector<float> { 0, 1, 0 });
@@ -193,6 +193,21 @@ TEST_CASE("the path passes all poses and the mean, and every row sums to 1")
     CHECK(path[135][0] == doctest::Approx(1.0 / 3));
     CHECK(path[180] == path[0]);
     for (const auto& row : path) CHECK(row[0] + row[1] + row[2] == doctest::Approx(1));
+}
+
+TEST_CASE("the path of layers passes the rest shape, each layer at its full strength, and all or the first of them together")
+{
+    const auto path = default_path(WeightDomain::box({ { 0, 1 }, { -2, 0.5 } }), 6, 1);
+    REQUIRE(path.size() == 7);
+    CHECK(path[0] == std::vector<float> { 0, 0 });
+    CHECK(path[1] == std::vector<float> { 1, 0 });
+    CHECK(path[2] == path[0]);
+    CHECK(path[3] == std::vector<float> { 0, -2 });
+    CHECK(path[5] == std::vector<float> { 1, -2 });
+    CHECK(path[6] == path[0]);
+    const auto many = default_path(WeightDomain::box(std::vector<WeightRange>(20)), 42, 1);
+    REQUIRE(many.size() == 43);
+    CHECK(Eigen::Map<const Eigen::VectorXf>(many[41].data(), 20).sum() == sparse_layer_limit);
 }
 
 TEST_CASE("normals that are linear up to length are found, also where the base would vanish")

@@ -159,7 +159,7 @@ tinygltf::Model exported_model(RuntimeBlender& blender, const Kind& kind)
     options.bone_count = kind.bone_count;
     options.quantisation_error = kind.quantisation_error;
     options.frames_per_second = 5;
-    if (kind.bone_count) options.path = default_path(3, 2, 5);
+    if (kind.bone_count) options.path = default_path(blender.domain(), 2, 5);
     return load_glb(export_asset(blender, options).bytes);
 }
 
@@ -342,5 +342,5 @@ TEST_CASE("tinygltf reads a skin and its animation")
         CHECK(std::accumulate(four, four + 4, 0.0) == doctest::Approx(1).epsilon(1e-5));
     REQUIRE(model.animations.size() == 1);
     for (const tinygltf::AnimationSampler& sampler : model.animations[0].samplers)
-        CHECK(model.accessors.at(std::size_t(sampler.input)).count == default_path(3, 2, 5).size());
+        CHECK(model.accessors.at(std::size_t(sampler.input)).count == default_path(WeightDomain::simplex(3), 2, 5).size());
 }

@@ -1,5 +1,5 @@
 """Run by Blender: imports a GLB and prints what it got. FILE.glb [RECIPE.py] comes behind `--`; the recipe's set_poses then
-sets the shape keys for the pose weights 2, 1, 0, ..."""
+sets the shape keys for the weights 0.5, 0.25, 0, ..."""
 import json
 import sys
 
@@ -33,6 +33,7 @@ if keys:
     report["middle"] = [list(mesh.matrix_world @ vertex.co) for vertex in evaluated.vertices]
     if len(arguments) > 1:
         exec(open(arguments[1]).read())
-        set_poses(mesh, [2, 1] + [0] * (len(mesh.data["pliant"]["poses"]) - 2))  # noqa: F821
+        pliant = mesh.data["pliant"]
+        set_poses(mesh, [0.5, 0.25] + [0] * (len(pliant.get("layers", pliant["poses"])) - 2))  # noqa: F821
         report["driven"] = [key.value for key in keys.key_blocks][1:]
 print("REPORT " + json.dumps(report))

@@ -3,6 +3,15 @@
    ranges. */
 #include "../../../runtime/support.h"
 
+/* The first rows are poses, or layers at the high end of their ranges; no row leaves the ranges. */
+static void place_weight(const pliant_asset* asset, uint32_t k, int row, float* weights)
+{
+    pliant_weight weight;
+    pliant_asset_weight(asset, k, &weight);
+    if (row < 12) weights[k] = k == (uint32_t)row % asset->weight_count ? weight.high : 0.0f;
+    if (weights[k] < weight.low) weights[k] = weight.low;
+}
+
 int main(int argc, char** argv)
 {
     if (argc != 3) return 2;
@@ -17,13 +26,13 @@ int main(int argc, char** argv)
     uint64_t state = 5;
     int exit_code = out && positions ? 0 : 1;
     for (int i = 0; i < 40 && exit_code == 0; ++i) {
-        random_weights(&state, asset.pose_count, weights);
-        for (uint32_t k = 0; i < 12 && k < asset.pose_count; ++k) weights[k] = k == (uint32_t)i % asset.pose_count;
+        random_blend(&state, &asset, weights);
+        for (uint32_t k = 0; k < asset.weight_count; ++k) place_weight(&asset, k, i, weights);
         if (pliant_solve(made.solver, weights, q, NULL) != PLIANT_OK) exit_code = 1;
         const pliant_result result = pliant_morph_weights(&asset, q, morph);
         if (result != PLIANT_OK) exit_code = result == PLIANT_ERROR_ABSENT ? 3 : 1;
         pliant_reconstruct(&asset, q, 0, asset.boundary_vertex_count, positions, 12);
-        fwrite(weights, 4, asset.pose_count, out);
+        fwrite(weights, 4, asset.weight_count, out);
         fwrite(q, 4, asset.dimension, out);
         fwrite(morph, 4, asset.dimension, out);
         fwrite(positions, 12, asset.boundary_vertex_count, out);

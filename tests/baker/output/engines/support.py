@@ -86,6 +86,11 @@ class Glb:
         return result
 
 
+def weight_count(pliant):
+    """Of the extras of a mesh."""
+    return len(pliant["layers" if pliant.get("blend") == "layers" else "poses"])
+
+
 def export(tool, asset, output, *options, code=0):
     result = subprocess.run([tool, "export", asset, "-o", output, *options], capture_output=True, text=True, timeout=120)
     check(result.returncode == code, f"export {asset}: exit code {result.returncode}\n{result.stdout}{result.stderr}")

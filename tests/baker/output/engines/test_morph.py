@@ -9,7 +9,7 @@ import sys
 
 import numpy as np
 
-from support import Glb, check, export
+from support import Glb, check, export, weight_count
 
 
 def floats_of(path, counts):
@@ -79,7 +79,7 @@ def check_asset(tool, program, path, folder):
     said = export(tool, path, output)
     glb = Glb(output)
     extras = glb.json["meshes"][0]["extras"]
-    n, d, m = len(glb.attribute("POSITION")), len(extras["targetNames"]), len(extras["pliant"]["poses"])
+    n, d, m = len(glb.attribute("POSITION")), len(extras["targetNames"]), weight_count(extras["pliant"])
     check(extras["targetNames"] == [f"q{j}" for j in range(d)], f"{name}: target names")
     code = subprocess.run([program, path, binary], timeout=60).returncode
     check((code == 3) == bool(re.search("warning P5205", said.stderr)),
@@ -102,15 +102,28 @@ def check_asset(tool, program, path, folder):
 
 
 def check_path(tool, path, folder):
-    asset_poses = len(Glb(folder / f"{pathlib.Path(path).stem}.glb").json["meshes"][0]["extras"]["pliant"]["poses"])
+    pliant = Glb(folder / f"{pathlib.Path(path).stem}.glb").json["meshes"][0]["extras"]["pliant"]
+    count, step = weight_count(pliant), -0.5 if "layers" in pliant else 1
     rows = folder / "path.csv"
-    rows.write_text("# frames\n" + "\n".join(",".join("1" if k == i % asset_poses else "0" for k in range(asset_poses))
+    rows.write_text("# frames\n" + "\n".join(",".join(str(step) if k == i % count else "0" for k in range(count))
                                               for i in range(5)) + "\n")
     output = folder / "path.glb"
     export(tool, path, output, "--path", rows, "--fps", "10")
     sampler = Glb(output).json["animations"][0]["samplers"][0]
     times = Glb(output).accessor(sampler["input"])[:, 0]
     check(np.allclose(times, [0, 0.1, 0.2, 0.3, 0.4]), f"times {times}")
+    rows.write_text(",".join(["1"] * (count + 1)) + "\n")
+    said = export(tool, path, output, "--path", rows, code=3).stderr
+    check("P5204" in said and f"{count + 1} weights given for {count} {'layers' if step < 0 else 'poses'}" in said, said)
+
+
+def check_layers(tool, path, folder):
+    """What the extras and the other kinds of file say of layers."""
+    layers = Glb(folder / f"{pathlib.Path(path).stem}.glb").json["meshes"][0]["extras"]["pliant"]["layers"]
+    check([(layer["low"], layer["high"], layer["initial"]) for layer in layers]
+          == [(-1, 1, 0), (0, 1.5, 0.25), (-0.5, 2, -0.25)] and all(layer["name"] for layer in layers), f"{layers}")
+    said = export(tool, path, folder / "skin.glb", "--skin", "6", "--embed").stdout
+    check(" bones" in said and "animation of 181 frames" in said and "embedded" in said, said)
 
 
 def main():
@@ -120,6 +133,8 @@ def main():
     for path in assets:
         print(check_asset(tool, program, path, folder))
     check_path(tool, assets[0], folder)
+    check_path(tool, assets[-1], folder)
+    check_layers(tool, assets[-1], folder)
     print(json.dumps({"assets": len(assets)}))
     return 0
 

@@ -10,7 +10,7 @@ import sys
 
 import numpy as np
 
-from support import Glb, check, export
+from support import Glb, check, export, weight_count
 
 RECIPES = pathlib.Path(__file__).resolve().parents[4] / "samples" / "README.md"
 RUN_NODE = """
@@ -42,12 +42,13 @@ def recipe(language, name):
 
 def evaluated(pliant, weights):
     """As formats/SPEC.md defines it."""
-    w = np.array(weights, float) / sum(weights)
+    w = np.array(weights, float) if pliant.get("blend") == "layers" else np.array(weights, float) / sum(weights)
+    tail = np.append(1, w) if pliant.get("blend") == "layers" else w
     table = pliant["pose_table"]
     centres = np.array(table["centres"]).reshape(-1, len(w))
-    rows = np.array(table["coefficients"]).reshape(len(centres) + len(w), -1)
+    rows = np.array(table["coefficients"]).reshape(len(centres) + len(tail), -1)
     check(table["kernel"] == "cubic", f"kernel {table['kernel']}")
-    return (np.sqrt(((w - centres) ** 2).sum(axis=1)) ** 3) @ rows[:len(centres)] + w @ rows[len(centres):]
+    return (np.sqrt(((w - centres) ** 2).sum(axis=1)) ** 3) @ rows[:len(centres)] + tail @ rows[len(centres):]
 
 
 def in_python(task, folder):
@@ -98,7 +99,7 @@ def check_asset(tool, program, path, folder):
     export(tool, path, folder / "a.glb")
     glb = Glb(folder / "a.glb")
     pliant = glb.json["meshes"][0]["extras"]["pliant"]
-    m, d, n = len(pliant["poses"]), len(pliant["q_min"]), glb.own_count()
+    m, d, n = weight_count(pliant), len(pliant["q_min"]), glb.own_count()
     subprocess.run([program, path, folder / "a.bin"], check=True, timeout=60)
     rows = np.fromfile(folder / "a.bin", "<f4").reshape(-1, m + 2 * d + 3 * n).astype(float)
     weights, shapes = rows[:, :m], rows[:, m + 2 * d:].reshape(len(rows), n, 3)
