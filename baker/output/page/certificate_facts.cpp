@@ -50,25 +50,36 @@ std::string word(const Json& json, std::string_view path)
     return value && value->is_string() ? value->get<std::string>() : std::string();
 }
 
-// Weights of sum 1, or nothing.
-std::vector<double> weights(const Json& json, std::size_t pose_count)
+// How weights of the asset look.
+struct WeightShape {
+    std::size_t pose_count;
+    bool has_layers;
+};
+
+// No layer is meant to be shown so many times over.
+constexpr double layer_weight_limit = 1000;
+
+// Weights of sum 1, or of layers, or nothing.
+std::vector<double> weights(const Json& json, const WeightShape& shape, std::string_view path = "weights")
 {
-    const Json* list = find(json, "weights");
-    if (!list || !list->is_array() || list->size() != pose_count) return {};
+    const Json* list = find(json, path);
+    if (!list || !list->is_array() || list->size() + shape.has_layers != shape.pose_count) return {};
     std::vector<double> out;
     double sum = 0;
     for (const Json& value : *list) {
         if (!value.is_number()) return {};
         out.push_back(value.get<double>());
-        if (!std::isfinite(out.back()) || out.back() < 0) return {};
+        if (!std::isfinite(out.back())) return {};
+        if (shape.has_layers ? std::abs(out.back()) > layer_weight_limit : out.back() < 0) return {};
         sum += out.back();
     }
+    if (shape.has_layers) return out;
     if (!(sum > 0) || !std::isfinite(sum)) return {};
     for (double& w : out) w /= sum;
     return out;
 }
 
-std::vector<CheckFact> checks_of(const Json& certificate, std::size_t pose_count)
+std::vector<CheckFact> checks_of(const Json& certificate, const WeightShape& shape)
 {
     std::vector<CheckFact> checks;
     const Json* list = find(certificate, "measured/checks");
@@ -76,7 +87,7 @@ std::vector<CheckFact> checks_of(const Json& certificate, std::size_t pose_count
     for (const Json& entry : *list) {
         CheckFact check;
         const std::optional<double> error = number(entry, "relative_l2");
-        check.weights = weights(entry, pose_count);
+        check.weights = weights(entry, shape);
         if (!error || *error < 0 || check.weights.empty() || checks.size() >= list_limit) continue;
         check.error = *error;
         check.distance = number(entry, "largest_distance").value_or(0);
@@ -93,29 +104,57 @@ std::optional<std::size_t> vertex(const Json& json, std::string_view path = "ver
     return value && value->is_number_unsigned() ? std::optional<std::size_t>(value->get<std::size_t>()) : std::nullopt;
 }
 
-std::vector<NamedPlace> places_of(const Json& certificate, std::size_t pose_count)
+std::size_t count(const Json& json, std::string_view path)
+{
+    const Json* value = find(json, path);
+    return value && value->is_number_unsigned() ? value->get<std::size_t>() : 0;
+}
+
+std::vector<MixtureFact> mixtures_of(const Json& certificate)
+{
+    std::vector<MixtureFact> mixtures;
+    const Json* list = find(certificate, "layers/errors");
+    if (!list || !list->is_array()) return mixtures;
+    for (const Json& entry : *list) {
+        const std::string kind = word(entry, "kind");
+        if (kind.empty() || mixtures.size() >= place_limit) continue;
+        const auto error = [&](const char* name) { return number(entry, name).value_or(NAN); };
+        mixtures.push_back({ kind, count(entry, "count"), count(entry, "without_shape"), error("mean_error"),
+                             error("largest_error"), error("linear_mean_error"), error("linear_largest_error") });
+    }
+    return mixtures;
+}
+
+// What P4406 says of it.
+std::string jump_text(const std::string& kind, const std::string& pose, bool has_layers)
+{
+    if (has_layers)
+        return fmt::format("{} on the path towards layer {}",
+                           kind == "jump" ? "The sum of layers jumps" : "There is a second sum of layers", pose);
+    if (kind == "other mean") return fmt::format("There is a second average of all poses, found from pose {}", pose);
+    return kind == "jump" ? fmt::format("The average jumps on the path towards pose {}", pose)
+                          : fmt::format("There is a second average on the path to pose {}", pose);
+}
+
+std::vector<NamedPlace> places_of(const Json& certificate, const WeightShape& shape)
 {
     std::vector<NamedPlace> places;
     const Json* branches = find(certificate, "branches");
     if (branches && branches->is_array())
         for (const Json& branch : *branches) {
-            NamedPlace place { 4406, {}, weights(branch, pose_count), vertex(branch).value_or(0) };
+            NamedPlace place { 4406, {}, weights(branch, shape), vertex(branch).value_or(0) };
             if (place.weights.empty() || !vertex(branch) || places.size() >= place_limit) continue;
-            const std::string kind = word(branch, "kind"), pose = word(branch, "pose");
-            place.what = kind == "other mean"
-                ? fmt::format("There is a second average of all poses, found from pose {}", pose)
-                : kind == "jump" ? fmt::format("The average jumps on the path towards pose {}", pose)
-                                 : fmt::format("There is a second average on the path to pose {}", pose);
+            place.what = jump_text(word(branch, "kind"), word(branch, "pose"), shape.has_layers);
             place.what += fmt::format(": distance {}, largest at vertex {}.",
                                       percent_text(number(branch, "distance").value_or(NAN)), place.vertex);
             places.push_back(std::move(place));
         }
     const Json* drift = find(certificate, "ties/drift_of_blends");
-    if (drift && vertex(*drift) && !weights(*drift, pose_count).empty())
+    if (drift && vertex(*drift) && !weights(*drift, shape).empty())
         places.push_back({ 4408,
                            fmt::format("Largest drift of a part from its attachment: {} of the diagonal, at vertex {}.",
                                        percent_text(number(*drift, "largest").value_or(NAN)), *vertex(*drift)),
-                           weights(*drift, pose_count), *vertex(*drift) });
+                           weights(*drift, shape), *vertex(*drift) });
     return places;
 }
 
@@ -217,21 +256,24 @@ Rows bake_rows(const Json& c)
 
 } // namespace
 
-CertificateFacts read_certificate_facts(const std::string& text, std::size_t pose_count)
+CertificateFacts read_certificate_facts(const std::string& text, std::size_t pose_count, bool has_layers)
 {
+    const WeightShape shape { pose_count, has_layers };
     CertificateFacts facts;
     const Json c = parse_foreign_json(text);
     if (!c.is_object()) return facts;
     facts.is_readable = true;
     facts.tolerance = number(c, "tolerance").value_or(0);
     facts.meets_tolerance = flag(c, "meets_tolerance");
-    facts.checks = checks_of(c, pose_count);
+    facts.checks = checks_of(c, shape);
+    if (has_layers) facts.mixtures = mixtures_of(c);
+    facts.worst_weights = weights(c, shape, "measured/worst_weights");
     if (!facts.checks.empty()) { // without checks its zeros mean nothing
         facts.mean_error = number(c, "measured/mean_error");
         facts.largest_error = number(c, "measured/largest_error");
         facts.largest_distance = number(c, "measured/largest_distance");
     }
-    facts.places = places_of(c, pose_count);
+    facts.places = places_of(c, shape);
     facts.roughest_vertex = vertex(c, "energy/roughest_vertex");
     facts.groups = { { "Elastic material", material_rows(c) },
                      { "Reduced space", subspace_rows(c) },

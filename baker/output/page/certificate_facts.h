@@ -10,10 +10,17 @@
 namespace pliant {
 
 struct CheckFact {
-    std::vector<double> weights; // as many as poses, of sum 1
+    std::vector<double> weights; // as many as poses, of sum 1; or as many as layers
     double error = 0;            // relative L2
     double distance = 0;         // of the farthest vertex, over the diagonal
     bool is_fresh = false, has_converged = true;
+};
+
+// Blends of one kind of mixture of layers: relative L2 of the blend, and of the linear sum.
+struct MixtureFact {
+    std::string kind;
+    std::size_t count = 0, lost_count = 0; // with errors; where no shape was found to compare with
+    double mean = 0, largest = 0, linear_mean = 0, linear_largest = 0;
 };
 
 // A place that a warning of the bake named: P4406 (branches) and P4408 (parts that drift).
@@ -29,7 +36,9 @@ struct CertificateFacts {
     double tolerance = 0;
     std::optional<bool> meets_tolerance;
     std::optional<double> mean_error, largest_error, largest_distance;
-    std::vector<CheckFact> checks; // in the order of the file, those that make sense
+    std::vector<CheckFact> checks;     // in the order of the file, those that make sense
+    std::vector<MixtureFact> mixtures; // of layers
+    std::vector<double> worst_weights; // of the largest error; empty: unknown
     std::vector<NamedPlace> places;
     std::optional<std::size_t> roughest_vertex; // as the pose files count
     std::vector<std::pair<std::string, std::vector<std::pair<std::string, std::string>>>>
@@ -37,6 +46,7 @@ struct CertificateFacts {
     std::string pretty; // the JSON, indented
 };
 
-CertificateFacts read_certificate_facts(const std::string& text, std::size_t pose_count);
+// `has_layers`: the poses are a rest shape and layers on it, so there is a weight less than poses.
+CertificateFacts read_certificate_facts(const std::string& text, std::size_t pose_count, bool has_layers = false);
 
 } // namespace pliant

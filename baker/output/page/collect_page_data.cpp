@@ -40,20 +40,37 @@ Coordinates linear_blend(const std::vector<Coordinates>& poses, const std::vecto
     return q;
 }
 
-Blends solve_blends(RuntimeBlender& blender, const CertificateFacts& facts)
+void solve_edges(RuntimeBlender& blender, Blends& out)
 {
-    const std::size_t m = blender.asset().pose_count;
-    Blends out;
-    for (std::uint32_t k = 0; k < m; ++k) out.poses.push_back(blender.pose_coordinates(k));
-    const std::vector<float> equal(m, 1 / float(m));
-    out.centre_linear = linear_blend(out.poses, equal);
-    out.centre_elastic = blender.solve(equal, false);
+    const std::size_t m = out.poses.size();
     for (std::size_t a = 0; a < m && m > 2; ++a)
         for (std::size_t b = a + 1; b < m && out.edges.size() < edge_search_limit; ++b) {
             std::vector<float> w(m, 0);
             w[a] = w[b] = 0.5f;
             out.edges.push_back({ a, b, linear_blend(out.poses, w), blender.solve(w, false) });
         }
+}
+
+// Of layers the mixture with the largest error; where none is known, the first layers at their full strength.
+std::vector<double> centre_weights(const WeightDomain& domain, const CertificateFacts& facts)
+{
+    if (!domain.is_box()) return std::vector<double>(domain.size(), 1 / double(domain.size()));
+    if (!facts.worst_weights.empty()) return facts.worst_weights;
+    std::vector<double> first(domain.size(), 0);
+    for (std::size_t k = 0; k < std::min(domain.size(), sparse_layer_limit); ++k) first[k] = domain.full(k);
+    return first;
+}
+
+Blends solve_blends(RuntimeBlender& blender, const std::vector<double>& centre, const CertificateFacts& facts)
+{
+    const std::size_t m = blender.asset().pose_count;
+    Blends out;
+    for (std::uint32_t k = 0; k < m; ++k) out.poses.push_back(blender.pose_coordinates(k));
+    const Weights w = Eigen::Map<const Weights>(centre.data(), Eigen::Index(centre.size()));
+    const Eigen::VectorXf shares = linear_shares(w, m).cast<float>();
+    out.centre_linear = linear_blend(out.poses, { shares.data(), shares.data() + shares.size() });
+    out.centre_elastic = blender.solve(std::vector<float>(centre.begin(), centre.end()), false);
+    if (!blender.asset().has_layers) solve_edges(blender, out);
     for (const CheckFact& check : facts.checks)
         out.checks.push_back(blender.solve(std::vector<float>(check.weights.begin(), check.weights.end()), false));
     return out;
@@ -86,7 +103,7 @@ void draw_edges(const PagePainter& painter, const Blends& blends, PageData& data
     for (const Blends::Edge& edge : blends.edges)
         order.push_back({ painter.farthest(painter.shape(edge.linear), painter.shape(edge.elastic)), &edge });
     std::stable_sort(order.begin(), order.end(), [](const auto& a, const auto& b) { return a.first > b.first; });
-    data.edge_count = data.pose_count > 2 ? data.pose_count * (data.pose_count - 1) / 2 : 0;
+    data.edge_count = data.pose_count > 2 && data.layers.empty() ? data.pose_count * (data.pose_count - 1) / 2 : 0;
     for (std::size_t i = 0; i < std::min(order.size(), edge_limit); ++i) {
         const Blends::Edge& edge = *order[i].second;
         data.edges.push_back(draw_blend(painter, fmt::format("½ {} + ½ {}", data.poses[edge.a], data.poses[edge.b]),
@@ -193,6 +210,9 @@ void add_facts(const RuntimeBlender& blender, PageData& data)
     data.format = format_version(asset);
     data.pose_count = asset.pose_count;
     for (std::uint32_t k = 0; k < asset.pose_count; ++k) data.poses.push_back(blender.pose_name(k));
+    const std::vector<WeightRange> ranges = blender.domain().ranges();
+    for (std::size_t k = 0; k < ranges.size(); ++k)
+        data.layers.push_back({ data.poses[k + 1], ranges[k].low, ranges[k].high, ranges[k].initial });
     data.vertices = asset.vertex_count;
     data.triangles = asset.triangle_count;
     data.dimension = asset.dimension;
@@ -215,15 +235,16 @@ PageData collect_page_data(RuntimeBlender& blender, const std::string& name, con
     data.name = name;
     data.view = view_text(view);
     add_facts(blender, data);
-    const CertificateFacts facts = read_certificate_facts(data.certificate, data.pose_count);
-    const Blends blends = solve_blends(blender, facts);
+    const CertificateFacts facts = read_certificate_facts(data.certificate, data.pose_count, !data.layers.empty());
+    const std::vector<double> centre = centre_weights(blender.domain(), facts);
+    const Blends blends = solve_blends(blender, centre, facts);
     const PagePainter painter(blender, shown(blends), view);
-    for (std::size_t k = 0; k < std::min(data.pose_count, pose_limit); ++k)
+    for (std::size_t k = 0; k < std::min(data.pose_count, pose_limit + !data.layers.empty()); ++k)
         data.pose_pictures.push_back({ painter.draw(painter.shape(blends.poses[k]), pose_size), data.poses[k], {}, {} });
     if (facts.roughest_vertex && *facts.roughest_vertex < blender.asset().vertex_count)
         mark_roughest(painter, blends.poses[0], std::uint32_t(*facts.roughest_vertex), data.pose_pictures[0]);
-    data.centre = draw_blend(painter, "All poses with equal weights", blends.centre_linear, blends.centre_elastic,
-                             centre_size, true);
+    const std::string title = data.layers.empty() ? "All poses with equal weights" : weights_in_words(centre, data.poses);
+    data.centre = draw_blend(painter, title, blends.centre_linear, blends.centre_elastic, centre_size, true);
     draw_edges(painter, blends, data);
     add_columns(blender, blends, painter.diagonal(), data);
     data.has_report = report != nullptr;

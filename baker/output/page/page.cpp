@@ -1,5 +1,6 @@
 #include "output/page/page.h"
 
+#include "base/weights/domain.h"
 #include "output/page/certificate_facts.h"
 #include "output/page/html.h"
 #include "output/page/page_charts.h"
@@ -45,7 +46,7 @@ std::string fact(const char* name, const std::string& value)
     return fmt::format("<div><dt>{}</dt><dd>{}</dd></div>", name, escape_html(value));
 }
 
-std::string verdict(const CertificateFacts& facts)
+std::string verdict(const CertificateFacts& facts, std::size_t layer_count)
 {
     if (!facts.is_readable)
         return "<p class=\"verdict\">The certificate in this asset cannot be read, so its measured errors are unknown.</p>";
@@ -54,16 +55,20 @@ std::string verdict(const CertificateFacts& facts)
     const bool is_kept = facts.meets_tolerance.value_or(false);
     return fmt::format(
         "<p class=\"verdict\"><b class=\"{}\">Tolerance {}.</b> Blends at {} weights differ from the unreduced "
-        "elastic average by a mean of {} and at most {}; the tolerance for the mean is {}.</p>",
-        is_kept ? "kept" : "missed", is_kept ? "met" : "missed", facts.checks.size(), percent_text(*facts.mean_error),
-        percent_text(facts.largest_error.value_or(NAN)), percent_text(facts.tolerance));
+        "elastic {} by a mean of {} and at most {}; the tolerance for the mean is {}.{}</p>",
+        is_kept ? "kept" : "missed", is_kept ? "met" : "missed", facts.checks.size(),
+        layer_count ? "sum of the layers" : "average", percent_text(*facts.mean_error),
+        percent_text(facts.largest_error.value_or(NAN)), percent_text(facts.tolerance),
+        layer_count > sparse_layer_limit ? " Mixtures of more than six layers are not counted." : "");
 }
 
 std::string header(const PageData& data, const CertificateFacts& facts)
 {
     std::string html = fmt::format("<header><p class=\"kind\">Pliant asset</p><h1>{}</h1>{}<dl class=\"facts\">",
-                                   escape_html(data.name), verdict(facts));
-    html += fact("Poses", count_text(data.pose_count)) + fact("Vertices", count_text(data.vertices));
+                                   escape_html(data.name), verdict(facts, data.layers.size()));
+    html
+        += data.layers.empty() ? fact("Poses", count_text(data.pose_count)) : fact("Layers", count_text(data.layers.size()));
+    html += fact("Vertices", count_text(data.vertices));
     html += fact("Triangles", count_text(data.triangles)) + fact("Dimension d", count_text(data.dimension));
     for (const auto& [title, rows] : facts.groups)
         for (const auto& [name, value] : rows)
@@ -76,8 +81,34 @@ std::string header(const PageData& data, const CertificateFacts& facts)
     return html + "</dl></header>\n";
 }
 
+std::string layer_table(const std::vector<PageLayer>& layers)
+{
+    std::string html = "<table><thead><tr><th>layer</th><th class=\"number\">lowest weight</th><th class=\"number\">"
+                       "highest weight</th><th class=\"number\">start</th></tr></thead><tbody>";
+    for (const PageLayer& layer : layers)
+        html += fmt::format("<tr><td>{}</td><td class=\"number\">{:.3g}</td><td class=\"number\">{:.3g}</td>"
+                            "<td class=\"number\">{:.3g}</td></tr>",
+                            escape_html(layer.name), layer.low, layer.high, layer.initial);
+    return html + "</tbody></table>";
+}
+
+std::string layers_section(const PageData& data)
+{
+    std::string body = "<div class=\"gallery\">";
+    for (const PagePicture& picture : data.pose_pictures) body += figure(picture, "pose");
+    body += "</div>" + layer_table(data.layers);
+    std::string sentence
+        = fmt::format("The rest shape, and each layer at the weight 1, all at one scale ({}). ", escape_html(data.view));
+    if (data.pose_pictures.size() < data.pose_count)
+        sentence += fmt::format("Shown are the first {} of {} layers. ", data.pose_pictures.size() - 1, data.layers.size());
+    return section(
+        "poses", "Layers",
+        sentence + "The table has the weights at which the bake measured; others blend as well, without a promise.", body);
+}
+
 std::string poses_section(const PageData& data)
 {
+    if (!data.layers.empty()) return layers_section(data);
     std::string body = "<div class=\"gallery\">";
     for (const PagePicture& picture : data.pose_pictures) body += figure(picture, "pose");
     body += "</div>";
@@ -99,8 +130,21 @@ std::string blend_html(const PageBlend& blend)
     return html + fmt::format(fmt::runtime(note), percent_text(blend.distance));
 }
 
-std::string blends_section(const PageData& data)
+std::string mixture_section(const PageData& data, const CertificateFacts& facts)
 {
+    const bool is_worst = !facts.worst_weights.empty();
+    return section(
+        "blends", is_worst ? "The worst mixture" : "A mixture of layers",
+        fmt::format("{} Left: the linear sum, as morph targets give it. Right: the elastic blend that the runtime "
+                    "computes.",
+                    is_worst ? "The mixture whose blend is farthest from the unreduced elastic sum."
+                             : "The first layers at their full strength."),
+        data.centre ? blend_html(*data.centre) : "");
+}
+
+std::string blends_section(const PageData& data, const CertificateFacts& facts)
+{
+    if (!data.layers.empty()) return mixture_section(data, facts);
     std::string body;
     if (data.centre) body += blend_html(*data.centre);
     if (!data.edges.empty()) {
@@ -117,10 +161,38 @@ std::string blends_section(const PageData& data)
                    body);
 }
 
+std::string mixture_row(const MixtureFact& mixture)
+{
+    std::string html
+        = fmt::format("<tr><td>{}</td><td class=\"number\">{}</td>", escape_html(mixture.kind), count_text(mixture.count));
+    for (const double error : { mixture.mean, mixture.largest, mixture.linear_mean, mixture.linear_largest })
+        html += fmt::format("<td class=\"number\">{}</td>", mixture.count ? percent_text(error) : "");
+    return html + fmt::format("<td class=\"number\">{}</td></tr>", count_text(mixture.lost_count));
+}
+
+// Of layers: the errors by kind of mixture beside those of the linear sum.
+std::string mixtures_section(const CertificateFacts& facts, const std::vector<std::string>& poses)
+{
+    std::string body = "<table class=\"mixtures\"><thead><tr><th>mixture</th><th class=\"number\">weights</th>"
+                       "<th class=\"number\">mean error</th><th class=\"number\">largest</th>"
+                       "<th class=\"number\">linear sum, mean</th><th class=\"number\">largest</th>"
+                       "<th class=\"number\">no shape</th></tr></thead><tbody>";
+    for (const MixtureFact& mixture : facts.mixtures) body += mixture_row(mixture);
+    return section(
+        "errors", "Errors by kind of mixture",
+        "The relative L2 error of a blend is the distance of its vertices from the unreduced elastic sum of the "
+        "layers (root mean square over the surface, after rigid alignment), divided by their distance from the "
+        "centroid. Beside it stands that of the linear sum, as morph targets give it. Sparse mixtures have three to "
+        "six layers, dense ones all, corners have each layer at an end of its range. At some weights there is no "
+        "elastic sum to compare with: no shape.",
+        body + "</tbody></table>" + error_chart(facts, poses));
+}
+
 std::string error_section(const PageData& data, const CertificateFacts& facts)
 {
     if (facts.checks.empty())
         return section("errors", "Errors over the weights", "The certificate has no checks, so the errors are unknown.", "");
+    if (!data.layers.empty()) return mixtures_section(facts, data.poses);
     std::string sentence
         = "The relative L2 error of a blend is the distance of its vertices from the unreduced elastic average (root mean "
           "square over the surface, after rigid alignment), divided by their distance from the centroid.";
@@ -197,6 +269,7 @@ const char* chunk_purpose(const std::string& tag)
         { "REST", "rest positions" },
         { "TRIS", "triangles" },
         { "MRNG", "ranges of morph weights" },
+        { "LAYR", "ranges of the layers' weights" },
         { "VERT", "vertex numbers of the pose files" },
         { "SMTH", "vertices that share a normal" },
         { "POLY", "faces of the pose files" },
@@ -270,7 +343,7 @@ std::string certificate_section(const CertificateFacts& facts)
 
 std::string write_page(const PageData& data)
 {
-    const CertificateFacts facts = read_certificate_facts(data.certificate, data.pose_count);
+    const CertificateFacts facts = read_certificate_facts(data.certificate, data.pose_count, !data.layers.empty());
     // The policy forbids every request and every script, whatever strangers' texts hold.
     std::string html = fmt::format(
         "<!DOCTYPE html>\n<html lang=\"en\"><head><meta charset=\"utf-8\">\n"
@@ -279,7 +352,7 @@ std::string write_page(const PageData& data)
         "<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n<title>{} – Pliant report</title>\n"
         "<style>{}</style></head>\n<body><main>\n",
         escape_html(data.name), page_style);
-    html += header(data, facts) + poses_section(data) + blends_section(data) + error_section(data, facts)
+    html += header(data, facts) + poses_section(data) + blends_section(data, facts) + error_section(data, facts)
         + warnings_section(data);
     html += spectrum_section(data) + bytes_section(data) + seconds_section(data) + certificate_section(facts);
     return html

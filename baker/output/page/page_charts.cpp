@@ -179,8 +179,28 @@ std::string error_bars(const CertificateFacts& facts, const std::vector<std::str
 
 std::string pose_colour(std::size_t pose) { return fmt::format("var(--pose-{})", pose % colour_count); }
 
+namespace {
+
+bool is_of_layers(const std::vector<double>& weights, const std::vector<std::string>& poses)
+{
+    return weights.size() + 1 == poses.size();
+}
+
+std::string layers_in_words(const std::vector<double>& weights, const std::vector<std::string>& poses)
+{
+    std::string text;
+    for (std::size_t k = 0; k < weights.size(); ++k)
+        if (std::abs(weights[k]) >= 0.005)
+            text += fmt::format("{}{} {}{:.2g}", text.empty() ? "" : ", ", poses[k + 1], weights[k] < 0 ? "−" : "",
+                                std::abs(weights[k]));
+    return text.empty() ? "no layer" : text;
+}
+
+} // namespace
+
 std::string weights_in_words(const std::vector<double>& weights, const std::vector<std::string>& poses)
 {
+    if (is_of_layers(weights, poses)) return layers_in_words(weights, poses);
     std::vector<std::size_t> order(weights.size());
     std::iota(order.begin(), order.end(), std::size_t(0));
     std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) { return weights[a] > weights[b]; });
@@ -192,16 +212,21 @@ std::string weights_in_words(const std::vector<double>& weights, const std::vect
     return text;
 }
 
+namespace {
+
+std::string simplex_chart(const CertificateFacts& facts, const std::vector<std::string>& poses)
+{
+    if (poses.size() == 2) return "<figure class=\"chart\">" + error_curve(facts, poses) + "</figure>";
+    if (poses.size() == 3) return "<figure class=\"chart\">" + error_triangle(facts, poses) + "</figure>";
+    return error_bars(facts, poses);
+}
+
+} // namespace
+
 std::string error_chart(const CertificateFacts& facts, const std::vector<std::string>& poses)
 {
     if (facts.checks.empty()) return {};
-    std::string html;
-    if (poses.size() == 2)
-        html = "<figure class=\"chart\">" + error_curve(facts, poses) + "</figure>";
-    else if (poses.size() == 3)
-        html = "<figure class=\"chart\">" + error_triangle(facts, poses) + "</figure>";
-    else
-        html = error_bars(facts, poses);
+    std::string html = is_of_layers(facts.checks[0].weights, poses) ? "" : simplex_chart(facts, poses);
     html += "<table class=\"worst-table\"><caption>The worst weights</caption><thead><tr><th>weights</th><th "
             "class=\"number\">error</th><th class=\"number\">farthest vertex</th></tr></thead><tbody>";
     const std::vector<std::size_t> order = worst_first(facts.checks);

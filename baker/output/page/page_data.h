@@ -31,6 +31,12 @@ struct PageBlend {
     double distance = 0;                   // of the vertex that is farthest apart in the two, over the diagonal
 };
 
+// A layer, and the weights that the bake measured.
+struct PageLayer {
+    std::string name;
+    double low = 0, high = 1, initial = 0;
+};
+
 struct PageColumn {
     double amplitude = 0; // no vertex moves further by it, over the diagonal
     double bits = 32;     // a number, in the mean
@@ -55,15 +61,16 @@ struct PageData {
     std::string name; // of the asset's file
     std::string format;
     std::vector<std::string> poses;
+    std::vector<PageLayer> layers; // of an asset of layers, one for each pose after pose 0; else empty
     std::uint64_t vertices = 0, triangles = 0, file_size = 0, frame_bytes = 0, solver_memory = 0;
     std::size_t dimension = 0;
     bool is_compact = false;
     double bytes_per_number = 0;
 
     std::vector<PagePicture> pose_pictures;
-    std::optional<PageBlend> centre;
-    std::vector<PageBlend> edges; // the largest difference first
-    std::size_t edge_count = 0;   // before any were left out
+    std::optional<PageBlend> centre; // all poses in equal parts; of layers the worst mixture
+    std::vector<PageBlend> edges;    // the largest difference first
+    std::size_t edge_count = 0;      // before any were left out
     std::size_t pose_count = 0;
     std::string view; // "three-quarter view, y upwards"
 

@@ -78,6 +78,7 @@ th { text-align: left; font-weight: 400; color: var(--soft); font-size: .8rem; b
 th, td { padding: .32rem .6rem .32rem 0; vertical-align: top; } td { border-bottom: 1px solid var(--rule); }
 th.number, td.number { text-align: right; padding-right: 0; padding-left: .6rem; white-space: nowrap; }
 .bars .name { font-weight: 600; margin-right: .6rem; } .bars .what { color: var(--soft); }
+.mixtures th.number { white-space: normal; } .mixtures td { white-space: nowrap; }
 .bar-cell { width: 30%; padding-top: .68rem; }
 .groups { display: grid; grid-template-columns: repeat(auto-fill, minmax(min(100%, 22rem), 1fr)); gap: 0 2.5rem; }
 .groups dl { display: grid; grid-template-columns: 1fr auto; margin: 0; font-size: .9rem; }
@@ -96,7 +97,8 @@ footer { color: var(--soft); font-size: .85rem; margin-top: 3rem; border-top: 1p
 @media (max-width: 34rem) { main { padding: 1.4rem 1rem 3rem; } h1 { font-size: 1.6rem; }
   .gallery { grid-template-columns: 1fr 1fr; } .check-row { grid-template-columns: 7rem 1fr 4.2rem; }
   .trio { grid-template-columns: 1fr 1fr; } .trio figure:last-child { grid-column: 1 / -1; } .bar-cell { display: none; }
-  .bars th:nth-child(2) { display: none; } .bars .what { display: block; } .facts { grid-template-columns: 1fr 1fr; } }
+  .bars th:nth-child(2), .mixtures :is(th, td):is(:nth-child(2), :nth-child(n + 6)) { display: none; }
+  .bars .what { display: block; } .facts { grid-template-columns: 1fr 1fr; } }
 @media print { :root { --paper: #fff; --card: #f4f2ee; --ink: #111; --soft: #555; --rule: #ccc; --accent: #3d6785;
   --warm: #b0552f; --good: #4a7352; color-scheme: light; }
   .pairs { grid-template-columns: 1fr 1fr; }

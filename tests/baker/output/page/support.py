@@ -89,6 +89,23 @@ def book(angle, rows=4):
                      + [f"3 {a} {b} {c}" for a, b, c in faces]) + "\n"
 
 
+def bent_sheet(left=0.0, right=0.0, columns=13, rows=5):
+    """An ASCII OFF of a sheet whose two sides bend, each on its own."""
+    import math
+    points = []
+    for column in range(columns):
+        x = 4 * column / (columns - 1) - 2
+        side, angle = (-1, left) if x < 0 else (1, right)
+        along = max(abs(x) - 0.3, 0.0) if angle else 0.0
+        reach = abs(x) if not along else 0.3 + math.sin(along * angle) / angle
+        points += [(side * reach, 0.6 * row, (1 - math.cos(along * angle)) / angle if along else 0.0) for row in range(rows)]
+    faces = []
+    for a in (column * rows + row for column in range(columns - 1) for row in range(rows - 1)):
+        faces += [(a, a + rows, a + 1), (a + 1, a + rows, a + rows + 1)]
+    return "\n".join(["OFF", f"{len(points)} {len(faces)} 0"] + [f"{x!r} {y!r} {z!r}" for x, y, z in points]
+                     + [f"3 {a} {b} {c}" for a, b, c in faces]) + "\n"
+
+
 def bake_shapes(tool, folder, name, shapes, dimension, *options):
     """Bakes OFF files of these texts. Returns the report, which stands beside the folder of its asset, out/."""
     poses = []

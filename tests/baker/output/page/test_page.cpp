@@ -104,6 +104,39 @@ int number_of(const std::string& report)
 
 } // namespace
 
+TEST_CASE("a page of layers has ranges, the worst mixture and errors by kind, and no chart of a simplex")
+{
+    PageData data = small_page(4);
+    data.layers = { { "smile", -0.5, 1.25, 0.25 }, { hostile, 0, 1, 0 }, { "frown", 0, 1, 0 } };
+    data.poses = { "rest", "smile", hostile, "frown" };
+    data.edges.clear();
+    data.edge_count = 0;
+    data.certificate = fmt::format(R"({{"tolerance":0.001,"meets_tolerance":true,"measured":{{"mean_error":3.5e-4,
+        "largest_error":6e-4,"worst_weights":[1,0,-0.5],"checks":[{},{},{}]}},
+        "branches":[{{"kind":"jump","pose":"frown","weights":[0,0,1],"distance":0.1,"vertex":7}}],
+        "layers":{{"errors":[{{"kind":"pair","count":9,"without_shape":1,"mean_error":0.001,"largest_error":0.002,
+        "linear_mean_error":0.03,"linear_largest_error":0.04}},{{"kind":"<b>","count":"x"}},7]}}}})",
+                                   check_json({ 1, 0, -0.5 }, 6e-4, true), check_json({ 0.5, 0.5 }, 9e-4, true),
+                                   check_json({ 1e9, 0, 0 }, 9e-4, true));
+    const CertificateFacts facts = read_certificate_facts(data.certificate, 4, true);
+    CHECK(facts.checks.size() == 1); // of as many weights as layers, none of them absurd
+    CHECK(facts.worst_weights == std::vector<double> { 1, 0, -0.5 });
+    REQUIRE(facts.mixtures.size() == 2);
+    CHECK(facts.mixtures[1].count == 0);
+    REQUIRE(facts.places.size() == 1);
+    CHECK(facts.places[0].what.find("The sum of layers jumps on the path towards layer frown") == 0);
+    CHECK(weights_in_words({ 1, 0, -0.5 }, data.poses) == "smile 1, frown −0.5");
+    CHECK(weights_in_words({ 0, 0, 0 }, data.poses) == "no layer");
+    const std::string page = write_page(data);
+    CHECK(page.find("<td>smile</td><td class=\"number\">-0.5</td><td class=\"number\">1.25</td>") != std::string::npos);
+    CHECK(page.find("<td>pair</td><td class=\"number\">9</td><td class=\"number\">0.10 %</td>") != std::string::npos);
+    CHECK(page.find("smile 1, frown −0.5") != std::string::npos);
+    CHECK(page.find("unreduced elastic sum of the layers") != std::string::npos);
+    for (const char* part : { "class=\"curve\"", "class=\"blob", "check-row\"", "equal weights", "<script" })
+        CHECK(page.find(part) == std::string::npos);
+    CHECK(write_page(data) == page);
+}
+
 TEST_CASE("text of strangers stays text")
 {
     CHECK(escape_html("a<b>&\"'c") == "a&lt;b&gt;&amp;&quot;&#39;c");

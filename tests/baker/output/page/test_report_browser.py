@@ -5,7 +5,7 @@ import pathlib
 import sys
 
 from browser import Browser
-from support import bake_shapes, check, hostile_names, information, rename_poses, run, tube
+from support import bake_shapes, bent_sheet, check, hostile_names, information, rename_poses, run, tube
 
 # Widths of what stands out on the right, of pictures that were not decoded, and the colour of the page.
 MEASURE = """({ width: document.documentElement.scrollWidth,
@@ -46,6 +46,9 @@ def main():
         # A curve, a triangle and bars of errors, seconds and warnings.
         for name, bends in (("two", (0.0, 1.2)), ("three", (0.0, 1.2, -1.0)), ("five", (0.0, 1.2, -1.0, 0.5, 2.0))):
             sources.append(bake_shapes(tool, folder, name, [tube(bend) for bend in bends], len(bends) + 1))
+        shapes = [bent_sheet(), bent_sheet(left=1.0), bent_sheet(right=1.0)]
+        sources.append(bake_shapes(tool, folder, "layers", shapes, 4, "--blend", "layers"))
+        sources += [asset for asset in assets if asset.stem == "layers_many"]
         for source in sources:
             page = folder / f"{source.stem}.html"
             run(tool, "report", source, "-o", page, "-q")

@@ -8,7 +8,8 @@ import re
 import sys
 import tempfile
 
-from support import bake_shapes, book, check, hostile_names, information, png_size, rename_poses, run, tube, write_report
+from support import (bake_shapes, bent_sheet, book, check, hostile_names, information, png_size, rename_poses, run, tube,
+                     write_report)
 
 PICTURES = re.compile(r'<img src="data:image/png;base64,([A-Za-z0-9+/=]+)" width="(\d+)" height="(\d+)"')
 # What a page may name: itself (#...) and pictures inside it.
@@ -16,14 +17,15 @@ REFERENCES = re.compile(r'(?:src|href|action|data|srcset|poster)\s*=\s*["\']?([^
                         r'|url\(|@import|<(?:script|link|iframe|object|embed|base)\b')
 
 
-def check_page(path, poses, size_limit=2 << 20):
+def check_page(path, poses, size_limit=2 << 20, has_layers=False):
     text = path.read_text(encoding="utf-8")
     check(len(text) < size_limit, f"{path}: {len(text)} bytes")
     for match in REFERENCES.finditer(text):
         check((match[1] or "").startswith("data:image/png;base64,"), f"{path}: refers to {match[0][:80]!r}")
     pictures = PICTURES.findall(text)
-    edges = min(8, poses * (poses - 1) // 2) if poses > 2 else 0
-    check(len(pictures) >= poses + 3 + 2 * edges, f"{path}: {len(pictures)} pictures of {poses} poses")
+    edges = min(8, poses * (poses - 1) // 2) if poses > 2 and not has_layers else 0
+    shown = min(poses, 16 + has_layers)
+    check(len(pictures) >= shown + 3 + 2 * edges, f"{path}: {len(pictures)} pictures of {poses} poses")
     for data, width, height in pictures:
         png = base64.b64decode(data, validate=True)
         check(png.startswith(b"\x89PNG") and png_size(png) == (int(width), int(height)),
@@ -36,13 +38,14 @@ def check_assets(tool, assets, folder):
         page = folder / f"{asset.stem}.html"
         run(tool, "report", asset, "-o", page)
         info = information(tool, asset)
-        text = check_page(page, len(info["poses"]))
+        text = check_page(page, len(info["poses"]), has_layers="layers" in info)
         first = page.read_bytes()
         run(tool, "report", asset, "-o", page, "-q")
         check(page.read_bytes() == first, f"{asset}: two pages of one asset differ")
         for chunk in info["chunks"]:
             check(f'>{chunk["tag"]}</span>' in text and f'{chunk["size"]:,}' in text,
                   f'{asset}: {chunk["tag"]} is not on the page')
+        check(("A mixture of layers" in text) == ("layers" in info), f"{asset}: what is no worst mixture is called one")
         check(all(html.escape(name) in text for name in info["poses"]), f"{asset}: a pose is not named")
 
 
@@ -120,6 +123,21 @@ def check_bake(tool, folder):
           "the roughest vertex is not marked")
 
 
+def check_layers(tool, folder):
+    shapes = [bent_sheet(), bent_sheet(left=1.0), bent_sheet(right=1.0)]
+    source = bake_shapes(tool, folder, "sheet", shapes, 4, "--blend", "layers", "--range", "sheet_2=-0.5:1")
+    run(tool, "report", source, "-o", folder / "sheet.html")
+    text = check_page(folder / "sheet.html", 3, has_layers=True)
+    report = json.loads(source.read_text())
+    for row in report["layers"]["errors"]:
+        check(f'<td>{row["kind"]}</td><td class="number">{row["count"]}</td>' in text, f'{row} is not on the page')
+    check('<td>sheet_2</td><td class="number">-0.5</td><td class="number">1</td>' in text, "a range is not on the page")
+    check(len(PICTURES.findall(text)) == 6, f"{len(PICTURES.findall(text))} pictures")
+    worst = report["measured"]["worst_weights"]
+    names = [name for name, weight in zip(("sheet_1", "sheet_2"), worst) if abs(weight) >= 0.005]
+    check(re.search("<h3>" + ", ".join(f"{name} −?[0-9.]+" for name in names) + "</h3>", text), f"{worst}: {names}")
+
+
 def main():
     tool, assets = sys.argv[1], [pathlib.Path(path) for path in sys.argv[2:]]
     with tempfile.TemporaryDirectory(prefix="pliant-report-") as name:
@@ -129,6 +147,7 @@ def main():
         check_strangers(tool, next(asset for asset in assets if asset.stem == "twelve_poses"), folder)
         check_reports(tool, next(asset for asset in assets if asset.stem == "tube_compact"), folder)
         check_bake(tool, folder)
+        check_layers(tool, folder)
     print(f"{len(assets)} assets")
     return 0
 
