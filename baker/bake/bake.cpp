@@ -114,6 +114,7 @@ BakedAsset bake(const PoseSet& poses, const BakeOptions& given, Progress& listen
     report.input = describe(poses, set, energy);
     report.input.material = *options.energy.material;
     report.input.ranges = domain.ranges();
+    report.input.pose_names = poses.names;
     warn_of_foldover(report.input, options.energy, progress);
     SolverPool pool(energy, set, options.energy.solver);
     watch.end_stage("poses");

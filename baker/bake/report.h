@@ -32,7 +32,8 @@ struct InputReport {
     std::size_t foldover_count = 0;               // hinges whose bending is damped
     std::vector<std::uint32_t> foldover_vertices; // of the edges of such hinges, the first of them
     std::vector<std::uint32_t> fixed_vertices;    // ascending
-    std::vector<WeightRange> ranges;              // of layers
+    std::vector<std::string> pose_names;
+    std::vector<WeightRange> ranges; // of layers
 };
 
 // The surrogate energy and the dimension that were chosen.
@@ -80,13 +81,14 @@ struct BasisReport {
 struct CheckReport {
     double runtime_error = 0; // largest distance of runtime and double-precision model, relative L2
     std::vector<BlendCheck> blends;
-    double mean_error = 0, largest_error = 0; // relative L2, over all blends
+    double mean_error = 0, largest_error = 0; // relative L2, over all blends; of layers over those that are judged
     double largest_distance = 0;              // of a vertex, over the diagonal
     double cell_ratio = 1;                    // the smallest
     Weights worst_weights;
     bool meets_tolerance = false; // the mean, the largest if bounded, and every blend next to a jump
     BasisReport basis;
     std::vector<KindErrors> kinds;               // of layers
+    double linear_error = 0;                     // of layers: as mean_error, of the linear sum
     std::optional<TieReport> ties;               // of a character in several parts, or with cracks
     std::optional<RenderMeshErrors> render_mesh; // at the same weights, of a solid that draws a surface of its own
 };

@@ -157,6 +157,7 @@ CheckReport summarize(std::vector<BlendCheck> blends, const WeightDomain& domain
     for (const BlendCheck& check : report.blends) {
         if (!is_judged(check, domain)) continue;
         report.mean_error += check.error.relative_l2;
+        report.linear_error += check.linear_error;
         ++count;
         report.largest_distance = std::max(report.largest_distance, check.error.largest_distance);
         report.cell_ratio = std::min(report.cell_ratio, check.cell_ratio);
@@ -165,6 +166,7 @@ CheckReport summarize(std::vector<BlendCheck> blends, const WeightDomain& domain
         report.worst_weights = check.weights;
     }
     report.mean_error /= std::max(count, 1.0);
+    report.linear_error /= std::max(count, 1.0);
     report.meets_tolerance
         = count > 0 && report.mean_error <= options.tolerance
         && (options.tolerance_max == 0 || report.largest_error <= options.tolerance_max)

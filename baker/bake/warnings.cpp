@@ -1,14 +1,30 @@
 #include "bake/warnings.h"
 
+#include "base/weights/blend_text.h"
+
 #include <fmt/core.h>
 
 namespace pliant {
 namespace {
 
+// The same for layers: no pose can be added between them, but less can be asked of them.
+std::string remedy_for_layers(const BakeReport& r, const BakeOptions& options)
+{
+    if (!r.branches.empty())
+        return r.input.material == Material::discrete_shells
+            ? "sums of layers jump (P4406): use --material arap, or take a smaller --range"
+            : "sums of layers jump (P4406): take a smaller --range, leave a layer out, or raise --tolerance";
+    if (r.fit.subspace_error.mean > 0.5 * options.tolerance)
+        return r.fit.dimension >= 60 ? "take a smaller --range, leave a layer out, or raise --tolerance"
+                                     : "raise --dim or leave it out, take a smaller --range, or raise --tolerance";
+    return "raise --elements, take a smaller --range, or raise --tolerance";
+}
+
 // Where to turn when the tolerance is missed: what makes averages jump, else the part that misses it.
 std::string remedy(const BakeReport& r, const BakeOptions& options)
 {
     if (options.time_limit) return "raise --time-limit, leave out --time-limit and --preview, or raise --tolerance";
+    if (!r.input.ranges.empty()) return remedy_for_layers(r, options);
     if (!r.branches.empty())
         return r.input.material == Material::discrete_shells
             ? "averages jump (P4406): use --material arap"
@@ -20,6 +36,24 @@ std::string remedy(const BakeReport& r, const BakeOptions& options)
     return "raise --elements, add a pose between those of the worst weights, or raise --tolerance";
 }
 
+bool is_of_layers(const Branch& branch, const std::vector<std::string>& pose_names)
+{
+    return std::size_t(branch.weights.size()) < pose_names.size();
+}
+
+std::string describe(const Branch& branch, const std::vector<std::string>& pose_names)
+{
+    const std::string& pose = pose_names[branch.pose];
+    const bool is_jump = branch.kind == Branch::Kind::jump;
+    if (is_of_layers(branch, pose_names))
+        return fmt::format("{} on the path towards layer {}",
+                           is_jump ? "the sum of layers jumps" : "there is a second sum of layers", pose);
+    if (branch.kind == Branch::Kind::other_mean)
+        return fmt::format("there is a second average of all poses, found from pose {}", pose);
+    return is_jump ? fmt::format("the average jumps on the path towards pose {}", pose)
+                   : fmt::format("there is a second average on the path to pose {}", pose);
+}
+
 } // namespace
 
 std::optional<ToleranceMiss> find_miss(const BakeReport& r, const BakeOptions& options, bool has_tolerance)
@@ -27,11 +61,13 @@ std::optional<ToleranceMiss> find_miss(const BakeReport& r, const BakeOptions& o
     if (r.check.blends.empty() || r.check.meets_tolerance) return {};
     const bool is_asked = has_tolerance || options.tolerance_max > 0;
     if (!is_asked && (options.dimension || options.subspace != SubspaceKind::adaptive)) return {};
-    std::string miss = fmt::format("blends miss the tolerance {:.3g}", options.tolerance);
+    std::string miss = fmt::format("{} miss the tolerance {:.3g}", r.input.ranges.empty() ? "blends" : "mixtures of layers",
+                                   options.tolerance);
     if (options.tolerance_max > 0) miss += fmt::format(" (largest {:.3g})", options.tolerance_max);
     miss += fmt::format(": mean error {:.2e} (at best {:.2e} in the subspace) at d = {} and {} elements", r.check.mean_error,
                         r.fit.subspace_error.mean, r.fit.dimension, r.fit.element_count);
-    miss += fmt::format(", largest {:.2e} at weights {}", r.check.largest_error, weights_text(r.check.worst_weights));
+    miss += fmt::format(", largest {:.2e} at weights {}", r.check.largest_error,
+                        blend_text(r.check.worst_weights, r.input.pose_names));
     return ToleranceMiss { is_asked, miss, remedy(r, options) };
 }
 
@@ -55,10 +91,11 @@ void require_convergence(const NewtonResult& result, const NewtonOptions& option
                            "add an in-between pose, or try another --thickness"));
 }
 
-void require_layered_shape(const NewtonResult& result, const Weights& v, const std::string& frame)
+void require_layered_shape(const NewtonResult& result, const Weights& v, const std::vector<std::string>& pose_names,
+                           const std::string& frame)
 {
     if (result.has_converged) return;
-    std::string what = fmt::format("{}no shape was found at the layer weights {}", frame, weights_text(v));
+    std::string what = fmt::format("{}no shape was found at the layer weights {}", frame, blend_text(v, pose_names));
     if (result.iterations > 0)
         what += fmt::format(": relative decrement {:.1e}, unbalanced force {:.1e}", result.decrement, result.residual);
     throw Failure(
@@ -66,8 +103,11 @@ void require_layered_shape(const NewtonResult& result, const Weights& v, const s
         error_at(4305, "", what, "take weights nearer to the range from 0 to 1; of a surface also try --material arap"));
 }
 
-const char* hint_for_jumps(Material material)
+const char* hint_for_jumps(Material material, bool has_layers)
 {
+    if (has_layers)
+        return material == Material::discrete_shells ? "use --material arap, or take a smaller --range"
+                                                     : "take a smaller --range, or leave one of the layers out";
     return material == Material::discrete_shells ? "use --material arap, or add a pose in between"
                                                  : "add a pose in between, so that there is only one way to bend";
 }
@@ -76,32 +116,22 @@ void warn_of_jumps(const FamilyPoint& point, const PoseSet& poses, Material mate
                    Progress& progress)
 {
     for (const Branch& jump : point.jumps)
-        progress.warn(
-            4406,
-            fmt::format(
-                "{}the average jumps on the path towards pose {}: distance {:.1f} %, largest at vertex {}, weights {}",
-                frame, poses.names[jump.pose], 100 * jump.distance, poses.file_number(jump.vertex),
-                weights_text(jump.weights)),
-            hint_for_jumps(material));
+        progress.warn(4406,
+                      frame + describe(jump, poses.names)
+                          + fmt::format(": distance {:.1f} %, largest at vertex {}, weights {}", 100 * jump.distance,
+                                        poses.file_number(jump.vertex), blend_text(jump.weights, poses.names)),
+                      hint_for_jumps(material, is_of_layers(jump, poses.names)));
 }
 
 namespace {
-
-std::string describe(const Branch& branch, const std::string& pose)
-{
-    switch (branch.kind) {
-    case Branch::Kind::other_mean: return fmt::format("there is a second average of all poses, found from pose {}", pose);
-    case Branch::Kind::jump: return fmt::format("the average jumps on the path towards pose {}", pose);
-    default: return fmt::format("there is a second average on the path to pose {}", pose);
-    }
-}
 
 void warn_of_inversion(const BakeReport& report, Progress& progress)
 {
     if (!report.input.tet_count || report.check.blends.empty() || report.check.cell_ratio > 0) return;
     progress.warn(
         4407, fmt::format("blends contain inverted tetrahedra (smallest volume ratio J = {:.3f})", report.check.cell_ratio),
-        "use --material mooney-rivlin, or add a pose in between");
+        report.input.ranges.empty() ? "use --material mooney-rivlin, or add a pose in between"
+                                    : "use --material mooney-rivlin, or take a smaller --range");
 }
 
 } // namespace
@@ -128,10 +158,9 @@ void warn_of_blends(const BakeReport& report, const PoseSet& poses, Progress& pr
 {
     for (const Branch& branch : report.branches)
         progress.warn(4406,
-                      fmt::format("{}: distance {:.1f} %, largest at vertex {}, weights {}",
-                                  describe(branch, poses.names[branch.pose]), 100 * branch.distance, branch.vertex,
-                                  weights_text(branch.weights)),
-                      hint_for_jumps(report.input.material));
+                      fmt::format("{}: distance {:.1f} %, largest at vertex {}, weights {}", describe(branch, poses.names),
+                                  100 * branch.distance, branch.vertex, blend_text(branch.weights, poses.names)),
+                      hint_for_jumps(report.input.material, !report.input.ranges.empty()));
     warn_of_inversion(report, progress);
     if (report.check.ties) warn_about_ties(*report.check.ties, drift_limit, progress);
 }

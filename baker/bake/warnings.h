@@ -31,10 +31,11 @@ Failure to_failure(const ToleranceMiss& miss);
 void require_convergence(const NewtonResult& result, const NewtonOptions& options, const std::string& frame);
 
 // Throws Failure (failed, P4305) for layers of which no sum was found. `frame` as above.
-void require_layered_shape(const NewtonResult& result, const Weights& v, const std::string& frame);
+void require_layered_shape(const NewtonResult& result, const Weights& v, const std::vector<std::string>& pose_names,
+                           const std::string& frame);
 
 // What helps where there is more than one way to bend: the hint of P4406.
-const char* hint_for_jumps(Material material);
+const char* hint_for_jumps(Material material, bool has_layers);
 
 // P4406 for every jump on the way to an average.
 void warn_of_jumps(const FamilyPoint& point, const PoseSet& poses, Material material, const std::string& frame,

@@ -222,7 +222,7 @@ ExitCode run_average(AverageArguments a)
             const Wanted& one = wanted[first + i];
             const NewtonResult& result = points[i].average;
             if (options.blend == Blend::layers)
-                require_layered_shape(result, one.weights, one.frame);
+                require_layered_shape(result, one.weights, poses.names, one.frame);
             else
                 require_convergence(result, a.newton, one.frame);
             write_output(one.output, encode_ply(to_input_units(set, result.y), poses, a.all_vertices));

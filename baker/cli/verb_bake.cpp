@@ -4,8 +4,10 @@
 #include "bake/certificate.h"
 #include "bake/warnings.h"
 #include "base/common/sha256.h"
+#include "base/weights/blend_text.h"
 #include "cli/bake_request.h"
 #include "cli/config_options.h"
+#include "cli/kind_line.h"
 #include "input/io/write_file.h"
 #include "pipeline/depfile.h"
 #include "pipeline/stamp.h"
@@ -18,14 +20,27 @@ namespace pliant {
 
 namespace {
 
+// The errors of layers by kind of mixture, beside those of the linear sum.
+void print_layer_errors(const BakeReport& r, double tolerance)
+{
+    for (const KindErrors& kind : r.check.kinds) fmt::print("  {}\n", kind_line(kind));
+    if (r.check.largest_error > 0)
+        fmt::print("  worst mixture: {}\n", blend_text(r.check.worst_weights, r.input.pose_names));
+    if (r.check.linear_error <= tolerance)
+        fmt::print("  the linear sum keeps the tolerance, too: mean error {:.2e}\n", r.check.linear_error);
+}
+
 void print_summary(const BakeRequest& a, const BakedAsset& baked)
 {
     const BakeReport& r = baked.report;
     const std::string energy = r.fit.kind == SurrogateKind::quartic
         ? "exact quartic"
         : fmt::format("{} elements{}", r.fit.element_count, r.fit.surrogate.has_load ? " and a dead load" : "");
-    fmt::print("{}: {} poses, {} vertices, d = {}, {}, {:.1f} MiB\n", a.output, r.input.pose_count, r.input.vertex_count,
-               r.fit.dimension, energy, double(baked.bytes.size()) / 1048576.0);
+    const std::size_t layer_count = r.input.ranges.size();
+    const std::string poses = layer_count ? fmt::format("rest shape and {} layer{}", layer_count, layer_count > 1 ? "s" : "")
+                                          : fmt::format("{} poses", r.input.pose_count);
+    fmt::print("{}: {}, {} vertices, d = {}, {}, {:.1f} MiB\n", a.output, poses, r.input.vertex_count, r.fit.dimension,
+               energy, double(baked.bytes.size()) / 1048576.0);
     fmt::print("elastic energy: {}{}\n", name_of(r.input.material),
                r.input.rough_count == 0 ? ""
                                         : fmt::format(", ARAP cells at {} rough vertices, the roughest of them {}",
@@ -46,6 +61,7 @@ void print_summary(const BakeRequest& a, const BakedAsset& baked)
             "farthest vertex {:.2f} % of the diagonal\n",
             r.check.blends.size(), r.check.mean_error, r.check.largest_error, r.fit.subspace_error.mean,
             r.fit.subspace_error.largest, 100 * r.check.largest_distance);
+    if (!r.check.kinds.empty()) print_layer_errors(r, a.bake.tolerance);
     for (const StageTime& stage : r.stages) fmt::print("  {:<18} {:8.1f} s\n", stage.stage, stage.seconds);
     fmt::print("  {} factorisations, {} snapshots, {} interpolated\n", r.factorization_count, r.snapshot_count,
                r.interpolated_count);

@@ -2,9 +2,11 @@
 
 #include "base/common/parallel.h"
 #include "base/common/version.h"
+#include "cli/kind_line.h"
 #include "elastic/average/sparse_cholesky.h"
 #include "output/asset/asset_facts.h"
 #include "output/asset/runtime_blender.h"
+#include "output/page/certificate_facts.h"
 #include "output/page/foreign_json.h"
 #include "pliant_format.h"
 
@@ -139,8 +141,13 @@ void print_weights(const Json& info)
     }
     fmt::print("  rest shape {}\n", info["poses"][0].get<std::string>());
     for (const Json& layer : info["layers"])
-        fmt::print("  layer {}, weights {} .. {}\n", layer["name"].get<std::string>(), layer["low"].dump(),
-                   layer["high"].dump());
+        fmt::print("  layer {}, weights {:g} .. {:g}\n", layer["name"].get<std::string>(), layer["low"].get<float>(),
+                   layer["high"].get<float>());
+    const CertificateFacts facts = read_certificate_facts(
+        info["certificate"].dump(-1, ' ', false, Json::error_handler_t::replace), info["poses"].size(), true);
+    for (const MixtureFact& m : facts.mixtures)
+        fmt::print("  {}\n",
+                   kind_line({ m.kind, m.count, m.lost_count, m.mean, m.largest, m.linear_mean, m.linear_largest }));
 }
 
 ExitCode run_info(const InfoArguments& a)

@@ -506,9 +506,11 @@ TEST_CASE("where averages of a shell jump, a miss points to ARAP")
     CHECK(points_to_arap());
     report.input.material = Material::arap;
     CHECK_FALSE(points_to_arap());
-    CHECK(std::string(hint_for_jumps(Material::discrete_shells)).find("arap") != std::string::npos);
-    CHECK(std::string(hint_for_jumps(Material::arap)).find("arap") == std::string::npos);
-    CHECK(std::string(hint_for_jumps(Material::stvk)).find("arap") == std::string::npos);
+    for (const bool has_layers : { false, true }) {
+        CHECK(std::string(hint_for_jumps(Material::discrete_shells, has_layers)).find("arap") != std::string::npos);
+        CHECK(std::string(hint_for_jumps(Material::arap, has_layers)).find("arap") == std::string::npos);
+        CHECK(std::string(hint_for_jumps(Material::stvk, has_layers)).find("arap") == std::string::npos);
+    }
 }
 
 TEST_CASE("the same bake gives the same bytes")

@@ -4,7 +4,9 @@
 
 #include "bake/bake.h"
 #include "bake/make_energy.h"
+#include "bake/warnings.h"
 #include "base/mesh/align.h"
+#include "base/weights/blend_text.h"
 #include "elastic/average/layered_family.h"
 #include "elastic/average/shape_error.h"
 #include "output/asset/runtime_blender.h"
@@ -71,6 +73,43 @@ TEST_CASE("layers bake to assets whose blends are near the unreduced shapes")
     }
 }
 
+TEST_CASE("a miss of layers names the layers of the worst mixture, and no pose in between")
+{
+    BakeReport report;
+    report.input.pose_names = { "rest", "smile", "blink", "frown" };
+    report.input.ranges.resize(3);
+    report.check.blends.resize(1);
+    report.check.worst_weights = Eigen::Vector3d(1, 0, -0.25);
+    BakeOptions options;
+    const auto miss = [&] { return *find_miss(report, options, true); };
+    CHECK(miss().what.find("mixtures of layers miss the tolerance") == 0);
+    CHECK(miss().what.find("at weights smile=1,frown=-0.25") != std::string::npos);
+    CHECK(miss().hint.find("pose") == std::string::npos);
+    CHECK(miss().hint.find("--range") != std::string::npos);
+    report.fit.subspace_error.mean = 1;
+    CHECK(miss().hint.find("--dim") != std::string::npos);
+    report.branches.push_back({ Branch::Kind::jump, report.check.worst_weights, 3, 0.1, 7 });
+    CHECK(miss().hint.find("sums of layers jump (P4406): use --material arap") == 0);
+
+    struct Told final : Progress {
+        std::string what, hint;
+        void warn(int, const std::string& w, const std::string& h) override { what = w, hint = h; }
+    } told;
+    PoseSet poses = layered_tube();
+    poses.names = report.input.pose_names;
+    poses.positions.resize(4, poses.positions[0]);
+    warn_of_blends(report, poses, told);
+    CHECK(told.what.find("the sum of layers jumps on the path towards layer frown: distance 10.0 %") == 0);
+    CHECK(told.what.find("weights smile=1,frown=-0.25") != std::string::npos);
+    CHECK(told.hint.find("pose") == std::string::npos);
+    told.what.clear();
+    warn_of_jumps({ {}, report.branches }, poses, Material::arap, "frame 3: ", told);
+    CHECK(told.what.find("frame 3: the sum of layers jumps on the path towards layer frown") == 0);
+    CHECK(told.hint == "take a smaller --range, or leave one of the layers out");
+    CHECK(blend_text(Eigen::Vector3d::Zero(), poses.names) == "0");
+    CHECK(blend_text(Eigen::Vector4d(1, 0, 0, 0), poses.names) == "1,0,0,0");
+}
+
 TEST_CASE("ranges of layers beyond 0 to 1 are measured")
 {
     BakeOptions options = layered_options(Material::discrete_shells, -0.5, 1.5);
@@ -94,6 +133,7 @@ TEST_CASE("layers whose sum is linear take no more dimensions than layers")
     const BakeReport report = bake_quietly(poses, layered_options()).report;
     CHECK(report.fit.dimension == 2);
     CHECK(report.check.meets_tolerance);
+    CHECK(report.check.linear_error < 1e-3);
     REQUIRE(find_kind(report, "pair"));
     CHECK(find_kind(report, "pair")->linear_mean < 1e-3);
 }

@@ -3,6 +3,7 @@ packages."""
 import json
 import math
 import pathlib
+import re
 import struct
 import subprocess
 import sys
@@ -85,8 +86,11 @@ with tempfile.TemporaryDirectory(prefix="pliant_layers_") as temporary:
         assert done.returncode == expected, done.stderr
         return done.stdout
 
-    run("bake", "rest.obj", "twisted.obj", "bent.obj", "--blend", "layers", "--range", "bent=-0.5:1", "-o", "tube.pliant",
-        "--report", "tube.json", "-q")
+    said = run("bake", "rest.obj", "twisted.obj", "bent.obj", "--blend", "layers", "--range", "bent=-0.5:1",
+               "-o", "tube.pliant", "--report", "tube.json")
+    assert "tube.pliant: rest shape and 2 layers, " in said and "3 poses" not in said, said
+    assert "the linear sum keeps" not in said, said
+    assert re.search(r"^  worst mixture: (twisted|bent)=", said, re.M), said
     report = json.loads((work / "tube.json").read_text(encoding="utf-8"))
     assert report["meets_tolerance"] and report["subspace"]["dimension"] <= 12, report["subspace"]
     kinds = {row["kind"]: row for row in report["layers"]["errors"]}
@@ -94,6 +98,16 @@ with tempfile.TemporaryDirectory(prefix="pliant_layers_") as temporary:
     assert all(10 * row["mean_error"] < row["linear_mean_error"] for row in kinds.values()), kinds
     ranges = [(row["layer"], row["low"], row["high"]) for row in report["layers"]["ranges"]]
     assert ranges == [("twisted", 0, 1), ("bent", -0.5, 1)], ranges
+    text = run("info", "tube.pliant")
+    assert "  layer bent, weights -0.5 .. 1\n" in text, text
+    for kind, row in kinds.items():
+        line = f"  {kind}: {row['count']} mixture"
+        assert line in text and line in said and f"{row['mean_error']:.2e} (mean)" in text, (text, said)
+        assert f"linear sum {row['linear_mean_error']:.2e} and {row['linear_largest_error']:.2e}" in said, said
+    for name, angles in (("a", (0.02, 0)), ("b", (0, 0.02))):
+        write(work / f"{name}.obj", tube(*angles))
+    said = run("bake", "rest.obj", "a.obj", "b.obj", "--blend", "layers", "--tolerance", "1e-2", "-o", "small.pliant")
+    assert "the linear sum keeps the tolerance, too: mean error " in said, said
     assert "valid" in run("validate", "tube.pliant")
     info = json.loads(run("info", "tube.pliant", "--json"))
     assert [layer["name"] for layer in info["layers"]] == ["twisted", "bent"] and info["format"] == "1.5", info["layers"]
