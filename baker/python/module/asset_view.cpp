@@ -111,7 +111,7 @@ nb::bytes AssetView::bytes() const
 nb::object AssetView::solve(const Array<float, 2>& weights, bool continuous)
 {
     const std::size_t count = weights.shape(0), m = weights.shape(1), d = asset_.dimension;
-    if (m != asset_.pose_count) throw nb::value_error("weights: one per pose are needed");
+    if (m != asset_.weight_count) throw nb::value_error("weights: one per pose or layer are needed");
     std::vector<float> q(count * d);
     std::size_t row = 0;
     pliant_result result = PLIANT_OK;
@@ -125,11 +125,12 @@ nb::object AssetView::solve(const Array<float, 2>& weights, bool continuous)
     }
     if (result != PLIANT_OK) {
         const float* bad = weights.data() + (row - 1) * m;
-        throw Failure(ExitCode::usage,
-                      error_at(1204, "",
-                               fmt::format("weights {}{}: {}", count > 1 ? fmt::format("of row {}: ", row - 1) : "",
-                                           fmt::join(bad, bad + m, ","), pliant_result_text(result)),
-                               "weights are finite, not negative, and not all zero"));
+        throw Failure(
+            ExitCode::usage,
+            error_at(1204, "",
+                     fmt::format("weights {}{}: {}", count > 1 ? fmt::format("of row {}: ", row - 1) : "",
+                                 fmt::join(bad, bad + m, ","), pliant_result_text(result)),
+                     asset_.has_layers ? "weights are finite" : "weights are finite, not negative, and not all zero"));
     }
     return to_numpy(std::move(q), { count, d });
 }
@@ -235,6 +236,15 @@ nb::list AssetView::names() const
         names.append(nb::bytes(name ? name : ""));
     }
     return names;
+}
+
+nb::list AssetView::weights() const
+{
+    nb::list all;
+    pliant_weight weight;
+    for (std::uint32_t i = 0; pliant_asset_weight(&asset_, i, &weight) == PLIANT_OK; ++i)
+        all.append(nb::make_tuple(nb::bytes(weight.name), weight.low, weight.high, weight.initial));
+    return all;
 }
 
 } // namespace pliant

@@ -26,8 +26,8 @@ public:
     bool is_in_place() const { return copy_.empty(); }
     nb::bytes bytes() const; // the object itself if it is one
 
-    // (k, m) weights to (k, d) coordinates. Rows are independent of each other, or with `continuous` go on from the one
-    // before. Throws Failure (usage, P1204) for weights that are none.
+    // (k, weight_count) weights to (k, d) coordinates. Rows are independent of each other, or with `continuous` go on from
+    // the one before. Throws Failure (usage, P1204) for weights that are none.
     nb::object solve(const Array<float, 2>& weights, bool continuous);
 
     // (k, d) coordinates to (k, count, 3) positions; vertices are numbered as the input was. first + count is at most the
@@ -40,7 +40,8 @@ public:
     // Faces and triangles by the numbers of the input.
     nb::object faces() const;
     nb::object triangles() const;
-    nb::list names() const; // as bytes, since an asset may hold any
+    nb::list names() const;   // as bytes, since an asset may hold any
+    nb::list weights() const; // of each weight name, low, high, initial
 
 private:
     struct Solver;

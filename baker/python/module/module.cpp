@@ -51,12 +51,12 @@ void report_warnings(const std::vector<Diagnostic>& warnings, Progress& progress
     for (const Diagnostic& w : warnings) progress.warn(w.number, w.where.empty() ? w.what : w.where + ": " + w.what, w.hint);
 }
 
-SourcePoses load_sources(const std::vector<std::string>& paths, const Listener& listener)
+SourcePoses load_sources(const std::vector<std::string>& paths, bool as_layers, const Listener& listener)
 {
     SourcePoses out;
     work_interruptibly(listener, 0, [&](Progress& progress) {
         DiagnosticList diagnostics;
-        out.meshes = read_pose_sources(paths, Blend::average, diagnostics).meshes;
+        out.meshes = read_pose_sources(paths, as_layers ? Blend::layers : Blend::average, diagnostics).meshes;
         if (diagnostics.has_errors()) throw Failure(ExitCode::bad_input, diagnostics.diagnostics());
         report_warnings(diagnostics.diagnostics(), progress);
     });
@@ -138,6 +138,17 @@ Positions in_input_order(const PoseSet& poses, const Positions& positions)
     return out;
 }
 
+// What is wrong with an average, or a sum of layers.
+void check_average(const FamilyPoint& point, const Weights& weights, const PoseSet& poses, const EnergyOptions& options,
+                   const std::string& row, Progress& progress)
+{
+    if (options.blend == Blend::layers)
+        require_layered_shape(point.average, weights, poses.names, row);
+    else
+        require_convergence(point.average, NewtonOptions(), row);
+    warn_of_jumps(point, poses, *options.material, row, progress);
+}
+
 // As many averages as rows of weights, each from the mean: none depends on the others.
 std::vector<double> averages(const PoseSet& poses, const std::vector<Weights>& wanted, EnergyOptions options,
                              Progress& progress)
@@ -146,8 +157,7 @@ std::vector<double> averages(const PoseSet& poses, const std::vector<Weights>& w
     options.material = material_of(options, poses.is_solid());
     const ElasticModel model = make_model(set, options, &progress);
     SolverPool pool(*model.energy, set, options.solver);
-    const NewtonOptions newton;
-    AverageFamily family(pool, newton, &progress, {}, model.coarse.get());
+    AverageFamily family(pool, NewtonOptions(), &progress, {}, model.coarse.get());
     family.mean();
     std::vector<FamilyPoint> points(wanted.size());
     if (wanted.size() == 1) {
@@ -161,8 +171,7 @@ std::vector<double> averages(const PoseSet& poses, const std::vector<Weights>& w
     std::vector<double> out;
     for (std::size_t i = 0; i < points.size(); ++i) {
         const std::string row = wanted.size() > 1 ? "row " + std::to_string(i) + ": " : "";
-        require_convergence(points[i].average, newton, row);
-        warn_of_jumps(points[i], poses, *options.material, row, progress);
+        check_average(points[i], wanted[i], poses, options, row, progress);
         const Positions shape = in_input_order(poses, to_input_units(set, points[i].average.y));
         out.insert(out.end(), shape.data(), shape.data() + shape.size());
     }
@@ -178,7 +187,9 @@ nb::object average_poses(const SourcePoses& poses, const Array<double, 2>& weigh
     std::vector<Weights> wanted;
     for (std::size_t row = 0; row < count; ++row) {
         const double* start = weights.data() + row * m;
-        wanted.push_back(normalized_weights(std::vector<double>(start, start + m), poses.meshes.size()));
+        const std::vector<double> values(start, start + m);
+        wanted.push_back(options.blend == Blend::layers ? layer_weights(values, poses.meshes.size() - 1)
+                                                        : normalized_weights(values, poses.meshes.size()));
     }
     std::vector<double> out;
     work_interruptibly(listener, threads, [&](Progress& progress) {
@@ -259,10 +270,10 @@ NB_MODULE(_core, m)
           nb::arg("names"), nb::arg("label"));
     m.def(
         "load_poses",
-        [](const std::vector<std::string>& paths, const nb::object& warn) {
-            return load_sources(paths, { nb::none(), warn });
+        [](const std::vector<std::string>& paths, bool as_layers, const nb::object& warn) {
+            return load_sources(paths, as_layers, { nb::none(), warn });
         },
-        nb::arg("paths"), nb::arg("warn"));
+        nb::arg("paths"), nb::arg("as_layers"), nb::arg("warn"));
     m.def(
         "bake",
         [](const SourcePoses& poses, const nb::dict& options, const SourcePoses* surface, const std::string& surface_path,
@@ -287,6 +298,7 @@ NB_MODULE(_core, m)
         .def("faces", &AssetView::faces)
         .def("triangles", &AssetView::triangles)
         .def("names", &AssetView::names)
+        .def("weights", &AssetView::weights)
         .def("certificate",
              [](const AssetView& view) {
                  const std::string text = certificate_of(view.asset());
@@ -298,6 +310,8 @@ NB_MODULE(_core, m)
         .def_prop_ro("is_solid", [](const AssetView& view) { return view.asset().source_vertices != nullptr; })
         .def_prop_ro("vertex_count", [](const AssetView& view) { return view.asset().vertex_count; })
         .def_prop_ro("pose_count", [](const AssetView& view) { return view.asset().pose_count; })
+        .def_prop_ro("weight_count", [](const AssetView& view) { return view.asset().weight_count; })
+        .def_prop_ro("has_layers", [](const AssetView& view) { return view.asset().has_layers != 0; })
         .def_prop_ro("dimension", [](const AssetView& view) { return view.asset().dimension; });
 }
 

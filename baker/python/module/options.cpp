@@ -4,6 +4,7 @@
 
 #include <fmt/format.h>
 #include <nanobind/stl/string.h>
+#include <nanobind/stl/tuple.h>
 #include <nanobind/stl/vector.h>
 
 namespace nb = nanobind;
@@ -45,6 +46,7 @@ void take_choice(const nb::dict& given, const char* option, Target& value, std::
 EnergyOptions energy_options(const nb::dict& given)
 {
     EnergyOptions options;
+    take_choice(given, "blend", options.blend, { Blend::average, Blend::layers });
     take_choice(given, "material", options.material,
                 { Material::discrete_shells, Material::arap, Material::stvk, Material::mooney_rivlin });
     take_choice(given, "continuity", options.continuity, { Continuity::automatic, Continuity::off });
@@ -67,6 +69,9 @@ BakeOptions bake_options(const nb::dict& given)
 {
     BakeOptions options;
     options.energy = energy_options(given);
+    std::vector<std::tuple<std::string, double, double>> ranges;
+    take(given, "range", ranges);
+    for (const auto& [layer, low, high] : ranges) options.ranges.push_back({ layer, { low, high } });
     take_choice(given, "subspace", options.subspace, { SubspaceKind::adaptive, SubspaceKind::krylov, SubspaceKind::barbic });
     take_choice(given, "energy", options.surrogate,
                 { SurrogateKind::automatic, SurrogateKind::quartic, SurrogateKind::cubature, SurrogateKind::ghost });

@@ -4,7 +4,8 @@
     shape = asset.blend([0.5, 0.5])        # (n, 3) float32: some milliseconds at most
     asset.save("hero.pliant")
 
-Lengths are in the units of the poses. Weights are one number >= 0 per pose; only their ratios matter.
+Lengths are in the units of the poses. Weights are one number >= 0 per pose; only their ratios matter. With blend="layers"
+the first pose is the rest shape, the others are layers on it, and weights add up: asset.blend({"smile": 1, "blink": 0.5}).
 
 Threads: every function may be called from any thread. Bakes and averages of one process take turns, since each uses all
 cores. Blends wait neither for them nor for each other, and release the interpreter's lock.

@@ -1,7 +1,7 @@
 """Checks of array arguments, before any other code uses them."""
 from __future__ import annotations
 
-from typing import Any, Sequence
+from typing import Any, Mapping, Sequence
 
 import numpy as np
 import numpy.typing as npt
@@ -52,6 +52,20 @@ def rows(name: str, value: object, width: int, what: str) -> tuple[npt.NDArray[n
     if array.ndim == 1:
         return numbers(name, array, (width,), expected).reshape(1, width), True
     return numbers(name, array, (None, width), expected), False
+
+
+def by_name(given: Mapping[str, Any], names: Sequence[str], start: Sequence[float]) -> npt.NDArray[Any]:
+    """Weights given by name as an array: numbers, or (k,) for k rows; `start` has those of names that are not given."""
+    columns: list[Any] = list(start)
+    for name, value in given.items():
+        if name not in names:
+            raise ValueError(f"weights: the asset has no {name!r}; the names are {', '.join(names)}")
+        columns[names.index(name)] = value  # of equal names the first
+    try:
+        return np.stack(np.broadcast_arrays(*columns), axis=-1)
+    except ValueError:
+        shapes = ", ".join(f"{name} {np.shape(value)}" for name, value in given.items())
+        raise ValueError(f"weights: expected by name a number or (k,), the same k for all, got {shapes}") from None
 
 
 def rounded(array: npt.NDArray[np.float64]) -> npt.NDArray[np.float32]:

@@ -4,7 +4,7 @@ from __future__ import annotations
 import json
 import mmap
 import os
-from typing import Any, Union
+from typing import Any, Mapping, Union
 
 import numpy as np
 import numpy.typing as npt
@@ -13,6 +13,7 @@ from . import _arrays
 from ._errors import Error, finding
 from ._module import core
 
+Weights = Union[npt.ArrayLike, Mapping[str, npt.ArrayLike]]
 Source = Union[str, "os.PathLike[str]", bytes, bytearray, memoryview, mmap.mmap, Any]
 
 
@@ -58,8 +59,31 @@ class Asset:
 
     @property
     def pose_count(self) -> int:
-        """m: the number of weights of a blend."""
+        """m: the number of poses; of layers the rest shape and the layers."""
         return self._view.pose_count
+
+    @property
+    def has_layers(self) -> bool:
+        """Whether weights add layers to the rest shape, pose 0; otherwise blends are averages of the poses."""
+        return self._view.has_layers
+
+    @property
+    def weight_count(self) -> int:
+        """The number of weights of a blend: m, or of layers m - 1."""
+        return self._view.weight_count
+
+    @property
+    def weight_names(self) -> list[str]:
+        """The names of the weights of a blend: of the poses, or of the layers."""
+        return [name for name, _, _, _ in self._weights()]
+
+    @property
+    def ranges(self) -> dict[str, tuple[float, float]]:
+        """By name the weights whose blends the bake has measured, (low, high); (0, 1) of averages. Layers may leave them."""
+        return {name: (low, high) for name, low, high, _ in reversed(self._weights())}
+
+    def _weights(self) -> list[tuple[str, float, float, float]]:
+        return [(name.decode("utf-8", "replace"), low, high, start) for name, low, high, start in self._view.weights()]
 
     @property
     def vertex_count(self) -> int:
@@ -106,26 +130,36 @@ class Asset:
 
     # ---------------------------------------------------------------------------------------------------------- blending
 
-    def blend(self, weights: npt.ArrayLike, *, continuous: bool = False) -> npt.NDArray[np.float32]:
+    def _rows(self, weights: Weights) -> tuple[npt.NDArray[np.float32], bool]:
+        if isinstance(weights, Mapping):  # what is not named: as the asset starts, of averages nothing
+            start = [initial if self.has_layers else 0.0 for _, _, _, initial in self._weights()]
+            weights = _arrays.by_name(weights, self.weight_names, start)
+        what = "one per layer" if self.has_layers else "one per pose"
+        rows, is_single = _arrays.rows("weights", weights, self.weight_count, what)
+        return _arrays.rounded(rows), is_single
+
+    def blend(self, weights: Weights, *, continuous: bool = False) -> npt.NDArray[np.float32]:
         """Positions of the elastic blend.
 
-        weights     (m,) or (k, m): one number >= 0 per pose; only their ratios matter
+        weights     (m,) or (k, m): one number >= 0 per pose; only their ratios matter. Of layers (m - 1,) or (k, m - 1): any
+                    number per layer, 0 none of it, 1 all of it. Or {name: number or (k,)}: layers that are not named have
+                    the weight that the asset starts with, mostly 0, and poses take no part
         continuous  rows are frames, and each continues from the previous one as in a game (`pliant blend --path`). Otherwise
                     every row is solved independently (`pliant blend --weights`)
 
         Returns (n, 3) float32, or (k, n, 3), with the bits of the C runtime on every machine. Releases the interpreter's
-        lock. Raises ValueError or TypeError for a wrong shape or dtype, Error P1204 for weights that are negative, not
-        finite or all zero.
+        lock. Raises ValueError or TypeError for a wrong shape or dtype and for unknown names, Error P1204 for weights that
+        are not finite, or of averages negative or all zero.
         """
-        rows, is_single = _arrays.rows("weights", weights, self.pose_count, "one per pose")
-        positions = self._view.reconstruct(self._view.solve(_arrays.rounded(rows), continuous), 0, self.vertex_count)
+        rows, is_single = self._rows(weights)
+        positions = self._view.reconstruct(self._view.solve(rows, continuous), 0, self.vertex_count)
         return positions[0] if is_single else positions
 
-    def coordinates(self, weights: npt.ArrayLike, *, continuous: bool = False) -> npt.NDArray[np.float32]:
+    def coordinates(self, weights: Weights, *, continuous: bool = False) -> npt.NDArray[np.float32]:
         """The reduced coordinates q of a blend, (d,) or (k, d) float32: blend() without the reconstruction. Arguments and
         errors are those of blend()."""
-        rows, is_single = _arrays.rows("weights", weights, self.pose_count, "one per pose")
-        q = self._view.solve(_arrays.rounded(rows), continuous)
+        rows, is_single = self._rows(weights)
+        q = self._view.solve(rows, continuous)
         return q[0] if is_single else q
 
     def reconstruct(self, q: npt.ArrayLike, first: int = 0, count: int | None = None) -> npt.NDArray[np.float32]:
@@ -184,8 +218,9 @@ class Asset:
 
     def __repr__(self) -> str:
         kind = "solid" if self._view.is_solid else "surface"
+        what = f"{self.weight_count} layers on {self.names[0]}" if self.has_layers else f"{self.pose_count} poses"
         return (
-            f"<pliant.Asset {kind}: {self.pose_count} poses ({', '.join(self.names)}), {self.vertex_count} vertices, "
+            f"<pliant.Asset {kind}: {what} ({', '.join(self.weight_names)}), {self.vertex_count} vertices, "
             f"d = {self.dimension}, {len(self) / 1048576:.1f} MiB>"
         )
 

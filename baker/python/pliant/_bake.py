@@ -3,7 +3,7 @@ from __future__ import annotations
 
 import json
 import os
-from typing import Any, Callable, Literal, Optional, Sequence, Tuple, Union
+from typing import Any, Callable, Literal, Mapping, Optional, Sequence, Tuple, Union
 
 import numpy as np
 import numpy.typing as npt
@@ -12,23 +12,29 @@ from . import _arrays, _options, _poses
 from ._asset import Asset
 from ._errors import ToleranceError, finding
 from ._module import core
+from ._poses import Blend
 
 Progress = Optional[Callable[[str, float, float], object]]
 Material = Literal["discrete-shells", "arap", "stvk", "mooney-rivlin"]
 Continuity = Literal["auto", "off"]
 Membrane = Literal["neo-hookean", "stvk", "edge"]
 Solver = Literal["cholmod", "eigen"]
+Range = Union[Tuple[float, float], Mapping[str, Tuple[float, float]]]
 Surface = Union[str, "os.PathLike[str]", Tuple[npt.ArrayLike, npt.ArrayLike]]
 
 
-def _source(poses: object, faces: object, tets: object, names: Sequence[str] | None) -> tuple[core.Poses, int, int]:
+def _source(
+    poses: object, faces: object, tets: object, names: Sequence[str] | None, blend: object
+) -> tuple[core.Poses, int, int]:
     """The poses, their number, and the number of vertices of the first one."""
+    limit = _poses.pose_limit(blend)
     if not isinstance(poses, _poses.Poses):
-        source = _poses.from_arrays(poses, faces, tets, names)
+        source = _poses.from_arrays(poses, faces, tets, names, limit)
     elif faces is not None or tets is not None or names is not None:
         raise TypeError("Poses have faces, tets and names of their own: give none")
     else:
         source = poses._source
+        _poses.check_count(source.pose_count, limit, source.pose_count)
     return source, source.pose_count, source.vertex_count
 
 
@@ -44,6 +50,8 @@ def bake(
     *,
     tets: npt.ArrayLike | None = None,
     names: Sequence[str] | None = None,
+    blend: Blend = "average",
+    range: Range | None = None,
     material: Material | None = None,
     tolerance: float | None = None,
     tolerance_max: float | None = None,
@@ -79,10 +87,15 @@ def bake(
     options give the same bytes as `pliant bake`.
 
     poses  (m, n, 3) float64, 2 to 12 poses of one mesh in any unit, the rest pose first; or Poses,
-           which have their own cells
+           which have their own cells. With blend="layers" the rest shape and 1 to 64 layers on it
     faces  (f, 3) integers, the triangles of a surface, vertices counted from 0; or (f, k) for polygons
     tets   (t, 4) integers, the tetrahedra of a solid, instead of faces
     names  m strings that the asset stores; default pose_0, pose_1, ...
+
+    blend  "average": the blend is an average of the poses. "layers": the poses after the first are layers on it, such as
+           the expressions of a face; their weights add up and may be negative
+    range  of layers: the weights that are measured, (low, high) for all layers or {name: (low, high)} for some;
+           default (0, 1)
 
     Options have the names of the command line with underscores; None selects the default.
     `pliant bake --help` explains them all.
@@ -114,9 +127,10 @@ def bake(
     Raises TypeError and ValueError for wrong arguments, which they name; Error for poses that have no elastic average
     (P2xxx, P3xxx) and for failures of the computation (P4xxx); ToleranceError.
     """
-    source, _, vertex_count = _source(poses, faces, tets, names)
+    source, _, vertex_count = _source(poses, faces, tets, names, blend)
     options = _options.checked(
         {
+            "blend": blend, "range": range,
             "material": material, "tolerance": tolerance, "tolerance_max": tolerance_max, "best_effort": best_effort,
             "subspace": subspace, "dim": dim, "ritz": ritz, "energy": energy, "elements": elements, "cubature": cubature,
             "ghost_vertices": ghost_vertices, "check_samples": check_samples, "fresh_samples": fresh_samples,
@@ -141,6 +155,7 @@ def average(
     weights: npt.ArrayLike | None = None,
     *,
     tets: npt.ArrayLike | None = None,
+    blend: Blend = "average",
     material: Material | None = None,
     continuity: Continuity | None = None,
     membrane: Membrane | None = None,
@@ -157,21 +172,27 @@ def average(
     """The unreduced elastic average: the slow reference that blends approximate. The same as `pliant average`.
 
     poses, faces, tets  as for bake()
-    weights             (m,) or (k, m): one number >= 0 per pose; only their ratios matter
+    weights             (m,) or (k, m): one number >= 0 per pose; only their ratios matter. With blend="layers" (m - 1,) or
+                        (k, m - 1): any number per layer, 1 is all of it
+    blend               as for bake()
     The options are those of bake() that define the energy; progress is called as by bake().
 
     Returns (n, 3) float64, or (k, n, 3): positions in the order and units of the poses. Several rows in one call cost less
     than several calls, since the average of all poses, from which each row starts, is computed once.
 
     Raises the errors of bake() for arguments and poses; Error P1204 for weights that are negative, not finite or all zero,
-    P4303 if an average does not converge. Warns (P4406) where the average jumps.
+    P4303 if an average does not converge, P4305 if layers have no shape together. Warns (P4406) where the average jumps.
     """
     if weights is None:
         raise TypeError("average() needs weights: (m,) or (k, m), one per pose")
-    source, pose_count, vertex_count = _source(poses, faces, tets, None)
-    rows, is_single = _arrays.rows("weights", weights, pose_count, "one per pose")
+    source, pose_count, vertex_count = _source(poses, faces, tets, None, blend)
+    if blend == "layers":
+        rows, is_single = _arrays.rows("weights", weights, pose_count - 1, "one per layer")
+    else:
+        rows, is_single = _arrays.rows("weights", weights, pose_count, "one per pose")
     options = _options.checked(
         {
+            "blend": blend,
             "material": material, "continuity": continuity, "membrane": membrane, "thickness": thickness,
             "foldover_damping": foldover_damping, "poisson": poisson, "weld": weld, "fix": fix, "no_align": no_align,
             "solver": solver, "threads": threads,

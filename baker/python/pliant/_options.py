@@ -29,6 +29,7 @@ RANGES: dict[str, tuple[float, float]] = {
     "seed": (0, 2**64 - 1),
 }
 _WHOLE = {"ritz", "dim", "elements", "ghost_vertices", "check_samples", "fresh_samples", "threads", "seed"}
+_EXPECTED_RANGE = "(low, high), or a dict with one for each layer by its name"
 _FLAGS = {"no_align", "no_scene", "best_effort", "preview"}
 
 
@@ -57,6 +58,18 @@ def _fixed(value: object, vertex_count: int) -> list[int]:
     return fixed
 
 
+def _range(value: object) -> list[tuple[str, float, float]]:
+    """Name, low and high of each; the name of all layers is empty."""
+    ranges = value.items() if isinstance(value, Mapping) else [("", value)]
+    out = []
+    for name, pair in ranges:
+        if not isinstance(name, str):
+            raise TypeError(f"range: expected names of layers as keys, got {name!r}")
+        low, high = _arrays.numbers(f"range of {name!r}" if name else "range", pair, (2,), _EXPECTED_RANGE)
+        out.append((name, float(low), float(high)))
+    return out
+
+
 def checked(given: Mapping[str, Any], vertex_count: int) -> dict[str, Any]:
     """The given options in the form of the C++ module: without those that are None or off."""
     options: dict[str, Any] = {}
@@ -67,6 +80,8 @@ def checked(given: Mapping[str, Any], vertex_count: int) -> dict[str, Any]:
             options[name] = _number(name, value)
         elif name == "fix":
             options[name] = _fixed(value, vertex_count)
+        elif name == "range":
+            options[name] = _range(value)
         elif name in _FLAGS:
             options[name] = True
         elif isinstance(value, str):

@@ -3,7 +3,7 @@ from __future__ import annotations
 
 import os
 import warnings
-from typing import Any, Callable, Sequence, Union
+from typing import Any, Callable, Literal, Sequence, Union
 
 import numpy as np
 import numpy.typing as npt
@@ -13,6 +13,7 @@ from ._errors import PliantWarning, finding
 from ._module import core
 
 PathLike = Union[str, "os.PathLike[str]"]
+Blend = Literal["average", "layers"]
 
 
 def warner(depth: int) -> Callable[[int, str, str], None]:
@@ -68,8 +69,9 @@ class Poses:
         return f"<pliant.Poses {', '.join(self.names)}: {cells}>"
 
 
-def load_poses(paths: PathLike | Sequence[PathLike]) -> Poses:
-    """Reads 2 to 12 poses as the command line does, the rest pose first.
+def load_poses(paths: PathLike | Sequence[PathLike], *, blend: Blend = "average") -> Poses:
+    """Reads 2 to 12 poses as the command line does, the rest pose first; with blend="layers" the rest shape and up to 64
+    layers.
 
     paths  mesh files with one pose each, or glTF files with several: surfaces from .obj, .ply, .off, .glb, .gltf; solids of
            tetrahedra from .msh, .mesh, .veg, .vtk. After the name of a glTF file, '#rest', '#target=NAME,NAME' or
@@ -80,17 +82,30 @@ def load_poses(paths: PathLike | Sequence[PathLike]) -> Poses:
     """
     if isinstance(paths, (str, os.PathLike)):
         paths = [paths]
-    return Poses(core.load_poses([os.fspath(path) for path in paths], warner(3)))
+    return Poses(core.load_poses([os.fspath(path) for path in paths], pose_limit(blend) > 12, warner(3)))
 
 
-def from_arrays(poses: object, faces: object, tets: object, names: Sequence[str] | None) -> core.Poses:
+def pose_limit(blend: object) -> int:
+    limits = {"average": 12, "layers": 65}
+    if not isinstance(blend, str) or blend not in limits:
+        raise ValueError(f"blend: expected one of 'average', 'layers', got {blend!r}")
+    return limits[blend]
+
+
+def check_count(count: int, limit: int, got: object) -> None:
+    if 2 <= count <= limit:
+        return
+    more = '; blend="layers" takes 65' if limit < count <= 65 else ""
+    raise ValueError(f"poses: expected (m, n, 3) float64 with 2 to {limit} poses, got {got}{more}")
+
+
+def from_arrays(poses: object, faces: object, tets: object, names: Sequence[str] | None, limit: int) -> core.Poses:
     """Checks the arrays of a bake or an average."""
     if (faces is None) == (tets is None):
         raise TypeError("give either faces (f, 3) of a surface or tets (t, 4) of a solid")
     positions = _arrays.numbers("poses", poses, (None, None, 3), "(m, n, 3) float64")
     count = positions.shape[0]
-    if not 2 <= count <= 12:
-        raise ValueError(f"poses: expected (m, n, 3) float64 with 2 to 12 poses, got {positions.shape}")
+    check_count(count, limit, positions.shape)
     if positions.shape[1] == 0:
         raise ValueError(f"poses: expected (m, n, 3) float64 with vertices, got {positions.shape}")
     cells = _faces("faces", faces) if tets is None else _arrays.indices("tets", tets, (None, 4), "(t, 4) integers")

@@ -115,6 +115,8 @@ def values_of(key, rule, folder):
         return rule["enum"], ["no-such-name"]
     if rule["type"] == "boolean":
         return [True, False], ["yes"]
+    if rule["type"] == "array":
+        return [["0:1.5", "bent=-1:1"]], ["0:1", [1], ["1"]]
     if rule["type"] == "string":
         return ["a"], [1]
     beyond = 1 if rule["type"] == "integer" else 1e-9

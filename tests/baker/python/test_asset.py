@@ -110,8 +110,8 @@ class OpeningAssets(unittest.TestCase):
     def test_older_formats(self):
         for file in sorted(GOLDEN.glob("*.pliant")):
             asset = pliant.Asset.open(file)
-            blends = asset.blend(np.eye(asset.pose_count))
-            self.assertEqual(blends.shape, (asset.pose_count, asset.vertex_count, 3), file)
+            blends = asset.blend(np.eye(asset.weight_count))
+            self.assertEqual(blends.shape, (asset.weight_count, asset.vertex_count, 3), file)
             self.assertTrue(np.isfinite(blends).all())
             self.assertLess(asset.faces.max(), asset.vertex_count)
 
