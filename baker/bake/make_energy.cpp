@@ -85,8 +85,7 @@ std::unique_ptr<Energy> make_uncalibrated(const NormalizedPoses& set, const Ener
     const Material material = material_of(options, set.is_solid());
     if (is_of_solids(material)) {
         const SolidLaw law = material == Material::stvk ? SolidLaw::stvk : SolidLaw::mooney_rivlin;
-        return std::make_unique<Solid>(set, SolidOptions { law, options.poisson },
-                                       options.blend.value_or(Blend::average));
+        return std::make_unique<Solid>(set, SolidOptions { law, options.poisson }, options.blend.value_or(Blend::average));
     }
     std::unique_ptr<Energy> surface = make_surface_energy(set, material, options);
     TieSet ties = ties_for(set, centres_of_cells(*surface));

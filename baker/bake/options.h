@@ -24,7 +24,7 @@ enum class SurrogateKind { automatic, quartic, cubature, ghost };
 
 // What an elastic energy is made of: shared by all verbs that need one.
 struct EnergyOptions {
-    std::optional<Blend> blend; // none: what the poses are
+    std::optional<Blend> blend;       // none: what the poses are
     std::optional<Material> material; // none: stvk for solids, discrete shells for surfaces
     // Of discrete shells. automatic: with ARAP cells at rough vertices; off: as in the literature.
     Continuity continuity = Continuity::automatic;

@@ -84,11 +84,11 @@ struct RenderMesh;
 // only, then those inside.
 struct PoseSet {
     std::vector<std::string> paths;
-    std::vector<std::string> names;   // file names without folder and extension, or what glTF calls the pose; for people
-    Blend blend = Blend::average;     // what the poses are to each other
+    std::vector<std::string> names;      // file names without folder and extension, or what glTF calls the pose; for people
+    Blend blend = Blend::average;        // what the poses are to each other
     std::vector<double> initial_weights; // per pose; of layers what they start with
-    std::vector<Positions> positions; // per pose
-    Polygons polygons;                // as pose 0 gave them, by the files' numbers, for writing; of a solid: the triangles
+    std::vector<Positions> positions;    // per pose
+    Polygons polygons; // as pose 0 gave them, by the files' numbers, for writing; of a solid: the triangles
     // The same, triangulated alike in all poses, a fan from the first corner, as far as they have an energy. Of a solid: its
     // boundary, counter-clockwise seen from outside
     std::vector<Triangle> triangles;
