@@ -120,7 +120,7 @@ public:
         const Drag measured = drag(blender, set_.pose_count());
         return fmt::format(
             "vertices,cells,poses,d,surrogate,elements,unconverged,basis_s,surrogate_s,steps,step_us,shape_us,vertices_ms\n"
-            "{},{},{},{},{},{},{},{:.2f},{:.2f},{:.2f},{:.3f},{:.3f},{:.3f}\n",
+            "{},{},{},{},{},{},{},{:.4f},{:.4f},{:.2f},{:.3f},{:.3f},{:.3f}\n",
             set_.dof_count() / 3, poses_.is_solid() ? set_.tets.size() : set_.triangles.size(), set_.pose_count(),
             fitted_.subspace.dimension(), kind_, surrogate->element_count(), fitted_.training.unconverged_count, basis_s_,
             surrogate_s, measured.steps, measured.step_us, measured.shape_us, measured.vertices_ms);

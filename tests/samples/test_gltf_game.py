@@ -30,7 +30,7 @@ def shown(glb, folder, *arguments):
 
 def blended(asset, folder, weights):
     path = folder / "blend.ply"
-    run(TOOL, "blend", asset, "--weights", weights, "-o", path)
+    run(TOOL, "blend", asset, f"--weights={weights}", "-o", path)
     return read_ply(path)[0]
 
 
@@ -65,12 +65,14 @@ with tempfile.TemporaryDirectory() as name:
     folder = Path(name)
     source, asset, glb = folder / "source.glb", folder / "tube.pliant", folder / "tube.glb"
     textured.write(source)
-    run(TOOL, "bake", source, "-o", asset, "--quiet")
-    run(TOOL, "export", asset, "--embed", "--morph", "--quantize", "1e-4", "-o", glb)
-    for weights in ("1,1", "1,0", "0.3,0.7"):
-        difference = np.abs(shown(glb, folder, "--weights", weights) - blended(asset, folder, weights)).max()
-        assert difference == 0, f"weights {weights}: {difference}"
-    assert (shown(glb, folder) == shown(glb, folder, "--weights", "1,1")).all(), "equal weights are the default"
+    # The file's one target as a layer, then as a pose beside the rest shape, which has a weight, too.
+    for kind, rows, initial in (("layers", ("1", "0.3", "-0.5"), "0"), ("average", ("1,1", "1,0", "0.3,0.7"), "1,1")):
+        run(TOOL, "bake", source, "--blend", kind, "-o", asset, "--quiet")
+        run(TOOL, "export", asset, "--embed", "--morph", "--quantize", "1e-4", "-o", glb)
+        for weights in rows:
+            difference = np.abs(shown(glb, folder, "--weights", weights) - blended(asset, folder, weights)).max()
+            assert difference == 0, f"{kind}, weights {weights}: {difference}"
+        assert (shown(glb, folder) == shown(glb, folder, "--weights", initial)).all(), f"{kind}: {initial} is the default"
     check_refusals(glb, folder)
     if shutil.which("xvfb-run"):
         check_picture(glb, folder)
