@@ -2,6 +2,7 @@
 
 #include "base/common/parallel.h"
 #include "base/mesh/align.h"
+#include "elastic/average/rigid_modes.h"
 
 namespace pliant {
 
@@ -12,6 +13,8 @@ LayerSum::LayerSum(SolverPool& pool)
     , changes_(rest_.size(), Eigen::Index(pool.set().pose_count()) - 1)
     , fits_(worker_count())
 {
+    const NormalizedPoses& set = pool.set();
+    if (set.is_free()) modes_ = times_mass(rigid_modes(set.shapes[0], set.masses), set.masses);
     for (Eigen::Index k = 0; k < changes_.cols(); ++k)
         changes_.col(k) = (coordinates_.coordinates(pool.set().shapes[std::size_t(k) + 1]) - rest_).cast<float>();
 }
@@ -25,7 +28,28 @@ Shape LayerSum::linear(const Weights& v) const
     return sum;
 }
 
-void LayerSum::place(const Weights& v, Shape& shape) const { align_to(pool_.set(), linear(v), shape); }
+// Newton's method in the six numbers of a rigid motion, from where the shape is closest.
+void LayerSum::place(const Weights& v, Shape& shape) const
+{
+    constexpr int steps = 6;
+    const NormalizedPoses& set = pool_.set();
+    const Shape target = linear(v);
+    align_to(set, target, shape);
+    for (int step = 0; step < steps && modes_.cols() > 0; ++step) {
+        const Eigen::Matrix<double, 6, 1> off = modes_.transpose() * (target - shape);
+        if (off.norm() < 1e-14) return;
+        Eigen::MatrixXd motions = Eigen::MatrixXd::Zero(shape.size(), 6);
+        for (Eigen::Index i = 0; i < shape.size(); i += 3) {
+            motions.block<3, 3>(i, 0).setIdentity();
+            motions.block<3, 3>(i, 3) = -cross_matrix(shape.segment<3>(i));
+        }
+        const Eigen::Matrix<double, 6, 6> system = modes_.transpose() * motions;
+        const Eigen::Matrix<double, 6, 1> move = system.fullPivLu().solve(off);
+        const Eigen::Matrix3d turn = rotation_by(move.tail<3>());
+        for (Eigen::Index i = 0; i < shape.size(); i += 3)
+            shape.segment<3>(i) = (turn * shape.segment<3>(i) + move.head<3>()).eval();
+    }
+}
 
 Shape LayerSum::turned(const Weights& v, std::size_t worker) const
 {

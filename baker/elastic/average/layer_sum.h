@@ -21,8 +21,9 @@ public:
     // The sum of the displacements.
     Shape linear(const Weights& v) const;
 
-    // Moves the shape of layers rigidly to where it lies closest to the sum of the displacements: layers move a character as
-    // morph targets do, and a single whole layer is the pose as it was given.
+    // Moves the shape of layers rigidly to where it lies as the sum of the displacements does: what is left between them has
+    // no rigid motion of the rest shape in it. Layers so move a character as morph targets do, and a single whole layer is
+    // the pose as it was given.
     void place(const Weights& v, Shape& shape) const;
 
     // The sum of rotations and strains. Tasks may call it at the same time, each with its worker. Cost: a solve with one
@@ -36,6 +37,7 @@ public:
 private:
     SolverPool& pool_;
     RotationStrain coordinates_;
+    Eigen::MatrixXd modes_;                              // rigid motions of pose 0 times masses; none of a held body
     Eigen::VectorXd rest_;                               // coordinates of pose 0
     Eigen::MatrixXf changes_;                            // of each layer from them
     mutable std::vector<std::unique_ptr<CellFit>> fits_; // one for each worker, made when it is needed

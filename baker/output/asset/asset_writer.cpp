@@ -92,6 +92,7 @@ Bytes encode_elements(const AssetModel& asset)
 {
     std::vector<BakedElement> elements;
     for (std::size_t i = 0; i < asset.model.surrogate->element_count(); ++i) elements.push_back(bake_element(asset, i));
+    for (BakedElement& held : bake_gauge(asset)) elements.push_back(std::move(held));
     const Blend blend = asset.domain.blend();
     const std::vector<ElementBatch> batches = group_elements(std::move(elements), blend);
     Bytes out;

@@ -122,6 +122,28 @@ BakedElement bake_element(const AssetModel& asset, std::size_t i)
     return baked;
 }
 
+std::vector<BakedElement> bake_gauge(const AssetModel& asset)
+{
+    const BlendModel& model = asset.model;
+    const Gauge& gauge = model.surrogate->gauge();
+    std::vector<BakedElement> out;
+    for (Eigen::Index first = 0; first < 6 && gauge.stiffness > 0; first += 3) {
+        const Eigen::MatrixXd along = gauge.along.middleRows<3>(first), wanted = gauge.wanted.middleRows<3>(first);
+        const Eigen::Vector3d start = along * model.mean;
+        BakedElement held;
+        held.element.kind = PLIANT_ELEMENT_TIE;
+        held.rows.setZero(9, 1 + model.whitening.cols());
+        held.rows.topRows<3>() << start, along * model.whitening;
+        held.rows(3, 0) = held.rows(7, 0) = 1; // e1 and e2
+        held.element.pose_numbers.setZero(1 + wanted.cols(), 4);
+        held.element.pose_numbers(0, 0) = gauge.stiffness;
+        held.element.pose_numbers.row(0).tail<3>() = 2 * gauge.stiffness * start.transpose();
+        held.element.pose_numbers.bottomRightCorner(wanted.cols(), 3) = -2 * gauge.stiffness * wanted.transpose();
+        out.push_back(std::move(held));
+    }
+    return out;
+}
+
 std::vector<LayerChange> changes_of(const ElementBatch& batch)
 {
     std::vector<LayerChange> out;

@@ -75,11 +75,12 @@ std::size_t count_for(std::size_t per_dimension, Eigen::Index dimension)
     return per_dimension * std::max<std::size_t>(8, std::size_t(dimension));
 }
 
-std::shared_ptr<const SurrogateEnergy> fit_elements(CubatureFit& fit, std::size_t count)
+std::shared_ptr<const SurrogateEnergy> fit_elements(CubatureFit& fit, std::size_t count, const Gauge& gauge)
 {
-    auto surrogate = std::make_shared<const SurrogateEnergy>(fit.fit(count));
+    auto surrogate = std::make_shared<SurrogateEnergy>(fit.fit(count));
     for (int round = 0; round < 2 && fit.stiffen(*surrogate) > 0; ++round)
-        surrogate = std::make_shared<const SurrogateEnergy>(fit.fit(count));
+        surrogate = std::make_shared<SurrogateEnergy>(fit.fit(count));
+    surrogate->hold(gauge);
     return surrogate;
 }
 
@@ -94,12 +95,14 @@ ChosenModel choose_cubature(const ReducedEnergy& reduced, const NormalizedPoses&
     cubature.seed = options.seed;
     cubature.solver = options.cubature;
     CubatureFit fit(reduced, training, cubature, progress);
+    const bool has_layers = reduced.energy().blend() == Blend::layers;
+    const Gauge gauge = has_layers ? make_gauge(set, subspace, training.energy_scale) : Gauge();
     ChosenModel best;
     for (std::size_t per_dimension : sizes) {
         if (checks.empty() && per_dimension < size_without_checks) continue;
         const std::size_t count
             = options.element_count ? options.element_count : count_for(per_dimension, subspace.dimension());
-        std::shared_ptr<const SurrogateEnergy> surrogate = fit_elements(fit, count);
+        std::shared_ptr<const SurrogateEnergy> surrogate = fit_elements(fit, count, gauge);
         if (progress)
             progress->update("cubature", 0.99,
                              fmt::format("d = {}, {} elements: error of blends", subspace.dimension(), count));

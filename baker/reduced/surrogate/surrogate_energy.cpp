@@ -1,6 +1,7 @@
 #include "reduced/surrogate/surrogate_energy.h"
 
 #include "elastic/average/hessian.h"
+#include "elastic/average/rigid_modes.h"
 
 #include <Eigen/Dense>
 
@@ -34,6 +35,18 @@ SurrogateEnergy::SurrogateEnergy(const Energy& energy, Quartic quartic)
 {
 }
 
+Gauge make_gauge(const NormalizedPoses& set, const Subspace& subspace, double energy_scale)
+{
+    constexpr double free_play = 0.05; // of the size of the character
+    if (!set.is_free()) return {};
+    const Eigen::MatrixXd modes = times_mass(rigid_modes(set.shapes[0], set.masses), set.masses);
+    Gauge gauge;
+    gauge.along = modes.transpose() * subspace.basis;
+    gauge.wanted = gauge.along * subspace.pose_coordinates.rightCols(subspace.pose_coordinates.cols() - 1);
+    gauge.stiffness = energy_scale / (free_play * free_play);
+    return gauge;
+}
+
 double SurrogateEnergy::value(const Weights& w, const Eigen::VectorXd& q) const
 {
     if (quartic_) return quartic_->value(w, q);
@@ -44,6 +57,7 @@ double SurrogateEnergy::value(const Weights& w, const Eigen::VectorXd& q) const
         energy_.evaluate(elements_[i], w.data(), x.data(), Order::value, HessianKind::exact, result);
         sum += weights_[Eigen::Index(i)] * result.value;
     }
+    if (gauge_.stiffness > 0) sum += gauge_.stiffness * (gauge_.along * q - gauge_.wanted * w).squaredNorm();
     return sum;
 }
 
@@ -58,6 +72,11 @@ double SurrogateEnergy::gradient(const Weights& w, const Eigen::VectorXd& q, Eig
         energy_.evaluate(elements_[i], w.data(), x.data(), Order::gradient, HessianKind::exact, result);
         sum += weights_[Eigen::Index(i)] * result.value;
         gradient += weights_[Eigen::Index(i)] * (rows_[i].transpose() * result.gradient);
+    }
+    if (gauge_.stiffness > 0) {
+        const Eigen::VectorXd off = gauge_.along * q - gauge_.wanted * w;
+        sum += gauge_.stiffness * off.squaredNorm();
+        gradient += 2 * gauge_.stiffness * (gauge_.along.transpose() * off);
     }
     return sum;
 }
@@ -76,6 +95,7 @@ Eigen::MatrixXd SurrogateEnergy::hessian(const Weights& w, const Eigen::VectorXd
         energy_.evaluate(elements_[i], w.data(), x.data(), Order::hessian, kind, result);
         sum += weights_[Eigen::Index(i)] * (rows_[i].transpose() * (result.hessian * rows_[i]));
     }
+    if (gauge_.stiffness > 0) sum += 2 * gauge_.stiffness * gauge_.along.transpose() * gauge_.along;
     return 0.5 * (sum + sum.transpose());
 }
 

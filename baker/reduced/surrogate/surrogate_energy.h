@@ -12,6 +12,15 @@
 
 namespace pliant {
 
+// Holds what no elastic energy sees: stiffness |along q - wanted v|^2, the rigid motion of the rest shape in a blend of
+// layers against that in their linear sum. Layers are not aligned with each other, so that rigid motions may lie in the
+// subspace.
+struct Gauge {
+    Eigen::MatrixXd along, wanted; // 6 x d, 6 x layers
+    double stiffness = 0;          // 0: nothing is held
+};
+Gauge make_gauge(const NormalizedPoses& set, const Subspace& subspace, double energy_scale);
+
 class SurrogateEnergy {
 public:
     // Elements of `energy` with their weights. `rest` and `basis` are those of the mesh that `energy` lives on: the full one
@@ -21,6 +30,9 @@ public:
 
     // The reduced energy of a St. Venant-Kirchhoff solid; no elements.
     SurrogateEnergy(const Energy& energy, Quartic quartic);
+
+    void hold(Gauge gauge) { gauge_ = std::move(gauge); }
+    const Gauge& gauge() const { return gauge_; }
 
     // Null: a sum of elements.
     const Quartic* quartic() const { return quartic_.get(); }
@@ -47,6 +59,7 @@ private:
     std::vector<Eigen::MatrixXd> rows_;
     std::vector<Eigen::VectorXd> rest_rows_;
     std::shared_ptr<const Quartic> quartic_;
+    Gauge gauge_;
 };
 
 // The reduced energy on the full mesh: exact, and as expensive as the mesh.
