@@ -132,7 +132,7 @@ void pliant_solver_reset(pliant_solver* solver)
 
 static pliant_result check_weights(const pliant_asset* asset, const float* weights)
 {
-    const uint32_t count = asset->pose_count - asset->has_layers;
+    const uint32_t count = asset->weight_count;
     float largest = 0.0f;
     for (uint32_t k = 0; k < count; ++k)
         if (!pliant_is_finite(weights[k])) return PLIANT_ERROR_WEIGHT_NOT_FINITE;

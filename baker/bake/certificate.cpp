@@ -3,6 +3,7 @@
 #include "base/common/diagnostics.h"
 #include "base/common/version.h"
 
+#include <cmath>
 #include <nlohmann/json.hpp>
 
 namespace pliant {
@@ -15,9 +16,9 @@ Json json_of(const Weights& w) { return std::vector<double>(w.data(), w.data() +
 
 Json json_of(const ShapeError& error)
 {
-    return { { "relative_l2", error.relative_l2 },
-             { "largest_distance", error.largest_distance },
-             { "energy_excess", error.energy_excess } };
+    Json json = { { "relative_l2", error.relative_l2 }, { "largest_distance", error.largest_distance } };
+    if (!std::isnan(error.energy_excess)) json["energy_excess"] = error.energy_excess;
+    return json;
 }
 
 template <class Enum> Enum parse_name(const std::string& name, std::initializer_list<Enum> values)

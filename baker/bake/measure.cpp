@@ -86,15 +86,6 @@ std::vector<Measurement> draw_samples(const MeasureOptions& options, const Weigh
     return samples;
 }
 
-// The linear blend: the weighted mean of the poses; of layers the rest shape and the weighted differences from it.
-Shape linear_blend(const NormalizedPoses& set, const Weights& w)
-{
-    const Weights shares = linear_shares(w, set.pose_count());
-    Shape sum = Shape::Zero(set.dof_count());
-    for (std::size_t k = 0; k < set.pose_count(); ++k) sum += shares[Eigen::Index(k)] * set.shapes[k];
-    return sum;
-}
-
 void compare(const AverageFamily& family, std::size_t worker, SharedProgress& progress, bool from_blend, const Shape& blend,
              Measurement& s)
 {

@@ -1,6 +1,6 @@
 #include "bake/warnings.h"
 
-#include "base/weights/blend_text.h"
+#include "base/weights/weights.h"
 
 #include <fmt/core.h>
 

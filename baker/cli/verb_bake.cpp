@@ -4,7 +4,7 @@
 #include "bake/certificate.h"
 #include "bake/warnings.h"
 #include "base/common/sha256.h"
-#include "base/weights/blend_text.h"
+#include "base/weights/weights.h"
 #include "cli/bake_request.h"
 #include "cli/config_options.h"
 #include "cli/kind_line.h"

@@ -4,7 +4,6 @@ Usage: test_player_layers.py CASE PLAYER [PLIANT] (player_support.py). Assets co
 the case `tool`, which bakes one.
 """
 import json
-import math
 import os
 import shutil
 import subprocess
@@ -16,6 +15,8 @@ os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # small matrices: threads of
 import numpy as np  # noqa: E402
 from PIL import Image, features  # noqa: E402
 
+sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
+from layered_tube import tube, write_obj  # noqa: E402
 from player_support import PLAYER, make_asset, picture, refused, run, skip, write_path  # noqa: E402
 
 PANEL = np.s_[240:590, 12:224]  # of a picture of 960 x 600: everything below the facts, on the left
@@ -148,31 +149,6 @@ def case_key(folder):
 
 
 # ------------------------------------------------------------------------------------------------------- a baked asset --
-
-RINGS, SIDES = 13, 8
-
-
-def tube(twist, bend):
-    """A tube along z in [0, 6], its lowest third twisted, its highest third bent, as in tests/baker/cli/test_layers.py."""
-    points = []
-    for r in range(RINGS):
-        for s in range(SIDES):
-            around, z = 2 * math.pi * s / SIDES, 6 * r / (RINGS - 1)
-            x, y = 0.7 * math.cos(around), 0.5 * math.sin(around)
-            if z > 4 and bend:
-                radius, phi = 2 / bend, bend * (z - 4) / 2
-                x, z = radius - (radius - x) * math.cos(phi), 4 + (radius - x) * math.sin(phi)
-            turn = twist * min(6 * r / (RINGS - 1), 2) / 2
-            points.append((math.cos(turn) * x - math.sin(turn) * y, math.sin(turn) * x + math.cos(turn) * y, z))
-    return points
-
-
-def write_obj(path, points):
-    faces = [face for r in range(RINGS - 1) for s in range(SIDES)
-             for a, b in [(r * SIDES + s + 1, r * SIDES + (s + 1) % SIDES + 1)]
-             for face in [(a, b, b + SIDES), (a, b + SIDES, a + SIDES)]]
-    path.write_text("\n".join(["v %r %r %r" % p for p in points] + ["f %d %d %d" % f for f in faces]) + "\n")
-
 
 def case_tool(folder):
     """The player's elastic blend is that of `pliant blend`, at every row of a path, also outside the ranges."""

@@ -4,7 +4,6 @@
 #include <cstddef>
 #include <cstdint>
 #include <random>
-#include <utility>
 #include <vector>
 
 namespace pliant {
@@ -21,10 +20,6 @@ public:
     std::size_t below(std::size_t count) { return std::size_t(uniform() * double(count)); }
     // `wanted` different numbers below `count` (not more than there are), in random order.
     std::vector<std::size_t> distinct(std::size_t count, std::size_t wanted);
-    template <class Item> void shuffle(std::vector<Item>& items)
-    {
-        for (std::size_t i = items.size(); i > 1; --i) std::swap(items[i - 1], items[below(i)]);
-    }
 
 private:
     std::mt19937_64 engine_;

@@ -45,6 +45,15 @@ void align_to(const NormalizedPoses& set, const Shape& target, Shape& shape)
     if (set.is_free()) apply(best_rigid_motion(shape, target, set.masses), shape);
 }
 
+Shape linear_blend(const NormalizedPoses& set, const Weights& w)
+{
+    const Weights shares = linear_shares(w, set.pose_count());
+    Shape sum = Shape::Zero(set.dof_count());
+    for (std::size_t k = 0; k < set.pose_count(); ++k)
+        if (shares[Eigen::Index(k)] != 0) sum += shares[Eigen::Index(k)] * set.shapes[k];
+    return sum;
+}
+
 // Closest means that sum_v m_v target_v x shape_v = 0; the turn keeps that zero.
 void keep_aligned(const NormalizedPoses& set, const Shape& target, const Shape& shape, Eigen::MatrixXd& displacements)
 {

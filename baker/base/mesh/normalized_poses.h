@@ -2,6 +2,7 @@
 #pragma once
 
 #include "base/mesh/surface.h"
+#include "base/weights/weights.h"
 
 namespace pliant {
 
@@ -20,7 +21,7 @@ struct NormalizedPoses {
     SolidRegions regions;                       // of a solid
     std::vector<std::uint32_t> source_vertices; // as in PoseSet
     std::vector<std::uint32_t> fixed_vertices;  // ascending; without them bodies are free
-    std::vector<Shape> shapes;                  // per pose, aligned to pose 0
+    std::vector<Shape> shapes;                  // per pose, aligned to pose 0; layers are where they are
     Eigen::VectorXd masses;                     // per vertex: lumped, mean over the poses; sum 1; all positive
     Eigen::Vector3d centre;                     // input units; each coordinate is exactly a float
     double length = 1;                          // input units
@@ -32,5 +33,8 @@ struct NormalizedPoses {
     std::size_t pose_count() const { return shapes.size(); }
     Eigen::Index dof_count() const { return shapes[0].size(); }
 };
+
+// The linear blend: the weighted mean of the poses; of layers the rest shape and the weighted differences from it.
+Shape linear_blend(const NormalizedPoses& set, const Weights& w);
 
 } // namespace pliant

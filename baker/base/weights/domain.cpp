@@ -66,12 +66,13 @@ Weights WeightDomain::dense(Random& random) const
     return v;
 }
 
+// Corners with one layer or none are poses, or nearly: they would say nothing.
 Weights WeightDomain::corner(Random& random) const
 {
     Weights v = centre();
     for (std::size_t layer = 0; layer < size_; ++layer)
         v[Eigen::Index(layer)] = random.uniform() < 0.5 ? ranges_[layer].low : ranges_[layer].high;
-    return v;
+    return (v.array() != 0).count() > 1 ? v : sparse(random, 2);
 }
 
 Weights WeightDomain::draw(Random& random, std::size_t index) const

@@ -54,8 +54,8 @@ public:
     // seed.
     std::vector<std::vector<float>> covering(std::size_t count, std::uint64_t seed) const;
 
-    // Mixtures of layers. Amplitudes of a sparse one: 0.3 to 1 of an end of the range.
-    Weights single(Random& random) const;
+    // Mixtures of layers: `count` of them at 0.3 to 1 of an end of their ranges, all of them anywhere, or all of them at an
+    // end.
     Weights sparse(Random& random, std::size_t count) const;
     Weights dense(Random& random) const;
     Weights corner(Random& random) const;
@@ -68,6 +68,7 @@ private:
         , ranges_(std::move(ranges))
     {
     }
+    Weights single(Random& random) const;
     double end(std::size_t layer, Random& random) const;
 
     std::size_t size_;

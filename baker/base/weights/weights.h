@@ -19,6 +19,9 @@ Weights linear_shares(const Weights& w, std::size_t pose_count);
 // "0.25,0.75": for messages.
 std::string weights_text(const Weights& w);
 
+// Of averages weights_text(); of layers those that are not zero, by their names: "smile=1,blink=0.5".
+std::string blend_text(const Weights& w, const std::vector<std::string>& pose_names);
+
 // Weights as people give them, checked and divided by their sum. Throws Failure (usage, P1203, P1204).
 Weights normalized_weights(const std::vector<double>& values, std::size_t pose_count);
 

@@ -24,7 +24,7 @@ struct Branch {
     std::size_t vertex; // that moves most between them
 };
 
-// A shape that is an average for certain weights, aligned to pose 0; of layers to their linear sum.
+// A shape that is an average for certain weights, aligned to pose 0; of layers as LayerSum::place() says.
 struct KnownAverage {
     Weights weights;
     Shape shape;

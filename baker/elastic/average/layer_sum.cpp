@@ -19,21 +19,12 @@ LayerSum::LayerSum(SolverPool& pool)
         changes_.col(k) = (coordinates_.coordinates(pool.set().shapes[std::size_t(k) + 1]) - rest_).cast<float>();
 }
 
-Shape LayerSum::linear(const Weights& v) const
-{
-    const NormalizedPoses& set = pool_.set();
-    Shape sum = set.shapes[0];
-    for (Eigen::Index k = 0; k < v.size(); ++k)
-        if (v[k] != 0) sum += v[k] * (set.shapes[std::size_t(k) + 1] - set.shapes[0]);
-    return sum;
-}
-
 // Newton's method in the six numbers of a rigid motion, from where the shape is closest.
 void LayerSum::place(const Weights& v, Shape& shape) const
 {
     constexpr int steps = 6;
     const NormalizedPoses& set = pool_.set();
-    const Shape target = linear(v);
+    const Shape target = linear_blend(set, v);
     align_to(set, target, shape);
     for (int step = 0; step < steps && modes_.cols() > 0; ++step) {
         const Eigen::Matrix<double, 6, 1> off = modes_.transpose() * (target - shape);
@@ -67,7 +58,7 @@ Shape LayerSum::turned(const Weights& v, std::size_t worker) const
 // linear sum.
 Shape LayerSum::guess(const Weights& v, const Shape& turned, const Shape* correction) const
 {
-    Shape best = linear(v);
+    Shape best = linear_blend(pool_.set(), v);
     double energy = energy_value(pool_.energy(), v, best);
     const auto try_shape = [&](const Shape& shape) {
         const double other = energy_value(pool_.energy(), v, shape);

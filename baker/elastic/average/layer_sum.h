@@ -18,9 +18,6 @@ public:
     // one unknown per vertex.
     explicit LayerSum(SolverPool& pool);
 
-    // The sum of the displacements.
-    Shape linear(const Weights& v) const;
-
     // Moves the shape of layers rigidly to where it lies as the sum of the displacements does: what is left between them has
     // no rigid motion of the rest shape in it. Layers so move a character as morph targets do, and a single whole layer is
     // the pose as it was given.

@@ -3,6 +3,7 @@
 #include "elastic/average/rigid_modes.h"
 
 #include <algorithm>
+#include <cmath>
 
 namespace pliant {
 
@@ -44,6 +45,8 @@ ShapeError shape_error(const Energy& energy, const NormalizedPoses& set, const W
                        const Shape& reference)
 {
     ShapeError error = shape_distance(set, blend, reference);
+    error.energy_excess = std::nan("");
+    if (energy.blend() == Blend::layers) return error; // where they fit together, there is no energy to compare with
     const double least = energy_value(energy, w, reference);
     error.energy_excess = (energy_value(energy, w, blend) - least) / std::max(least, 1e-13); // a pose itself has no energy
     return error;

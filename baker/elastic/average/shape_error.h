@@ -10,7 +10,7 @@ namespace pliant {
 struct ShapeError {
     double relative_l2 = 0;      // mass-weighted, after rigid alignment, relative to the distance from the centroid
     double largest_distance = 0; // over the bounding-box diagonal of pose 0
-    double energy_excess = 0;    // (W(blend) - W(average)) / W(average)
+    double energy_excess = 0;    // (W(blend) - W(average)) / W(average); of layers not a number
 };
 
 ShapeError shape_error(const Energy& energy, const NormalizedPoses& set, const Weights& w, const Shape& blend,

@@ -30,13 +30,19 @@ constexpr int path_steps = 24;
 // Coordinates on the way from each pose to each other, and to and from the mean, every frame going on from the one before.
 Eigen::MatrixXf path_ranges(RuntimeBlender& blender)
 {
-    const std::vector<std::vector<float>> stops = blender.domain().covering(0, range_seed);
+    const WeightDomain domain = blender.domain();
+    const std::vector<std::vector<float>> stops = domain.covering(0, range_seed); // the centre last
+    const std::size_t centre = stops.size() - 1;
     Eigen::MatrixXf ends(blender.asset().dimension, 2);
     ends.colwise() = blend_coordinates(blender, { stops[0] }).col(0);
     std::vector<float> weights(stops[0].size());
+    // Layers are switched on and off one by one; there may be many pairs of them.
+    const auto is_path = [&](std::size_t from, std::size_t to) {
+        return from != to && (!domain.is_box() || from == centre || to == centre);
+    };
     for (std::size_t from = 0; from < stops.size(); ++from)
         for (std::size_t to = 0; to < stops.size(); ++to)
-            for (int step = 0; step <= path_steps && from != to; ++step) {
+            for (int step = 0; step <= path_steps && is_path(from, to); ++step) {
                 const float t = float(step) / float(path_steps);
                 for (std::size_t k = 0; k < weights.size(); ++k) weights[k] = (1 - t) * stops[from][k] + t * stops[to][k];
                 const std::vector<float> q = blender.solve(weights, step != 0);

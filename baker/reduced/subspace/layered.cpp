@@ -17,7 +17,7 @@ namespace {
 constexpr double least_overlap = 1e-3;
 
 // In multiples of the median.
-constexpr double most_promised = 4;
+constexpr double largest_score = 4;
 
 // A wave is explained if its shapes lay this near to the span of those before it, in tolerances.
 constexpr double mean_in_span = 0.35, largest_in_span = 1.5;
@@ -29,12 +29,13 @@ struct Count {
     double least, each;
     std::size_t of(std::size_t layers) const { return std::size_t(least + each * double(layers)); }
 };
+constexpr std::size_t corner_count = 24;
 constexpr Count pair_count { 16, 1.5 }, sparse_count { 64, 2 }, dense_count { 8, 0.25 }, shape_count { 64, 3 };
 
 // Before so many shapes are known no wave is explained.
 constexpr double least_share = 0.5;
 
-// One of so many mixtures of a wave is the next in the list, whatever it promises: these say how well others are explained.
+// One of so many mixtures of a wave is the next in the list, whatever its score: these say how well others are explained.
 constexpr std::size_t unbiased_one_of = 3;
 
 // How much two layers move the same vertices, 0 to 1 (L x L).
@@ -95,39 +96,39 @@ void project_out(const Eigen::MatrixXd& basis, const Eigen::VectorXd& masses, Ei
     shapes -= basis * along;
 }
 
-// How far a mixture is from a linear sum: the root of the energy that the sum has there. Nothing is promised of mixtures for
-// which no tolerance is meant, nor of those whose sums have much more energy than most: they seldom make a shape.
-Eigen::VectorXd promises_of(const LayeredFamily& known, const WeightDomain& domain, const std::vector<Weights>& mixtures)
+// How far a mixture is from a linear sum: the root of the energy that the sum has there. The score is 0 for mixtures for
+// which no tolerance is meant, and for those whose sums have much more energy than most: they seldom have a shape.
+Eigen::VectorXd scores_of(const LayeredFamily& known, const WeightDomain& domain, const std::vector<Weights>& mixtures)
 {
     Eigen::VectorXd out(Eigen::Index(mixtures.size()));
     for_each_task(mixtures.size(), [&](std::size_t i, std::size_t) {
-        const double energy
-            = energy_value(known.family().pool().energy(), mixtures[i], known.family().sum().linear(mixtures[i]));
+        const double energy = energy_value(known.family().pool().energy(), mixtures[i],
+                                           linear_blend(known.family().pool().set(), mixtures[i]));
         out[Eigen::Index(i)] = std::isfinite(energy) && domain.is_counted(mixtures[i]) ? std::sqrt(energy) : 0;
     });
     std::vector<double> sorted(out.begin(), out.end());
     const auto middle = sorted.begin() + std::ptrdiff_t(sorted.size() / 2);
     std::nth_element(sorted.begin(), middle, sorted.end());
-    for (double& promise : out)
-        if (promise > most_promised * *middle) promise = 0;
+    for (double& score : out)
+        if (score > largest_score * *middle) score = 0;
     return out;
 }
 
-// Mixtures in the order in which they teach most, found in waves.
-class Lessons {
+// Shapes of mixtures, found in waves, those first that are likely to be farthest from what is known.
+class TrainingShapes {
 public:
-    Lessons(LayeredFamily& known, const WeightDomain& domain, const AdaptiveOptions& options)
+    TrainingShapes(LayeredFamily& known, const WeightDomain& domain, const AdaptiveOptions& options)
         : known_(known)
         , set_(known.family().pool().set())
         , unit_(options.tolerance * mass_norm(set_.shapes[0], set_.masses)) // shapes are centred
         , basis_(build_subspace(set_, Eigen::MatrixXd(set_.dof_count(), 0), 0).basis)
         , mixtures_(layer_mixtures(set_, domain, options.seed))
-        , promises_(promises_of(known, domain, mixtures_))
+        , scores_(scores_of(known, domain, mixtures_))
         , most_(std::min(shape_count.of(domain.size()), mixtures_.size()))
     {
-        distances_.setConstant(promises_.size(), std::numeric_limits<double>::infinity());
-        leave(domain.centre());
-        for (const Weights& corner : corner_weights_of(known.family().pool().energy())) leave(corner);
+        distances_.setConstant(scores_.size(), std::numeric_limits<double>::infinity());
+        mark(domain.centre());
+        for (const Weights& corner : corner_weights_of(known.family().pool().energy())) mark(corner);
     }
 
     bool is_done() const { return done_ >= most_ || is_explained_; }
@@ -136,8 +137,7 @@ public:
     {
         const std::size_t size = std::min(most_ - done_, std::max(least_wave, done_ / 2));
         std::vector<Weights> weights;
-        for (std::size_t i = 0; i < size; ++i)
-            weights.push_back(i % unbiased_one_of == 0 ? next_in_list() : most_promising());
+        for (std::size_t i = 0; i < size; ++i) weights.push_back(i % unbiased_one_of == 0 ? next_in_list() : best_scored());
         std::vector<CheckPoint> wave = known_.find(weights, { "averages", done_, most_ }, false);
         done_ += size;
         take(wave);
@@ -146,25 +146,25 @@ public:
     }
 
 private:
-    // The mixture is chosen: others next to it have less to teach.
-    Weights leave(Weights v)
+    // The mixture is chosen: its neighbours come later.
+    Weights mark(Weights v)
     {
         for (Eigen::Index i = 0; i < distances_.size(); ++i)
             distances_[i] = std::min(distances_[i], (mixtures_[std::size_t(i)] - v).norm());
         return v;
     }
 
-    Weights most_promising()
+    Weights best_scored()
     {
         Eigen::Index best = 0;
-        const double promise = promises_.cwiseProduct(distances_).maxCoeff(&best);
-        return promise > 0 ? leave(mixtures_[std::size_t(best)]) : next_in_list();
+        const double score = scores_.cwiseProduct(distances_).maxCoeff(&best);
+        return score > 0 ? mark(mixtures_[std::size_t(best)]) : next_in_list();
     }
 
     Weights next_in_list()
     {
         while (distances_[next_] < closest_centres && next_ + 1 < distances_.size()) ++next_;
-        return leave(mixtures_[std::size_t(next_)]);
+        return mark(mixtures_[std::size_t(next_)]);
     }
 
     void take(const std::vector<CheckPoint>& wave)
@@ -198,7 +198,7 @@ private:
     double unit_;           // a tolerance, in the mass norm
     Eigen::MatrixXd basis_; // of the differences and all shapes found
     std::vector<Weights> mixtures_;
-    Eigen::VectorXd promises_, distances_; // of each mixture; from those that were chosen
+    Eigen::VectorXd scores_, distances_; // of each mixture; from those that were chosen
     std::size_t most_, done_ = 0;
     Eigen::Index next_ = 0;
     bool is_explained_ = false;
@@ -223,8 +223,10 @@ std::vector<Weights> layer_mixtures(const NormalizedPoses& set, const WeightDoma
     for (std::size_t i = 0; i < sparse_count.of(layers); ++i)
         out.push_back(domain.sparse(random, 2 + i % (sparse_layer_limit - 1)));
     for (std::size_t i = 0; i < dense_count.of(layers); ++i) out.push_back(domain.dense(random));
-    random.shuffle(out);
-    return out;
+    for (std::size_t i = 0; i < corner_count; ++i) out.push_back(domain.corner(random));
+    std::vector<Weights> shuffled;
+    for (const std::size_t i : random.distinct(out.size(), out.size())) shuffled.push_back(out[i]);
+    return shuffled;
 }
 
 FoundSubspace build_layered_subspace(LayeredFamily& known, const WeightDomain& domain,
@@ -234,9 +236,9 @@ FoundSubspace build_layered_subspace(LayeredFamily& known, const WeightDomain& d
     const NormalizedPoses& set = known.family().pool().set();
     FoundSubspace out;
     out.averages.push_back({ domain.centre(), set.shapes[0] });
-    Lessons lessons(known, domain, options);
-    while (!lessons.is_done() && (out.averages.size() == 1 || !options.snapshot_time.is_spent())) {
-        std::vector<CheckPoint> wave = lessons.next_wave();
+    TrainingShapes training(known, domain, options);
+    while (!training.is_done() && (out.averages.size() == 1 || !options.snapshot_time.is_spent())) {
+        std::vector<CheckPoint> wave = training.next_wave();
         const auto lost = std::remove_if(wave.begin(), wave.end(), [](const CheckPoint& p) { return !p.has_converged; });
         out.unconverged_count += int(wave.end() - lost);
         wave.erase(lost, wave.end());

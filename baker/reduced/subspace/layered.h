@@ -11,9 +11,9 @@ namespace pliant {
 std::vector<Weights> layer_mixtures(const NormalizedPoses& set, const WeightDomain& domain, std::uint64_t seed);
 
 // Differences of the poses are kept exactly; the other directions are those by which the shapes of mixtures differ from
-// linear sums. Two of three mixtures are those that promise most: the energy of their linear sum is high, and no known
-// mixture is near. The third ones say when the shapes that are known explain others: a wave of which they lie in the span of
-// those before, to a part of the tolerance, is the last.
+// linear sums. Two of three mixtures are those of the highest score: the energy of their linear sum is high, and no
+// known mixture is near. The others are unbiased: a wave is the last one if these lie in the span of all shapes before them,
+// to a part of the tolerance.
 FoundSubspace build_layered_subspace(LayeredFamily& known, const WeightDomain& domain,
                                      const std::vector<Weights>& check_weights, const AdaptiveOptions& options,
                                      Progress* progress);

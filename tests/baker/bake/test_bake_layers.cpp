@@ -6,7 +6,7 @@
 #include "bake/make_energy.h"
 #include "bake/warnings.h"
 #include "base/mesh/align.h"
-#include "base/weights/blend_text.h"
+#include "base/weights/weights.h"
 #include "elastic/average/layered_family.h"
 #include "elastic/average/shape_error.h"
 #include "output/asset/runtime_blender.h"
@@ -30,6 +30,37 @@ BakedAsset bake_quietly(const PoseSet& poses, const BakeOptions& options)
 {
     Progress silent;
     return bake(poses, options, silent);
+}
+
+// A sheet of 13 x 5 vertices with one layer for each half, which rolls up from an end of the sheet: the layers are not
+// aligned, and combinations of them are nearly a rotation of the sheet.
+PoseSet bent_sheet()
+{
+    PoseSet poses;
+    Positions flat(65, 3), left, right;
+    for (int v = 0; v < 65; ++v) flat.row(v) << v / 5, v % 5, 0;
+    left = right = flat;
+    for (int v = 0; v < 65; ++v) {
+        const double x = flat(v, 0), radius = 4;
+        const double beyond = std::max(x - 6, 0.0), before = std::max(6 - x, 0.0);
+        right.row(v) << std::min(x, 6.0) + radius * std::sin(beyond / radius), flat(v, 1),
+            radius * (1 - std::cos(beyond / radius));
+        left.row(v) << std::max(x, 6.0) - radius * std::sin(before / radius), flat(v, 1),
+            radius * (1 - std::cos(before / radius));
+    }
+    poses.positions = { flat, left, right };
+    poses.names = poses.paths = { "flat", "left", "right" };
+    for (std::uint32_t i = 0; i < 12; ++i)
+        for (std::uint32_t j = 0; j < 4; ++j) {
+            const std::uint32_t a = 5 * i + j;
+            poses.triangles.push_back({ a, a + 5, a + 6 });
+            poses.triangles.push_back({ a, a + 6, a + 1 });
+        }
+    for (const Triangle& t : poses.triangles) {
+        poses.polygons.indices.insert(poses.polygons.indices.end(), t.begin(), t.end());
+        poses.polygons.offsets.push_back(std::uint32_t(poses.polygons.indices.size()));
+    }
+    return poses;
 }
 
 const KindErrors* find_kind(const BakeReport& report, const std::string& kind)
@@ -123,6 +154,12 @@ TEST_CASE("ranges of layers beyond 0 to 1 are measured")
     }
     CHECK(low < -0.2);
     CHECK(high > 1.2);
+}
+
+TEST_CASE("layers that turn a body as a whole leave no blend adrift")
+{
+    const BakeReport report = bake_quietly(bent_sheet(), layered_options(Material::discrete_shells, -0.5, 1.3)).report;
+    for (const BlendCheck& check : report.check.blends) CHECK(check.error.relative_l2 < 2e-2);
 }
 
 TEST_CASE("layers whose sum is linear take no more dimensions than layers")

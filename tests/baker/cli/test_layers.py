@@ -9,33 +9,10 @@ import subprocess
 import sys
 import tempfile
 
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[2]))
+from layered_tube import RINGS, SIDES, tube, write_obj  # noqa: E402
+
 TOOL = sys.argv[1]
-RINGS, SIDES = 13, 8
-FACES = [face for r in range(RINGS - 1) for s in range(SIDES)
-         for a, b in [(r * SIDES + s, r * SIDES + (s + 1) % SIDES)]
-         for face in [(a, b, b + SIDES), (a, b + SIDES, a + SIDES)]]
-
-
-def tube(twist, bend):
-    """A tube along z in [0, 6], its lowest third twisted, its highest third bent."""
-    points = []
-    for r in range(RINGS):
-        for s in range(SIDES):
-            around, z = 2 * math.pi * s / SIDES, 6 * r / (RINGS - 1)
-            x, y = 0.7 * math.cos(around), 0.5 * math.sin(around)
-            if z > 4 and bend:
-                radius, phi = 2 / bend, bend * (z - 4) / 2
-                x, z = radius - (radius - x) * math.cos(phi), 4 + (radius - x) * math.sin(phi)
-            turn = twist * min(6 * r / (RINGS - 1), 2) / 2
-            points.append((math.cos(turn) * x - math.sin(turn) * y, math.sin(turn) * x + math.cos(turn) * y, z))
-    return points
-
-
-def write(path, points):
-    lines = ["v %r %r %r" % p for p in points] + ["f %d %d %d" % tuple(i + 1 for i in f) for f in FACES]
-    path.write_text("\n".join(lines) + "\n", encoding="utf-8")
-
-
 def read(path):
     data = path.read_bytes()
     numbers = struct.unpack_from(f"<{3 * RINGS * SIDES}f", data, data.index(b"end_header\n") + 11)
@@ -59,7 +36,7 @@ def average(folder, *arguments):
 with tempfile.TemporaryDirectory(prefix="pliant_layers_") as temporary:
     work = pathlib.Path(temporary)
     for name, angles in (("rest", (0, 0)), ("twisted", (1, 0)), ("bent", (0, 1.2))):
-        write(work / f"{name}.obj", tube(*angles))
+        write_obj(work / f"{name}.obj", tube(*angles))
 
     row = average(work, "--weights", "1,1", "-o", "sum.ply")[0]
     assert row["weights"] == [1, 1] and row["energy"] < 1e-15, row
@@ -105,7 +82,7 @@ with tempfile.TemporaryDirectory(prefix="pliant_layers_") as temporary:
         assert line in text and line in said and f"{row['mean_error']:.2e} (mean)" in text, (text, said)
         assert f"linear sum {row['linear_mean_error']:.2e} and {row['linear_largest_error']:.2e}" in said, said
     for name, angles in (("a", (0.02, 0)), ("b", (0, 0.02))):
-        write(work / f"{name}.obj", tube(*angles))
+        write_obj(work / f"{name}.obj", tube(*angles))
     said = run("bake", "rest.obj", "a.obj", "b.obj", "--blend", "layers", "--tolerance", "1e-2", "-o", "small.pliant")
     assert "the linear sum keeps the tolerance, too: mean error " in said, said
     assert "valid" in run("validate", "tube.pliant")

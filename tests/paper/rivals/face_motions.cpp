@@ -52,13 +52,6 @@ std::vector<FaceMotion> blend_motions(const std::vector<std::vector<FaceMotion>>
     return blended;
 }
 
-Shape linear_blend(const NormalizedPoses& set, const Weights& w)
-{
-    Shape blend = Shape::Zero(set.dof_count());
-    for (std::size_t k = 0; k < set.pose_count(); ++k) blend += w[Eigen::Index(k)] * set.shapes[k];
-    return blend;
-}
-
 Shape put_together(const NormalizedPoses& set, const CellFit& fit, const Weights& w, const std::vector<FaceMotion>& motions)
 {
     const Shape start = linear_blend(set, w);

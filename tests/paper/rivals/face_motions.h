@@ -22,8 +22,6 @@ Eigen::Vector3d rotation_vector(const Eigen::Matrix3d& rotation);
 // The motion of each face, blended over the poses: logarithms of rotations, and stretches. motions[k]: those of pose k.
 std::vector<FaceMotion> blend_motions(const std::vector<std::vector<FaceMotion>>& motions, const Weights& w);
 
-Shape linear_blend(const NormalizedPoses& set, const Weights& w);
-
 // The shape whose triangles come nearest to those of pose 0 after `motions`, in least squares; its connected parts have the
 // centroids of the linear blend.
 Shape put_together(const NormalizedPoses& set, const CellFit& fit, const Weights& w, const std::vector<FaceMotion>& motions);
