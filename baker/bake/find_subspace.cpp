@@ -6,7 +6,7 @@
 #include "pliant_format.h"
 #include "reduced/subspace/barbic.h"
 #include "reduced/subspace/krylov.h"
-#include "reduced/subspace/layered.h"
+#include "reduced/subspace/mixtures.h"
 
 #include <algorithm>
 #include <cmath>
@@ -65,13 +65,13 @@ AdaptiveOptions adaptive_options(const BakeOptions& options, const TimeBudget& b
     return adaptive;
 }
 
-FoundSubspace find_layered_subspace(LayeredFamily& known, const WeightDomain& domain,
-                                    const std::vector<Weights>& check_weights, const BakeOptions& options,
-                                    const TimeBudget& budget, Progress& progress)
+FoundSubspace find_subspace_of_mixtures(CorrectedFamily& known, const WeightDomain& domain,
+                                        const std::vector<Weights>& check_weights, const BakeOptions& options,
+                                        const TimeBudget& budget, Progress& progress)
 {
     AdaptiveOptions adaptive = adaptive_options(options, budget);
     adaptive.max_dimension += Eigen::Index(domain.size());
-    return build_layered_subspace(known, domain, check_weights, adaptive, &progress);
+    return build_mixture_subspace(known, domain, check_weights, adaptive, &progress);
 }
 
 FoundSubspace find_subspace_of_averages(InterpolatedFamily& known, const std::vector<Weights>& check_weights,
@@ -96,9 +96,9 @@ FoundFamily find_subspace(AverageFamily& family, const WeightDomain& domain, con
 {
     const std::vector<Weights> check_weights
         = domain.draw_counted(options.seed + check_seed, std::size_t(options.check_count));
-    if (domain.is_box()) {
-        auto known = std::make_unique<LayeredFamily>(family, &progress);
-        FoundSubspace found = find_layered_subspace(*known, domain, check_weights, options, budget, progress);
+    if (domain.is_wide()) {
+        auto known = std::make_unique<CorrectedFamily>(family, &progress);
+        FoundSubspace found = find_subspace_of_mixtures(*known, domain, check_weights, options, budget, progress);
         return { std::move(found), std::move(known) };
     }
     auto known = std::make_unique<InterpolatedFamily>(family, &progress);

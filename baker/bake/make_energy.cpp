@@ -147,21 +147,27 @@ void check_surrogate(const BakeOptions& options, const PoseSet& poses)
 namespace {
 
 // What of a bake layers do not have.
-void check_layers(const BakeOptions& options, const PoseSet& poses)
+const char* missing_of_layers(const BakeOptions& options, const PoseSet& poses)
 {
-    const char* what = nullptr;
-    if (poses.is_solid())
-        what = "solids";
-    else if (options.energy.shell.membrane != Membrane::neo_hookean)
-        what = "--membrane stvk and edge";
-    else if (options.subspace != SubspaceKind::adaptive)
-        what = "--subspace krylov and barbic";
-    else if (options.surrogate == SurrogateKind::ghost)
-        what = "--energy ghost";
-    if (what)
-        throw Failure(ExitCode::usage,
-                      error_at(1234, "", fmt::format("{} cannot be baked with --blend layers", what),
-                               "leave it out, or bake the poses with --blend average; `pliant average` has both"));
+    if (poses.is_solid()) return "solids";
+    if (options.energy.shell.membrane != Membrane::neo_hookean) return "--membrane stvk and edge";
+    if (options.subspace != SubspaceKind::adaptive) return "--subspace krylov and barbic";
+    return options.surrogate == SurrogateKind::ghost ? "--energy ghost" : nullptr;
+}
+
+void check_blend(const BakeOptions& options, const PoseSet& poses)
+{
+    const auto refuse = [](const char* what, const std::string& with, const char* hint) {
+        throw Failure(ExitCode::usage, error_at(1234, "", fmt::format("{} cannot be baked with {}", what, with), hint));
+    };
+    if (options.energy.blend == Blend::layers) {
+        if (const char* what = missing_of_layers(options, poses))
+            refuse(what, "--blend layers",
+                   "leave it out, or bake the poses with --blend average; `pliant average` has both");
+    } else if (poses.pose_count() > few_poses && options.subspace != SubspaceKind::adaptive) {
+        refuse("--subspace krylov and barbic", fmt::format("more than {} poses", few_poses),
+               "leave it out, or choose the poses that differ most");
+    }
 }
 
 } // namespace
@@ -172,7 +178,7 @@ BakeOptions resolve_options(const BakeOptions& given, const PoseSet& poses)
     options.energy.blend = given.energy.blend.value_or(poses.blend);
     options.energy.material = material_of(given.energy, poses.is_solid());
     check_surrogate(options, poses);
-    if (options.energy.blend == Blend::layers) check_layers(options, poses);
+    check_blend(options, poses);
     return options;
 }
 

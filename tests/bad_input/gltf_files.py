@@ -110,7 +110,7 @@ def add_cases(good):
     def many(gltf):
         gltf.json["meshes"] = []
         gltf.mesh(good().vertices, good().faces,
-                  [[(0.01 * k * v[2] ** 2, 0, 0) for v in good().vertices] for k in range(1, 15)])
+                  [[(0.01 * k * v[2] ** 2, 0, 0) for v in good().vertices] for k in range(1, 66)])
     case("gltf_many_targets", many)
     case("gltf_one_pose", lambda g: g.json["meshes"][0]["primitives"][0].pop("targets"))
 

@@ -1,7 +1,5 @@
 #include "base/weights/domain.h"
 
-#include "base/weights/sampling.h"
-
 #include <algorithm>
 
 namespace pliant {
@@ -83,7 +81,7 @@ Weights WeightDomain::draw(Random& random, std::size_t index) const
     case 1: return sparse(random, 2);
     case 4: return dense(random);
     case 5: return corner(random);
-    default: return sparse(random, 3 + random.below(sparse_layer_limit - 2));
+    default: return sparse(random, 3 + random.below(sparse_limit - 2));
     }
 }
 
@@ -97,7 +95,7 @@ std::vector<Weights> WeightDomain::draw_all(std::uint64_t seed, std::size_t coun
 
 bool WeightDomain::is_counted(const Weights& w) const
 {
-    return !is_box() || std::size_t((w.array() != 0).count()) <= sparse_layer_limit;
+    return !is_box() || std::size_t((w.array() != 0).count()) <= sparse_limit;
 }
 
 std::vector<Weights> WeightDomain::draw_counted(std::uint64_t seed, std::size_t count) const
@@ -122,7 +120,7 @@ const char* WeightDomain::kind_of(const Weights& w, std::size_t index) const
         is_corner = is_corner && (v == ranges_[layer].low || v == ranges_[layer].high);
     }
     if (is_corner) return "corner";
-    return used < 2 ? "single" : used == 2 ? "pair" : used <= sparse_layer_limit ? "sparse" : "dense";
+    return used < 2 ? "single" : used == 2 ? "pair" : used <= sparse_limit ? "sparse" : "dense";
 }
 
 std::vector<std::vector<float>> WeightDomain::covering(std::size_t count, std::uint64_t seed) const

@@ -1,7 +1,7 @@
 // Where the weights of a character lie: of averages in a simplex, of layers in a box.
 #pragma once
 
-#include "base/common/random.h"
+#include "base/weights/sampling.h"
 #include "base/weights/weights.h"
 
 namespace pliant {
@@ -30,6 +30,8 @@ public:
     bool is_box() const { return !ranges_.empty(); }
     Blend blend() const { return is_box() ? Blend::layers : Blend::average; }
     std::size_t size() const { return size_; } // weights
+    // Of layers, or of many poses: it is not filled, mixtures of few of them count most.
+    bool is_wide() const { return is_box() || size_ > few_poses; }
     const std::vector<WeightRange>& ranges() const { return ranges_; }
 
     // Equal weights, or no layer.
@@ -74,8 +76,5 @@ private:
     std::size_t size_;
     std::vector<WeightRange> ranges_;
 };
-
-// A mixture of at most so many layers is sparse.
-constexpr std::size_t sparse_layer_limit = 6;
 
 } // namespace pliant

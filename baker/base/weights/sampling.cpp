@@ -16,8 +16,22 @@ Weights random_weights(Random& random, std::size_t count, bool skew)
     return w / w.sum();
 }
 
+namespace {
+
+Weights face_weights(Random& random, std::size_t pose_count)
+{
+    const std::vector<std::size_t> poses = random.distinct(pose_count, 3 + random.below(sparse_limit - 2));
+    const Weights part = random_weights(random, poses.size(), false);
+    Weights w = Weights::Zero(Eigen::Index(pose_count));
+    for (std::size_t i = 0; i < poses.size(); ++i) w[Eigen::Index(poses[i])] = part[Eigen::Index(i)];
+    return w;
+}
+
+} // namespace
+
 Weights mixed_weights(Random& random, std::size_t pose_count, std::size_t index)
 {
+    if (pose_count > few_poses && index % 3 == 0) return face_weights(random, pose_count);
     if (pose_count == 2 || index % 3 == 0) return random_weights(random, pose_count, false);
     if (index % 3 == 2) return random_weights(random, pose_count, true);
     const std::size_t i = random.below(pose_count), j = (i + 1 + random.below(pose_count - 1)) % pose_count;

@@ -38,8 +38,7 @@ constexpr double energy_doubt = 0.02, rough_distance = 0.05;
 // The mean of the full mesh is looked for no farther than this from that of the coarse one.
 constexpr double refinement_limit = 0.1;
 
-// Newton's method from the sum of layers takes no more iterations than this; where it needs more, the line is
-// followed.
+// Newton's method from a sum of poses takes no more iterations than this; where it needs more, the line is followed.
 constexpr int sum_iterations = 15;
 
 // The same where no line is followed afterwards: one shape more or less makes no difference.
@@ -226,7 +225,7 @@ const NewtonResult& AverageFamily::mean()
         mean_->y = pool_.set().shapes[0];
         mean_->has_converged = true;
         start_pose_ = 0;
-        sum_.emplace(pool_);
+        sum();
     } else if (!coarse_ || !refine_coarse_mean()) {
         search_mean();
     }
@@ -235,6 +234,12 @@ const NewtonResult& AverageFamily::mean()
                           relative_distance(pool_.set(), mean_->y, pool_.set().shapes[k])
                               / (weights_of_pose(pool_.energy(), k) - centre()).lpNorm<1>());
     return *mean_;
+}
+
+const PoseSum& AverageFamily::sum()
+{
+    if (!sum_) sum_.emplace(pool_, mean_->y);
+    return *sum_;
 }
 
 void AverageFamily::search_mean()
@@ -319,33 +324,33 @@ FamilyPoint AverageFamily::at(const Weights& w, std::size_t worker, Progress* pr
 {
     // A hair away from the mean is rounding of the division by the sum of the weights.
     if ((w - centre()).lpNorm<1>() < 1e-12) return { *mean_, {} };
-    if (has_layers()) return layers_from(w, sum_->guess(w, sum_->turned(w, worker), nullptr), true, worker, progress);
+    if (has_layers()) return from_guess(w, sum_->guess(w, sum_->turned(w, worker), nullptr), true, worker, progress);
     return from({ centre(), mean_->y }, w, worker, progress);
 }
 
-// Newton's method from the sum of the layers; not converged where that has no finite energy.
-NewtonResult AverageFamily::from_guess(const Weights& v, const Shape& guess, int iterations, std::size_t worker,
-                                       Progress* progress) const
+// Newton's method from there; not converged where it has no finite energy.
+NewtonResult AverageFamily::beside_guess(const Weights& w, const Shape& guess, int iterations, std::size_t worker,
+                                         Progress* progress) const
 {
     NewtonOptions options = options_;
     options.max_iterations = std::min(options_.max_iterations, iterations);
     NewtonResult result;
     result.y = guess;
-    if (std::isfinite(energy_value(pool_.energy(), v, guess)))
-        result = pool_.at(worker).minimize(v, guess, options, progress);
-    sum_->place(v, result.y);
+    if (std::isfinite(energy_value(pool_.energy(), w, guess)))
+        result = pool_.at(worker).minimize(w, guess, options, progress);
+    place(w, result.y);
     return result;
 }
 
-FamilyPoint AverageFamily::layers_from(const Weights& v, const Shape& guess, bool may_follow, std::size_t worker,
-                                       Progress* progress) const
+FamilyPoint AverageFamily::from_guess(const Weights& w, const Shape& guess, bool may_follow, std::size_t worker,
+                                      Progress* progress) const
 {
-    NewtonResult beside = from_guess(v, guess, may_follow ? sum_iterations : short_sum_iterations, worker, progress);
+    NewtonResult beside = beside_guess(w, guess, may_follow ? sum_iterations : short_sum_iterations, worker, progress);
     if (beside.has_converged && relative_distance(pool_.set(), beside.y, guess) <= correction_limit)
         return { std::move(beside), {} };
     // Beyond some stretch a rest state is no number any more.
-    if (!may_follow || !std::isfinite(energy_value(pool_.energy(), v, mean_->y))) return { std::move(beside), {} };
-    FamilyPoint point = from({ centre(), mean_->y }, v, worker, progress);
+    if (!may_follow || !std::isfinite(energy_value(pool_.energy(), w, mean_->y))) return { std::move(beside), {} };
+    FamilyPoint point = from({ centre(), mean_->y }, w, worker, progress);
     if (!point.average.has_converged && beside.has_converged) point.average = std::move(beside);
     return point;
 }

@@ -3,7 +3,7 @@
 
 #include "base/common/time_budget.h"
 #include "elastic/average/hessian.h"
-#include "elastic/average/layer_sum.h"
+#include "elastic/average/pose_sum.h"
 #include "elastic/average/solver_pool.h"
 
 #include <optional>
@@ -24,7 +24,7 @@ struct Branch {
     std::size_t vertex; // that moves most between them
 };
 
-// A shape that is an average for certain weights, aligned to pose 0; of layers as LayerSum::place() says.
+// A shape that is an average for certain weights, aligned to pose 0; of layers as PoseSum::place() says.
 struct KnownAverage {
     Weights weights;
     Shape shape;
@@ -81,8 +81,8 @@ public:
     // hold the rest shape against a whole layer, their mean: what the average of the two would have were it linear.
     double energy_scale();
 
-    // The sum of layers. Needs mean() before.
-    const LayerSum& sum() const { return *sum_; }
+    // Sums of poses, made at the first call. Needs mean() before. Not from tasks.
+    const PoseSum& sum();
 
     // The exact Hessian there (lower triangle), assembled at the first call. Not from tasks.
     const SparseLower& mean_hessian();
@@ -99,10 +99,10 @@ public:
     // than path_limit.
     FamilyPoint at(const Weights& w, std::size_t worker, Progress* progress) const;
 
-    // Of layers, from a guess of the shape; where Newton's method fails there, along the line from the rest shape if
+    // The same from a guess of the shape; where Newton's method fails there or goes far, along the line from the centre if
     // `may_follow`.
-    FamilyPoint layers_from(const Weights& v, const Shape& guess, bool may_follow, std::size_t worker,
-                            Progress* progress) const;
+    FamilyPoint from_guess(const Weights& w, const Shape& guess, bool may_follow, std::size_t worker,
+                           Progress* progress) const;
 
     // The same, to be compared with a blend.
     CheckPoint point_at(const Weights& w, std::size_t worker, Progress* progress) const;
@@ -137,8 +137,8 @@ private:
     void place(const Weights& w, Shape& shape) const;
     double step_length(const Weights& change) const;
     std::size_t growing_pose(const Weights& change) const;
-    NewtonResult from_guess(const Weights& v, const Shape& guess, int iterations, std::size_t worker,
-                            Progress* progress) const;
+    NewtonResult beside_guess(const Weights& w, const Shape& guess, int iterations, std::size_t worker,
+                              Progress* progress) const;
     FamilyPoint reach_mean(std::size_t pose, std::size_t worker, Progress* progress) const;
 
     SolverPool& pool_;
@@ -147,7 +147,7 @@ private:
     std::optional<std::size_t> start_pose_;
     const CoarseBody* coarse_;
     std::optional<NewtonResult> mean_;
-    std::optional<LayerSum> sum_; // of layers
+    std::optional<PoseSum> sum_; // of layers always
     std::optional<SparseLower> mean_hessian_;
     double speed_ = 0; // largest relative distance of the centre from a pose per change of weights
     std::vector<Branch> branches_;

@@ -1,6 +1,7 @@
 #include "elastic/parts/calibrate_ties.h"
 
 #include "base/common/parallel.h"
+#include "base/weights/sampling.h"
 #include "elastic/average/family.h"
 #include "elastic/average/rigid_modes.h"
 #include "elastic/parts/drift.h"
@@ -34,13 +35,19 @@ constexpr double shape_accuracy = 1e-4;
 // smaller factor than min_factor, so that every tie still holds.
 constexpr double balance_share = 0.1, min_factor = 0.02;
 
-// The equal weights first, then the middle of every two poses: parts drift most where the poses are far from the average.
+// Pairs of poses that are looked at; those of few_poses are all.
+constexpr std::size_t most_pairs = few_poses * (few_poses - 1) / 2;
+
+// The equal weights first, then the middle of every two poses, of many poses of some pairs evenly spread over all: parts
+// drift most where the poses are far from the average.
 std::vector<Weights> probe_weights(std::size_t pose_count)
 {
     std::vector<Weights> out = { equal_weights(pose_count) };
-    for (std::size_t a = 0; a < pose_count && pose_count > 2; ++a)
-        for (std::size_t b = 0; b < a; ++b)
-            out.push_back(0.5 * (corner_weights(pose_count, a) + corner_weights(pose_count, b)));
+    if (pose_count == 2) return out;
+    const std::size_t pair_count = pose_count * (pose_count - 1) / 2, stride = (pair_count + most_pairs - 1) / most_pairs;
+    for (std::size_t a = 1, pair = 0; a < pose_count; ++a)
+        for (std::size_t b = 0; b < a; ++b, ++pair)
+            if (pair % stride == 0) out.push_back(0.5 * (corner_weights(pose_count, a) + corner_weights(pose_count, b)));
     return out;
 }
 

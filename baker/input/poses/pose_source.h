@@ -39,7 +39,7 @@ struct PoseSources {
 PoseSources read_pose_sources(const std::vector<std::string>& arguments, std::optional<Blend> blend,
                               DiagnosticList& diagnostics);
 
-// Of layers with the rest shape.
-constexpr std::size_t pose_limit(Blend blend) { return blend == Blend::layers ? 65 : 12; }
+// 64 weights: of layers the rest shape has none.
+constexpr std::size_t pose_limit(Blend blend) { return blend == Blend::layers ? 65 : 64; }
 
 } // namespace pliant

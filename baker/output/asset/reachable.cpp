@@ -36,9 +36,9 @@ Eigen::MatrixXf path_ranges(RuntimeBlender& blender)
     Eigen::MatrixXf ends(blender.asset().dimension, 2);
     ends.colwise() = blend_coordinates(blender, { stops[0] }).col(0);
     std::vector<float> weights(stops[0].size());
-    // Layers are switched on and off one by one; there may be many pairs of them.
+    // Layers are switched on and off one by one, and there may be many pairs of poses.
     const auto is_path = [&](std::size_t from, std::size_t to) {
-        return from != to && (!domain.is_box() || from == centre || to == centre);
+        return from != to && (!domain.is_wide() || from == centre || to == centre);
     };
     for (std::size_t from = 0; from < stops.size(); ++from)
         for (std::size_t to = 0; to < stops.size(); ++to)

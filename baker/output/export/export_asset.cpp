@@ -50,7 +50,7 @@ std::vector<Weights> stops_at_layers(const WeightDomain& domain)
     Weights all = domain.centre();
     for (std::size_t k = 0; k < domain.size(); ++k) {
         const Weights full = domain.full(k) * corner_weights(domain.size(), k);
-        if (k < sparse_layer_limit) all += full;
+        if (k < sparse_limit) all += full;
         stops.push_back(full);
         stops.push_back(domain.centre());
     }

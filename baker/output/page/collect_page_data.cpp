@@ -57,7 +57,7 @@ std::vector<double> centre_weights(const WeightDomain& domain, const Certificate
     if (!domain.is_box()) return std::vector<double>(domain.size(), 1 / double(domain.size()));
     if (!facts.worst_weights.empty()) return facts.worst_weights;
     std::vector<double> first(domain.size(), 0);
-    for (std::size_t k = 0; k < std::min(domain.size(), sparse_layer_limit); ++k) first[k] = domain.full(k);
+    for (std::size_t k = 0; k < std::min(domain.size(), sparse_limit); ++k) first[k] = domain.full(k);
     return first;
 }
 

@@ -59,7 +59,7 @@ std::string verdict(const CertificateFacts& facts, std::size_t layer_count)
         is_kept ? "kept" : "missed", is_kept ? "met" : "missed", facts.checks.size(),
         layer_count ? "sum of the layers" : "average", percent_text(*facts.mean_error),
         percent_text(facts.largest_error.value_or(NAN)), percent_text(facts.tolerance),
-        layer_count > sparse_layer_limit ? " Mixtures of more than six layers are not counted." : "");
+        layer_count > sparse_limit ? " Mixtures of more than six layers are not counted." : "");
 }
 
 std::string header(const PageData& data, const CertificateFacts& facts)

@@ -86,7 +86,7 @@ def bake(
     """Bakes poses into an asset, which takes minutes for a character of some 15,000 vertices. The same poses, names and
     options give the same bytes as `pliant bake`.
 
-    poses  (m, n, 3) float64, 2 to 12 poses of one mesh in any unit, the rest pose first; or Poses,
+    poses  (m, n, 3) float64, 2 to 64 poses of one mesh in any unit, the rest pose first; or Poses,
            which have their own cells. With blend="layers" the rest shape and 1 to 64 layers on it
     faces  (f, 3) integers, the triangles of a surface, vertices counted from 0; or (f, k) for polygons
     tets   (t, 4) integers, the tetrahedra of a solid, instead of faces

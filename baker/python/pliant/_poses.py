@@ -70,7 +70,7 @@ class Poses:
 
 
 def load_poses(paths: PathLike | Sequence[PathLike], *, blend: Blend = "average") -> Poses:
-    """Reads 2 to 12 poses as the command line does, the rest pose first; with blend="layers" the rest shape and up to 64
+    """Reads 2 to 64 poses as the command line does, the rest pose first; with blend="layers" the rest shape and up to 64
     layers.
 
     paths  mesh files with one pose each, or glTF files with several: surfaces from .obj, .ply, .off, .glb, .gltf; solids of
@@ -82,11 +82,11 @@ def load_poses(paths: PathLike | Sequence[PathLike], *, blend: Blend = "average"
     """
     if isinstance(paths, (str, os.PathLike)):
         paths = [paths]
-    return Poses(core.load_poses([os.fspath(path) for path in paths], pose_limit(blend) > 12, warner(3)))
+    return Poses(core.load_poses([os.fspath(path) for path in paths], pose_limit(blend) == 65, warner(3)))
 
 
 def pose_limit(blend: object) -> int:
-    limits = {"average": 12, "layers": 65}
+    limits = {"average": 64, "layers": 65}
     if not isinstance(blend, str) or blend not in limits:
         raise ValueError(f"blend: expected one of 'average', 'layers', got {blend!r}")
     return limits[blend]

@@ -131,7 +131,7 @@ BlendModel loaded_model(std::shared_ptr<const SurrogateEnergy> surrogate, const 
 }
 
 BlendError blend_error(const BlendModel& model, const Subspace& subspace, const NormalizedPoses& set,
-                       const std::vector<CheckPoint>& checks)
+                       const std::vector<CheckPoint>& checks, double outlier_share)
 {
     const Energy& energy = model.surrogate->energy();
     // a ghost's are of other vertices
@@ -147,9 +147,14 @@ BlendError blend_error(const BlendModel& model, const Subspace& subspace, const 
     BlendError out;
     for (double drift : drifts) out.drift = std::max(out.drift, drift);
     for (double drift : of_reference) out.drift_of_references = std::max(out.drift_of_references, drift);
-    for (double error : errors) {
-        out.mean += error / double(errors.size());
-        out.largest = std::max(out.largest, error);
+    std::sort(errors.begin(), errors.end());
+    const std::size_t usual_count = errors.size() - std::size_t(outlier_share * double(errors.size()));
+    for (std::size_t i = 0; i < errors.size(); ++i) {
+        out.mean += errors[i] / double(errors.size());
+        out.largest = errors[i];
+        if (i >= usual_count) continue;
+        out.usual_mean += errors[i] / double(usual_count);
+        out.usual_largest = errors[i];
     }
     return out;
 }

@@ -28,6 +28,7 @@ struct BlendModel {
 // Of blends next to reference averages, relative L2.
 struct BlendError {
     double mean = 0, largest = 0;
+    double usual_mean = 0, usual_largest = 0; // without outliers: what choices are made by
     // The largest of tied vertices (elastic/parts/drift.h): a small part can be lost without that the body's error shows it
     double drift = 0;
     double drift_of_references = 0; // what no blend near them can be asked to stay below
@@ -42,7 +43,8 @@ BlendModel plain_model(std::shared_ptr<const SurrogateEnergy> surrogate, const T
 BlendModel loaded_model(std::shared_ptr<const SurrogateEnergy> surrogate, const TrainingSet& training,
                         const Subspace& subspace);
 
+// `outlier_share` of the checks, rounded down, are outliers: those with the largest errors.
 BlendError blend_error(const BlendModel& model, const Subspace& subspace, const NormalizedPoses& set,
-                       const std::vector<CheckPoint>& checks);
+                       const std::vector<CheckPoint>& checks, double outlier_share);
 
 } // namespace pliant

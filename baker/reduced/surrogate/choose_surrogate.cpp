@@ -29,6 +29,10 @@ constexpr std::ptrdiff_t patience = 3;
 // Where the tolerance is missed with the best dimension, an error this much larger is as good.
 constexpr double reachable = 1.1;
 
+// This share of the checks, the worst ones, decides nothing: a blend in another minimum, which no dimension and no element
+// cures, would decide everything. Where a largest error is asked for, all count.
+constexpr double outlier_share = 0.05;
+
 // Candidates of the cubature when the time is spent before the first fit.
 constexpr std::size_t least_candidate_count = 2000;
 
@@ -41,7 +45,7 @@ double wanted_drift(const BlendError& error, const SurrogateOptions& options)
 // Mean and largest error count alike, each in units of what is wanted of it; parts only where they drift too far.
 double score(const BlendError& error, const SurrogateOptions& options)
 {
-    return error.mean / options.tolerance + error.largest / options.largest()
+    return error.usual_mean / options.tolerance + error.usual_largest / options.largest()
         + std::max(0.0, error.drift - wanted_drift(error, options)) / options.drift;
 }
 
@@ -49,7 +53,7 @@ double score(const BlendError& error, const SurrogateOptions& options)
 
 bool is_enough(const BlendError& error, const SurrogateOptions& options)
 {
-    return error.mean < aim * options.tolerance && error.largest < aim * options.largest()
+    return error.usual_mean < aim * options.tolerance && error.usual_largest < aim * options.largest()
         && error.drift <= wanted_drift(error, options);
 }
 
@@ -60,10 +64,11 @@ ChosenModel fit_model(std::shared_ptr<const SurrogateEnergy> surrogate, const Su
     SurrogateReport report;
     report.curvature = measure_curvature(*surrogate, training);
     BlendModel plain = plain_model(surrogate, training, subspace);
-    report.plain = blend_error(plain, subspace, set, checks);
+    const double outliers = options.tolerance_max > 0 ? 0 : outlier_share;
+    report.plain = blend_error(plain, subspace, set, checks, outliers);
     if (!may_load || (checks.empty() && report.curvature.lowest <= 0)) return { std::move(plain), report };
     BlendModel loaded = loaded_model(std::move(surrogate), training, subspace);
-    report.loaded = blend_error(loaded, subspace, set, checks);
+    report.loaded = blend_error(loaded, subspace, set, checks, outliers);
     report.has_load = checks.empty() || score(report.loaded, options) < score(report.plain, options);
     return { report.has_load ? std::move(loaded) : std::move(plain), report };
 }
@@ -163,8 +168,8 @@ private:
     void settle_for_reachable()
     {
         const BlendError& best = measured_.at(best_measured());
-        wanted_.tolerance = std::max(wanted_.tolerance, reachable * best.mean / aim);
-        wanted_.tolerance_max = std::max(wanted_.largest(), reachable * best.largest / aim);
+        wanted_.tolerance = std::max(wanted_.tolerance, reachable * best.usual_mean / aim);
+        wanted_.tolerance_max = std::max(wanted_.largest(), reachable * best.usual_largest / aim);
         wanted_.drift = std::max(wanted_.drift, reachable * best.drift / aim);
         low_ = least_;
         narrow();
@@ -181,7 +186,7 @@ private:
     bool measure(Eigen::Index d)
     {
         const BlendError& error = measured_[d] = error_at_(d);
-        ratio_ = std::max(error.mean, error.largest * wanted_.tolerance / wanted_.largest()) / predicted_(d);
+        ratio_ = std::max(error.usual_mean, error.usual_largest * wanted_.tolerance / wanted_.largest()) / predicted_(d);
         narrow();
         return is_enough(error, wanted_);
     }

@@ -1,5 +1,5 @@
-"""The third opinion: blends by the C runtime (tube_*.txt, bar_*.txt and layers_*.txt, written by test_bake, test_bake_solid
-and test_bake_layers) against the numpy reference, to 1e-5 relative."""
+"""The third opinion: blends by the C runtime (tube_*.txt, bar_*.txt, layers_*.txt and many.txt, written by test_bake,
+test_bake_solid, test_bake_layers and test_bake_many) against the numpy reference, to 1e-5 relative."""
 import glob
 import os
 import sys
@@ -11,10 +11,10 @@ from pliant_reference import Asset  # noqa: E402
 
 TOLERANCE = 1e-5
 
-assets = sorted(path for name in ("tube", "bar", "layers") for path in glob.glob(name + "_*.pliant"))
-if len(assets) < 13:
-    sys.exit("expected the six assets of test_bake, four of test_bake_solid and three of test_bake_layers, found %d: "
-             "run them first" % len(assets))
+assets = sorted(path for name in ("tube_*", "bar_*", "layers_*", "many") for path in glob.glob(name + ".pliant"))
+if len(assets) < 14:
+    sys.exit("expected the six assets of test_bake, four of test_bake_solid, three of test_bake_layers and one of "
+             "test_bake_many, found %d: run them first" % len(assets))
 failed = 0
 for path in assets:
     with open(path, "rb") as file:

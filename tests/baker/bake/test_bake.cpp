@@ -281,11 +281,12 @@ TEST_CASE("the smallest dimension that keeps the tolerance is found, with few me
 {
     SurrogateOptions options;
     options.tolerance = 1e-2;
+    const auto error_of = [](double mean, double largest) { return BlendError { mean, largest, mean, largest }; };
     const auto found = [&](Eigen::Index most, const auto& mean_at, double largest, double rate) {
         int count = 0;
         const auto error_at = [&](Eigen::Index d) {
             CHECK(++count <= 11);
-            return BlendError { mean_at(d), largest };
+            return error_of(mean_at(d), largest);
         };
         return choose_dimension(
             3, most, options, [&](Eigen::Index d) { return std::exp(-rate * double(d)); }, error_at);
@@ -313,8 +314,10 @@ TEST_CASE("the smallest dimension that keeps the tolerance is found, with few me
               40, [](Eigen::Index d) { return d < 9 ? 1.0 : 1e-3; }, 1.0, 0.2)
           == 9);
     // Parts that drift in the averages themselves: no more is asked of blends.
-    CHECK(is_enough({ 1e-4, 1e-4, 0.0091, 0.009 }, options));
-    CHECK(!is_enough({ 1e-4, 1e-4, 0.0091, 0.001 }, options));
+    CHECK(is_enough({ 1e-4, 1e-4, 1e-4, 1e-4, 0.0091, 0.009 }, options));
+    CHECK(!is_enough({ 1e-4, 1e-4, 1e-4, 1e-4, 0.0091, 0.001 }, options));
+    // An outlier decides nothing.
+    CHECK(is_enough({ 1, 1, 1e-4, 1e-4 }, options));
 }
 
 TEST_CASE("all poses lead to one average, and a branch is known by its energy")

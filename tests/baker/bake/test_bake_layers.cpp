@@ -7,7 +7,7 @@
 #include "bake/warnings.h"
 #include "base/mesh/align.h"
 #include "base/weights/weights.h"
-#include "elastic/average/layered_family.h"
+#include "elastic/average/corrected_family.h"
 #include "elastic/average/shape_error.h"
 #include "output/asset/runtime_blender.h"
 
@@ -181,7 +181,7 @@ TEST_CASE("what a family of layers has learned saves factorisations, and changes
     const std::unique_ptr<Energy> energy = make_energy(set, layered_options().energy);
     SolverPool pool(*energy, set, default_solver());
     AverageFamily family(pool, NewtonOptions(), nullptr);
-    LayeredFamily known(family, nullptr);
+    CorrectedFamily known(family, nullptr);
     const WeightDomain domain = WeightDomain::box({ {}, {} });
     const std::vector<Weights> wanted = domain.draw_all(9, 6);
     const int before = pool.factorization_count();

@@ -207,7 +207,7 @@ TEST_CASE("the path of layers passes the rest shape, each layer at its full stre
     CHECK(path[6] == path[0]);
     const auto many = default_path(WeightDomain::box(std::vector<WeightRange>(20)), 42, 1);
     REQUIRE(many.size() == 43);
-    CHECK(Eigen::Map<const Eigen::VectorXf>(many[41].data(), 20).sum() == sparse_layer_limit);
+    CHECK(Eigen::Map<const Eigen::VectorXf>(many[41].data(), 20).sum() == sparse_limit);
 }
 
 TEST_CASE("normals that are linear up to length are found, also where the base would vanish")

@@ -24,8 +24,8 @@ class Arguments(unittest.TestCase):
         self.refuse(TypeError, "poses: expected (m, n, 3) float64, got (2, 2, 3) object", np.full((2, 2, 3), None), FACES)
         self.refuse(ValueError, "poses: expected (m, n, 3) float64, got something that is no array", [[[0, 0, 0]], [[1]]],
                     FACES)
-        self.refuse(ValueError, "2 to 12 poses, got (1, ", POSES[:1], FACES)
-        self.refuse(ValueError, "2 to 12 poses, got (13, ", np.zeros((13, 4, 3)), FACES)
+        self.refuse(ValueError, "2 to 64 poses, got (1, ", POSES[:1], FACES)
+        self.refuse(ValueError, "2 to 64 poses, got (65, ", np.zeros((65, 4, 3)), FACES)
         self.refuse(ValueError, "poses: expected (m, n, 3) float64 with vertices", np.zeros((2, 0, 3)), FACES)
 
     def test_cells(self):

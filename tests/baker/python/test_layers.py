@@ -101,18 +101,18 @@ class Layers(unittest.TestCase):
         many = np.stack([POSES[0]] + [layered_tube(*((0.3 + 0.01 * k, 0)[::1 - 2 * (k % 2)]))[0] for k in range(64)])
         one = pliant.average(many, FACES, np.eye(64)[3], blend="layers")
         self.assertLess(np.abs(one - many[4]).max(), 1e-3)
-        self.refuse(ValueError, '2 to 12 poses, got (65, 136, 3); blend="layers" takes 65', lambda: pliant.bake(many, FACES))
+        self.refuse(ValueError, '2 to 64 poses, got (65, 136, 3); blend="layers" takes 65', lambda: pliant.bake(many, FACES))
         self.refuse(ValueError, "2 to 65 poses, got (66, ", lambda: pliant.bake(
             np.concatenate([many, many[:1]]), FACES, blend="layers"))
 
     def test_files_of_many_layers(self):
         with tempfile.TemporaryDirectory() as name:
-            targets = {f"layer{k}": POSES[1 + k % 2] for k in range(20)}
+            targets = {f"layer{k}": POSES[1 + k % 2] for k in range(64)}
             file = shapes.write_glb(Path(name) / "t.glb", POSES[0], FACES, targets)
-            self.assertEqual(self.refuse(pliant.Error, "the limit is 12", lambda: pliant.load_poses(file)).number, "P3002")
+            self.assertEqual(self.refuse(pliant.Error, "the limit is 64", lambda: pliant.load_poses(file)).number, "P3002")
             poses = pliant.load_poses(file, blend="layers")
-            self.assertEqual(len(poses.names), 21)
-            self.refuse(ValueError, 'with 2 to 12 poses, got 21; blend="layers"',
+            self.assertEqual(len(poses.names), 65)
+            self.refuse(ValueError, 'with 2 to 64 poses, got 65; blend="layers"',
                         lambda: pliant.average(poses, weights=[1]))
 
     def test_wrong_arguments(self):

@@ -1,4 +1,4 @@
-#include "elastic/average/layer_sum.h"
+#include "elastic/average/pose_sum.h"
 
 #include "base/common/parallel.h"
 #include "base/mesh/align.h"
@@ -6,9 +6,9 @@
 
 namespace pliant {
 
-LayerSum::LayerSum(SolverPool& pool)
+PoseSum::PoseSum(SolverPool& pool, const Shape& base)
     : pool_(pool)
-    , coordinates_(pool.set(), pool.set().shapes[0])
+    , coordinates_(pool.set(), base)
     , rest_(coordinates_.coordinates(pool.set().shapes[0]))
     , changes_(rest_.size(), Eigen::Index(pool.set().pose_count()) - 1)
     , fits_(worker_count())
@@ -16,11 +16,11 @@ LayerSum::LayerSum(SolverPool& pool)
     const NormalizedPoses& set = pool.set();
     if (set.is_free()) modes_ = times_mass(rigid_modes(set.shapes[0], set.masses), set.masses);
     for (Eigen::Index k = 0; k < changes_.cols(); ++k)
-        changes_.col(k) = (coordinates_.coordinates(pool.set().shapes[std::size_t(k) + 1]) - rest_).cast<float>();
+        changes_.col(k) = (coordinates_.coordinates(set.shapes[std::size_t(k) + 1]) - rest_).cast<float>();
 }
 
 // Newton's method in the six numbers of a rigid motion, from where the shape is closest.
-void LayerSum::place(const Weights& v, Shape& shape) const
+void PoseSum::place(const Weights& v, Shape& shape) const
 {
     constexpr int steps = 6;
     const NormalizedPoses& set = pool_.set();
@@ -42,26 +42,27 @@ void LayerSum::place(const Weights& v, Shape& shape) const
     }
 }
 
-Shape LayerSum::turned(const Weights& v, std::size_t worker) const
+Shape PoseSum::turned(const Weights& w, std::size_t worker) const
 {
+    const Weights shares = linear_shares(w, pool_.set().pose_count());
     Eigen::VectorXd sum = rest_;
-    for (Eigen::Index k = 0; k < v.size(); ++k)
-        if (v[k] != 0) sum += v[k] * changes_.col(k).cast<double>();
+    for (Eigen::Index k = 0; k < changes_.cols(); ++k)
+        if (shares[k + 1] != 0) sum += shares[k + 1] * changes_.col(k).cast<double>();
     std::unique_ptr<CellFit>& fit = fits_[worker];
     if (!fit) fit = std::make_unique<CellFit>(pool_.set(), pool_.kind(), sliver_weight);
     Shape shape = coordinates_.shape(sum, *fit);
-    place(v, shape);
+    if (pool_.energy().blend() == Blend::layers) place(w, shape);
     return shape;
 }
 
 // Far outside of what the poses do strains turn cells inside out: no energy is finite there, and the comparison takes the
 // linear sum.
-Shape LayerSum::guess(const Weights& v, const Shape& turned, const Shape* correction) const
+Shape PoseSum::guess(const Weights& w, const Shape& turned, const Shape* correction) const
 {
-    Shape best = linear_blend(pool_.set(), v);
-    double energy = energy_value(pool_.energy(), v, best);
+    Shape best = linear_blend(pool_.set(), w);
+    double energy = energy_value(pool_.energy(), w, best);
     const auto try_shape = [&](const Shape& shape) {
-        const double other = energy_value(pool_.energy(), v, shape);
+        const double other = energy_value(pool_.energy(), w, shape);
         if (!(other < energy)) return;
         best = shape;
         energy = other;

@@ -1,4 +1,4 @@
-#include "elastic/average/layered_family.h"
+#include "elastic/average/corrected_family.h"
 
 #include "base/common/parallel.h"
 
@@ -15,43 +15,47 @@ constexpr std::size_t timed_group_size = 4;
 
 } // namespace
 
-LayeredFamily::LayeredFamily(AverageFamily& family, Progress* progress)
+CorrectedFamily::CorrectedFamily(AverageFamily& family, Progress* progress)
     : family_(family)
+    , mean_(family.mean().y)
+    , sum_(family.sum())
     , progress_(progress)
+    , learned_(corner_weights_of(family.pool().energy()))
 {
-    family.mean();
-    learned_ = { family.centre() };
-    for (const Weights& corner : corner_weights_of(family.pool().energy())) learned_.push_back(corner);
+    if (family.pool().energy().blend() == Blend::layers)
+        learned_.push_back(family.centre());
+    else
+        learn({ { family.centre(), mean_, 0, 0, family.mean().has_converged, {} } });
 }
 
-Shape LayeredFamily::guess(const Weights& v, std::size_t worker) const
+Shape CorrectedFamily::guess(const Weights& w, std::size_t worker) const
 {
-    const LayerSum& sum = family_.sum();
-    const Shape turned = sum.turned(v, worker);
-    if (corrections_.cols() == 0) return sum.guess(v, turned, nullptr);
-    const Shape correction = (corrections_ * shares_(v).cast<float>()).cast<double>();
-    return sum.guess(v, turned, &correction);
+    const Shape turned = sum_.turned(w, worker);
+    if (corrections_.cols() == 0) return sum_.guess(w, turned, nullptr);
+    const Shape correction = (corrections_ * shares_(w).cast<float>()).cast<double>();
+    return sum_.guess(w, turned, &correction);
 }
 
-void LayeredFamily::learn(const std::vector<CheckPoint>& points)
+void CorrectedFamily::learn(const std::vector<CheckPoint>& points)
 {
     const Eigen::Index before = corrections_.cols();
     corrections_.conservativeResize(family_.pool().set().dof_count(), before + Eigen::Index(points.size()));
     Eigen::Index count = before;
     for (const CheckPoint& point : points) {
         const bool is_known = std::any_of(learned_.begin(), learned_.end(),
-                                          [&](const Weights& v) { return (v - point.weights).norm() < closest_centres; });
+                                          [&](const Weights& w) { return (w - point.weights).norm() < closest_centres; });
         if (!point.has_converged || is_known) continue;
-        corrections_.col(count++) = (point.reference - family_.sum().turned(point.weights, 0)).cast<float>();
+        corrections_.col(count++) = (point.reference - sum_.turned(point.weights, 0)).cast<float>();
         learned_.push_back(point.weights);
     }
     corrections_.conservativeResize(Eigen::NoChange, count);
     Eigen::MatrixXd values = Eigen::MatrixXd::Zero(count, Eigen::Index(learned_.size()));
     values.rightCols(count).setIdentity();
-    shares_ = fit_radial_function(learned_, values, true);
+    const bool has_layers = family_.pool().energy().blend() == Blend::layers;
+    shares_ = fit_radial_function(learned_, values, has_layers);
 }
 
-std::vector<CheckPoint> LayeredFamily::find(const std::vector<Weights>& weights, const Span& span, bool may_follow) const
+std::vector<CheckPoint> CorrectedFamily::find(const std::vector<Weights>& weights, const Span& span, bool may_follow) const
 {
     std::vector<CheckPoint> points(weights.size());
     SharedProgress shared(progress_);
@@ -60,15 +64,15 @@ std::vector<CheckPoint> LayeredFamily::find(const std::vector<Weights>& weights,
         if (worker == 0)
             shared.describe(span.stage, double(found) / double(span.total),
                             fmt::format("{} of {}", found.load(), span.total));
-        FamilyPoint point = family_.layers_from(weights[i], guess(weights[i], worker), may_follow, worker, &shared);
+        FamilyPoint point = family_.from_guess(weights[i], guess(weights[i], worker), may_follow, worker, &shared);
         points[i] = { weights[i], std::move(point.average.y), 0, 0, point.average.has_converged, std::move(point.jumps) };
         ++found;
     });
     return points;
 }
 
-std::vector<CheckPoint> LayeredFamily::find_in_time(const std::vector<Weights>& weights, const char* stage,
-                                                    const TimeBudget& budget) const
+std::vector<CheckPoint> CorrectedFamily::find_in_time(const std::vector<Weights>& weights, const char* stage,
+                                                      const TimeBudget& budget) const
 {
     const std::size_t size = budget.has_limit() ? timed_group_size : weights.size();
     std::vector<CheckPoint> points;

@@ -1,4 +1,4 @@
-#include "reduced/subspace/layered.h"
+#include "reduced/subspace/mixtures.h"
 
 #include "base/common/parallel.h"
 #include "base/weights/radial_function.h"
@@ -30,7 +30,9 @@ struct Count {
     std::size_t of(std::size_t layers) const { return std::size_t(least + each * double(layers)); }
 };
 constexpr std::size_t corner_count = 24;
-constexpr Count pair_count { 16, 1.5 }, sparse_count { 64, 2 }, dense_count { 8, 0.25 }, shape_count { 64, 3 };
+constexpr Count pair_count { 16, 1.5 }, sparse_count { 64, 2 }, dense_count { 8, 0.25 }; // of layers
+constexpr Count average_count { 64, 8 };                                                 // of averages
+constexpr Count shape_count { 64, 3 };
 
 // Before so many shapes are known no wave is explained.
 constexpr double least_share = 0.5;
@@ -89,6 +91,19 @@ void append_singles(const WeightDomain& domain, std::vector<Weights>& out)
     }
 }
 
+// Pairs of layers that move the same vertices, and with each the third that has most in common with both.
+void append_overlaps(const NormalizedPoses& set, const WeightDomain& domain, std::vector<Weights>& out)
+{
+    const Eigen::MatrixXd overlaps = overlaps_of(set);
+    const auto full = [&](Eigen::Index layer) {
+        return Weights(domain.full(std::size_t(layer)) * corner_weights(domain.size(), std::size_t(layer)));
+    };
+    for (const Pair& pair : overlapping_pairs(overlaps, pair_count.of(domain.size()))) {
+        out.push_back(full(pair.a) + full(pair.b));
+        if (domain.size() > 2) out.push_back(out.back() + full(third_of(pair, overlaps)));
+    }
+}
+
 // The part of shapes (columns, relative to pose 0) that the columns of `basis` do not span.
 void project_out(const Eigen::MatrixXd& basis, const Eigen::VectorXd& masses, Eigen::MatrixXd& shapes)
 {
@@ -98,7 +113,7 @@ void project_out(const Eigen::MatrixXd& basis, const Eigen::VectorXd& masses, Ei
 
 // How far a mixture is from a linear sum: the root of the energy that the sum has there. The score is 0 for mixtures for
 // which no tolerance is meant, and for those whose sums have much more energy than most: they seldom have a shape.
-Eigen::VectorXd scores_of(const LayeredFamily& known, const WeightDomain& domain, const std::vector<Weights>& mixtures)
+Eigen::VectorXd scores_of(const CorrectedFamily& known, const WeightDomain& domain, const std::vector<Weights>& mixtures)
 {
     Eigen::VectorXd out(Eigen::Index(mixtures.size()));
     for_each_task(mixtures.size(), [&](std::size_t i, std::size_t) {
@@ -117,14 +132,15 @@ Eigen::VectorXd scores_of(const LayeredFamily& known, const WeightDomain& domain
 // Shapes of mixtures, found in waves, those first that are likely to be farthest from what is known.
 class TrainingShapes {
 public:
-    TrainingShapes(LayeredFamily& known, const WeightDomain& domain, const AdaptiveOptions& options)
+    TrainingShapes(CorrectedFamily& known, const WeightDomain& domain, const AdaptiveOptions& options)
         : known_(known)
         , set_(known.family().pool().set())
         , unit_(options.tolerance * mass_norm(set_.shapes[0], set_.masses)) // shapes are centred
         , basis_(build_subspace(set_, Eigen::MatrixXd(set_.dof_count(), 0), 0).basis)
-        , mixtures_(layer_mixtures(set_, domain, options.seed))
+        , mixtures_(training_mixtures(set_, domain, options.seed))
         , scores_(scores_of(known, domain, mixtures_))
-        , most_(std::min(shape_count.of(domain.size()), mixtures_.size()))
+        , most_(std::min(mixture_count(domain.size()), mixtures_.size()))
+        , follows_(!domain.is_box())
     {
         distances_.setConstant(scores_.size(), std::numeric_limits<double>::infinity());
         mark(domain.centre());
@@ -138,7 +154,7 @@ public:
         const std::size_t size = std::min(most_ - done_, std::max(least_wave, done_ / 2));
         std::vector<Weights> weights;
         for (std::size_t i = 0; i < size; ++i) weights.push_back(i % unbiased_one_of == 0 ? next_in_list() : best_scored());
-        std::vector<CheckPoint> wave = known_.find(weights, { "averages", done_, most_ }, false);
+        std::vector<CheckPoint> wave = known_.find(weights, { "averages", done_, most_ }, follows_);
         done_ += size;
         take(wave);
         known_.learn(wave);
@@ -193,35 +209,32 @@ private:
         basis_.rightCols(1) = column / length;
     }
 
-    LayeredFamily& known_;
+    CorrectedFamily& known_;
     const NormalizedPoses& set_;
     double unit_;           // a tolerance, in the mass norm
     Eigen::MatrixXd basis_; // of the differences and all shapes found
     std::vector<Weights> mixtures_;
     Eigen::VectorXd scores_, distances_; // of each mixture; from those that were chosen
     std::size_t most_, done_ = 0;
+    bool follows_; // averages have a branch that counts; one layered shape more or less makes no difference
     Eigen::Index next_ = 0;
     bool is_explained_ = false;
 };
 
 } // namespace
 
-std::vector<Weights> layer_mixtures(const NormalizedPoses& set, const WeightDomain& domain, std::uint64_t seed)
+std::size_t mixture_count(std::size_t weight_count) { return shape_count.of(weight_count); }
+
+std::vector<Weights> training_mixtures(const NormalizedPoses& set, const WeightDomain& domain, std::uint64_t seed)
 {
-    const std::size_t layers = domain.size();
-    const Eigen::MatrixXd overlaps = overlaps_of(set);
+    Random random(seed);
+    if (!domain.is_box()) return domain.draw_all(seed, average_count.of(domain.size()));
     std::vector<Weights> out;
     append_singles(domain, out);
-    const auto full = [&](Eigen::Index layer) {
-        return Weights(domain.full(std::size_t(layer)) * corner_weights(layers, std::size_t(layer)));
-    };
-    for (const Pair& pair : overlapping_pairs(overlaps, pair_count.of(layers))) {
-        out.push_back(full(pair.a) + full(pair.b));
-        if (layers > 2) out.push_back(out.back() + full(third_of(pair, overlaps)));
-    }
-    Random random(seed);
+    append_overlaps(set, domain, out);
+    const std::size_t layers = domain.size();
     for (std::size_t i = 0; i < sparse_count.of(layers); ++i)
-        out.push_back(domain.sparse(random, 2 + i % (sparse_layer_limit - 1)));
+        out.push_back(domain.sparse(random, 2 + i % (sparse_limit - 1)));
     for (std::size_t i = 0; i < dense_count.of(layers); ++i) out.push_back(domain.dense(random));
     for (std::size_t i = 0; i < corner_count; ++i) out.push_back(domain.corner(random));
     std::vector<Weights> shuffled;
@@ -229,13 +242,13 @@ std::vector<Weights> layer_mixtures(const NormalizedPoses& set, const WeightDoma
     return shuffled;
 }
 
-FoundSubspace build_layered_subspace(LayeredFamily& known, const WeightDomain& domain,
+FoundSubspace build_mixture_subspace(CorrectedFamily& known, const WeightDomain& domain,
                                      const std::vector<Weights>& check_weights, const AdaptiveOptions& options,
                                      Progress* progress)
 {
     const NormalizedPoses& set = known.family().pool().set();
     FoundSubspace out;
-    out.averages.push_back({ domain.centre(), set.shapes[0] });
+    out.averages.push_back({ domain.centre(), known.mean() });
     TrainingShapes training(known, domain, options);
     while (!training.is_done() && (out.averages.size() == 1 || !options.snapshot_time.is_spent())) {
         std::vector<CheckPoint> wave = training.next_wave();
