@@ -177,13 +177,16 @@ def both_case(name, file, mesh):
     CASES[name] = lambda folder: write_both(folder, file, mesh())
 
 
-for nothing_to_add in ("missing_file", "one_pose", "too_many_poses", "good", "output_folder_missing",
-                       "output_is_folder", "output_is_input", "output_is_device", "unknown_option",
-                       "weights_not_numbers", "too_few_weights", "range_without_zero", "range_of_no_layer",
-                       "range_of_average", "layers_with_krylov", "many_poses_with_krylov", "range_unreadable",
-                       "grid_too_fine", "too_few_layer_weights", "infinite_layer_weight", "layers_without_shape", "layer_grid_too_fine",
-                       "list_without_grid", "average_path_one_name", "negative_weight", "not_an_asset",
-                       "tolerance_missed", "preview_and_limit", "time_limit_negative"):
+for nothing_to_add in ("missing_file", "one_pose", "too_many_poses", "good",
+                       "output_folder_missing", "output_is_folder", "output_is_input",
+                       "output_is_device", "unknown_option", "weights_not_numbers",
+                       "too_few_weights", "range_without_zero", "range_of_no_layer",
+                       "range_of_average", "layers_with_krylov", "many_poses_with_krylov",
+                       "range_unreadable", "grid_too_fine", "too_few_layer_weights",
+                       "infinite_layer_weight", "layers_without_shape", "layer_grid_too_fine",
+                       "list_without_grid", "average_path_one_name", "negative_weight",
+                       "not_an_asset", "tolerance_missed", "preview_and_limit",
+                       "time_limit_negative"):
     CASES[nothing_to_add] = lambda folder: None
 
 
