@@ -4,9 +4,11 @@
 
 #include "bake/certificate.h"
 #include "bake/make_energy.h"
+#include "elastic/energy/contradictions.h"
 #include "elastic/energy/reinforced_shells.h"
 #include "pipeline/json_file.h"
 
+#include <algorithm>
 #include <fmt/core.h>
 #include <memory>
 
@@ -59,6 +61,31 @@ void print_surface(const PoseSet& poses)
                    poses.triangles.size(), poses.repairs.component_count);
 }
 
+// Pairs that are named; the others are counted.
+constexpr std::size_t named_pairs = 10;
+
+std::vector<Contradiction> contradictions_of(const PoseSet& poses, const NormalizedPoses& set)
+{
+    return poses.blend == Blend::layers ? find_contradictions(set) : std::vector<Contradiction>();
+}
+
+void warn_of_contradictions(const std::vector<Contradiction>& pairs, const PoseSet& poses)
+{
+    for (std::size_t i = 0; i < std::min(pairs.size(), named_pairs); ++i) {
+        const Contradiction& pair = pairs[i];
+        print_finding("check",
+                      warning_at(4412, "",
+                                 fmt::format("layers {} and {} contradict each other at full strength: {} edges would fold "
+                                             "through, {} faces would be stretched or squeezed more than tenfold, the first "
+                                             "at vertex {}",
+                                             poses.names[pair.first], poses.names[pair.second], pair.folded_edge_count,
+                                             pair.stretched_face_count, poses.file_number(pair.vertex)),
+                                 "blend them with weights whose sum is 1 at most, or leave one of them out"));
+    }
+    if (pairs.size() > named_pairs)
+        fmt::print("  {} more pairs of layers contradict each other\n", pairs.size() - named_pairs);
+}
+
 ExitCode run_check(CheckArguments a)
 {
     const PoseSet poses = load_with_warnings("check", a.poses, a.bake.energy);
@@ -81,6 +108,7 @@ ExitCode run_check(CheckArguments a)
         fmt::print("  {}: rotated by {:.1f} degrees to align it with {}\n", poses.names[k], turned_degrees(set, k),
                    poses.names[0]);
     print_folds(folds_of(set, a.bake.energy), poses.vertex_count());
+    warn_of_contradictions(contradictions_of(poses, set), poses);
     const BakeEstimate e = estimate_bake(poses.vertex_count(), poses.pose_count(), a.bake);
     fmt::print("estimate of a bake ({}): d = {}, {:.0f} s, {:.1f} GiB of memory, an asset of {:.1f} MiB\n",
                name_of(material), e.dimension, e.seconds, e.memory / 1073741824.0, e.asset_size / 1048576.0);
@@ -110,6 +138,13 @@ nlohmann::ordered_json describe_poses(const PoseSet& poses, const BakeOptions& o
                                     { "elastic_vertices", poses.vertex_count() },
                                     { "foldover_hinges", folds.foldover_count },
                                     { "rough_vertices", folds.rough_count } };
+    nlohmann::ordered_json pairs = nlohmann::ordered_json::array();
+    for (const Contradiction& pair : contradictions_of(poses, set))
+        pairs.push_back({ { "layers", { poses.names[pair.first], poses.names[pair.second] } },
+                          { "folded_edges", pair.folded_edge_count },
+                          { "stretched_faces", pair.stretched_face_count },
+                          { "vertex", poses.file_number(pair.vertex) } });
+    if (poses.blend == Blend::layers) json["contradictions"] = pairs;
     json["estimate"]
         = { { "dimension", e.dimension }, { "seconds", e.seconds }, { "memory", e.memory }, { "asset_size", e.asset_size } };
     return json;

@@ -191,6 +191,12 @@ for nothing_to_add in ("missing_file", "one_pose", "too_many_poses", "good",
 
 
 @case
+def layers_contradict(folder):
+    for name, height in (("flat", 0.2), ("flatter", 0.15)):
+        write_mesh(folder / f"{name}.obj", good().moved(lambda x, y, z, height=height: (x, y, height * z)))
+
+
+@case
 def unreadable_file(folder):
     write_mesh(folder / "locked.obj", bent())
     os.chmod(folder / "locked.obj", 0)

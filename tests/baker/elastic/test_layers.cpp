@@ -3,6 +3,7 @@
 #include "bake/make_energy.h"
 #include "elastic/average/family.h"
 #include "elastic/average/shape_error.h"
+#include "elastic/energy/contradictions.h"
 #include "elastic/parts/tied_energy.h"
 
 #include <Eigen/Geometry>
@@ -144,4 +145,42 @@ TEST_CASE("where there is no shape the search ends and says so")
     Layered solid(layered_bar(), Material::mooney_rivlin);
     CHECK_FALSE(solid.at(1e3, 0).has_converged);
     CHECK(solid.at(1, 0).has_converged); // nothing of it stays behind
+}
+
+namespace {
+
+// A strip of eight triangles; each pose is the strip folded at its middle edge by an angle.
+PoseSet folded_strip(const std::vector<double>& angles)
+{
+    PoseSet poses;
+    for (double angle : angles) {
+        Positions places(10, 3);
+        for (Eigen::Index v = 0; v < 10; ++v) {
+            const double x = double(v / 2) - 2, y = double(v % 2), beyond = std::max(x, 0.0);
+            places.row(v) << std::min(x, 0.0) + beyond * std::cos(angle), y, beyond * std::sin(angle);
+        }
+        poses.positions.push_back(places);
+        poses.names.push_back("fold" + std::to_string(poses.names.size()));
+    }
+    for (std::uint32_t i = 0; i < 4; ++i) {
+        poses.triangles.push_back({ 2 * i, 2 * i + 2, 2 * i + 3 });
+        poses.triangles.push_back({ 2 * i, 2 * i + 3, 2 * i + 1 });
+    }
+    return poses;
+}
+
+} // namespace
+
+TEST_CASE("layers that fold an edge through together contradict each other, smaller folds and apart ones do not")
+{
+    const NormalizedPoses set = normalize(folded_strip({ 0, 1.0, 2.0, 1.8, -1.9 }), true);
+    const std::vector<Contradiction> pairs = find_contradictions(set);
+    REQUIRE(pairs.size() == 1);
+    CHECK(pairs[0].first == 2);
+    CHECK(pairs[0].second == 3);
+    CHECK(pairs[0].folded_edge_count == 1);
+    CHECK(pairs[0].stretched_face_count == 0);
+    CHECK((pairs[0].vertex == 4 || pairs[0].vertex == 5));
+    CHECK(find_contradictions(normalize(layered_bar(), true)).empty());
+    CHECK(find_contradictions(normalize(layered_tube(), true)).empty());
 }
