@@ -305,6 +305,7 @@ pliant_result pliant_asset_open(pliant_asset* out, const void* blob, size_t blob
     asset.pose_count = context.header.pose_count;
     asset.weight_count = asset.pose_count - asset.has_layers;
     memcpy(asset.origin, context.header.origin, sizeof asset.origin);
+    asset.kernels = pliant_kernels_choose();
     asset.blob = context.blob;
     asset.blob_size = context.blob_size;
     asset.padded_dimension = (uint32_t)context.dimension;
@@ -374,3 +375,21 @@ const char* pliant_result_text(pliant_result result)
     }
     return "unknown result code";
 }
+
+/* ---------------------------------------------------------------------------------------------------- fields ---- */
+
+size_t pliant_asset_size(void) { return sizeof(pliant_asset); }
+
+uint32_t pliant_asset_get_vertex_count(const pliant_asset* asset) { return asset ? asset->vertex_count : 0; }
+uint32_t pliant_asset_get_boundary_vertex_count(const pliant_asset* asset)
+{
+    return asset ? asset->boundary_vertex_count : 0;
+}
+uint32_t pliant_asset_get_triangle_count(const pliant_asset* asset) { return asset ? asset->triangle_count : 0; }
+uint32_t pliant_asset_get_dimension(const pliant_asset* asset) { return asset ? asset->dimension : 0; }
+uint32_t pliant_asset_get_pose_count(const pliant_asset* asset) { return asset ? asset->pose_count : 0; }
+uint32_t pliant_asset_get_weight_count(const pliant_asset* asset) { return asset ? asset->weight_count : 0; }
+uint32_t pliant_asset_get_has_layers(const pliant_asset* asset) { return asset ? asset->has_layers : 0; }
+const float* pliant_asset_get_origin(const pliant_asset* asset) { return asset ? asset->origin : NULL; }
+const uint32_t* pliant_asset_get_triangles(const pliant_asset* asset) { return asset ? asset->triangles : NULL; }
+const uint32_t* pliant_asset_get_source_vertices(const pliant_asset* asset) { return asset ? asset->source_vertices : NULL; }

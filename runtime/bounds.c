@@ -95,7 +95,7 @@ static void include_position(box* b, float x, float y, float z)
 /* Without clusters: all vertices, a tile of BASF at a time. */
 static void include_products(box* b, const pliant_asset* asset, const float* q)
 {
-    const pliant_kernels* kernels = pliant_kernels_choose();
+    const pliant_kernels* kernels = asset->kernels;
     const size_t blocks = pliant_format_block_count(asset->vertex_count, asset->block_vertices);
     float positions[3 * PLIANT_FORMAT_COMPACT_VERTICES];
     pliant_frame frame;

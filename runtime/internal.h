@@ -22,9 +22,9 @@
 
 /* Vector code that counts is compiled twice where that can be: for the compiler's default and for AVX2; what unpacks a basis
    a third time, for AVX-512, where it gains a quarter, and ARAP cells, which compute much in double precision (a fifth). The
-   other passes wait for memory. The processor is asked when a solver is made and in every reconstruction. All do the same
+   other passes wait for memory. The processor is asked when an asset is opened. All do the same
    operations in the same order, hence the same bits; FMA, which rounds once where they round twice, stays off. No copies
-   where all is compiled for AVX2 anyway, for MSVC, whose library cannot be asked, or with PLIANT_NO_DISPATCH. */
+   where all is compiled for AVX2 anyway, for MSVC, which has no attribute for them, or with PLIANT_NO_DISPATCH. */
 #if defined(__x86_64__) && defined(__GNUC__) && !defined(_MSC_VER) && !defined(__AVX2__) && !defined(PLIANT_NO_DISPATCH)
 #define PLIANT_HAS_AVX2_COPY 1
 #define PLIANT_TARGET_avx2 __attribute__((target("avx2")))
@@ -198,11 +198,12 @@ typedef struct pliant_kernels {
 } pliant_kernels;
 #undef PLIANT_KERNEL_MEMBER
 
-/* Those for the compiler's default, and the best for this processor. */
+/* Those for the compiler's default. */
 extern const pliant_kernels pliant_kernels_plain;
 #if PLIANT_HAS_AVX2_COPY
 extern const pliant_kernels pliant_kernels_avx2, pliant_kernels_avx512;
 #endif
+/* The best for this processor. An answer from it may take a microsecond, in a virtual machine more. */
 const pliant_kernels* pliant_kernels_choose(void);
 
 /* The functions; a copy for AVX2 is declared twice where that is the widest. */

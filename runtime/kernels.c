@@ -48,13 +48,40 @@ const pliant_kernels pliant_kernels_plain = { PLIANT_KERNELS(PLAIN) };
 const pliant_kernels pliant_kernels_avx2 = { PLIANT_KERNELS(AVX2) };
 const pliant_kernels pliant_kernels_avx512 = { PLIANT_KERNELS(WIDEST) };
 
+/* The processor is asked directly: the compilers' __builtin_cpu_supports needs a library of theirs, which is not there when
+   another compiler links. */
+
+typedef struct cpu_answer {
+    uint32_t eax, ebx, ecx, edx;
+} cpu_answer;
+
+static cpu_answer ask_cpu(uint32_t leaf)
+{
+    cpu_answer a;
+    __asm__ volatile("cpuid" : "=a"(a.eax), "=b"(a.ebx), "=c"(a.ecx), "=d"(a.edx) : "a"(leaf), "c"(0u));
+    return a;
+}
+
+/* Which registers the operating system saves: bits 1 and 2 for those of AVX, 5 to 7 for those of AVX-512. */
+static uint32_t saved_registers(void)
+{
+    uint32_t low, high;
+    __asm__ volatile(".byte 0x0f, 0x01, 0xd0" /* xgetbv */ : "=a"(low), "=d"(high) : "c"(0u));
+    return low;
+}
+
+static int has_all(uint32_t bits, uint32_t wanted) { return (bits & wanted) == wanted; }
+
+/* Intel 64 and IA-32 Architectures Software Developer's Manual, volume 2, CPUID: leaf 1 ecx 27 OSXSAVE, 28 AVX; leaf 7 ebx
+   5 AVX2, 16 AVX512F, 17 AVX512DQ, 30 AVX512BW, 31 AVX512VL. */
 const pliant_kernels* pliant_kernels_choose(void)
 {
-    __builtin_cpu_init(); /* for callers that run before the C library's constructors do */
-    if (!__builtin_cpu_supports("avx2")) return &pliant_kernels_plain;
-    const int is_wide = __builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512bw")
-        && __builtin_cpu_supports("avx512dq") && __builtin_cpu_supports("avx512vl");
-    return is_wide ? &pliant_kernels_avx512 : &pliant_kernels_avx2;
+    const uint32_t avx = 1u << 27 | 1u << 28, avx2 = 1u << 5, avx512 = 1u << 16 | 1u << 17 | 1u << 30 | 1u << 31;
+    const uint32_t saved_avx = 1u << 1 | 1u << 2, saved_avx512 = 1u << 5 | 1u << 6 | 1u << 7;
+    if (ask_cpu(0).eax < 7 || !has_all(ask_cpu(1).ecx, avx)) return &pliant_kernels_plain;
+    const uint32_t saved = saved_registers(), features = ask_cpu(7).ebx;
+    if (!has_all(saved, saved_avx) || !has_all(features, avx2)) return &pliant_kernels_plain;
+    return has_all(saved, saved_avx512) && has_all(features, avx512) ? &pliant_kernels_avx512 : &pliant_kernels_avx2;
 }
 
 #else

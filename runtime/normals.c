@@ -23,6 +23,8 @@ static uint64_t starts_count(const pliant_asset* asset) { return (uint64_t)asset
 /* Two words for every corner is what building needs; runs take no more. */
 static uint64_t memory_words(const pliant_asset* asset) { return starts_count(asset) + 6 * (uint64_t)asset->triangle_count; }
 
+size_t pliant_normals_size(void) { return sizeof(pliant_normals); }
+
 size_t pliant_normals_memory(const pliant_asset* asset)
 {
     if (!asset || !asset->triangles) return 0;
@@ -129,6 +131,7 @@ pliant_result pliant_normals_init(pliant_normals* out, const pliant_asset* asset
     out->vertex_count = asset->boundary_vertex_count;
     out->neighbour_count = starts[asset->vertex_count];
     out->groups = asset->smoothing_groups;
+    out->kernels = pliant_kernels_choose();
     out->starts = starts;
     out->neighbours = words;
     out->memory_used = skipped + ((size_t)starts_count(asset) + out->neighbour_count) * sizeof(uint32_t);
@@ -141,7 +144,7 @@ void pliant_normals_compute(const pliant_normals* normals, const float* position
                             uint32_t count, float* out, size_t out_stride)
 {
     if (!normals || !normals->starts || !positions || !out || first >= normals->vertex_count) return;
-    const pliant_kernels* kernels = pliant_kernels_choose();
+    const pliant_kernels* kernels = normals->kernels;
     const size_t end = count < normals->vertex_count - first ? (size_t)first + count : normals->vertex_count;
     unsigned char* at = (unsigned char*)out;
     for (size_t v = first; v < end;) {

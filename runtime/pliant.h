@@ -127,6 +127,7 @@ typedef struct pliant_asset {
     const uint32_t* smoothing_groups;
 
     /** @cond internal */
+    const struct pliant_kernels* kernels; /**< those of the processor that opened it */
     const unsigned char* blob;
     uint64_t blob_size;
     const float* mean;             /**< dimension, padded */
@@ -192,6 +193,21 @@ typedef struct pliant_weight {
    linear in the length of the names before it. */
 PLIANT_API pliant_result pliant_asset_weight(const pliant_asset* asset, uint32_t index, pliant_weight* out);
 
+/* For other languages, which cannot read the struct: its size, for the memory of an asset, and its fields. All are 0 or null
+   for a null asset. */
+
+PLIANT_API size_t pliant_asset_size(void);                                              /**< bytes of a pliant_asset */
+PLIANT_API uint32_t pliant_asset_get_vertex_count(const pliant_asset* asset);           /**< vertex_count */
+PLIANT_API uint32_t pliant_asset_get_boundary_vertex_count(const pliant_asset* asset);  /**< boundary_vertex_count */
+PLIANT_API uint32_t pliant_asset_get_triangle_count(const pliant_asset* asset);         /**< triangle_count */
+PLIANT_API uint32_t pliant_asset_get_dimension(const pliant_asset* asset);              /**< dimension */
+PLIANT_API uint32_t pliant_asset_get_pose_count(const pliant_asset* asset);             /**< pose_count */
+PLIANT_API uint32_t pliant_asset_get_weight_count(const pliant_asset* asset);           /**< weight_count */
+PLIANT_API uint32_t pliant_asset_get_has_layers(const pliant_asset* asset);             /**< has_layers */
+PLIANT_API const float* pliant_asset_get_origin(const pliant_asset* asset);             /**< origin, inside the asset */
+PLIANT_API const uint32_t* pliant_asset_get_triangles(const pliant_asset* asset);       /**< triangles */
+PLIANT_API const uint32_t* pliant_asset_get_source_vertices(const pliant_asset* asset); /**< source_vertices */
+
 /** The bytes of the chunk with tag `tag` (formats/pliant_format.h), inside the blob; their number in `*size`. Null and
    *size = 0 if the asset has no such chunk. For tools. */
 PLIANT_API const void* pliant_asset_chunk(const pliant_asset* asset, uint32_t tag, size_t* size);
@@ -223,6 +239,9 @@ typedef struct pliant_solver_desc {
 
 /** The defaults named above. */
 PLIANT_API pliant_solver_desc pliant_solver_desc_default(void);
+
+/** The same, written to `*out`: for languages that cannot take a struct by value. */
+PLIANT_API void pliant_solver_desc_init(pliant_solver_desc* out);
 
 /** State of one character; it lives in memory that you provide. */
 typedef struct pliant_solver pliant_solver;
@@ -346,7 +365,13 @@ typedef struct pliant_normals {
     const uint32_t* groups;     /**< the group of each vertex; null without groups: every vertex is a group of its own */
     const uint32_t* starts;     /**< group g has the words starts[g] .. starts[g+1]-1 of `neighbours` */
     const uint32_t* neighbours; /**< neighbours in order; bit 31 marks the first one of a run */
+    /** @cond internal */
+    const struct pliant_kernels* kernels;
+    /** @endcond */
 } pliant_normals;
+
+/** Bytes of a pliant_normals: for other languages. */
+PLIANT_API size_t pliant_normals_size(void);
 
 /** Number of bytes that pliant_normals_init needs: 4 per vertex and 24 per triangle; 0 if the argument is invalid. */
 PLIANT_API size_t pliant_normals_memory(const pliant_asset* asset);

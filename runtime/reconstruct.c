@@ -20,7 +20,7 @@ static void rebuild(const pliant_kernels* kernels, const pliant_asset* asset, co
 static void write_tiles(const pliant_asset* asset, const pliant_frame* frame, size_t first, size_t end, unsigned char* out,
                         size_t stride)
 {
-    const pliant_kernels* kernels = pliant_kernels_choose();
+    const pliant_kernels* kernels = asset->kernels;
     const size_t tile_end = (end + TILE_VERTICES - 1) / TILE_VERTICES;
     for (size_t v = first; v < end;) {
         const size_t tile = v / TILE_VERTICES, within = v % TILE_VERTICES;
@@ -64,7 +64,7 @@ static void write_product(const pliant_kernels* kernels, const pliant_asset* ass
 static void write_products(const pliant_asset* asset, const pliant_frame* frame, size_t first, size_t end,
                            unsigned char* out, size_t stride)
 {
-    const pliant_kernels* kernels = pliant_kernels_choose();
+    const pliant_kernels* kernels = asset->kernels;
     for (size_t block = first / asset->block_vertices; block * asset->block_vertices < end; ++block)
         for (size_t tile = asset->blocks[block]; tile < asset->blocks[block + 1]; ++tile)
             write_product(kernels, asset, frame, tile, block * asset->block_vertices, first, end, out, stride);

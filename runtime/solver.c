@@ -29,6 +29,11 @@ pliant_solver_desc pliant_solver_desc_default(void)
     return desc;
 }
 
+void pliant_solver_desc_init(pliant_solver_desc* out)
+{
+    if (out) *out = pliant_solver_desc_default();
+}
+
 static int is_valid(const pliant_asset* asset, const pliant_solver_desc* desc)
 {
     if (!asset || !asset->blob || !desc || desc->struct_size != sizeof *desc) return 0;
@@ -117,7 +122,7 @@ pliant_result pliant_solver_init(pliant_solver** out, const pliant_asset* asset,
     solver->magic = SOLVER_MAGIC;
     solver->desc = *desc;
     solver->asset = *asset;
-    solver->kernels = pliant_kernels_choose();
+    solver->kernels = asset->kernels;
     *out = solver;
     return PLIANT_OK;
 }

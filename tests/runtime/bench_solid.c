@@ -106,6 +106,7 @@ int main(int argc, char** argv)
     pliant_format_batch batch;
     uint64_t state = 1;
     memset(&asset, 0, sizeof asset);
+    asset.kernels = pliant_kernels_choose();
     asset.dimension = numbers[0];
     asset.padded_dimension = (uint32_t)pliant_pad_lanes(numbers[0]);
     asset.pose_count = numbers[2];

@@ -44,6 +44,7 @@ static void make_face(face* f, float x0, const float direction[3])
     f->centres[0][0] = f->centres[0][1] = 0.5f;
     f->asset.dimension = D;
     f->asset.padded_dimension = PADDED;
+    f->asset.kernels = pliant_kernels_choose();
     f->asset.pose_count = f->asset.weight_count = POSES;
     f->asset.energy_scale = 1.0f;
     f->asset.blob = (const unsigned char*)f; /* only has to be there */

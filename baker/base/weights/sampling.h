@@ -12,12 +12,6 @@ namespace pliant {
 // gathers near edges and corners.
 Weights random_weights(Random& random, std::size_t count, bool skew);
 
-// A mixture of at most so many poses, or layers, is sparse.
-constexpr std::size_t sparse_limit = 6;
-
-// More poses than this are seldom blended all at once: there is no point in filling their simplex.
-constexpr std::size_t few_poses = 12;
-
 // One of a mixed bag, by index modulo 3: uniform on the simplex, of more than few_poses on a random face of three to
 // sparse_limit of them; on a random edge (between a tenth and nine tenths of it); near edges and corners.
 Weights mixed_weights(Random& random, std::size_t pose_count, std::size_t index);

@@ -2,6 +2,8 @@
 
 #include "base/common/diagnostics.h"
 
+#include <algorithm>
+#include <cmath>
 #include <fmt/core.h>
 
 namespace pliant {
@@ -33,10 +35,19 @@ std::string weights_text(const Weights& w)
 
 std::string blend_text(const Weights& w, const std::vector<std::string>& pose_names)
 {
-    if (std::size_t(w.size()) + 1 != pose_names.size()) return weights_text(w);
-    std::string text;
+    const std::size_t count = std::size_t(w.size()), first = pose_names.size() - count; // of layers the rest shape has none
+    if (first == 0 && count <= few_poses) return weights_text(w);
+    std::vector<Eigen::Index> used;
     for (Eigen::Index k = 0; k < w.size(); ++k)
-        if (w[k] != 0) text += fmt::format("{}{}={:.3g}", text.empty() ? "" : ",", pose_names[std::size_t(k) + 1], w[k]);
+        if (w[k] != 0) used.push_back(k);
+    const std::size_t named = std::min(used.size(), sparse_limit);
+    if (used.size() > named)
+        std::stable_sort(used.begin(), used.end(),
+                         [&](Eigen::Index a, Eigen::Index b) { return std::abs(w[a]) > std::abs(w[b]); });
+    std::string text;
+    for (std::size_t i = 0; i < named; ++i)
+        text += fmt::format("{}{}={:.3g}", i == 0 ? "" : ",", pose_names[std::size_t(used[i]) + first], w[used[i]]);
+    if (used.size() > named) text += fmt::format(" and {} smaller ones", used.size() - named);
     return text.empty() ? "0" : text;
 }
 

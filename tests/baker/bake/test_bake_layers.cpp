@@ -139,6 +139,11 @@ TEST_CASE("a miss of layers names the layers of the worst mixture, and no pose i
     CHECK(told.hint == "take a smaller --range, or leave one of the layers out");
     CHECK(blend_text(Eigen::Vector3d::Zero(), poses.names) == "0");
     CHECK(blend_text(Eigen::Vector4d(1, 0, 0, 0), poses.names) == "1,0,0,0");
+    const std::vector<std::string> many = { "rest", "a", "b", "c", "d", "e", "f", "g", "h", "i", "j", "k", "l" };
+    Weights all(12);
+    all << 1, 2, 3, 4, 5, 6, 7, 8, 9, -10, 11, 0;
+    CHECK(blend_text(all, many) == "k=11,j=-10,i=9,h=8,g=7,f=6 and 5 smaller ones");
+    CHECK(blend_text(Eigen::VectorXd::Unit(13, 1), many) == "a=1"); // averages of many poses
 }
 
 TEST_CASE("ranges of layers beyond 0 to 1 are measured")
