@@ -1,7 +1,7 @@
-"""bits.py TARGET ENVIRONMENT ASSETS PROGRAM SOURCES...: builds test_bits and the runtime for another platform with zig,
-runs it, and wants the hash of PROGRAM, which is test_bits for this machine. Targets: TARGETS below. Those that nothing
-here can run are linked only, as a shared library. Processors and systems are emulated, so nothing is said of speed. Exit code 77, and the
-reason, without what runs it."""
+"""bits.py TARGET ENVIRONMENT ASSETS PROGRAM SOURCES...: builds test_bits and the runtime for another platform with zig, runs
+it, and wants the hash of PROGRAM, which is test_bits for this machine. Targets: TARGETS below. Those that nothing here can
+run are linked only, as a shared library. Processors and systems are emulated, so nothing is said of speed. Exit code 77, and
+the reason, without what runs it."""
 import os
 import pathlib
 import shutil
