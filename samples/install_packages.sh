@@ -24,9 +24,9 @@ pliant_packages() {
                 python3-jsonschema clang libclang-rt-14-dev clang-format valgrind doxygen
             ;;
         engines)
-            # Programs that draw what `pliant export` writes, ffmpeg for the comparison clip, and an ARM processor; the tests
-            # that ask them are skipped without. Large: 1 GB with what they need.
-            printf '%s\n' chromium godot3-server blender ffmpeg gcc-aarch64-linux-gnu libc6-dev-arm64-cross qemu-user
+            # Programs that draw what `pliant export` writes, ffmpeg for the comparison clip, browsers for the page, an ARM
+            # processor and a Windows; the tests that ask them are skipped without. Large: 1.2 GB with what they need.
+            printf '%s\n' chromium firefox-esr godot3-server blender ffmpeg qemu-user wine wine64 mono-runtime mono-mcs
             # Node of other packagers brings npm along, and Debian's npm cannot be installed beside it.
             command -v npm > /dev/null || printf '%s\n' nodejs npm
             ;;

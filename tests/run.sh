@@ -97,7 +97,7 @@ if ((install)); then
         echo "tests/run.sh: the packages cannot be installed; if they are here by other means, use --no-install" >&2
         run_dev=0 run_asan=0 failed=1
     elif ((!only_build)) && ! bash samples/install_packages.sh engines; then
-        echo "tests/run.sh: warning: chromium, Godot, Blender or the ARM compiler cannot be installed;" \
+        echo "tests/run.sh: warning: browsers, Godot, Blender, Wine or qemu cannot be installed;" \
             "the tests that ask them will be skipped" >&2
     fi
 fi

@@ -23,7 +23,7 @@ install_runtime() {
         cat "$work_dir/leaks.txt"
         exit 1
     fi
-    if find "$work_dir/prefix" -name '*.hpp' -o -name '*internal.h' | grep .; then
+    if find "$work_dir/prefix" -name '*internal.h' | grep .; then
         echo "these headers are not part of the interface"
         exit 1
     fi

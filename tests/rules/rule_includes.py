@@ -21,6 +21,8 @@ BAKER_FOLDERS_WITH_RUNTIME = ("baker/output/", "baker/cli/", "baker/python/")
 RUNTIME_LIBC = {"stddef.h", "stdint.h", "string.h", "math.h", "float.h"}
 # The optional GL part of the runtime is a library of its own on top of the other.
 GL_PART = "runtime/gl/"
+# For other languages, each with the standard library of its own.
+BINDINGS = "runtime/bindings/"
 LIBC_OF_PUBLIC_HEADERS = {
     "runtime/pliant.h": {"stddef.h", "stdint.h"},
     "runtime/gl/pliant_gl.h": set(),
@@ -28,7 +30,7 @@ LIBC_OF_PUBLIC_HEADERS = {
 }
 
 # Where an include is looked up after the includer's own folder: the include paths of our targets.
-SEARCH_FOLDERS = ("baker", "formats", "runtime", "runtime/gl", "samples", "samples/player", "")
+SEARCH_FOLDERS = ("baker", "formats", "runtime", "runtime/gl", "runtime/bindings/cpp", "samples", "samples/player", "")
 
 
 def resolve(tree, path, name):
@@ -50,7 +52,7 @@ def allowed_libc(path):
     """The headers from outside that a file may include, or None for any."""
     if path in LIBC_OF_PUBLIC_HEADERS:
         return LIBC_OF_PUBLIC_HEADERS[path]
-    if path.startswith("runtime/"):
+    if path.startswith("runtime/") and not path.startswith(BINDINGS):
         return RUNTIME_LIBC
     return None
 

@@ -4,7 +4,6 @@
 #include "input/io/source_file.h"
 #include "pliant_format.h"
 
-#include <cstring>
 #include <fmt/core.h>
 #include <fmt/ranges.h>
 
@@ -47,16 +46,22 @@ Polygons faces_of(const pliant_asset& asset)
     return faces;
 }
 
-RuntimeBlender::RuntimeBlender(const std::vector<std::uint8_t>& bytes, const std::string& path, bool verify_checksums)
-    : blob_(bytes.size() / 8 + 4)
+namespace {
+
+Asset opened(const std::vector<std::uint8_t>& bytes, const std::string& path, bool verify_checksums)
 {
-    auto* start = reinterpret_cast<std::uint8_t*>(blob_.data());
-    start += (PLIANT_FORMAT_BLOB_ALIGNMENT - reinterpret_cast<std::uintptr_t>(start) % PLIANT_FORMAT_BLOB_ALIGNMENT)
-        % PLIANT_FORMAT_BLOB_ALIGNMENT;
-    if (!bytes.empty()) std::memcpy(start, bytes.data(), bytes.size());
-    const pliant_result result = pliant_asset_open(&asset_, start, bytes.size(),
-                                                   verify_checksums ? PLIANT_OPEN_VERIFY_CHECKSUMS : PLIANT_OPEN_DEFAULT);
-    if (result != PLIANT_OK) throw open_failure(result, path);
+    try {
+        return Asset(bytes, verify_checksums ? PLIANT_OPEN_VERIFY_CHECKSUMS : PLIANT_OPEN_DEFAULT);
+    } catch (const Error& error) {
+        throw open_failure(error.result(), path);
+    }
+}
+
+} // namespace
+
+RuntimeBlender::RuntimeBlender(const std::vector<std::uint8_t>& bytes, const std::string& path, bool verify_checksums)
+    : asset_(opened(bytes, path, verify_checksums))
+{
     configure(pliant_solver_desc_default());
 }
 
@@ -70,10 +75,11 @@ RuntimeBlender RuntimeBlender::from_file(const std::string& path, bool verify_ch
 
 void RuntimeBlender::configure(const pliant_solver_desc& desc)
 {
-    const std::size_t size = pliant_solver_memory(&asset_, &desc);
-    memory_.assign(size / 8 + 1, 0);
-    if (size == 0 || pliant_solver_init(&solver_, &asset_, &desc, memory_.data(), size) != PLIANT_OK)
+    try {
+        solver_.emplace(asset_, desc);
+    } catch (const Error&) {
         throw Failure(ExitCode::failed, error_at(4504, "", "the runtime rejects the solver settings"));
+    }
 }
 
 void RuntimeBlender::solve_tightly()
@@ -85,11 +91,10 @@ void RuntimeBlender::solve_tightly()
 
 WeightDomain RuntimeBlender::domain() const
 {
-    if (!asset_.has_layers) return WeightDomain::simplex(asset_.pose_count);
+    if (!asset_->has_layers) return WeightDomain::simplex(asset_->pose_count);
     std::vector<WeightRange> ranges;
-    for (std::uint32_t i = 0; i < asset_.weight_count; ++i) {
-        pliant_weight weight {};
-        pliant_asset_weight(&asset_, i, &weight);
+    for (std::uint32_t i = 0; i < asset_->weight_count; ++i) {
+        const pliant_weight weight = asset_.weight(i);
         ranges.push_back({ weight.low, weight.high, weight.initial });
     }
     return WeightDomain::box(std::move(ranges));
@@ -97,48 +102,50 @@ WeightDomain RuntimeBlender::domain() const
 
 std::vector<float> RuntimeBlender::pose_coordinates(std::uint32_t pose) const
 {
-    const float* q = pliant_asset_pose_coordinates(&asset_, pose);
-    return std::vector<float>(q, q + asset_.dimension);
+    const Span<const float> q = asset_.pose_coordinates(pose);
+    return std::vector<float>(q.begin(), q.end());
 }
 
 std::vector<float> RuntimeBlender::solve(const std::vector<float>& weights, bool continuous, pliant_solve_info* info)
 {
-    if (weights.size() != asset_.weight_count) {
-        const char* of = asset_.has_layers ? "layer" : "pose";
+    if (weights.size() != asset_->weight_count) {
+        const char* of = asset_->has_layers ? "layer" : "pose";
         throw Failure(
             ExitCode::usage,
             error_at(1203, "",
-                     fmt::format("{} weights given, the asset has {} {}s", weights.size(), asset_.weight_count, of),
+                     fmt::format("{} weights given, the asset has {} {}s", weights.size(), asset_->weight_count, of),
                      fmt::format("give one weight per {}, separated by commas", of)));
     }
-    if (!continuous) pliant_solver_reset(solver_);
-    std::vector<float> q(asset_.dimension);
-    const pliant_result result = pliant_solve(solver_, weights.data(), q.data(), info);
-    if (result != PLIANT_OK)
+    if (!continuous) solver_->reset();
+    try {
+        const pliant_solve_info found = solver_->solve(weights);
+        if (info) *info = found;
+    } catch (const Error& error) {
         throw Failure(ExitCode::usage,
-                      error_at(1204, "", fmt::format("weights {}: {}", fmt::join(weights, ","), pliant_result_text(result)),
-                               asset_.has_layers ? "weights must be finite"
-                                                 : "weights must be finite, not negative and not all zero"));
-    return q;
+                      error_at(1204, "", fmt::format("weights {}: {}", fmt::join(weights, ","), error.what()),
+                               asset_->has_layers ? "weights must be finite"
+                                                  : "weights must be finite, not negative and not all zero"));
+    }
+    return std::vector<float>(solver_->coordinates().begin(), solver_->coordinates().end());
 }
 
 std::vector<float> RuntimeBlender::positions(const std::vector<float>& q) const
 {
-    std::vector<float> out(3 * std::size_t(asset_.vertex_count));
-    pliant_reconstruct(&asset_, q.data(), 0, asset_.vertex_count, out.data(), 3 * sizeof(float));
+    std::vector<float> out(3 * std::size_t(asset_->vertex_count));
+    reconstruct(asset_, q, out);
     return out;
 }
 
 std::string RuntimeBlender::pose_name(std::uint32_t pose) const
 {
-    const char* name = pliant_asset_pose_name(&asset_, pose);
+    const char* name = pliant_asset_pose_name(asset_.get(), pose);
     return name ? name : "";
 }
 
 std::vector<std::uint32_t> RuntimeBlender::source_vertices() const
 {
-    const std::uint32_t* sources = asset_.source_vertices;
-    return sources ? std::vector<std::uint32_t>(sources, sources + asset_.vertex_count) : std::vector<std::uint32_t>();
+    const std::uint32_t* sources = asset_->source_vertices;
+    return sources ? std::vector<std::uint32_t>(sources, sources + asset_->vertex_count) : std::vector<std::uint32_t>();
 }
 
 } // namespace pliant

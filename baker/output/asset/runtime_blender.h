@@ -5,9 +5,10 @@
 #include "base/mesh/pose_set.h"
 #include "base/weights/domain.h"
 
-#include "pliant.h"
+#include "pliant.hpp"
 
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -28,7 +29,7 @@ public:
     // Reads the file first. Throws Failure (bad_input, P5101) if it cannot be read.
     static RuntimeBlender from_file(const std::string& path, bool verify_checksums = false);
 
-    const pliant_asset& asset() const { return asset_; }
+    const pliant_asset& asset() const { return *asset_.get(); }
     WeightDomain domain() const;
 
     // Solves as a new solver would (`continuous` false) or going on from the last call. Throws Failure (usage, P1203) for
@@ -39,8 +40,8 @@ public:
     std::vector<float> positions(const std::vector<float>& q) const;
 
     std::string pose_name(std::uint32_t pose) const;
-    std::string certificate() const { return certificate_of(asset_); }
-    Polygons faces() const { return faces_of(asset_); }
+    std::string certificate() const { return certificate_of(asset()); }
+    Polygons faces() const { return faces_of(asset()); }
     std::vector<std::uint32_t> source_vertices() const; // of a solid: per vertex its number in the pose files; else empty
 
     // Coordinates of an example pose (d).
@@ -53,10 +54,8 @@ public:
     void configure(const pliant_solver_desc& desc);
 
 private:
-    std::vector<std::uint64_t> blob_; // at least 8-aligned; the blob starts at a multiple of 16 inside
-    std::vector<std::uint64_t> memory_;
-    pliant_asset asset_ {};
-    pliant_solver* solver_ = nullptr;
+    Asset asset_;
+    std::optional<Solver> solver_;
 };
 
 } // namespace pliant

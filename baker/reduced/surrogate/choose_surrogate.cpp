@@ -14,8 +14,8 @@ constexpr std::size_t sizes[] = { 4, 6, 8, 12 };
 // When there is nothing to judge by.
 constexpr std::size_t size_without_checks = 8;
 
-// A larger set must lower the error by this much to be worth its time in every frame.
-constexpr double worthwhile = 0.97;
+// A larger set must lower the error to this part to be worth its time in every frame, unless it is what makes it enough.
+constexpr double worthwhile = 0.9;
 
 // What is aimed at, of the tolerance: other weights than the checks are worse.
 constexpr double aim = 0.75;
@@ -114,7 +114,8 @@ ChosenModel choose_cubature(const ReducedEnergy& reduced, const NormalizedPoses&
         ChosenModel here = fit_model(std::move(surrogate), subspace, set, training, checks, true, options);
         here.report.residual = fit.residual();
         const bool gets_convex = here.report.curvature.lowest > 0 && best.report.curvature.lowest <= 0;
-        const bool is_better = !best.model.surrogate || gets_convex
+        const bool gets_enough = is_enough(here.report.error(), options) && !is_enough(best.report.error(), options);
+        const bool is_better = !best.model.surrogate || gets_convex || gets_enough
             || score(here.report.error(), options) < worthwhile * score(best.report.error(), options);
         if (is_better) best = std::move(here);
         const bool is_convex = best.report.curvature.lowest > 0;

@@ -97,19 +97,20 @@ def export(tool, asset, output, *options, code=0):
     return result
 
 
-def node_modules(folder):
-    """The folder with node_modules of package-lock.json, installed there if they are not yet; skips where that cannot be."""
+def node_modules(folder, source=HERE):
+    """The folder with node_modules of the package-lock.json of `source`, installed there if they are not yet; skips where
+    that cannot be."""
     if not shutil.which("node") or not shutil.which("npm"):
         skip("node and npm are not installed (group engines of samples/install_packages.sh)")
     folder = pathlib.Path(folder) / "node"
     folder.mkdir(parents=True, exist_ok=True)
     with open(folder / ".lock", "w") as lock:
         fcntl.flock(lock, fcntl.LOCK_EX)
-        wanted = (HERE / "package-lock.json").read_text()
+        wanted = (source / "package-lock.json").read_text()
         stamp = folder / "installed"
         if not stamp.exists() or stamp.read_text() != wanted:
             for name in ("package.json", "package-lock.json"):
-                shutil.copy(HERE / name, folder / name)
+                shutil.copy(source / name, folder / name)
             command = ["npm", "ci", "--no-audit", "--no-fund", "--ignore-scripts", "--fetch-retries=0",
                        "--fetch-timeout=30000"]
             try:

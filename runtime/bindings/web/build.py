@@ -1,0 +1,56 @@
+#!/usr/bin/env python3
+"""The npm package: build.py FOLDER
+
+Compiles the runtime to FOLDER/pliant.wasm and copies the package's other files beside it; `npm pack` in FOLDER makes the
+archive. The compiler is zig: pip install ziglang==0.17.0 for the Python that runs this. The module imports nothing.
+"""
+import re
+import shutil
+import subprocess
+import sys
+from concurrent.futures import ThreadPoolExecutor
+from pathlib import Path
+
+HERE = Path(__file__).resolve().parent
+RUNTIME = HERE.parents[1]
+ROOT = RUNTIME.parent
+FILES = ["package.json", "pliant.js", "pliant.d.ts", "three.js", "three.d.ts", "README.md"]
+COMPILE = [sys.executable, "-m", "ziglang", "cc", "-target", "wasm32-wasi", "-msimd128", "-std=c99", "-ffp-contract=off",
+           "-fno-math-errno", "-fno-trapping-math", f"-I{RUNTIME}", f"-I{ROOT / 'formats'}"]
+# Not in a frame, or little of it: made small. The rest is made fast.
+SMALL = {"asset", "asset_energy", "asset_shape", "bounds", "glb", "morph", "normals", "objective", "open", "radial",
+         "solver"}
+
+
+def functions():
+    """What pliant.h declares, without the one that returns a struct by value."""
+    names = re.findall(r"^PLIANT_API [^(]*?(pliant_\w+)\(", (RUNTIME / "pliant.h").read_text(encoding="utf-8"), re.M)
+    return [name for name in names if name != "pliant_solver_desc_default"]
+
+
+def compile_one(source, output):
+    level = "-Oz" if source.stem in SMALL else "-O2"
+    subprocess.run([*COMPILE, level, "-c", str(source), "-o", str(output)], check=True)
+    return str(output)
+
+
+def main(folder):
+    objects = folder / "objects"
+    objects.mkdir(parents=True, exist_ok=True)
+    sources = sorted(RUNTIME.glob("*.c"))
+    with ThreadPoolExecutor(2) as pool:
+        compiled = list(pool.map(lambda source: compile_one(source, objects / f"{source.stem}.o"), sources))
+    exports = [f"-Wl,--export={name}" for name in ("malloc", "free", *functions())]
+    subprocess.run([*COMPILE, "-O2", "-s", "-mexec-model=reactor", *compiled, *exports, "-o", str(folder / "pliant.wasm")],
+                   check=True)
+    shutil.rmtree(objects)
+    for name in FILES:
+        shutil.copy(HERE / name, folder)
+    shutil.copy(ROOT / "LICENSE", folder)
+    return 0
+
+
+if __name__ == "__main__":
+    if len(sys.argv) != 2:
+        sys.exit(__doc__)
+    sys.exit(main(Path(sys.argv[1])))

@@ -1,0 +1,294 @@
+// Pliant for JavaScript: the C runtime as WebAssembly. pliant.d.ts is the manual.
+
+const OK = 0, ERROR_ARGUMENT = 10;
+const VERIFY_CHECKSUMS = 1;
+const STATUS = ["converged", "limit", "stalled"];
+const ALIGNMENT = 16;
+
+export class PliantError extends Error {
+  constructor(message, result) {
+    super(message);
+    this.name = "PliantError";
+    this.result = result;
+  }
+}
+
+// A block of the module's memory. Views are made anew when they are asked for, since the memory moves when it grows.
+class Block {
+  constructor(module, size) {
+    this.module = module;
+    this.size = size;
+    this.start = module.exports.malloc(size + ALIGNMENT);
+    if (this.start === 0) throw new PliantError(`no memory for ${size} bytes`, undefined);
+    this.at = this.start + (ALIGNMENT - (this.start % ALIGNMENT)) % ALIGNMENT;
+  }
+
+  check() {
+    if (this.start === 0) throw new PliantError("used after dispose()", ERROR_ARGUMENT);
+  }
+
+  get buffer() {
+    this.check();
+    return this.module.exports.memory.buffer;
+  }
+
+  bytes() { return new Uint8Array(this.buffer, this.at, this.size); }
+  floats() { return new Float32Array(this.buffer, this.at, this.size >> 2); }
+  view() { return new DataView(this.buffer, this.at, this.size); }
+
+  free() {
+    if (this.start !== 0) this.module.exports.free(this.start);
+    this.start = 0;
+  }
+}
+
+function textAt(module, at) {
+  const bytes = new Uint8Array(module.exports.memory.buffer, at);
+  return new TextDecoder().decode(bytes.slice(0, bytes.indexOf(0)));
+}
+
+function require(module, result) {
+  if (result !== OK) throw new PliantError(textAt(module, module.exports.pliant_result_text(result)), result);
+}
+
+// The bytes of the asset itself: all of a .pliant file, a part of a GLB.
+function assetRange(module, blob) {
+  const isGlb = blob.size >= 4 && blob.view().getUint32(0, true) === 0x46546c67;
+  if (!isGlb) return { offset: 0, size: blob.size };
+  const found = new Block(module, 8);
+  try {
+    require(module, module.exports.pliant_glb_find(blob.at, blob.size, found.at, found.at + 4));
+    return { offset: found.view().getUint32(0, true), size: found.view().getUint32(4, true) };
+  } finally {
+    found.free();
+  }
+}
+
+function bytesOf(data) {
+  if (data instanceof ArrayBuffer) return new Uint8Array(data);
+  if (ArrayBuffer.isView(data)) return new Uint8Array(data.buffer, data.byteOffset, data.byteLength);
+  throw new TypeError("an asset is an ArrayBuffer or a typed array");
+}
+
+function weightsOf(module, view) {
+  const count = module.exports.pliant_asset_get_weight_count(view.at), weight = new Block(module, 16), weights = [];
+  for (let i = 0; i < count; ++i) {
+    require(module, module.exports.pliant_asset_weight(view.at, i, weight.at));
+    const fields = weight.view();
+    weights.push(Object.freeze({
+      name: textAt(module, fields.getUint32(0, true)),
+      low: fields.getFloat32(4, true),
+      high: fields.getFloat32(8, true),
+      initial: fields.getFloat32(12, true),
+    }));
+  }
+  weight.free();
+  return Object.freeze(weights);
+}
+
+export class PliantAsset {
+  #module;
+  #blob;
+  #view;
+
+  constructor(module, data) {
+    const bytes = bytesOf(data), exports = module.exports;
+    this.#module = module;
+    this.#blob = new Block(module, bytes.length);
+    this.#view = new Block(module, exports.pliant_asset_size());
+    try {
+      this.#blob.bytes().set(bytes);
+      const { offset, size } = assetRange(module, this.#blob);
+      require(module, exports.pliant_asset_open(this.#view.at, this.#blob.at + offset, size, VERIFY_CHECKSUMS));
+      this.#describe();
+    } catch (error) {
+      this.dispose();
+      throw error;
+    }
+  }
+
+  #describe() {
+    const exports = this.#module.exports, at = this.#view.at;
+    this.vertexCount = exports.pliant_asset_get_vertex_count(at);
+    this.surfaceVertexCount = exports.pliant_asset_get_boundary_vertex_count(at);
+    this.triangleCount = exports.pliant_asset_get_triangle_count(at);
+    this.dimension = exports.pliant_asset_get_dimension(at);
+    this.poseCount = exports.pliant_asset_get_pose_count(at);
+    this.hasLayers = exports.pliant_asset_get_has_layers(at) === 1;
+    this.weights = weightsOf(this.#module, this.#view);
+  }
+
+  /** @internal */
+  get parts() {
+    this.#view.check();
+    return { module: this.#module, view: this.#view };
+  }
+
+  triangles() {
+    const { module, view } = this.parts;
+    const at = module.exports.pliant_asset_get_triangles(view.at);
+    return new Uint32Array(module.exports.memory.buffer, at, 3 * this.triangleCount).slice();
+  }
+
+  poseName(pose) {
+    const { module, view } = this.parts;
+    const at = module.exports.pliant_asset_pose_name(view.at, pose >>> 0);
+    if (at === 0) throw new PliantError(`there is no pose ${pose}`, ERROR_ARGUMENT);
+    return textAt(module, at);
+  }
+
+  poseCoordinates(pose) {
+    const { module, view } = this.parts;
+    const at = module.exports.pliant_asset_pose_coordinates(view.at, pose >>> 0);
+    if (at === 0) throw new PliantError(`there is no pose ${pose}`, ERROR_ARGUMENT);
+    return new Float32Array(module.exports.memory.buffer, at, this.dimension).slice();
+  }
+
+  // Weights as numbers in order, or by name; those that are not named are 0.
+  weightsFrom(weights) {
+    if (Array.isArray(weights) || ArrayBuffer.isView(weights)) {
+      if (weights.length === this.weights.length) return Float32Array.from(weights);
+      throw new PliantError(`${weights.length} weights given, the asset has ${this.weights.length}`, ERROR_ARGUMENT);
+    }
+    const out = new Float32Array(this.weights.length);
+    for (const [name, value] of Object.entries(weights)) {
+      const index = this.weights.findIndex((weight) => weight.name === name);
+      if (index < 0) {
+        const known = this.weights.map((weight) => weight.name).join(", ");
+        throw new PliantError(`there is no weight '${name}'; the weights are ${known}`, ERROR_ARGUMENT);
+      }
+      out[index] = value;
+    }
+    return out;
+  }
+
+  character() { return new PliantCharacter(this); }
+
+  dispose() {
+    this.#view?.free();
+    this.#blob?.free();
+  }
+}
+
+export class PliantCharacter {
+  #asset;
+  #module;
+  #view; // of the asset
+  #blocks = {};
+  #solver;
+
+  constructor(asset) {
+    const { module, view } = asset.parts;
+    this.#asset = asset;
+    this.#module = module;
+    this.#view = view;
+    try {
+      this.#allocate(module.exports);
+      this.#initialize(module.exports);
+    } catch (error) {
+      this.dispose();
+      throw error;
+    }
+    this.solve(asset.weights.map((weight) => weight.initial));
+  }
+
+  #allocate(exports) {
+    const at = this.#view.at, block = (name, size) => (this.#blocks[name] = new Block(this.#module, size));
+    block("desc", 64);
+    exports.pliant_solver_desc_init(this.#blocks.desc.at);
+    block("solver", exports.pliant_solver_memory(at, this.#blocks.desc.at));
+    block("out", 4);
+    block("info", 24);
+    block("weights", 4 * this.#asset.weights.length);
+    block("coordinates", 4 * this.#asset.dimension);
+    block("positions", 12 * this.#asset.vertexCount);
+    block("normals", 12 * this.#asset.surfaceVertexCount);
+    block("normalsView", exports.pliant_normals_size());
+    block("normalsMemory", exports.pliant_normals_memory(at));
+    block("box", 24);
+  }
+
+  #initialize(exports) {
+    const { desc, solver, out, normalsView, normalsMemory } = this.#blocks;
+    require(this.#module, exports.pliant_solver_init(out.at, this.#view.at, desc.at, solver.at, solver.size));
+    this.#solver = out.view().getUint32(0, true);
+    require(this.#module,
+            exports.pliant_normals_init(normalsView.at, this.#view.at, normalsMemory.at, normalsMemory.size));
+  }
+
+  solve(weights) {
+    const exports = this.#module.exports, { info, coordinates } = this.#blocks, given = this.#blocks.weights;
+    this.#view.check();
+    given.floats().set(this.#asset.weightsFrom(weights));
+    require(this.#module, exports.pliant_solve(this.#solver, given.at, coordinates.at, info.at));
+    this.#rebuild();
+    const fields = info.view();
+    return {
+      status: STATUS[fields.getUint32(0, true)],
+      iterations: fields.getUint32(4, true),
+      evaluations: fields.getUint32(8, true),
+      energy: fields.getFloat32(12, true),
+      gradient: fields.getFloat32(16, true),
+      outside: fields.getFloat32(20, true),
+    };
+  }
+
+  // What engines do without Pliant: the weighted sum of the poses.
+  solveLinear(weights) {
+    const asset = this.#asset, given = asset.weightsFrom(weights);
+    const sum = given.reduce((a, b) => a + b, 0);
+    if (!asset.hasLayers && !(sum > 0)) throw new PliantError("weights of an average have a positive sum", ERROR_ARGUMENT);
+    const q = new Float64Array(asset.dimension);
+    const add = (pose, share) => share !== 0 && asset.poseCoordinates(pose).forEach((c, i) => { q[i] += share * c; });
+    if (asset.hasLayers) add(0, 1 - sum);
+    given.forEach((value, k) => add(asset.hasLayers ? k + 1 : k, asset.hasLayers ? value : value / sum));
+    this.#blocks.coordinates.floats().set(q);
+    this.#rebuild();
+  }
+
+  #rebuild() {
+    const exports = this.#module.exports, { coordinates, positions, normals, normalsView } = this.#blocks;
+    exports.pliant_reconstruct(this.#view.at, coordinates.at, 0, this.#asset.vertexCount, positions.at, 12);
+    exports.pliant_normals_compute(normalsView.at, positions.at, 12, 0, this.#asset.surfaceVertexCount, normals.at, 12);
+  }
+
+  get positions() { return this.#blocks.positions.floats(); }
+  get normals() { return this.#blocks.normals.floats(); }
+  get coordinates() { return this.#blocks.coordinates.floats(); }
+
+  bounds() {
+    const { box, coordinates } = this.#blocks;
+    this.#view.check();
+    require(this.#module,
+            this.#module.exports.pliant_bounds(this.#view.at, coordinates.at, box.at, box.at + 12));
+    const numbers = Array.from(box.floats());
+    return { low: numbers.slice(0, 3), high: numbers.slice(3) };
+  }
+
+  reset() {
+    this.#blocks.solver.check();
+    this.#module.exports.pliant_solver_reset(this.#solver);
+  }
+
+  dispose() { for (const block of Object.values(this.#blocks)) block.free(); }
+}
+
+async function compiled(source) {
+  if (source instanceof WebAssembly.Module) return source;
+  if (source instanceof ArrayBuffer || ArrayBuffer.isView(source)) return WebAssembly.compile(source);
+  const url = new URL(source, import.meta.url);
+  if (url.protocol === "file:" && globalThis.process?.versions?.node) {
+    const { readFile } = await import("node:fs/promises");
+    return WebAssembly.compile(await readFile(url));
+  }
+  const response = await fetch(url);
+  if (!response.ok) throw new PliantError(`${url} cannot be fetched: ${response.status}`, undefined);
+  return WebAssembly.compile(await response.arrayBuffer());
+}
+
+export async function load({ wasm = "./pliant.wasm" } = {}) {
+  const instance = await WebAssembly.instantiate(await compiled(wasm), {});
+  instance.exports._initialize();
+  const module = { exports: instance.exports };
+  return { version: instance.exports.pliant_version(), open: (data) => new PliantAsset(module, data) };
+}

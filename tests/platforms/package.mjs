@@ -1,0 +1,124 @@
+// node package.mjs PACKAGE ASSETS MUSEUM: the npm package on the small assets of tests/runtime and on the museum of bad
+// files. Prints the hash that test_bits.c prints, of the same blends; fails with a message where something is wrong.
+import assert from "node:assert/strict";
+import { readdirSync, readFileSync } from "node:fs";
+import { join } from "node:path";
+import { pathToFileURL } from "node:url";
+
+const [folder, assets, museum] = process.argv.slice(2);
+const { load, PliantError } = await import(pathToFileURL(join(folder, "pliant.js")));
+const pliant = await load();
+const names = readFileSync(join(assets, "assets.txt"), "utf8").split(/\s+/).filter((name) => name);
+const bytesOf = (name) => readFileSync(join(assets, `${name}.pliant`));
+
+// -- the bits of test_bits.c: random numbers and weights as tests/runtime/support.h makes them
+
+const f = Math.fround, mask = (1n << 64n) - 1n;
+
+function randomBits(state) {
+  let s = state.bits;
+  s ^= s >> 12n;
+  s = (s ^ (s << 25n)) & mask;
+  s ^= s >> 27n;
+  state.bits = s;
+  return (s * 2685821657736338717n) & mask;
+}
+
+const randomUnit = (state) => Number(randomBits(state) >> 40n) / 16777216;
+const randomBelow = (state, limit) => Number((randomBits(state) >> 32n) % BigInt(limit));
+
+function randomBlend(state, asset) {
+  const count = asset.weights.length;
+  const weights = Float32Array.from({ length: count }, () => f(randomUnit(state) + f(1e-6)));
+  for (let k = 0; asset.hasLayers && k < count; ++k) {
+    weights[k] = f(f(f(1.4) * weights[k]) - f(0.4));
+    if (randomBelow(state, count) >= 3) weights[k] = 0;
+  }
+  return weights;
+}
+
+let hash = 14695981039346656037n;
+
+function add(floats) {
+  for (const word of new Uint32Array(Float32Array.from(floats).buffer)) hash = ((hash ^ BigInt(word)) * 1099511628211n) & mask;
+}
+
+function addAsset(name) {
+  const asset = pliant.open(bytesOf(name)), character = asset.character(), state = { bits: 61n };
+  character.reset(); // it has solved its initial weights
+  let weights;
+  for (let frame = 0; frame < 30; ++frame) {
+    if (frame % 6 === 0) weights = randomBlend(state, asset);
+    const k = frame % weights.length;
+    weights[k] = f(weights[k] + f(0.03));
+    const info = character.solve(weights);
+    add(character.coordinates);
+    add([info.energy]);
+    add([...character.positions, ...character.normals].slice(0, 24));
+    add(character.normals);
+  }
+  character.dispose();
+  asset.dispose();
+}
+
+// -- errors
+
+function refuses(call, result, text) {
+  assert.throws(call, (error) => error instanceof PliantError && error.result === result && error.message.includes(text));
+}
+
+function checkErrors() {
+  const asset = pliant.open(bytesOf("layers_mixed")), character = asset.character();
+  const before = Float32Array.from(character.solve({ [asset.weights[0].name]: 0.5 }) && character.positions);
+  refuses(() => character.solve([1]), 10, "1 weights given, the asset has 3");
+  refuses(() => character.solve({ nose: 1 }), 10, "there is no weight 'nose'; the weights are pose 1, pose 2, pose 3");
+  refuses(() => character.solve([NaN, 0, 0]), 40, "");
+  refuses(() => asset.poseName(99), 10, "there is no pose 99");
+  refuses(() => asset.poseCoordinates(-1), 10, "there is no pose -1");
+  assert.deepEqual(Float32Array.from(character.positions), before);
+  assert.throws(() => pliant.open("a name"), TypeError);
+  refuses(() => pliant.open(new ArrayBuffer(0)), 20, "");
+  character.dispose();
+  character.dispose();
+  for (const call of [() => character.solve([0, 0, 0]), () => character.positions, () => character.bounds(), () => character.reset()])
+    refuses(call, 10, "used after dispose()");
+  asset.dispose();
+  for (const call of [() => asset.triangles(), () => asset.character()]) refuses(call, 10, "used after dispose()");
+  const other = pliant.open(bytesOf("strip_neo")), left = other.character();
+  other.dispose();
+  refuses(() => left.solve([1, 1]), 10, "used after dispose()");
+  left.dispose();
+}
+
+function checkMuseum() {
+  let count = 0;
+  for (const name of readdirSync(museum).filter((file) => file.endsWith(".pliant"))) {
+    try {
+      pliant.open(readFileSync(join(museum, name))).dispose();
+    } catch (error) {
+      assert.ok(error instanceof PliantError && error.result >= 20, `${name}: ${error}`);
+      ++count;
+    }
+  }
+  assert.ok(count > 300, `only ${count} bad files were refused`);
+}
+
+// A million frames would not need more memory than one.
+function checkMemory() {
+  const cycle = () => {
+    const asset = pliant.open(bytesOf("strip_factored")), character = asset.character();
+    character.solve(asset.weights.map(() => 0.5));
+    const size = character.positions.buffer.byteLength;
+    character.dispose();
+    asset.dispose();
+    return size;
+  };
+  const first = cycle();
+  for (let i = 0; i < 2000; ++i) assert.equal(cycle(), first);
+}
+
+names.forEach(addAsset);
+console.log(`bits ${hash.toString(16).padStart(16, "0")}`);
+checkErrors();
+checkMuseum();
+checkMemory();

@@ -1,0 +1,71 @@
+"""package.py FOLDER ENVIRONMENT ASSETS MUSEUM PROGRAM: the npm package. Its blends have the bits of PROGRAM, which is
+test_bits of this machine; it survives the museum; its size is what README.md says. `npm pack` makes an archive that installs
+offline, and against which types.ts and the README's example type-check. Exit code 77, and the reason, without node, and for
+the last part without the npm registry."""
+import gzip
+import json
+import pathlib
+import shutil
+import subprocess
+import sys
+
+HERE = pathlib.Path(__file__).resolve().parent
+ROOT = HERE.parents[1]
+sys.path.insert(0, str(ROOT / "tests/baker/output/engines"))
+import support  # noqa: E402: installs node's packages
+
+LARGEST = 40000  # bytes, compressed
+CHECK = ["--noEmit", "--strict", "--target", "es2022", "--module", "nodenext", "--moduleResolution", "nodenext"]
+
+
+def run(*command, **options):
+    done = subprocess.run([str(word) for word in command], capture_output=True, text=True, **options)
+    support.check(done.returncode == 0, f"{' '.join(map(str, command))}: {done.returncode}\n{done.stdout}{done.stderr}")
+    return done.stdout.strip()
+
+
+def check_version(package):
+    header = (ROOT / "runtime/pliant.h").read_text()
+    parts = [next(line.split()[2] for line in header.splitlines() if line.startswith(f"#define PLIANT_VERSION_{part}"))
+             for part in ("MAJOR", "MINOR", "PATCH")]
+    version = json.loads((package / "package.json").read_text())["version"]
+    support.check(version == ".".join(parts), f"the package has version {version}, the library {'.'.join(parts)}")
+
+
+def check_types(folder, package, modules):
+    """In an outside project, from the archive."""
+    run("npm", "pack", "--offline", "--silent", "--pack-destination", folder, cwd=package)
+    (archive,) = folder.glob("pliant-*.tgz")
+    project = folder / "project"
+    shutil.rmtree(project, ignore_errors=True)
+    project.mkdir()
+    (project / "package.json").write_text('{ "private": true, "type": "module" }')
+    run("npm", "install", "--offline", "--legacy-peer-deps", "--no-audit", "--no-fund", archive, cwd=project)
+    for name in ("three", "@types"):
+        (project / "node_modules" / name).symlink_to(modules / "node_modules" / name)
+    shutil.copy(HERE / "types.ts", project)
+    run("node", modules / "node_modules/typescript/bin/tsc", *CHECK, "types.ts", cwd=project)
+    broken = (project / "types.ts").read_text().replace("// @ts-expect-error", "//")
+    (project / "broken.ts").write_text(broken)
+    failing = subprocess.run(["node", modules / "node_modules/typescript/bin/tsc", *CHECK, "broken.ts"], cwd=project)
+    support.check(failing.returncode != 0, "the types refuse nothing")
+
+
+def main():
+    folder, environment, assets, museum, program = map(pathlib.Path, sys.argv[1:])
+    if not shutil.which("node") or not shutil.which("npm"):
+        support.skip("node and npm are not installed (group engines of samples/install_packages.sh)")
+    package = environment / "package"
+    size = len(gzip.compress((package / "pliant.wasm").read_bytes(), 9))
+    print(f"pliant.wasm: {size} bytes compressed")
+    support.check(size <= LARGEST, f"more than {LARGEST}")
+    check_version(package)
+    here, there = run(program, assets), run("node", HERE / "package.mjs", package, assets, museum)
+    support.check(here == there, f"here {here}, in node {there}")
+    folder.mkdir(parents=True, exist_ok=True)
+    check_types(folder, package, support.node_modules(folder, HERE))
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

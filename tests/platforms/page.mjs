@@ -1,0 +1,178 @@
+// node page.mjs BROWSER PAGE EXPECTED BAD PICTURE: the page of samples/web in a headless browser, as a person uses it. PAGE:
+// a folder that its build.py made, with the assets `averages.pliant` and `layers.pliant`. EXPECTED: a JSON file with blends
+// of both by the C library, { "averages": { "weights": [...], "positions": [...] }, ... }. BAD: a file that is no asset.
+// BROWSER: the program's path; Firefox is known by its name. PICTURE: what the page looks like in the end.
+import assert from "node:assert/strict";
+import { createServer } from "node:http";
+import { existsSync, readFileSync } from "node:fs";
+import { extname, join } from "node:path";
+import puppeteer from "puppeteer-core";
+
+const [browserPath, folder, expectedPath, bad, picture] = process.argv.slice(2);
+const expected = JSON.parse(readFileSync(expectedPath, "utf8"));
+const TYPES = { ".html": "text/html", ".js": "text/javascript", ".css": "text/css", ".wasm": "application/wasm" };
+
+function serve() {
+  const asked = [];
+  const server = createServer((request, response) => {
+    const path = new URL(request.url, "http://page").pathname.replace(/\/$/, "/index.html"), file = join(folder, path);
+    asked.push(path);
+    if (!existsSync(file)) return response.writeHead(404).end();
+    response.writeHead(200, { "content-type": TYPES[extname(file)] ?? "application/octet-stream" });
+    response.end(readFileSync(file));
+  });
+  return new Promise((done) => server.listen(0, "127.0.0.1", () => done({ server, asked, port: server.address().port })));
+}
+
+function launch() {
+  if (browserPath.includes("firefox")) // WebGL there needs a display: the test runs this under xvfb-run
+    return puppeteer.launch({ browser: "firefox", executablePath: browserPath, headless: false });
+  return puppeteer.launch({ executablePath: browserPath, headless: true,
+                            args: ["--no-sandbox", "--use-angle=swiftshader", "--enable-unsafe-swiftshader"] });
+}
+
+const settled = (tab) => tab.waitForFunction(() => window.page?.asset && !window.page.needsBlend, { timeout: 60000 });
+const textOf = (tab, id) => tab.$eval(`#${id}`, (element) => (element.hidden ? "" : element.textContent));
+
+async function open(tab, port, hash) {
+  await tab.goto("about:blank"); // a new hash alone is no new page
+  await tab.goto(`http://127.0.0.1:${port}/${hash}`);
+  await settled(tab);
+}
+
+// The shape that is drawn is that of the C library, to the bit.
+async function checkPositions(tab, name) {
+  const found = await tab.evaluate(() => Array.from(window.view.elastic.geometry.attributes.position.array));
+  assert.deepEqual(found, expected[name].positions, `${name}: other positions than the C library's`);
+}
+
+// How many pixels of the left and of the right half are not the background's.
+async function drawnPixels(tab) {
+  return tab.evaluate(async () => {
+    await new Promise(requestAnimationFrame);
+    window.view.draw();
+    const { canvas } = window.view, copy = document.createElement("canvas");
+    copy.width = canvas.width;
+    copy.height = canvas.height;
+    const context = copy.getContext("2d");
+    context.drawImage(canvas, 0, 0);
+    const { data } = context.getImageData(0, 0, copy.width, copy.height), counts = [0, 0];
+    for (let i = 0; i < data.length; i += 4)
+      if (data[i + 3] > 0) ++counts[(i / 4) % copy.width < copy.width / 2 ? 0 : 1];
+    return counts.map((count) => count / (copy.width * copy.height));
+  });
+}
+
+async function checkLayers(tab, port) {
+  await open(tab, port, `#file=layers.pliant&w=${expected.layers.weights}`);
+  await checkPositions(tab, "layers");
+  assert.match(await textOf(tab, "about"), /layers\.pliant: a rest shape and \d+ layers/);
+  assert.equal(await tab.$eval("#polygon", (svg) => getComputedStyle(svg).display), "none");
+}
+
+async function checkKeyboard(tab) {
+  const before = await tab.evaluate(() => window.page.weights.slice());
+  await tab.focus("#sliders input");
+  await tab.keyboard.press("ArrowRight");
+  await settled(tab);
+  const after = await tab.evaluate(() => window.page.weights.slice());
+  assert.ok(after[0] > before[0], "the arrow key moved no weight");
+  assert.ok(Math.abs(after.reduce((a, b) => a + b) - 1) < 1e-6, "weights of an average have the sum 1");
+  assert.ok((await tab.evaluate(() => location.hash)).includes(`w=${Number(after[0].toFixed(4))},`), "the address is old");
+  assert.ok(await tab.$$eval("input, button", (all) => all.every((element) =>
+    element.labels?.length > 0 || element.getAttribute("aria-label") || element.textContent.trim())), "a control has no name");
+}
+
+// To a corner: that pose alone.
+async function checkPolygon(tab) {
+  const at = await tab.evaluate(() => {
+    const svg = document.getElementById("polygon"), [x, y] = [0, -90];
+    svg.scrollIntoView();
+    const point = new DOMPoint(x, y).matrixTransform(svg.getScreenCTM());
+    return [point.x, point.y];
+  });
+  await tab.mouse.move(at[0], at[1] + 20);
+  await tab.mouse.down();
+  await tab.mouse.move(...at, { steps: 4 });
+  await tab.mouse.up();
+  await settled(tab);
+  const weights = await tab.evaluate(() => window.page.weights);
+  assert.ok(weights[0] > 0.97, `dragged to the first corner, the weights are ${weights}`);
+}
+
+async function checkFiles(tab) {
+  const input = await tab.$("#file");
+  await input.uploadFile(bad);
+  await tab.waitForFunction(() => !document.getElementById("error").hidden, { timeout: 20000 });
+  assert.match(await textOf(tab, "error"), /: /);
+  const before = await tab.evaluate(() => window.page.name);
+  assert.ok(before.endsWith(".pliant"), "the asset before the bad file is gone");
+  await input.uploadFile(join(folder, "layers.pliant"));
+  await tab.waitForFunction(() => window.page.name === "layers.pliant" && !window.page.needsBlend, { timeout: 20000 });
+  assert.equal(await textOf(tab, "error"), "");
+}
+
+// Ten thousand blends need no more memory than ten.
+async function checkMemory(tab) {
+  const sizes = await tab.evaluate((count) => {
+    const { view, page } = window, size = () => view.elastic.asset.parts.module.exports.memory.buffer.byteLength;
+    const run = (frames) => {
+      for (let i = 0; i < frames; ++i) view.elastic.setWeights(page.weights.map((weight, k) => Math.sin(i + k) ** 2 + 0.1));
+    };
+    run(10);
+    const first = size();
+    run(count);
+    return [first, size()];
+  }, 10000);
+  assert.equal(sizes[0], sizes[1], "memory grows with the frames");
+}
+
+// Medians of the processor's part, and of whole frames with the drawing.
+async function measure(tab) {
+  return tab.evaluate(async () => {
+    const { view, page } = window, blends = [], frames = [];
+    for (let i = 0, last = 0; i < 60; ++i) {
+      const weights = page.weights.map((_, k) => 0.5 + 0.4 * Math.sin(0.05 * i + k)), start = performance.now();
+      for (let j = 0; j < 5; ++j) view.elastic.setWeights(weights.map((weight) => weight + 0.001 * j));
+      blends.push((performance.now() - start) / 5); // a clock of whole milliseconds in Firefox
+      const now = await new Promise(requestAnimationFrame);
+      if (last > 0) frames.push(now - last);
+      last = now;
+    }
+    const median = (values) => values.sort((a, b) => a - b)[values.length >> 1];
+    return { blend: median(blends), frame: median(frames) };
+  });
+}
+
+const { server, asked, port } = await serve(), browser = await launch();
+try {
+  const tab = await browser.newPage(), problems = [];
+  tab.on("pageerror", (error) => problems.push(error.message));
+  await tab.setViewport({ width: 1100, height: 900 });
+  await checkLayers(tab, port);
+  await open(tab, port, `#file=averages.pliant&w=${expected.averages.weights}`);
+  await checkPositions(tab, "averages");
+  const [left, right] = await drawnPixels(tab);
+  assert.ok(left > 0.01 && right > 0.01, `almost nothing is drawn: ${left}, ${right}`);
+  await tab.click("#linear");
+  await settled(tab);
+  assert.ok((await tab.evaluate(() => location.hash)).includes("linear=0"), "the switch is not in the address");
+  await tab.click("#linear");
+  await tab.click("#heat");
+  await settled(tab);
+  assert.ok(Number(await tab.$eval("#largest", (output) => output.value)) > 0, "no distance between both blends");
+  await tab.screenshot({ path: picture });
+  await checkKeyboard(tab);
+  await checkPolygon(tab);
+  const { blend, frame } = await measure(tab);
+  console.log(`${await textOf(tab, "about")}: ${blend.toFixed(2)} ms for blend, positions and normals, `
+    + `${frame.toFixed(0)} ms a frame with what draws it here (medians)`);
+  await checkMemory(tab);
+  await checkFiles(tab);
+  assert.deepEqual(problems, []);
+  const foreign = asked.filter((path) => !/^\/(index\.html|[\w-]+\.(js|css|pliant)|pliant\/[\w.]+|three\/[\w.]+)$/.test(path));
+  assert.deepEqual(foreign, [], "the page asked for other files than its own");
+} finally {
+  await browser.close();
+  server.close();
+}
