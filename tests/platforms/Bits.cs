@@ -1,0 +1,127 @@
+// Bits.exe ASSETS MUSEUM: the C# file on the small assets of tests/runtime and on the museum of bad files. Prints the hash
+// that test_bits.c prints, of the same blends. Exit code 1, and a message, where something is wrong.
+using System;
+using System.IO;
+using System.Linq;
+using Pliant;
+
+static class Bits
+{
+    static ulong hash = 14695981039346656037ul, state;
+
+    static void Add(float[] values, int count)
+    {
+        for (int i = 0; i < count; ++i)
+            hash = unchecked((hash ^ BitConverter.ToUInt32(BitConverter.GetBytes(values[i]), 0)) * 1099511628211ul);
+    }
+
+    // As tests/runtime/support.h makes them.
+    static ulong RandomBits()
+    {
+        state ^= state >> 12;
+        state ^= state << 25;
+        state ^= state >> 27;
+        return unchecked(state * 2685821657736338717ul);
+    }
+
+    static float[] RandomBlend(Asset asset)
+    {
+        int count = asset.Weights.Length;
+        var weights = new float[count];
+        for (int k = 0; k < count; ++k) weights[k] = (float)((float)(RandomBits() >> 40) / 16777216.0f + 1e-6f);
+        for (int k = 0; asset.HasLayers && k < count; ++k)
+        {
+            float scaled = (float)(1.4f * weights[k]);
+            weights[k] = (float)(scaled - 0.4f);
+            if ((RandomBits() >> 32) % (ulong)count >= 3) weights[k] = 0;
+        }
+        return weights;
+    }
+
+    static void AddAsset(string path)
+    {
+        state = 61;
+        using (var asset = new Asset(File.ReadAllBytes(path)))
+        using (var character = new Character(asset))
+        {
+            float[] positions = new float[3 * asset.VertexCount], normals = new float[3 * asset.SurfaceVertexCount];
+            float[] weights = null;
+            for (int frame = 0; frame < 30; ++frame)
+            {
+                if (frame % 6 == 0) weights = RandomBlend(asset);
+                int k = frame % weights.Length;
+                weights[k] = (float)(weights[k] + 0.03f);
+                SolveInfo info = character.Solve(weights);
+                character.Reconstruct(positions);
+                character.ComputeNormals(positions, normals);
+                Add(character.Coordinates, asset.Dimension);
+                Add(new[] { info.Energy }, 1);
+                Add(positions.Concat(normals).ToArray(), 24);
+                Add(normals, normals.Length);
+            }
+        }
+    }
+
+    static void Refuses<T>(Action call, Func<T, bool> isRight, string what) where T : Exception
+    {
+        try
+        {
+            call();
+        }
+        catch (T error)
+        {
+            if (isRight(error)) return;
+        }
+        throw new Exception("not refused as it should be: " + what);
+    }
+
+    static void CheckErrors(string folder)
+    {
+        var asset = new Asset(File.ReadAllBytes(Path.Combine(folder, "strip_neo.pliant")));
+        var character = new Character(asset);
+        character.Solve(new[] { 1f, 1f });
+        float[] before = (float[])character.Coordinates.Clone();
+        Refuses<PliantException>(() => character.Solve(new[] { -1f, 1f }), e => e.Result == 41 && e.Message != "", "-1");
+        Refuses<PliantException>(() => character.Solve(new[] { float.NaN, 1f }), e => e.Result == 40, "NaN");
+        Refuses<ArgumentException>(() => character.Solve(new float[3]), e => e.Message.Contains("2 numbers"), "three weights");
+        Refuses<ArgumentException>(() => character.Reconstruct(new float[3]), e => true, "three positions");
+        Refuses<ArgumentNullException>(() => character.Solve(null), e => true, "null");
+        Refuses<ArgumentOutOfRangeException>(() => asset.PoseName(-1), e => true, "pose -1");
+        if (!before.SequenceEqual(character.Coordinates)) throw new Exception("an error changed the coordinates");
+        float[] low = new float[3], high = new float[3];
+        character.Bounds(low, high);
+        if (!(low[0] < high[0]) || asset.Triangles().Max() >= asset.VertexCount) throw new Exception("box or triangles");
+        asset.Dispose();
+        Refuses<ObjectDisposedException>(() => character.Solve(new[] { 1f, 1f }), e => true, "an asset that is gone");
+        character.Dispose();
+        character.Dispose();
+        Refuses<ObjectDisposedException>(() => character.Reset(), e => true, "a character that is gone");
+    }
+
+    static void CheckMuseum(string folder)
+    {
+        int refused = 0;
+        foreach (string path in Directory.GetFiles(folder, "*.pliant"))
+        {
+            try
+            {
+                new Asset(File.ReadAllBytes(path)).Dispose();
+            }
+            catch (PliantException)
+            {
+                ++refused;
+            }
+        }
+        if (refused < 300) throw new Exception("only " + refused + " bad files were refused");
+    }
+
+    static int Main(string[] arguments)
+    {
+        foreach (string name in File.ReadAllText(Path.Combine(arguments[0], "assets.txt")).Split((char[])null, StringSplitOptions.RemoveEmptyEntries))
+            AddAsset(Path.Combine(arguments[0], name + ".pliant"));
+        Console.WriteLine("bits {0:x16}", hash);
+        CheckErrors(arguments[0]);
+        CheckMuseum(arguments[1]);
+        return 0;
+    }
+}
