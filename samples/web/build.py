@@ -11,7 +11,7 @@ import tempfile
 from pathlib import Path
 
 HERE = Path(__file__).resolve().parent
-PAGE = ["index.html", "style.css", "page.js", "polygon.js", "view.js"]
+PAGE = ["index.html", "example.html", "style.css", "page.js", "polygon.js", "view.js"]
 THREE = ["build/three.module.js", "build/three.core.js", "examples/jsm/controls/OrbitControls.js", "LICENSE"]
 PACKAGE = ["pliant.js", "pliant.wasm", "three.js", "LICENSE"]
 

@@ -18,8 +18,7 @@ WASI = pathlib.Path(__file__).with_name("wasi.mjs")
 # Of zig; the program that runs the result, or None; more options.
 TARGETS = {
     "windows_x64": ("x86_64-windows-gnu", ["wine"], []),
-    "linux_musl_x64": ("x86_64-linux-musl", [], []),
-    "linux_musl_arm64": ("aarch64-linux-musl", ["qemu-aarch64"], []),
+    "linux_arm64": ("aarch64-linux-musl", ["qemu-aarch64"], []),
     "wasm32": ("wasm32-wasi", ["node", "--no-warnings", str(WASI)], ["-msimd128"]),
     "macos_arm64": ("aarch64-macos", None, ["-shared"]),
     "macos_x64": ("x86_64-macos", None, ["-shared"]),

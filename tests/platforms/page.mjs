@@ -1,7 +1,8 @@
 // node page.mjs BROWSER PAGE EXPECTED BAD PICTURE: the page of samples/web in a headless browser, as a person uses it. PAGE:
-// a folder that its build.py made, with the assets `averages.pliant` and `layers.pliant`. EXPECTED: a JSON file with blends
-// of both by the C library, { "averages": { "weights": [...], "positions": [...] }, ... }. BAD: a file that is no asset.
-// BROWSER: the program's path; Firefox is known by its name. PICTURE: what the page looks like in the end.
+// a folder that its build.py made, with the assets `averages.pliant` and `layers.pliant`, and the first one in
+// `embedded.glb`. EXPECTED: a JSON file with blends of both by the C library, { "averages": { "weights": [...],
+// "positions": [...] }, ... }. BAD: a file that is no asset. BROWSER: the program's path; Firefox is known by its name.
+// PICTURE: what the page looks like in the end.
 import assert from "node:assert/strict";
 import { createServer } from "node:http";
 import { existsSync, readFileSync } from "node:fs";
@@ -110,6 +111,15 @@ async function checkFiles(tab) {
   await input.uploadFile(join(folder, "layers.pliant"));
   await tab.waitForFunction(() => window.page.name === "layers.pliant" && !window.page.needsBlend, { timeout: 20000 });
   assert.equal(await textOf(tab, "error"), "");
+  await input.uploadFile(join(folder, "embedded.glb"));
+  await tab.waitForFunction(() => window.page.name === "embedded.glb" && !window.page.needsBlend, { timeout: 20000 });
+}
+
+// The example of three.js draws frame after frame.
+async function checkExample(tab, port) {
+  await tab.goto(`http://127.0.0.1:${port}/example.html?file=averages.pliant`);
+  await tab.waitForFunction(() => window.example?.renderer.info.render.frame > 3, { timeout: 30000 });
+  assert.ok(await tab.evaluate(() => window.example.renderer.info.render.triangles) > 0, "the example draws nothing");
 }
 
 // Ten thousand blends need no more memory than ten.
@@ -169,8 +179,9 @@ try {
     + `${frame.toFixed(0)} ms a frame with what draws it here (medians)`);
   await checkMemory(tab);
   await checkFiles(tab);
+  await checkExample(tab, port);
   assert.deepEqual(problems, []);
-  const foreign = asked.filter((path) => !/^\/(index\.html|[\w-]+\.(js|css|pliant)|pliant\/[\w.]+|three\/[\w.]+)$/.test(path));
+  const foreign = asked.filter((path) => !/^\/([\w-]+\.(html|js|css|pliant)|pliant\/[\w.]+|three\/[\w.]+)$/.test(path));
   assert.deepEqual(foreign, [], "the page asked for other files than its own");
 } finally {
   await browser.close();

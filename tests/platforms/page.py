@@ -43,6 +43,8 @@ def main():
     subprocess.run([python, "-B", ROOT / "samples/web/build.py", page, environment / "package"], check=True)
     for name, (file, _) in ASSETS.items():
         shutil.copy(assets / file, page / f"{name}.pliant")
+    subprocess.run([tool, "export", page / "averages.pliant", "--embed", "-o", page / "embedded.glb"], check=True,
+                   capture_output=True)
     (folder / "expected.json").write_text(json.dumps(blends(tool, assets, folder)))
     (folder / "bad.pliant").write_bytes(b"PLNT" + bytes(1000))
     shutil.copy(HERE / "page.mjs", modules)
