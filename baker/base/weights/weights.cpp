@@ -35,8 +35,9 @@ std::string weights_text(const Weights& w)
 
 std::string blend_text(const Weights& w, const std::vector<std::string>& pose_names)
 {
-    const std::size_t count = std::size_t(w.size()), first = pose_names.size() - count; // of layers the rest shape has none
-    if (first == 0 && count <= few_poses) return weights_text(w);
+    const std::size_t count = std::size_t(w.size());
+    if (pose_names.size() < count || (pose_names.size() == count && count <= few_poses)) return weights_text(w);
+    const std::size_t first = pose_names.size() - count; // of layers the rest shape has no weight
     std::vector<Eigen::Index> used;
     for (Eigen::Index k = 0; k < w.size(); ++k)
         if (w[k] != 0) used.push_back(k);
