@@ -357,7 +357,7 @@ const char* pliant_result_text(pliant_result result)
     switch (result) {
     case PLIANT_OK: return "success";
     case PLIANT_ERROR_ARGUMENT:
-        return "bad argument: a null pointer, an unknown flag, or a desc not made by its _default function";
+        return "bad argument: a null pointer, an index or a count out of range, an unknown flag, or a desc without defaults";
     case PLIANT_ERROR_MEMORY_SIZE: return "the memory given is smaller than the _memory function says";
     case PLIANT_ERROR_ALIGNMENT: return "the asset does not lie at an address that is a multiple of 16";
     case PLIANT_ERROR_ABSENT: return "the asset does not hold what was asked for";
@@ -393,3 +393,7 @@ uint32_t pliant_asset_get_has_layers(const pliant_asset* asset) { return asset ?
 const float* pliant_asset_get_origin(const pliant_asset* asset) { return asset ? asset->origin : NULL; }
 const uint32_t* pliant_asset_get_triangles(const pliant_asset* asset) { return asset ? asset->triangles : NULL; }
 const uint32_t* pliant_asset_get_source_vertices(const pliant_asset* asset) { return asset ? asset->source_vertices : NULL; }
+const uint32_t* pliant_asset_get_smoothing_groups(const pliant_asset* asset)
+{
+    return asset ? asset->smoothing_groups : NULL;
+}

@@ -5,8 +5,8 @@
 
    @par What it does
      It opens a baked .pliant asset (a shell or a solid) in place. For given weights it finds the elastic blend of the
-     asset's poses, by a small minimisation that takes microseconds. It then rebuilds vertex positions and normals. An asset
-     blends averages of its poses, or layers on a rest shape.
+     asset's poses, by a small minimisation that takes microseconds. It then rebuilds vertex positions and normals. A blend
+     is an average of the asset's poses, or a rest shape with layers on it.
    @par What it does not do
      It does not allocate, read files, log, keep globals, start threads, call back or read a clock. It does not bake:
      the `pliant` tool does.
@@ -71,7 +71,7 @@ typedef enum pliant_result {
 
     /* the call */
 
-    /** A null pointer, an index out of range, or a desc that was not made by its _default function. */
+    /** A null pointer, an index out of range, or a desc that was not made by its _default or _init function. */
     PLIANT_ERROR_ARGUMENT = 10,
     PLIANT_ERROR_MEMORY_SIZE = 11, /**< the memory is smaller than the _memory function requires */
     PLIANT_ERROR_ALIGNMENT = 12,   /**< the address of the blob is not a multiple of 16 */
@@ -193,20 +193,22 @@ typedef struct pliant_weight {
    linear in the length of the names before it. */
 PLIANT_API pliant_result pliant_asset_weight(const pliant_asset* asset, uint32_t index, pliant_weight* out);
 
-/* For other languages, which cannot read the struct: its size, for the memory of an asset, and its fields. All are 0 or null
+/* For other languages, which cannot read the struct: its size, for the memory of an asset (aligned as
+   malloc does), and its fields. All are 0 or null
    for a null asset. */
 
-PLIANT_API size_t pliant_asset_size(void);                                              /**< bytes of a pliant_asset */
-PLIANT_API uint32_t pliant_asset_get_vertex_count(const pliant_asset* asset);           /**< vertex_count */
-PLIANT_API uint32_t pliant_asset_get_boundary_vertex_count(const pliant_asset* asset);  /**< boundary_vertex_count */
-PLIANT_API uint32_t pliant_asset_get_triangle_count(const pliant_asset* asset);         /**< triangle_count */
-PLIANT_API uint32_t pliant_asset_get_dimension(const pliant_asset* asset);              /**< dimension */
-PLIANT_API uint32_t pliant_asset_get_pose_count(const pliant_asset* asset);             /**< pose_count */
-PLIANT_API uint32_t pliant_asset_get_weight_count(const pliant_asset* asset);           /**< weight_count */
-PLIANT_API uint32_t pliant_asset_get_has_layers(const pliant_asset* asset);             /**< has_layers */
-PLIANT_API const float* pliant_asset_get_origin(const pliant_asset* asset);             /**< origin, inside the asset */
-PLIANT_API const uint32_t* pliant_asset_get_triangles(const pliant_asset* asset);       /**< triangles */
-PLIANT_API const uint32_t* pliant_asset_get_source_vertices(const pliant_asset* asset); /**< source_vertices */
+PLIANT_API size_t pliant_asset_size(void);                                               /**< bytes of a pliant_asset */
+PLIANT_API uint32_t pliant_asset_get_vertex_count(const pliant_asset* asset);            /**< vertex_count */
+PLIANT_API uint32_t pliant_asset_get_boundary_vertex_count(const pliant_asset* asset);   /**< boundary_vertex_count */
+PLIANT_API uint32_t pliant_asset_get_triangle_count(const pliant_asset* asset);          /**< triangle_count */
+PLIANT_API uint32_t pliant_asset_get_dimension(const pliant_asset* asset);               /**< dimension */
+PLIANT_API uint32_t pliant_asset_get_pose_count(const pliant_asset* asset);              /**< pose_count */
+PLIANT_API uint32_t pliant_asset_get_weight_count(const pliant_asset* asset);            /**< weight_count */
+PLIANT_API uint32_t pliant_asset_get_has_layers(const pliant_asset* asset);              /**< has_layers */
+PLIANT_API const float* pliant_asset_get_origin(const pliant_asset* asset);              /**< origin, inside the asset */
+PLIANT_API const uint32_t* pliant_asset_get_triangles(const pliant_asset* asset);        /**< triangles */
+PLIANT_API const uint32_t* pliant_asset_get_source_vertices(const pliant_asset* asset);  /**< source_vertices */
+PLIANT_API const uint32_t* pliant_asset_get_smoothing_groups(const pliant_asset* asset); /**< smoothing_groups */
 
 /** The bytes of the chunk with tag `tag` (formats/pliant_format.h), inside the blob; their number in `*size`. Null and
    *size = 0 if the asset has no such chunk. For tools. */

@@ -53,6 +53,7 @@ export function weightsOf(point, corners) {
 function shortNames(names) {
   let common = 0;
   while (names.every((name) => common < name.length - 1 && name[common] === names[0][common])) ++common;
+  while (common > 0 && /[^\s_.-]/.test(names[0][common - 1])) --common; // whole words
   return names.map((name) => name.slice(common, common + 16));
 }
 

@@ -6,7 +6,8 @@ import { PliantMesh } from "pliant/three";
 
 const SKIN = new Color(0xd9cfc2), COLD = new Color(0x3d6fb8), MIDDLE = new Color(0xe8e4d8), HOT = new Color(0xc8392b);
 
-// The larger of both boxes' spheres, of all poses: the camera stands still while weights move.
+// A sphere around the blends with one weight at its upper end, of the first 16 weights: the camera stands still while weights
+// change.
 function sphereOf(asset, mesh) {
   const whole = new Sphere();
   const single = asset.weights.map((weight, k) => asset.weights.map((_, i) => (i === k ? weight.high : 0)));
@@ -49,19 +50,30 @@ export class View {
   }
 
   show(asset) {
+    const { meshes, sphere } = this.#meshesOf(asset); // the old ones stay if this fails
     for (const mesh of this.meshes) {
       this.scene.remove(mesh);
       mesh.dispose();
     }
-    this.linear = new PliantMesh(asset, this.material);
-    this.elastic = new PliantMesh(asset, this.material);
-    this.meshes = [this.linear, this.elastic];
-    for (const mesh of this.meshes) {
-      const count = mesh.geometry.attributes.position.count;
-      mesh.geometry.setAttribute("color", new BufferAttribute(new Float32Array(3 * count).fill(1), 3));
-      this.scene.add(mesh);
+    this.meshes = meshes;
+    [this.linear, this.elastic] = meshes;
+    this.scene.add(...meshes);
+    this.#aim(sphere);
+  }
+
+  #meshesOf(asset) {
+    const meshes = [];
+    try {
+      for (let i = 0; i < 2; ++i) {
+        const mesh = new PliantMesh(asset, this.material), { count } = mesh.geometry.attributes.position;
+        meshes.push(mesh);
+        mesh.geometry.setAttribute("color", new BufferAttribute(new Float32Array(3 * count).fill(1), 3));
+      }
+      return { meshes, sphere: sphereOf(asset, meshes[1]) };
+    } catch (error) {
+      for (const mesh of meshes) mesh.dispose();
+      throw error;
     }
-    this.#aim(sphereOf(asset, this.elastic));
   }
 
   #aim({ center, radius }) {

@@ -52,6 +52,8 @@ def hash_of(command, folder):
 def main():
     target, environment, assets, program, *sources = sys.argv[1:]
     runner = TARGETS[target][1]
+    if not (pathlib.Path(environment) / "is_complete").exists():
+        skip("zig could not be fetched")
     if runner and not shutil.which(runner[0]):
         skip(f"{runner[0]} is not installed (bash samples/install_packages.sh engines)")
     if runner is None:

@@ -73,6 +73,8 @@ function checkErrors() {
   refuses(() => character.solve([1]), 10, "1 weights given, the asset has 3");
   refuses(() => character.solve({ nose: 1 }), 10, "there is no weight 'nose'; the weights are pose 1, pose 2, pose 3");
   refuses(() => character.solve([NaN, 0, 0]), 40, "");
+  refuses(() => character.solveLinear([NaN, 0, 0]), 40, "");
+  refuses(() => asset.poseName(0.5), 10, "there is no pose 0.5");
   refuses(() => asset.poseName(99), 10, "there is no pose 99");
   refuses(() => asset.poseCoordinates(-1), 10, "there is no pose -1");
   assert.deepEqual(Float32Array.from(character.positions), before);
@@ -85,6 +87,8 @@ function checkErrors() {
   asset.dispose();
   for (const call of [() => asset.triangles(), () => asset.character()]) refuses(call, 10, "used after dispose()");
   const other = pliant.open(bytesOf("strip_neo")), left = other.character();
+  refuses(() => left.solveLinear([-1, 2]), 41, "");
+  refuses(() => left.solveLinear([0, 0]), 42, "");
   other.dispose();
   refuses(() => left.solve([1, 1]), 10, "used after dispose()");
   left.dispose();

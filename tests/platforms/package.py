@@ -46,6 +46,8 @@ def main():
     folder, environment, assets, museum, program = map(pathlib.Path, sys.argv[1:])
     if not shutil.which("node") or not shutil.which("npm"):
         support.skip("node and npm are not installed (group engines of samples/install_packages.sh)")
+    if not (environment / "is_complete").exists():
+        support.skip("zig could not be fetched")
     package = environment / "package"
     size = len(gzip.compress((package / "pliant.wasm").read_bytes(), 9))
     print(f"pliant.wasm: {size} bytes compressed")

@@ -35,6 +35,8 @@ def main():
     missing = [name for name in (browser, *BROWSERS[browser][:1]) if not shutil.which(name)]
     if missing:
         support.skip(f"{' and '.join(missing)} not installed (groups player and engines of samples/install_packages.sh)")
+    if not (environment / "is_complete").exists():
+        support.skip("zig could not be fetched")
     folder.mkdir(parents=True, exist_ok=True)
     modules = support.node_modules(folder, HERE)
     page = folder / "page"

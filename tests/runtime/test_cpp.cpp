@@ -91,6 +91,7 @@ TEST_CASE("names, ranges, poses and fields")
     CHECK(pliant_asset_get_has_layers(asset.get()) == 1);
     CHECK(pliant_asset_get_origin(asset.get()) == asset->origin);
     CHECK(pliant_asset_get_source_vertices(asset.get()) == nullptr);
+    CHECK(pliant_asset_get_smoothing_groups(asset.get()) == asset->smoothing_groups);
     CHECK(pliant_asset_get_vertex_count(nullptr) == 0);
     CHECK(pliant_asset_get_triangles(nullptr) == nullptr);
     CHECK(pliant_asset_size() == sizeof(pliant_asset));

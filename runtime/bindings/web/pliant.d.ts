@@ -3,7 +3,8 @@
  *
  * One WebAssembly module of 100 KB; it fetches its own file and nothing else. Everything is synchronous after load().
  * Memory is that of the module: call dispose() when an asset or a character is no longer used. An asset must outlive its
- * characters. Every call with wrong arguments throws PliantError and changes nothing.
+ * characters. Every call with a wrong value throws PliantError, with an argument of a wrong type TypeError, and changes
+ * nothing.
  */
 
 /** The library, loaded. */
@@ -77,7 +78,10 @@ export class PliantCharacter {
   solve(weights: Weights): SolveInfo;
   /** The weighted sum of the poses, as morph targets have it, for comparison. */
   solveLinear(weights: Weights): void;
-  /** x y z of every vertex: a view of the module's memory, valid until an asset is opened or a character made. */
+  /**
+   * x y z of every vertex: a view of the module's memory. Read the property again after an asset was opened or a character
+   * made; the view is worth nothing after dispose().
+   */
   readonly positions: Float32Array;
   /** The same for the vertices on the surface, of length 1. */
   readonly normals: Float32Array;

@@ -1,6 +1,6 @@
 // Pliant for JavaScript: the C runtime as WebAssembly. pliant.d.ts is the manual.
 
-const OK = 0, ERROR_ARGUMENT = 10;
+const OK = 0, ERROR_ARGUMENT = 10, ERROR_WEIGHT_NOT_FINITE = 40, ERROR_WEIGHT_NEGATIVE = 41, ERROR_WEIGHT_SUM = 42;
 const VERIFY_CHECKSUMS = 1;
 const STATUS = ["converged", "limit", "stalled"];
 const ALIGNMENT = 16;
@@ -18,7 +18,7 @@ class Block {
   constructor(module, size) {
     this.module = module;
     this.size = size;
-    this.start = module.exports.malloc(size + ALIGNMENT);
+    this.start = module.exports.malloc(size + ALIGNMENT) >>> 0; // i32 of WebAssembly are signed
     if (this.start === 0) throw new PliantError(`no memory for ${size} bytes`, undefined);
     this.at = this.start + (ALIGNMENT - (this.start % ALIGNMENT)) % ALIGNMENT;
   }
@@ -43,7 +43,7 @@ class Block {
 }
 
 function textAt(module, at) {
-  const bytes = new Uint8Array(module.exports.memory.buffer, at);
+  const bytes = new Uint8Array(module.exports.memory.buffer, at >>> 0);
   return new TextDecoder().decode(bytes.slice(0, bytes.indexOf(0)));
 }
 
@@ -94,9 +94,9 @@ export class PliantAsset {
   constructor(module, data) {
     const bytes = bytesOf(data), exports = module.exports;
     this.#module = module;
-    this.#blob = new Block(module, bytes.length);
-    this.#view = new Block(module, exports.pliant_asset_size());
     try {
+      this.#blob = new Block(module, bytes.length);
+      this.#view = new Block(module, exports.pliant_asset_size());
       this.#blob.bytes().set(bytes);
       const { offset, size } = assetRange(module, this.#blob);
       require(module, exports.pliant_asset_open(this.#view.at, this.#blob.at + offset, size, VERIFY_CHECKSUMS));
@@ -126,22 +126,26 @@ export class PliantAsset {
 
   triangles() {
     const { module, view } = this.parts;
-    const at = module.exports.pliant_asset_get_triangles(view.at);
+    const at = module.exports.pliant_asset_get_triangles(view.at) >>> 0;
     return new Uint32Array(module.exports.memory.buffer, at, 3 * this.triangleCount).slice();
   }
 
   poseName(pose) {
     const { module, view } = this.parts;
-    const at = module.exports.pliant_asset_pose_name(view.at, pose >>> 0);
-    if (at === 0) throw new PliantError(`there is no pose ${pose}`, ERROR_ARGUMENT);
-    return textAt(module, at);
+    this.#checkPose(pose);
+    return textAt(module, module.exports.pliant_asset_pose_name(view.at, pose));
   }
 
   poseCoordinates(pose) {
     const { module, view } = this.parts;
-    const at = module.exports.pliant_asset_pose_coordinates(view.at, pose >>> 0);
-    if (at === 0) throw new PliantError(`there is no pose ${pose}`, ERROR_ARGUMENT);
+    this.#checkPose(pose);
+    const at = module.exports.pliant_asset_pose_coordinates(view.at, pose) >>> 0;
     return new Float32Array(module.exports.memory.buffer, at, this.dimension).slice();
+  }
+
+  #checkPose(pose) {
+    if (Number.isInteger(pose) && pose >= 0 && pose < this.poseCount) return;
+    throw new PliantError(`there is no pose ${pose}`, ERROR_ARGUMENT);
   }
 
   // Weights as numbers in order, or by name; those that are not named are 0.
@@ -185,11 +189,11 @@ export class PliantCharacter {
     try {
       this.#allocate(module.exports);
       this.#initialize(module.exports);
+      this.solve(asset.weights.map((weight) => weight.initial));
     } catch (error) {
       this.dispose();
       throw error;
     }
-    this.solve(asset.weights.map((weight) => weight.initial));
   }
 
   #allocate(exports) {
@@ -237,7 +241,9 @@ export class PliantCharacter {
   solveLinear(weights) {
     const asset = this.#asset, given = asset.weightsFrom(weights);
     const sum = given.reduce((a, b) => a + b, 0);
-    if (!asset.hasLayers && !(sum > 0)) throw new PliantError("weights of an average have a positive sum", ERROR_ARGUMENT);
+    if (!given.every(Number.isFinite)) require(this.#module, ERROR_WEIGHT_NOT_FINITE);
+    if (!asset.hasLayers && given.some((weight) => weight < 0)) require(this.#module, ERROR_WEIGHT_NEGATIVE);
+    if (!asset.hasLayers && sum === 0) require(this.#module, ERROR_WEIGHT_SUM);
     const q = new Float64Array(asset.dimension);
     const add = (pose, share) => share !== 0 && asset.poseCoordinates(pose).forEach((c, i) => { q[i] += share * c; });
     if (asset.hasLayers) add(0, 1 - sum);
@@ -278,7 +284,7 @@ async function compiled(source) {
   if (source instanceof ArrayBuffer || ArrayBuffer.isView(source)) return WebAssembly.compile(source);
   const url = new URL(source, import.meta.url);
   if (url.protocol === "file:" && globalThis.process?.versions?.node) {
-    const { readFile } = await import("node:fs/promises");
+    const { readFile } = await import(/* webpackIgnore: true */ /* @vite-ignore */ "node:fs/promises");
     return WebAssembly.compile(await readFile(url));
   }
   const response = await fetch(url);

@@ -13,6 +13,8 @@ export class PliantMesh extends Mesh<BufferGeometry, Material | Material[]> {
   setWeights(weights: Weights): SolveInfo;
   /** The weighted sum of the poses, for comparison. */
   setLinearWeights(weights: Weights): void;
+  /** Another character of the same asset, at the initial weights. */
+  clone(recursive?: boolean): this;
   /** Frees the character and the geometry, not the material and the asset. */
   dispose(): void;
 }

@@ -45,6 +45,13 @@ export class PliantMesh extends Mesh {
     this.geometry.boundingBox.getBoundingSphere(this.geometry.boundingSphere);
   }
 
+  clone(recursive) {
+    const other = new PliantMesh(this.asset, this.material), { geometry } = other;
+    other.copy(this, recursive);
+    other.geometry = geometry; // copy() would share it
+    return other;
+  }
+
   dispose() {
     this.#character.dispose();
     this.geometry.dispose();

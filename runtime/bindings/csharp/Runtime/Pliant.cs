@@ -8,7 +8,7 @@
 //     }
 //
 // Errors: PliantException with the number of pliant_result, ArgumentException for arrays of a wrong length,
-// ObjectDisposedException after Dispose(). Nothing changes then. Threads: an asset may be shared, a character belongs to one
+// ObjectDisposedException after Dispose(). A call that throws changes nothing. Threads: an asset may be shared, a character belongs to one
 // thread at a time. Solve, Reconstruct and ComputeNormals allocate nothing.
 using System;
 using System.Runtime.InteropServices;
@@ -128,6 +128,7 @@ namespace Pliant
         {
             var indices = new int[3 * TriangleCount];
             Marshal.Copy(Native.pliant_asset_get_triangles(View), indices, 0, indices.Length);
+            GC.KeepAlive(this);
             return indices;
         }
 
@@ -135,7 +136,9 @@ namespace Pliant
         {
             IntPtr name = Native.pliant_asset_pose_name(View, (uint)pose);
             if (name == IntPtr.Zero) throw new ArgumentOutOfRangeException(nameof(pose));
-            return Native.Text(name);
+            string text = Native.Text(name);
+            GC.KeepAlive(this);
+            return text;
         }
 
         /// <summary>The coordinates that reproduce a pose: a copy.</summary>
@@ -145,6 +148,7 @@ namespace Pliant
             if (coordinates == IntPtr.Zero) throw new ArgumentOutOfRangeException(nameof(pose));
             var copy = new float[Dimension];
             Marshal.Copy(coordinates, copy, 0, copy.Length);
+            GC.KeepAlive(this);
             return copy;
         }
 
