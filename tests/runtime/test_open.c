@@ -1,5 +1,5 @@
-/* Opening anything: every truncation, every value of every byte of header and chunk table, ten thousand random corruptions,
-   any alignment. Refused or harmless; run under sanitizers to be told of the rest. */
+/* Opening anything: every truncation, every bit of header and chunk table, of some assets every value of every byte, ten
+   thousand random corruptions, any alignment. Refused or harmless; run under sanitizers to be told of the rest. */
 #include "../../formats/pliant_format.h"
 #include "hostile.h"
 
@@ -31,17 +31,21 @@ static void check_header_bytes(const opened* o)
         + (size_t)((const pliant_format_header*)(const void*)o->blob.data)->chunk_count * sizeof(pliant_format_chunk);
     cage c = make_cage(o->blob.size);
     unsigned char* copy = malloc(o->blob.size);
-    long refused = 0;
+    const int has_all_values = strstr(o->name, "mixed") != NULL; /* headers are much alike */
+    long refused = 0, tried = 0;
     if (!copy) exit(2);
     memcpy(copy, o->blob.data, o->blob.size);
     for (size_t at = 0; at < end; ++at)
         for (int value = 0; value < 256; ++value) {
+            const int changed = value ^ o->blob.data[at], is_one_bit = (changed & (changed - 1)) == 0;
+            if (!has_all_values && !is_one_bit) continue;
+            ++tried;
             copy[at] = (unsigned char)value;
             refused += exercise(cage_blob(&c, copy, o->blob.size), o->blob.size) != PLIANT_OK;
             copy[at] = o->blob.data[at];
         }
-    CHECK(refused > (long)end * 100, "%s: only %ld refused", o->name, refused);
-    printf("%s: %zu header bytes, %ld of %ld values refused\n", o->name, end, refused, (long)end * 256);
+    CHECK(refused > tried * 100 / 256, "%s: only %ld refused", o->name, refused);
+    printf("%s: %zu header bytes, %ld of %ld values refused\n", o->name, end, refused, tried);
     free(copy);
     munmap(c.pages, c.room);
 }
