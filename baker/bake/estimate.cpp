@@ -1,7 +1,7 @@
 #include "bake/estimate.h"
 
 #include "base/common/parallel.h"
-#include "base/weights/sampling.h"
+#include "base/weights/weights.h"
 #include "elastic/average/family.h"
 #include "pliant_format.h"
 #include "reduced/subspace/mixtures.h"
@@ -38,7 +38,7 @@ std::size_t snapshot_limit(std::size_t pose_count, const BakeOptions& options)
 }
 
 // The adaptive dimension depends on the poses. Of averages about four per pair, found on bodies in very different poses
-// (fewer when they are alike); of layers six each, of many poses two more than they are themselves.
+// (fewer when they are alike); of layers six each, of many poses twice their number.
 double expected_dimension(std::size_t pose_count, const BakeOptions& options)
 {
     const double m = double(pose_count), l = double(weight_count(pose_count, options));

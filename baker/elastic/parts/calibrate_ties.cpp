@@ -1,7 +1,7 @@
 #include "elastic/parts/calibrate_ties.h"
 
 #include "base/common/parallel.h"
-#include "base/weights/sampling.h"
+#include "base/weights/weights.h"
 #include "elastic/average/family.h"
 #include "elastic/average/rigid_modes.h"
 #include "elastic/parts/drift.h"
