@@ -19,6 +19,7 @@ template <class T, int dimensions> using Array = nb::ndarray<const T, nb::ndim<d
 // Poses as they were given or read, before any check of one against another.
 struct SourcePoses {
     std::vector<MeshFile> meshes;
+    Blend blend = Blend::average; // what the source means
 };
 
 // positions (m, n, 3) with names for each pose; the cells are faces (f, k) with k >= 3, or tets (t, 4). What messages call

@@ -51,12 +51,13 @@ void report_warnings(const std::vector<Diagnostic>& warnings, Progress& progress
     for (const Diagnostic& w : warnings) progress.warn(w.number, w.where.empty() ? w.what : w.where + ": " + w.what, w.hint);
 }
 
-SourcePoses load_sources(const std::vector<std::string>& paths, bool as_layers, const Listener& listener)
+SourcePoses load_sources(const std::vector<std::string>& paths, std::optional<Blend> blend, const Listener& listener)
 {
     SourcePoses out;
     work_interruptibly(listener, 0, [&](Progress& progress) {
         DiagnosticList diagnostics;
-        out.meshes = read_pose_sources(paths, as_layers ? Blend::layers : Blend::average, diagnostics).meshes;
+        PoseSources sources = read_pose_sources(paths, blend, diagnostics);
+        out = { std::move(sources.meshes), sources.blend };
         if (diagnostics.has_errors()) throw Failure(ExitCode::bad_input, diagnostics.diagnostics());
         report_warnings(diagnostics.diagnostics(), progress);
     });
@@ -265,15 +266,18 @@ NB_MODULE(_core, m)
         .def("have_one_count", &have_one_count)
         .def("faces", [](const SourcePoses& poses) { return faces_to_numpy(poses.meshes[0].faces); })
         .def("tets", &tets_of)
-        .def("names", &names_of);
+        .def("names", &names_of)
+        .def("blend", [](const SourcePoses& poses) { return name_of(poses.blend); });
     m.def("poses_of_arrays", &poses_of_arrays, nb::arg("positions"), nb::arg("faces").none(), nb::arg("tets").none(),
           nb::arg("names"), nb::arg("label"));
     m.def(
         "load_poses",
-        [](const std::vector<std::string>& paths, bool as_layers, const nb::object& warn) {
-            return load_sources(paths, as_layers, { nb::none(), warn });
+        [](const std::vector<std::string>& paths, const std::optional<std::string>& blend, const nb::object& warn) {
+            std::optional<Blend> kind;
+            if (blend) kind = *blend == name_of(Blend::layers) ? Blend::layers : Blend::average;
+            return load_sources(paths, kind, { nb::none(), warn });
         },
-        nb::arg("paths"), nb::arg("as_layers"), nb::arg("warn"));
+        nb::arg("paths"), nb::arg("blend").none(), nb::arg("warn"));
     m.def(
         "bake",
         [](const SourcePoses& poses, const nb::dict& options, const SourcePoses* surface, const std::string& surface_path,

@@ -25,8 +25,10 @@ Surface = Union[str, "os.PathLike[str]", Tuple[npt.ArrayLike, npt.ArrayLike]]
 
 def _source(
     poses: object, faces: object, tets: object, names: Sequence[str] | None, blend: object
-) -> tuple[core.Poses, int, int]:
-    """The poses, their number, and the number of vertices of the first one."""
+) -> tuple[core.Poses, int, int, Blend]:
+    """The poses, their number, the number of vertices of the first one, and how they are blended."""
+    if blend is None:
+        blend = poses.blend if isinstance(poses, _poses.Poses) else "average"
     limit = _poses.pose_limit(blend)
     if not isinstance(poses, _poses.Poses):
         source = _poses.from_arrays(poses, faces, tets, names, limit)
@@ -35,7 +37,7 @@ def _source(
     else:
         source = poses._source
         _poses.check_count(source.pose_count, limit, source.pose_count)
-    return source, source.pose_count, source.vertex_count
+    return source, source.pose_count, source.vertex_count, "layers" if blend == "layers" else "average"
 
 
 def _listening(progress: object) -> Any:
@@ -50,7 +52,7 @@ def bake(
     *,
     tets: npt.ArrayLike | None = None,
     names: Sequence[str] | None = None,
-    blend: Blend = "average",
+    blend: Blend | None = None,
     range: Range | None = None,
     material: Material | None = None,
     tolerance: float | None = None,
@@ -93,7 +95,7 @@ def bake(
     names  m strings that the asset stores; default pose_0, pose_1, ...
 
     blend  "average": the blend is an average of the poses. "layers": the poses after the first are layers on it, such as
-           the expressions of a face; their weights add up and may be negative
+           the expressions of a face; their weights add up and may be negative. Default: that of Poses, else "average"
     range  of layers: the weights that are measured, (low, high) for all layers or {name: (low, high)} for some;
            default (0, 1)
 
@@ -127,7 +129,7 @@ def bake(
     Raises TypeError and ValueError for wrong arguments, which they name; Error for poses that have no elastic average
     (P2xxx, P3xxx) and for failures of the computation (P4xxx); ToleranceError.
     """
-    source, _, vertex_count = _source(poses, faces, tets, names, blend)
+    source, _, vertex_count, blend = _source(poses, faces, tets, names, blend)
     options = _options.checked(
         {
             "blend": blend, "range": range,
@@ -155,7 +157,7 @@ def average(
     weights: npt.ArrayLike | None = None,
     *,
     tets: npt.ArrayLike | None = None,
-    blend: Blend = "average",
+    blend: Blend | None = None,
     material: Material | None = None,
     continuity: Continuity | None = None,
     membrane: Membrane | None = None,
@@ -185,7 +187,7 @@ def average(
     """
     if weights is None:
         raise TypeError("average() needs weights: (m,) or (k, m), one per pose")
-    source, pose_count, vertex_count = _source(poses, faces, tets, None, blend)
+    source, pose_count, vertex_count, blend = _source(poses, faces, tets, None, blend)
     if blend == "layers":
         rows, is_single = _arrays.rows("weights", weights, pose_count - 1, "one per layer")
     else:

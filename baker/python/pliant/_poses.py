@@ -61,6 +61,11 @@ class Poses:
         """The m names: those of the files, or those inside a glTF file."""
         return self._source.names()
 
+    @property
+    def blend(self) -> Blend:
+        """How bake() and average() blend them unless they are told: "layers" of a glTF file with morph targets."""
+        return "layers" if self._source.blend() == "layers" else "average"
+
     def __len__(self) -> int:
         return len(self.names)
 
@@ -69,9 +74,9 @@ class Poses:
         return f"<pliant.Poses {', '.join(self.names)}: {cells}>"
 
 
-def load_poses(paths: PathLike | Sequence[PathLike], *, blend: Blend = "average") -> Poses:
+def load_poses(paths: PathLike | Sequence[PathLike], *, blend: Blend | None = None) -> Poses:
     """Reads 2 to 64 poses as the command line does, the rest pose first; with blend="layers" the rest shape and up to 64
-    layers.
+    layers. Without `blend` one glTF file with morph targets, named without '#', is one of layers, all else is of averages.
 
     paths  mesh files with one pose each, or glTF files with several: surfaces from .obj, .ply, .off, .glb, .gltf; solids of
            tetrahedra from .msh, .mesh, .veg, .vtk. After the name of a glTF file, '#rest', '#target=NAME,NAME' or
@@ -82,7 +87,9 @@ def load_poses(paths: PathLike | Sequence[PathLike], *, blend: Blend = "average"
     """
     if isinstance(paths, (str, os.PathLike)):
         paths = [paths]
-    return Poses(core.load_poses([os.fspath(path) for path in paths], pose_limit(blend) == 65, warner(3)))
+    if blend is not None:
+        pose_limit(blend)  # checks it
+    return Poses(core.load_poses([os.fspath(path) for path in paths], blend, warner(3)))
 
 
 def pose_limit(blend: object) -> int:

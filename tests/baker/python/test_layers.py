@@ -109,11 +109,23 @@ class Layers(unittest.TestCase):
         with tempfile.TemporaryDirectory() as name:
             targets = {f"layer{k}": POSES[1 + k % 2] for k in range(64)}
             file = shapes.write_glb(Path(name) / "t.glb", POSES[0], FACES, targets)
-            self.assertEqual(self.refuse(pliant.Error, "the limit is 64", lambda: pliant.load_poses(file)).number, "P3002")
-            poses = pliant.load_poses(file, blend="layers")
-            self.assertEqual(len(poses.names), 65)
+            error = self.refuse(pliant.Error, "the limit is 64", lambda: pliant.load_poses(file, blend="average"))
+            self.assertEqual(error.number, "P3002")
+            poses = pliant.load_poses(file)
+            self.assertEqual((len(poses.names), poses.blend), (65, "layers"))
             self.refuse(ValueError, 'with 2 to 64 poses, got 65; blend="layers"',
-                        lambda: pliant.average(poses, weights=[1]))
+                        lambda: pliant.average(poses, weights=[1], blend="average"))
+
+    def test_files_mean_layers(self):
+        with tempfile.TemporaryDirectory() as name:
+            file = shapes.write_glb(Path(name) / "t.glb", POSES[0], FACES, dict(zip(NAMES[1:], POSES[1:])))
+            options = [word for key, value in QUICK.items() for word in ("--" + key.replace("_", "-"), str(value))]
+            for choice, blend in ((file, "layers"), ([f"{file}#rest", f"{file}#target={NAMES[1]}"], "average")):
+                poses = pliant.load_poses(choice)
+                self.assertEqual(poses.blend, blend)
+                words = [choice] if blend == "layers" else choice
+                self.tool("bake", *words, "-o", Path(name) / "t.pliant", "-q", *options)
+                self.assertEqual(bytes(pliant.bake(poses, **QUICK)), (Path(name) / "t.pliant").read_bytes())
 
     def test_wrong_arguments(self):
         bake = {"blend": "layers", "names": NAMES, **QUICK}
