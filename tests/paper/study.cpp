@@ -174,18 +174,11 @@ private:
                             int(reference.has_converged));
     }
 
-    Shape linear_blend(const Weights& w) const
-    {
-        Shape blend = Shape::Zero(set_.dof_count());
-        for (std::size_t k = 0; k < set_.pose_count(); ++k) blend += w[Eigen::Index(k)] * set_.shapes[k];
-        return blend;
-    }
-
     void linear()
     {
         const Subspace differences = build_subspace(set_, Eigen::MatrixXd(set_.dof_count(), 0), 0);
         for (const Reference& reference : fresh_)
-            add_row("linear", differences.dimension(), reference, linear_blend(reference.weights),
+            add_row("linear", differences.dimension(), reference, linear_blend(set_, reference.weights),
                     projection_error(set_, differences, reference.shape));
     }
 

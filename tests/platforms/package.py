@@ -1,6 +1,6 @@
 """package.py FOLDER ENVIRONMENT ASSETS MUSEUM PROGRAM: the npm package. Its blends have the bits of PROGRAM, which is
-test_bits of this machine; it survives the museum; its size is what README.md says. `npm pack` makes an archive that installs
-offline, and against which types.ts and the README's example type-check. Exit code 77, and the reason, without node, and for
+test_bits of this machine; it survives the museum; its module has at most LARGEST bytes, compressed. `npm pack` makes an
+archive that installs offline, and against which types.ts type-checks. Exit code 77, and the reason, without node, and for
 the last part without the npm registry."""
 import gzip
 import pathlib

@@ -227,8 +227,8 @@ std::size_t mixture_count(std::size_t weight_count) { return shape_count.of(weig
 
 std::vector<Weights> training_mixtures(const NormalizedPoses& set, const WeightDomain& domain, std::uint64_t seed)
 {
-    Random random(seed);
     if (!domain.is_box()) return domain.draw_all(seed, average_count.of(domain.size()));
+    Random random(seed);
     std::vector<Weights> out;
     append_singles(domain, out);
     append_overlaps(set, domain, out);
