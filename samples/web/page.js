@@ -174,7 +174,7 @@ function frame() {
   if (!page.asset) return;
   try {
     if (page.needsBlend) blend();
-    view.draw();
+    if (view.needsDraw) view.draw();
   } catch (error) {
     fail(error.message);
   }

@@ -1,6 +1,6 @@
 // Two meshes of one asset, the linear blend and the elastic one, under one camera.
-import { BufferAttribute, Color, DirectionalLight, HemisphereLight, MeshStandardMaterial, PerspectiveCamera, Scene, Sphere,
-         WebGLRenderer } from "three";
+import { BufferAttribute, Color, DirectionalLight, DoubleSide, HemisphereLight, MeshStandardMaterial, PerspectiveCamera, Scene,
+         Sphere, WebGLRenderer } from "three";
 import { OrbitControls } from "three/addons/OrbitControls.js";
 import { PliantMesh } from "pliant/three";
 
@@ -43,10 +43,15 @@ export class View {
     this.scene.add(new HemisphereLight(0xffffff, 0x8a8378, 1.6), this.camera);
     this.controls = new OrbitControls(this.camera, canvas);
     this.controls.listenToKeyEvents(canvas);
-    this.material = new MeshStandardMaterial({ color: SKIN, roughness: 0.75 });
-    this.heat = new MeshStandardMaterial({ vertexColors: true, roughness: 0.75 });
+    const skin = { roughness: 0.75, side: DoubleSide }; // sheets and open mouths have an inside, too
+    this.material = new MeshStandardMaterial({ ...skin, color: SKIN });
+    this.heat = new MeshStandardMaterial({ ...skin, vertexColors: true });
     this.hasLinear = true;
     this.meshes = [];
+    this.needsDraw = false; // a page that nobody touches costs nothing
+    const redraw = () => { this.needsDraw = true; };
+    this.controls.addEventListener("change", redraw);
+    new ResizeObserver(redraw).observe(canvas);
   }
 
   show(asset) {
@@ -83,6 +88,7 @@ export class View {
     this.camera.position.z += this.#distance(radius);
     this.camera.near = radius / 50;
     this.camera.far = 50 * radius;
+    this.controls.update();
     this.controls.saveState();
   }
 
@@ -104,6 +110,7 @@ export class View {
       largest = distances.reduce((a, b) => Math.max(a, b), 0);
       for (const mesh of this.meshes) paint(mesh, distances, largest);
     }
+    this.needsDraw = true;
     return { info, milliseconds, largest: largest / this.diagonal };
   }
 
@@ -116,6 +123,7 @@ export class View {
   }
 
   draw() {
+    this.needsDraw = false;
     const { clientWidth: width, clientHeight: height } = this.canvas, ratio = Math.min(devicePixelRatio, 2);
     if (this.canvas.width !== Math.floor(width * ratio) || this.canvas.height !== Math.floor(height * ratio)) {
       this.renderer.setPixelRatio(ratio);
@@ -124,7 +132,6 @@ export class View {
     const shown = this.hasLinear ? this.meshes : [this.elastic], part = width / shown.length;
     this.camera.aspect = part / height;
     this.camera.updateProjectionMatrix();
-    this.controls.update();
     shown.forEach((mesh, i) => {
       for (const each of this.meshes) each.visible = each === mesh;
       this.renderer.setViewport(i * part, 0, part, height);

@@ -1,45 +1,16 @@
 // node page.mjs BROWSER PAGE EXPECTED BAD PICTURE: the page of samples/web in a headless browser, as a person uses it. PAGE:
 // a folder that its build.py made, with the assets `averages.pliant` and `layers.pliant`, and the first one in
 // `embedded.glb`. EXPECTED: a JSON file with blends of both by the C library, { "averages": { "weights": [...],
-// "positions": [...] }, ... }. BAD: a file that is no asset. BROWSER: the program's path; Firefox is known by its name.
-// PICTURE: what the page looks like in the end.
+// "positions": [...] }, ... }, and as "player" the path of the player's picture of the first. BAD: a file that is no asset.
+// BROWSER: the program's path; Firefox is known by its name. PICTURE: where to keep a picture of the page.
 import assert from "node:assert/strict";
-import { createServer } from "node:http";
-import { existsSync, readFileSync } from "node:fs";
-import { extname, join } from "node:path";
-import puppeteer from "puppeteer-core";
+import { readFileSync } from "node:fs";
+import { join } from "node:path";
+import { launch, open, serve, settled } from "./tab.mjs";
 
 const [browserPath, folder, expectedPath, bad, picture] = process.argv.slice(2);
 const expected = JSON.parse(readFileSync(expectedPath, "utf8"));
-const TYPES = { ".html": "text/html", ".js": "text/javascript", ".css": "text/css", ".wasm": "application/wasm" };
-
-function serve() {
-  const asked = [];
-  const server = createServer((request, response) => {
-    const path = new URL(request.url, "http://page").pathname.replace(/\/$/, "/index.html"), file = join(folder, path);
-    asked.push(path);
-    if (!existsSync(file)) return response.writeHead(404).end();
-    response.writeHead(200, { "content-type": TYPES[extname(file)] ?? "application/octet-stream" });
-    response.end(readFileSync(file));
-  });
-  return new Promise((done) => server.listen(0, "127.0.0.1", () => done({ server, asked, port: server.address().port })));
-}
-
-function launch() {
-  if (browserPath.includes("firefox")) // WebGL there needs a display: the test runs this under xvfb-run
-    return puppeteer.launch({ browser: "firefox", executablePath: browserPath, headless: false });
-  return puppeteer.launch({ executablePath: browserPath, headless: true,
-                            args: ["--no-sandbox", "--use-angle=swiftshader", "--enable-unsafe-swiftshader"] });
-}
-
-const settled = (tab) => tab.waitForFunction(() => window.page?.asset && !window.page.needsBlend && !window.page.timer,
-                                             { timeout: 60000 });
 const textOf = (tab, id) => tab.$eval(`#${id}`, (element) => (element.hidden ? "" : element.textContent));
-
-async function open(tab, port, hash) {
-  await tab.goto(`http://127.0.0.1:${port}/${hash}`);
-  await settled(tab);
-}
 
 // The shape that is drawn is that of the C library, to the bit.
 async function checkPositions(tab, name) {
@@ -64,6 +35,82 @@ async function drawnPixels(tab) {
   });
 }
 
+// Where the player's camera (samples/player/draw/camera.cpp) stands with --view 0,0, for the page: every shape stands on the
+// floor there, and the points of all poses that reach furthest in 96 directions are in the picture.
+function playersCamera(tab, [width, height], lens) {
+  return tab.evaluate((aspect, tangent) => {
+    const { linear, elastic } = window.view, { weights } = window.page, count = 96, far = [];
+    const floor = ({ geometry }) => Math.min(...geometry.attributes.position.array.filter((_, i) => i % 3 === 1));
+    const directions = Array.from({ length: count }, (_, i) => {
+      const up = 1 - (2 * i + 1) / count, level = Math.sqrt(1 - up * up);
+      return [level * Math.cos(2.39996323 * i), up, level * Math.sin(2.39996323 * i)];
+    });
+    weights.forEach((_, k) => {
+      linear.setLinearWeights(weights.map((_, i) => Number(i === k)));
+      const { array } = linear.geometry.attributes.position, low = floor(linear);
+      for (let v = 0; v < array.length; v += 3) {
+        const point = [array[v], array[v + 1] - low, array[v + 2]];
+        directions.forEach((direction, i) => {
+          const reach = direction[0] * point[0] + direction[1] * point[1] + direction[2] * point[2];
+          if (!far[i] || reach > far[i].reach) far[i] = { reach, point };
+        });
+      }
+    });
+    const points = far.map(({ point }) => point), seen = 0.92 * tangent;
+    const middle = [0, 1, 2].map((axis) => {
+      const values = points.map((point) => point[axis]);
+      return (Math.min(...values) + Math.max(...values)) / 2;
+    });
+    const away = Math.max(...points.map(([x, y, z]) =>
+      z - middle[2] + Math.max(Math.abs(x - middle[0]) / (seen * aspect), Math.abs(y - middle[1]) / seen)));
+    const target = [middle[0], middle[1] + floor(elastic), middle[2]];
+    return { target, eye: [target[0], target[1], target[2] + away] };
+  }, width / height, Math.tan(lens * Math.PI / 360));
+}
+
+// The outline of the elastic blend is the one in the player's picture, under the same camera. (Lights and colours differ.)
+async function checkOutline(tab, picture) {
+  const size = [640, 480], lens = 26, { target, eye } = await playersCamera(tab, size, lens);
+  await tab.click("#linear");
+  await settled(tab);
+  const [different, either] = await tab.evaluate(async (source, [width, height], fov, from, to) => {
+    const { camera, canvas } = window.view;
+    const pixelsOf = (image) => {
+      const context = Object.assign(document.createElement("canvas"), { width, height }).getContext("2d");
+      context.drawImage(image, 0, 0, width, height);
+      return context.getImageData(0, 0, width, height).data;
+    };
+    canvas.style.cssText = `position: fixed; width: ${width}px; height: ${height}px`;
+    camera.fov = fov;
+    camera.position.fromArray(from);
+    camera.lookAt(...to);
+    window.view.draw();
+    const ours = pixelsOf(canvas), image = Object.assign(new Image(), { src: source });
+    canvas.style.cssText = "";
+    await image.decode();
+    const players = pixelsOf(image), counts = [0, 0];
+    for (let i = 0; i < ours.length; i += 4) {
+      const a = ours[i + 3] > 127, b = players[i] > players[i + 2] + 16; // a warm skin before a cold studio
+      counts[0] += a !== b;
+      counts[1] += a || b;
+    }
+    return counts;
+  }, `data:image/png;base64,${readFileSync(picture, "base64")}`, size, lens, eye, target);
+  console.log(`${different} of ${either} pixels of the outline differ from the player's`);
+  assert.ok(either > 10000 && different < 0.01 * either, "the page draws another outline than the player");
+  await tab.click("#linear");
+  await settled(tab);
+}
+
+// A page that nobody touches draws nothing.
+async function checkIdle(tab) {
+  const drawn = () => tab.evaluate(async () => {
+    for (let i = 0; i < 5; ++i) await new Promise(requestAnimationFrame);
+    return window.view.renderer.info.render.frame;
+  });
+  assert.equal(await drawn(), await drawn(), "an idle page draws");
+}
+
 async function checkLayers(tab, port) {
   await open(tab, port, `#file=layers.pliant&w=${expected.layers.weights}`);
   await checkPositions(tab, "layers");
@@ -73,7 +120,10 @@ async function checkLayers(tab, port) {
 
 // Links from anybody: weights that are none are left out, another file of the page is opened, others are not.
 async function checkLinks(tab) {
-  const go = (hash) => tab.evaluate((to) => { location.hash = to; }, hash);
+  const go = (hash) => tab.evaluate((to) => new Promise((done) => { // the page has listened before this
+    window.addEventListener("hashchange", done, { once: true });
+    location.hash = to;
+  }), hash);
   for (const weights of ["0,0,0", "-1,2,0", "1e39,0,0", "NaN,1,1", "1"]) {
     await go(`#file=averages.pliant&w=${weights}`);
     await settled(tab);
@@ -170,7 +220,7 @@ async function measure(tab) {
   });
 }
 
-const { server, asked, port } = await serve(), browser = await launch();
+const { server, asked, port } = await serve(folder), browser = await launch(browserPath);
 try {
   const tab = await browser.newPage(), problems = [];
   tab.on("pageerror", (error) => problems.push(error.message));
@@ -180,6 +230,8 @@ try {
   await checkPositions(tab, "averages");
   const [left, right] = await drawnPixels(tab);
   assert.ok(left > 0.01 && right > 0.01, `almost nothing is drawn: ${left}, ${right}`);
+  await checkIdle(tab);
+  if (expected.player) await checkOutline(tab, expected.player);
   await tab.click("#linear");
   await settled(tab);
   assert.ok((await tab.evaluate(() => location.hash)).includes("linear=0"), "the switch is not in the address");

@@ -1,5 +1,5 @@
-"""page.py BROWSER FOLDER ENVIRONMENT TOOL ASSETS: the page of samples/web with two of the small assets, driven by page.mjs
-in a browser; FOLDER keeps node's packages, the page and a picture of it. Exit code 77, and the reason, where the browser is
+"""page.py BROWSER FOLDER ENVIRONMENT TOOL PLAYER ASSETS: the page of samples/web with two of the small assets, driven by page.mjs
+in a browser; PLAYER may be empty; FOLDER keeps node's packages, the page and a picture of it. Exit code 77, and the reason, where the browser is
 not installed or packages cannot be fetched."""
 import json
 import os
@@ -30,15 +30,31 @@ def blends(tool, assets, folder):
     return out
 
 
+def players_picture(player, asset, weights, picture):
+    text = ",".join(map(str, weights))
+    subprocess.run([player, asset, "--plain", "--view", "0,0", "--weights", text, "--size", "640x480",
+                    "--screenshot", picture], check=True, capture_output=True)
+    return str(picture)
+
+
+def drive(browser, folder, script, *arguments):
+    """Runs one of the scripts for node beside this file on the page in `folder`."""
+    modules = support.node_modules(folder, HERE)
+    for name in (script, "tab.mjs"):
+        shutil.copy(HERE / name, modules)
+    return subprocess.run([*BROWSERS[browser], "node", modules / script, shutil.which(browser), folder / "page", *arguments],
+                          timeout=250, env={**os.environ, "HOME": str(folder)}).returncode
+
+
 def main():
-    browser, folder, environment, tool, assets = sys.argv[1], *map(pathlib.Path, sys.argv[2:])
+    browser, player = sys.argv[1], sys.argv[5]
+    folder, environment, tool, assets = map(pathlib.Path, (*sys.argv[2:5], sys.argv[6]))
     missing = [name for name in (browser, *BROWSERS[browser][:1]) if not shutil.which(name)]
     if missing:
         support.skip(f"{' and '.join(missing)} not installed (groups player and engines of samples/install_packages.sh)")
     if not (environment / "is_complete").exists():
         support.skip("zig could not be fetched")
     folder.mkdir(parents=True, exist_ok=True)
-    modules = support.node_modules(folder, HERE)
     page = folder / "page"
     python = environment / "bin/python"
     shutil.rmtree(page, ignore_errors=True)
@@ -47,13 +63,13 @@ def main():
         shutil.copy(assets / file, page / f"{name}.pliant")
     subprocess.run([tool, "export", page / "averages.pliant", "--embed", "-o", page / "embedded.glb"], check=True,
                    capture_output=True)
-    (folder / "expected.json").write_text(json.dumps(blends(tool, assets, folder)))
+    expected = blends(tool, assets, folder)
+    if player:
+        expected["player"] = players_picture(player, page / "averages.pliant", ASSETS["averages"][1],
+                                             folder / "player.png")
+    (folder / "expected.json").write_text(json.dumps(expected))
     (folder / "bad.pliant").write_bytes(b"PLNT" + bytes(1000))
-    shutil.copy(HERE / "page.mjs", modules)
-    done = subprocess.run([*BROWSERS[browser], "node", modules / "page.mjs", shutil.which(browser), page,
-                           folder / "expected.json", folder / "bad.pliant", folder / f"{browser}.png"],
-                          timeout=250, env={**os.environ, "HOME": str(folder)})
-    return done.returncode
+    return drive(browser, folder, "page.mjs", folder / "expected.json", folder / "bad.pliant", folder / f"{browser}.png")
 
 
 if __name__ == "__main__":

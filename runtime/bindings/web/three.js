@@ -1,5 +1,5 @@
 // Pliant for three.js: a mesh whose shape is an elastic blend. three.d.ts is the manual.
-import { Box3, BufferAttribute, BufferGeometry, DynamicDrawUsage, Mesh, MeshStandardMaterial, Sphere, Vector3 } from "three";
+import { Box3, BufferAttribute, BufferGeometry, DynamicDrawUsage, Mesh, MeshStandardMaterial, Sphere } from "three";
 
 function dynamic(floats) {
   const attribute = new BufferAttribute(Float32Array.from(floats), 3);
@@ -41,8 +41,10 @@ export class PliantMesh extends Mesh {
     position.array.set(this.#character.positions.subarray(0, position.array.length));
     normal.array.set(this.#character.normals);
     position.needsUpdate = normal.needsUpdate = true;
-    this.geometry.boundingBox.set(new Vector3(...low), new Vector3(...high));
-    this.geometry.boundingBox.getBoundingSphere(this.geometry.boundingSphere);
+    const { boundingBox, boundingSphere } = this.geometry;
+    boundingBox.min.fromArray(low);
+    boundingBox.max.fromArray(high);
+    boundingBox.getBoundingSphere(boundingSphere);
   }
 
   clone(recursive) {
