@@ -1,6 +1,6 @@
-"""page.py BROWSER FOLDER ENVIRONMENT TOOL PLAYER ASSETS: the page of samples/web with two of the small assets, driven by page.mjs
-in a browser; PLAYER may be empty; FOLDER keeps node's packages, the page and a picture of it. Exit code 77, and the reason, where the browser is
-not installed or packages cannot be fetched."""
+"""page.py BROWSER FOLDER ENVIRONMENT TOOL PLAYER ASSETS: the page of samples/web with two of the small assets, driven by
+page.mjs in a browser; PLAYER may be empty; FOLDER keeps node's packages, the page and a picture of it. Exit code 77, and the
+reason, where the browser is not installed or packages cannot be fetched."""
 import json
 import os
 import pathlib
