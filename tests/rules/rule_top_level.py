@@ -4,7 +4,7 @@ from tree import Plant
 ALLOWED = {
     "baker", "runtime", "formats", "samples", "tests",
     "CMakeLists.txt", "README.md", "LICENSE", "CHANGELOG.md", "CMakePresets.json", ".clang-format", ".gitignore",
-    ".ci", ".git",
+    "CITATION.cff", ".ci", ".git", ".github",
 }
 
 
