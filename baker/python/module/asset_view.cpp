@@ -4,9 +4,11 @@
 #include "output/asset/runtime_blender.h"
 #include "pliant_format.h"
 
+#include <algorithm>
 #include <cstring>
 #include <fmt/format.h>
 #include <fmt/ranges.h>
+#include <limits>
 
 namespace pliant {
 namespace {
@@ -74,6 +76,7 @@ public:
 
     void reset() { pliant_solver_reset(solver_->solver); }
     pliant_result solve(const float* weights, float* q) { return pliant_solve(solver_->solver, weights, q, nullptr); }
+    pliant_solver* get() { return solver_->solver; }
 
 private:
     AssetView& view_;
@@ -123,16 +126,55 @@ nb::object AssetView::solve(const Array<float, 2>& weights, bool continuous)
             result = loan.solve(weights.data() + row * m, q.data() + row * d);
         }
     }
-    if (result != PLIANT_OK) {
-        const float* bad = weights.data() + (row - 1) * m;
-        throw Failure(
-            ExitCode::usage,
-            error_at(1204, "",
-                     fmt::format("weights {}{}: {}", count > 1 ? fmt::format("of row {}: ", row - 1) : "",
-                                 fmt::join(bad, bad + m, ","), pliant_result_text(result)),
-                     asset_.has_layers ? "weights are finite" : "weights are finite, not negative, and not all zero"));
-    }
+    if (result != PLIANT_OK) refuse_weights(result, weights, row - 1);
     return to_numpy(std::move(q), { count, d });
+}
+
+void AssetView::refuse_weights(pliant_result result, const Array<float, 2>& weights, std::size_t row) const
+{
+    const float* bad = weights.data() + row * weights.shape(1);
+    throw Failure(ExitCode::usage,
+                  error_at(1204, "",
+                           fmt::format("weights {}{}: {}", weights.shape(0) > 1 ? fmt::format("of row {}: ", row) : "",
+                                       fmt::join(bad, bad + weights.shape(1), ","), pliant_result_text(result)),
+                           asset_.has_layers ? "weights are finite" : "weights are finite, not negative, and not all zero"));
+}
+
+const SurrogateCoordinates& AssetView::surrogate_coordinates()
+{
+    const std::lock_guard<std::mutex> lock(mutex_);
+    if (!surrogate_coordinates_) surrogate_coordinates_ = std::make_unique<SurrogateCoordinates>(asset_);
+    return *surrogate_coordinates_;
+}
+
+nb::object AssetView::energy(const Array<float, 2>& weights, const Array<double, 2>& q)
+{
+    const std::size_t count = weights.shape(0), d = asset_.dimension;
+    if (weights.shape(1) != asset_.weight_count || q.shape(0) != count || q.shape(1) != d)
+        throw nb::value_error("weights, q: as many rows of both, of the widths of the asset");
+    std::vector<double> values(count), gradients(count * d);
+    std::size_t row = 0;
+    pliant_result result = PLIANT_OK;
+    {
+        const nb::gil_scoped_release unlocked;
+        const SurrogateCoordinates& coordinates = surrogate_coordinates();
+        std::vector<float> answer(d);
+        Eigen::VectorXd gradient;
+        Loan loan(*this);
+        for (; row < count && result == PLIANT_OK; ++row) {
+            loan.reset();
+            result = loan.solve(weights.data() + row * weights.shape(1), answer.data()); // combines for the weights
+            if (result != PLIANT_OK) continue;
+            const bool is_finite
+                = evaluate_surrogate(loan.get(), coordinates.to_z(q.data() + row * d), values[row], gradient);
+            if (!is_finite) values[row] = std::numeric_limits<double>::infinity();
+            gradient = is_finite ? coordinates.gradient_by_q(gradient)
+                                 : Eigen::VectorXd::Constant(Eigen::Index(d), std::numeric_limits<double>::quiet_NaN());
+            std::copy(gradient.begin(), gradient.end(), gradients.begin() + std::ptrdiff_t(row * d));
+        }
+    }
+    if (result != PLIANT_OK) refuse_weights(result, weights, row - 1);
+    return nb::make_tuple(to_numpy(std::move(values), { count }), to_numpy(std::move(gradients), { count, d }));
 }
 
 // Of a solid all vertices are made, as the runtime numbers them otherwise.
@@ -226,6 +268,16 @@ nb::object AssetView::triangles() const
     std::vector<std::uint32_t> corners(asset_.triangles, asset_.triangles + 3 * std::size_t(asset_.triangle_count));
     for (std::uint32_t& vertex : corners) vertex = input_number(vertex);
     return to_numpy(std::move(corners), { asset_.triangle_count, 3 });
+}
+
+nb::object AssetView::pose_coordinates() const
+{
+    std::vector<float> out;
+    for (std::uint32_t k = 0; k < asset_.pose_count; ++k) {
+        const float* q = pliant_asset_pose_coordinates(&asset_, k);
+        out.insert(out.end(), q, q + asset_.dimension);
+    }
+    return to_numpy(std::move(out), { asset_.pose_count, asset_.dimension });
 }
 
 nb::list AssetView::names() const

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "arrays.h"
+#include "surrogate.h"
 
 #include "pliant.h"
 
@@ -30,6 +31,10 @@ public:
     // the one before. Throws Failure (usage, P1204) for weights that are none.
     nb::object solve(const Array<float, 2>& weights, bool continuous);
 
+    // Rows of weights and of coordinates (k, d) to the values (k) of the function that the solver minimises for the weights,
+    // and its gradients by q (k, d). A value that is not finite comes back as +infinity, its gradient as not a number.
+    nb::object energy(const Array<float, 2>& weights, const Array<double, 2>& q);
+
     // (k, d) coordinates to (k, count, 3) positions; vertices are numbered as the input was. first + count is at most the
     // vertex count.
     nb::object reconstruct(const Array<float, 2>& q, std::size_t first, std::size_t count) const;
@@ -40,8 +45,9 @@ public:
     // Faces and triangles by the numbers of the input.
     nb::object faces() const;
     nb::object triangles() const;
-    nb::list names() const;   // as bytes, since an asset may hold any
-    nb::list weights() const; // of each weight name, low, high, initial
+    nb::object pose_coordinates() const; // (m, d)
+    nb::list names() const;              // as bytes, since an asset may hold any
+    nb::list weights() const;            // of each weight name, low, high, initial
 
 private:
     struct Solver;
@@ -54,12 +60,15 @@ private:
     void reconstruct_one(const float* q, std::size_t first, std::size_t count, float* out, std::vector<float>& buffer) const;
     void normals_of_one(const float* positions, float* out, std::vector<float>& buffer) const;
     void prepare_normals();
+    const SurrogateCoordinates& surrogate_coordinates();
+    [[noreturn]] void refuse_weights(pliant_result result, const Array<float, 2>& weights, std::size_t row) const;
 
     Py_buffer buffer_ {};
     std::vector<std::uint64_t> copy_; // empty: in place
     pliant_asset asset_ {};
     std::mutex mutex_; // of what follows
     std::vector<std::unique_ptr<Solver>> idle_;
+    std::unique_ptr<SurrogateCoordinates> surrogate_coordinates_;
     std::vector<std::uint64_t> normals_memory_;
     pliant_normals normals_ {};
 };

@@ -2,6 +2,8 @@
 // checked what memory depends on.
 #include "arrays.h"
 #include "asset_view.h"
+#include "checks.h"
+#include "energy_view.h"
 #include "options.h"
 #include "work.h"
 
@@ -45,12 +47,6 @@ void translate(const std::exception_ptr& exception, void*)
     }
 }
 
-// Python hears of warnings by number, text and hint; where they are in a file stands in front of the text.
-void report_warnings(const std::vector<Diagnostic>& warnings, Progress& progress)
-{
-    for (const Diagnostic& w : warnings) progress.warn(w.number, w.where.empty() ? w.what : w.where + ": " + w.what, w.hint);
-}
-
 SourcePoses load_sources(const std::vector<std::string>& paths, std::optional<Blend> blend, const Listener& listener)
 {
     SourcePoses out;
@@ -86,13 +82,6 @@ private:
     Progress& target_;
     std::vector<Diagnostic> kept_;
 };
-
-PoseSet check(const SourcePoses& poses, const EnergyOptions& options, std::vector<Diagnostic>& warnings, Progress& progress)
-{
-    PoseSet out = check_poses(poses.meshes, load_options(options), &warnings);
-    report_warnings(warnings, progress);
-    return out;
-}
 
 // The bytes, the report as JSON, and what misses the tolerance, if that is so and is to be no error.
 nb::object bake_poses(const SourcePoses& poses, const nb::dict& given, const SourcePoses* surface,
@@ -294,13 +283,33 @@ NB_MODULE(_core, m)
         },
         nb::arg("poses"), nb::arg("weights"), nb::arg("options"), nb::arg("progress").none(), nb::arg("warn"));
 
+    nb::class_<EnergyView>(m, "EnergyView")
+        .def(
+            "__init__",
+            [](EnergyView* self, const SourcePoses& poses, const nb::dict& options, const nb::object& progress,
+               const nb::object& warn) {
+                new (self) EnergyView(poses, options, { progress, warn });
+            },
+            nb::arg("poses"), nb::arg("options"), nb::arg("progress").none(), nb::arg("warn"))
+        .def("value", &EnergyView::value, nb::arg("x"), nb::arg("weights"))
+        .def("gradient", &EnergyView::gradient, nb::arg("x"), nb::arg("weights"))
+        .def("hessian", &EnergyView::hessian, nb::arg("x"), nb::arg("weights"), nb::arg("projected"))
+        .def("poses", &EnergyView::poses)
+        .def("masses", &EnergyView::masses)
+        .def("vertices", &EnergyView::vertices)
+        .def_prop_ro("length", &EnergyView::length)
+        .def_prop_ro("vertex_count", &EnergyView::vertex_count)
+        .def_prop_ro("weight_count", &EnergyView::weight_count);
+
     nb::class_<AssetView>(m, "AssetView")
         .def(nb::init<const nb::object&, const std::string&, bool>(), nb::arg("data"), nb::arg("name"), nb::arg("verify"))
         .def("solve", &AssetView::solve, nb::arg("weights"), nb::arg("continuous"))
+        .def("energy", &AssetView::energy, nb::arg("weights"), nb::arg("q"))
         .def("reconstruct", &AssetView::reconstruct, nb::arg("q"), nb::arg("first"), nb::arg("count"))
         .def("normals", &AssetView::normals, nb::arg("positions"))
         .def("faces", &AssetView::faces)
         .def("triangles", &AssetView::triangles)
+        .def("pose_coordinates", &AssetView::pose_coordinates)
         .def("names", &AssetView::names)
         .def("weights", &AssetView::weights)
         .def("certificate",

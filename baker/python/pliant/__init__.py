@@ -18,12 +18,17 @@ from typing import TYPE_CHECKING
 
 from ._asset import Asset
 from ._bake import average, bake
+from ._energy import Energy, energy
 from ._errors import Error, Finding, PliantWarning, ToleranceError
 from ._module import core
 from ._poses import Poses, load_poses
+from ._show import show
 
 __version__ = core.version()
-__all__ = ["Asset", "Error", "Finding", "PliantWarning", "Poses", "ToleranceError", "average", "bake", "load_poses"]
+__all__ = [
+    "Asset", "Energy", "Error", "Finding", "PliantWarning", "Poses", "ToleranceError", "average", "bake", "energy",
+    "load_poses", "show",
+]  # fmt: skip
 
 if TYPE_CHECKING:
     from . import batch as batch

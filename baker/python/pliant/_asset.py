@@ -198,6 +198,76 @@ class Asset:
         normals = self._view.normals(rows)
         return normals[0] if is_single else normals
 
+    # -------------------------------------------------------------------------------------------------- the reduced model
+
+    @property
+    def rest(self) -> npt.NDArray[np.float32]:
+        """(n, 3) float32: positions for q = 0, in the units of the poses. Blends are rest + basis @ q."""
+        rest: npt.NDArray[np.float32] = self.reconstruct(np.zeros(self.dimension))
+        return rest
+
+    @property
+    def basis(self) -> npt.NDArray[np.float32]:
+        """(n, 3, d) float32: the basis of the subspace. rest + basis @ q is reconstruct(q) to single precision, and
+        basis.reshape(-1, d) has a row for each of the 3 n coordinates. Of a compressed basis these are the numbers that the
+        runtime unpacks. Computed anew at each access, by d reconstructions: keep it."""
+        scale = np.float32(2.0**20)  # beside which the rest positions are rounding; a power of two changes no digit
+        rows = self._view.reconstruct(scale * np.eye(self.dimension, dtype=np.float32), 0, self.vertex_count)
+        columns = (rows.astype(np.float64) - self.rest) / scale
+        basis: npt.NDArray[np.float32] = np.ascontiguousarray(np.moveaxis(columns, 0, -1), dtype=np.float32)
+        return basis
+
+    @property
+    def pose_coordinates(self) -> npt.NDArray[np.float32]:
+        """(m, d) float32: the reduced coordinates of the poses; reconstruct() makes the poses of them."""
+        return self._view.pose_coordinates()
+
+    def linear_blend(self, weights: Weights) -> npt.NDArray[np.float32]:
+        """The linear blend of the poses, or of layers the rest shape and the weighted differences from it: what morph targets
+        draw, to compare with. Arguments, result and errors are those of blend()."""
+        rows, is_single = self._rows(weights)
+        self._view.solve(rows, False)  # refuses what blend() refuses
+        shares = rows.astype(np.float64)
+        if self.has_layers:
+            shares = np.column_stack([1 - shares.sum(1), shares])
+        else:
+            shares /= shares.sum(1, keepdims=True)
+        positions = self._view.reconstruct((shares @ self.pose_coordinates).astype(np.float32), 0, self.vertex_count)
+        return positions[0] if is_single else positions
+
+    def energy(self, weights: Weights, q: npt.ArrayLike) -> Any:
+        """The function of q that blend() minimises for the weights: the surrogate energy and, if the asset has one, its dead
+        load. Relative to the average of equal weights, or of layers to the rest shape, so it may be negative.
+
+        weights  as for blend()
+        q        (d,) or (k, d): reduced coordinates. One row of either goes with all rows of the other
+
+        Returns a float, or (k,) float64. The runtime computes it in single precision: differences below 2e-5 of the energies
+        of the poses are noise. +inf where it is not finite. Its unit is that of pliant.energy(). Raises the errors of blend()
+        for the weights, and ValueError or TypeError for q.
+        """
+        values, _, is_single = self._energies(weights, q)
+        return float(values[0]) if is_single else values
+
+    def energy_gradient(self, weights: Weights, q: npt.ArrayLike) -> npt.NDArray[np.float64]:
+        """The derivatives of energy() by q, (d,) or (k, d) float64, to single precision; arguments as there. At
+        coordinates(weights) they are as small as the runtime's tolerance demands. Second derivatives are not there: the
+        runtime has none (it minimises by BFGS), and differences of gradients have three digits."""
+        _, gradients, is_single = self._energies(weights, q)
+        return gradients[0] if is_single else gradients
+
+    def _energies(
+        self, weights: Weights, q: npt.ArrayLike
+    ) -> tuple[npt.NDArray[np.float64], npt.NDArray[np.float64], bool]:
+        rows, is_one_weight = self._rows(weights)
+        points, is_one_point = _arrays.rows("q", q, self.dimension, "reduced coordinates")
+        count = len(points) if len(rows) == 1 else len(rows)
+        if len(points) not in (1, count):
+            raise ValueError(f"q: expected 1 or {count} rows, as there are rows of weights, got {len(points)}")
+        rows = np.ascontiguousarray(np.broadcast_to(rows, (count, rows.shape[1])))
+        points = np.ascontiguousarray(np.broadcast_to(points, (count, self.dimension)))
+        return (*self._view.energy(rows, points), is_one_weight and is_one_point)
+
     # ------------------------------------------------------------------------------------------------------------ bytes
 
     def save(self, path: str | os.PathLike[str]) -> None:

@@ -8,9 +8,10 @@ from typing import Any, Callable, Literal, Mapping, Optional, Sequence, Tuple, U
 import numpy as np
 import numpy.typing as npt
 
-from . import _arrays, _options, _poses
+from . import _arrays, _meshes, _options, _poses
 from ._asset import Asset
 from ._errors import ToleranceError, finding
+from ._meshes import Mesh
 from ._module import core
 from ._poses import Blend
 
@@ -20,16 +21,20 @@ Continuity = Literal["auto", "off"]
 Membrane = Literal["neo-hookean", "stvk", "edge"]
 Solver = Literal["cholmod", "eigen"]
 Range = Union[Tuple[float, float], Mapping[str, Tuple[float, float]]]
-Surface = Union[str, "os.PathLike[str]", Tuple[npt.ArrayLike, npt.ArrayLike]]
+Surface = Union[str, "os.PathLike[str]", Tuple[npt.ArrayLike, npt.ArrayLike], Mesh]
 
 
-def _source(
+def source_of(
     poses: object, faces: object, tets: object, names: Sequence[str] | None, blend: object
 ) -> tuple[core.Poses, int, int, Blend]:
     """The poses, their number, the number of vertices of the first one, and how they are blended."""
     if blend is None:
         blend = poses.blend if isinstance(poses, _poses.Poses) else "average"
     limit = _poses.pose_limit(blend)
+    if _meshes.are_meshes(poses):
+        if faces is not None or tets is not None:
+            raise TypeError("meshes have faces or tets of their own: give none")
+        poses, faces, tets = _meshes.stacked(poses)  # type: ignore[arg-type]
     if not isinstance(poses, _poses.Poses):
         source = _poses.from_arrays(poses, faces, tets, names, limit)
     elif faces is not None or tets is not None or names is not None:
@@ -40,14 +45,14 @@ def _source(
     return source, source.pose_count, source.vertex_count, "layers" if blend == "layers" else "average"
 
 
-def _listening(progress: object) -> Any:
+def listening(progress: object) -> Any:
     if progress is not None and not callable(progress):
         raise TypeError(f"progress: expected a callable of (stage, done, total), got {progress!r}")
     return progress
 
 
 def bake(
-    poses: npt.ArrayLike | _poses.Poses,
+    poses: npt.ArrayLike | _poses.Poses | Sequence[Mesh],
     faces: npt.ArrayLike | None = None,
     *,
     tets: npt.ArrayLike | None = None,
@@ -88,8 +93,9 @@ def bake(
     """Bakes poses into an asset, which takes minutes for a character of some 15,000 vertices. The same poses, names and
     options give the same bytes as `pliant bake`.
 
-    poses  (m, n, 3) float64, 2 to 64 poses of one mesh in any unit, the rest pose first; or Poses,
-           which have their own cells. With blend="layers" the rest shape and 1 to 64 layers on it
+    poses  (m, n, 3) float64, 2 to 64 poses of one mesh in any unit, the rest pose first. Or Poses, or a list of meshes such
+           as trimesh.Trimesh and meshio.Mesh (known by their .vertices and .faces, or .points and .cells_dict): these have
+           their own cells. With blend="layers" the rest shape and 1 to 64 layers on it
     faces  (f, 3) integers, the triangles of a surface, vertices counted from 0; or (f, k) for polygons
     tets   (t, 4) integers, the tetrahedra of a solid, instead of faces
     names  m strings that the asset stores; default pose_0, pose_1, ...
@@ -104,7 +110,8 @@ def bake(
     material, continuity, membrane, thickness, foldover_damping, poisson, weld   the elastic energy
     fix             (k,) indices of vertices to keep in place; implies no_align
     no_align        do not align the poses rigidly
-    surface         render mesh that replaces the boundary of a solid: a file, or a pair of positions (s, 3) and faces (g, k)
+    surface         render mesh that replaces the boundary of a solid: a file, a pair of positions (s, 3) and faces (g, k),
+                    or a mesh as above
     tolerance       tolerance for the mean relative L2 error of blends, 1e-8 to 1. If it is given and missed, ToleranceError
                     is raised. If not given, the bake aims at 1e-3, and missing that is a warning (P4404)
     tolerance_max   the same for the largest error
@@ -129,7 +136,7 @@ def bake(
     Raises TypeError and ValueError for wrong arguments, which they name; Error for poses that have no elastic average
     (P2xxx, P3xxx) and for failures of the computation (P4xxx); ToleranceError.
     """
-    source, _, vertex_count, blend = _source(poses, faces, tets, names, blend)
+    source, _, vertex_count, blend = source_of(poses, faces, tets, names, blend)
     options = _options.checked(
         {
             "blend": blend, "range": range,
@@ -144,7 +151,7 @@ def bake(
         vertex_count,
     )  # fmt: skip
     drawn, drawn_path = _poses.surface_of(surface)
-    data, report, missed = core.bake(source, options, drawn, drawn_path, _listening(progress), _poses.warner(3))
+    data, report, missed = core.bake(source, options, drawn, drawn_path, listening(progress), _poses.warner(3))
     asset = Asset._of_bake(data, json.loads(report))
     if missed is not None:
         raise ToleranceError([finding(True, 4405, "", *missed)], asset=asset)
@@ -152,7 +159,7 @@ def bake(
 
 
 def average(
-    poses: npt.ArrayLike | _poses.Poses,
+    poses: npt.ArrayLike | _poses.Poses | Sequence[Mesh],
     faces: npt.ArrayLike | None = None,
     weights: npt.ArrayLike | None = None,
     *,
@@ -187,7 +194,7 @@ def average(
     """
     if weights is None:
         raise TypeError("average() needs weights: (m,) or (k, m), one per pose")
-    source, pose_count, vertex_count, blend = _source(poses, faces, tets, None, blend)
+    source, pose_count, vertex_count, blend = source_of(poses, faces, tets, None, blend)
     if blend == "layers":
         rows, is_single = _arrays.rows("weights", weights, pose_count - 1, "one per layer")
     else:
@@ -201,5 +208,5 @@ def average(
         },
         vertex_count,
     )  # fmt: skip
-    shapes = core.average(source, rows, options, _listening(progress), _poses.warner(3))
+    shapes = core.average(source, rows, options, listening(progress), _poses.warner(3))
     return shapes[0] if is_single else shapes

@@ -8,7 +8,7 @@ from typing import Any, Callable, Literal, Sequence, Union
 import numpy as np
 import numpy.typing as npt
 
-from . import _arrays
+from . import _arrays, _meshes
 from ._errors import PliantWarning, finding
 from ._module import core
 
@@ -107,7 +107,7 @@ def check_count(count: int, limit: int, got: object) -> None:
 
 
 def from_arrays(poses: object, faces: object, tets: object, names: Sequence[str] | None, limit: int) -> core.Poses:
-    """Checks the arrays of a bake or an average."""
+    """Checks the arrays of a bake, an average or an energy."""
     if (faces is None) == (tets is None):
         raise TypeError("give either faces (f, 3) of a surface or tets (t, 4) of a solid")
     positions = _arrays.numbers("poses", poses, (None, None, 3), "(m, n, 3) float64")
@@ -135,8 +135,10 @@ def surface_of(surface: Any) -> tuple[core.Poses | None, str]:
         return None, ""
     if isinstance(surface, (str, os.PathLike)):
         return None, os.fspath(surface)
+    if _meshes.is_mesh(surface):
+        surface = _meshes.arrays_of(surface, "surface")[:2]
     if not isinstance(surface, (tuple, list)) or len(surface) != 2:
-        raise TypeError(f"surface: expected a path or a pair (positions, faces), got {type(surface).__name__}")
+        raise TypeError(f"surface: expected a path, a pair (positions, faces) or a mesh, got {type(surface).__name__}")
     positions = _arrays.numbers("surface positions", surface[0], (None, 3), "(s, 3) float64")
     faces = _faces("surface faces", surface[1])
     if positions.shape[0] == 0 or faces.shape[0] == 0:

@@ -1,9 +1,10 @@
-"""The package through pip: package.py SOURCE BINARY build BUILD_TREE COMPILER | configure | run SCRIPT
+"""The package through pip: package.py SOURCE BINARY build BUILD_TREE COMPILER | configure | extras | run[-extras] SCRIPT
 
 build      a wheel by `pip wheel`, and a virtual environment with it, numpy, mypy and Dask. The baker's library comes from
            BUILD_TREE, so that only the module is compiled
 configure  the way of users, who have no build: everything is configured from the tree; nothing is compiled
-run        a test, with the Python of that environment
+extras     an environment on top of that one with the packages that pliant works with where they are installed
+run        a test, with the Python of the first environment; run-extras: with that of the second one
 
 Exit code 77, and the reason, where the package index is out of reach or Python lacks what building needs.
 """
@@ -16,6 +17,7 @@ import tempfile
 from pathlib import Path
 
 SKIPPED = 77
+EXTRAS = ["trimesh", "meshio", "scipy", "polyscope", "usd-core", "ufbx", "matplotlib"]
 BUILD_REQUIREMENTS = ["nanobind >= 2.4", "scikit-build-core >= 0.10"]  # of pyproject.toml
 
 
@@ -92,14 +94,35 @@ def configure(source, binary):
             sys.exit(f"{other} would be built for the module")
 
 
+def extras(binary):
+    """Kept from one run to the next, as it is large; links to the first environment stay right. Packages that cannot be had
+    are left out: the tests that need them say so."""
+    base = python_of(binary)
+    folder = binary / "extras"
+    if (folder / "is_complete").exists() and (folder / "is_complete").read_text() == repr(EXTRAS):
+        return
+    shutil.rmtree(folder, ignore_errors=True)
+    call(base, "-m", "venv", "--without-pip", folder)
+    (site,) = (folder / "lib").glob("python3*/site-packages")
+    (site / "base.pth").write_text(str(next((binary / "environment/lib").glob("python3*/site-packages"))) + "\n")
+    install = [base.with_name("pip"), "--python", folder / "bin/python", "install", "--quiet", "--no-compile"]
+    if subprocess.run([*install, *EXTRAS]).returncode != 0:
+        for extra in EXTRAS:
+            if subprocess.run([*install, extra]).returncode != 0:
+                print(f"{extra} cannot be installed here: what needs it will be skipped")
+    (folder / "is_complete").write_text(repr(EXTRAS))
+
+
 def python_of(binary):
     if not (binary / "environment/is_complete").exists():
         skip("there is no wheel (test python_wheel)")
     return binary / "environment/bin/python"
 
 
-def run(binary, script):
+def run(binary, script, has_extras):
     python = python_of(binary)
+    if has_extras:
+        python = binary / "extras/bin/python"
     with tempfile.TemporaryDirectory() as folder:  # nothing of the tree is on the path
         environment = {key: value for key, value in os.environ.items() if not key.startswith("PYTHON")}
         done = subprocess.run([str(python), "-B", script], cwd=folder, env=environment)
@@ -112,8 +135,10 @@ def main(source, binary, task, *rest):
         build(source, binary, *rest)
     elif task == "configure":
         configure(source, binary)
+    elif task == "extras":
+        extras(binary)
     else:
-        run(binary, *rest)
+        run(binary, *rest, has_extras=task == "run-extras")
 
 
 if __name__ == "__main__":

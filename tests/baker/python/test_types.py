@@ -23,6 +23,17 @@ poses: npt.NDArray[np.float64] = pliant.load_poses(["a.obj", "b.obj"]).positions
 asset: pliant.Asset = pliant.bake(poses, [[0, 1, 2]], material="arap", progress=lambda stage, done, total: None)
 shape: npt.NDArray[np.float32] = asset.blend([1, 2])
 data: bytes = bytes(pliant.Asset.open(b""))
+basis: npt.NDArray[np.float32] = asset.basis
+energy: pliant.Energy = pliant.energy(poses, [[0, 1, 2]], material="arap")
+slope: npt.NDArray[np.float64] = energy.gradient(poses[0], [1, 2]) * energy.value(poses[0])
+
+
+class Mesh:
+    vertices = poses[0]
+    faces = np.zeros((1, 3), np.int64)
+
+
+pliant.show(pliant.bake([Mesh(), Mesh()]), picture="mesh.png")
 try:
     truth: npt.NDArray[np.float64] = pliant.average(poses, weights=[1, 2], tets=[[0, 1, 2, 3]])
 except pliant.ToleranceError as error:
@@ -65,7 +76,8 @@ class Types(unittest.TestCase):
         with tempfile.NamedTemporaryFile("w", suffix=".txt") as known:
             # nanobind's functions are objects of its own, and its classes have a metaclass: stubtest looks no further there.
             functions = [name for name, member in vars(core).items() if type(member).__name__ == "nb_func"]
-            known.write("\n".join(f"pliant._core.{name}" for name in [*functions, "AssetView", "Poses", "Poses.__init__"]))
+            classes = ["AssetView", "EnergyView", "Poses", "Poses.__init__"]
+            known.write("\n".join(f"pliant._core.{name}" for name in functions + classes))
             known.flush()
             done = mypy("--allowlist", known.name, "pliant._core", module="mypy.stubtest")
         self.assertEqual(done.returncode, 0, done.stdout + done.stderr)

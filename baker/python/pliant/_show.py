@@ -1,0 +1,122 @@
+"""show(): an asset in a window of polyscope, which is imported when it is called."""
+from __future__ import annotations
+
+import os
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from ._asset import Asset, Weights
+
+# Where a slider of a layer ends: so much of its range beyond it, since layers may leave their ranges.
+_MARGIN = 0.5
+_GAP = 0.25  # between the two shapes, over their width
+_COLOURS = {"elastic": (0.16, 0.47, 0.71), "linear": (0.80, 0.52, 0.25)}
+
+
+def _polyscope(is_headless: bool) -> Any:
+    try:
+        import polyscope
+    except ImportError:
+        raise ImportError("pliant.show needs polyscope: pip install 'pliant[show]'", name="polyscope") from None
+    if not polyscope.is_initialized():
+        if is_headless:
+            polyscope.set_allow_headless_backends(True)
+        polyscope.set_program_name("pliant")
+        polyscope.set_verbosity(0)
+        polyscope.init()
+    return polyscope
+
+
+class Viewer:
+    """Two meshes in polyscope, the elastic and the linear blend of the same weights, and a slider for each weight."""
+
+    def __init__(self, polyscope: Any, asset: Asset, weights: Weights | None, linear: bool) -> None:
+        self.asset = asset
+        start = [initial for _, _, _, initial in asset._weights()] if weights is None else weights
+        rows, is_single = asset._rows(start)
+        if not is_single:
+            raise ValueError(f"weights: expected ({asset.weight_count},), got {rows.shape}")
+        self.weights: npt.NDArray[np.float32] = rows[0]
+        self.limits = [self._limit(*asset.ranges[name]) for name in asset.weight_names]
+        self._drawn, corners = np.unique(asset.triangles, return_inverse=True)
+        self._meshes: dict[str, Any] = {}
+        for name, shape in self._shapes(linear).items():
+            mesh = polyscope.register_surface_mesh(name, shape, corners.reshape(-1, 3), smooth_shade=True)
+            mesh.set_color(_COLOURS[name])
+            if name == "linear":
+                mesh.set_position((1 + _GAP) * self._widest() * self._side(shape))
+            self._meshes[name] = mesh
+
+    def _limit(self, low: float, high: float) -> tuple[float, float]:
+        margin = _MARGIN * (high - low) if self.asset.has_layers else 0.0
+        return low - margin, high + margin
+
+    def _widest(self) -> float:
+        corners = self.asset.reconstruct(self.asset.pose_coordinates)[:, self._drawn]
+        return float(np.ptp(corners, axis=1).max(0)[self._axis(corners[0])])
+
+    @staticmethod
+    def _axis(shape: npt.NDArray[np.float32]) -> int:
+        """Side by side along the shorter one of the two axes across the picture."""
+        return int(np.argmin(np.ptp(shape, axis=0)[:2]))
+
+    def _side(self, shape: npt.NDArray[np.float32]) -> npt.NDArray[np.float64]:
+        side: npt.NDArray[np.float64] = np.eye(3)[self._axis(shape)]
+        return side
+
+    def _shapes(self, linear: bool) -> dict[str, npt.NDArray[np.float32]]:
+        shapes = {"elastic": self.asset.blend(self.weights)[self._drawn]}
+        if linear:
+            shapes["linear"] = self.asset.linear_blend(self.weights)[self._drawn]
+        return shapes
+
+    def set_weights(self, weights: npt.ArrayLike) -> None:
+        """Moves both meshes. All weights of an average zero: they stay as they are."""
+        self.weights = np.asarray(weights, np.float32)
+        if not self.asset.has_layers and not (self.weights > 0).any():
+            return
+        for name, shape in self._shapes("linear" in self._meshes).items():
+            self._meshes[name].update_vertex_positions(shape)
+
+    def draw_panel(self, imgui: Any) -> None:
+        """The sliders: polyscope calls it once a frame."""
+        imgui.Text("blue: elastic" + (", orange: linear" if "linear" in self._meshes else ""))
+        weights = self.weights.copy()
+        for k, name in enumerate(self.asset.weight_names):
+            _, weights[k] = imgui.SliderFloat(f"{name}##{k}", float(weights[k]), *self.limits[k])
+        if imgui.Button("Start"):
+            weights[:] = [initial for _, _, _, initial in self.asset._weights()]
+        if not np.array_equal(weights, self.weights):
+            self.set_weights(weights)
+
+
+def show(
+    asset: Asset,
+    weights: Weights | None = None,
+    *,
+    linear: bool = True,
+    picture: str | os.PathLike[str] | None = None,
+) -> None:
+    """Opens a window with the elastic blend, the linear blend beside it, and a slider for each weight; returns when the
+    window is closed. Needs polyscope (MIT): pip install 'pliant[show]'.
+
+    weights  to start with, as for Asset.blend(); default: those of the asset, mostly equal weights or no layer
+    linear   draw the linear blend, too
+    picture  write a PNG of this name and open no window; without a display this needs EGL, which Mesa has
+
+    Sliders of layers go half a range beyond the measured one. polyscope has one scene for each process: its meshes of the
+    names "elastic" and "linear" are replaced. Raises ImportError without polyscope, and the errors of Asset.blend().
+    """
+    polyscope = _polyscope(picture is not None)
+    polyscope.remove_all_structures()
+    viewer = Viewer(polyscope, asset, weights, linear)
+    polyscope.set_ground_plane_mode("none")
+    polyscope.reset_camera_to_home_view()
+    if picture is not None:
+        polyscope.screenshot(os.fspath(picture), transparent_bg=False)
+        return
+    polyscope.set_user_callback(lambda: viewer.draw_panel(polyscope.imgui))
+    polyscope.show()
+    polyscope.clear_user_callback()

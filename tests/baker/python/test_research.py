@@ -1,0 +1,236 @@
+"""The reduced model and the energies that researchers take apart: basis, surrogate energy, unreduced energy."""
+import threading
+import unittest
+
+import numpy as np
+import pliant
+import shapes
+
+try:
+    import scipy.sparse
+except ImportError:
+    scipy = None
+
+POSES, FACES = shapes.tubes((0.0, 1.2, -0.8))
+SOLID, TETS = shapes.bars()
+QUICK = {"check_samples": 1, "fresh_samples": 1}
+TUBE = pliant.bake(POSES, FACES, dim=6, elements=40, **QUICK)
+# Exact but for single precision: the reduced energy of such a solid is a quartic, and its basis is not compressed.
+BAR = pliant.bake(SOLID, tets=TETS, dim=4, energy="quartic", position_error=0, **QUICK)
+LAYERS = pliant.bake(POSES, FACES, blend="layers", dim=6, elements=60, **QUICK)
+ENERGY = pliant.energy(POSES, FACES)
+WEIGHTS = [0.2, 0.5, 0.3]
+
+
+def near(asset, weights, seed=0):
+    """Coordinates some way off those of a blend."""
+    q = asset.coordinates(weights).astype(float)
+    return q + 0.2 * np.abs(asset.pose_coordinates).max() * np.random.default_rng(seed).normal(size=q.shape)
+
+
+def crumpled(energy, pose=1):
+    return energy.poses[pose] + 0.02 * energy.length * np.random.default_rng(1).normal(size=energy.poses[pose].shape)
+
+
+def matrix(entries, size):
+    """A dense Hessian of either form."""
+    if isinstance(entries, tuple):
+        out = np.zeros((size, size))
+        np.add.at(out, entries[:2], entries[2])
+        return out
+    return entries.toarray()
+
+
+class ReducedModel(unittest.TestCase):
+    def test_rest_and_basis_make_the_blends(self):
+        for asset in (TUBE, BAR, LAYERS):
+            rest, basis = asset.rest, asset.basis
+            self.assertEqual((rest.shape, rest.dtype), ((asset.vertex_count, 3), np.float32))
+            self.assertEqual((basis.shape, basis.dtype), ((asset.vertex_count, 3, asset.dimension), np.float32))
+            for q in (asset.coordinates(np.ones(asset.weight_count)), near(asset, np.ones(asset.weight_count))):
+                reference = asset.reconstruct(q)
+                self.assertLess(np.abs(rest + basis @ q - reference).max(), 1e-6 * np.ptp(reference, axis=0).max())
+
+    def test_coordinates_of_poses_make_the_poses(self):
+        made = BAR.reconstruct(BAR.pose_coordinates)
+        self.assertLess(np.abs(made - pliant.energy(SOLID, tets=TETS).poses).max(), 1e-5)
+
+    def test_linear_blends(self):
+        made = TUBE.linear_blend([[1, 1, 2], [0, 3, 0]])
+        poses = TUBE.reconstruct(TUBE.pose_coordinates)
+        self.assertLess(np.abs(made[0] - (poses[0] + poses[1] + 2 * poses[2]) / 4).max(), 1e-5)
+        self.assertLess(np.abs(made[1] - poses[1]).max(), 1e-5)
+        poses = LAYERS.reconstruct(LAYERS.pose_coordinates)
+        added = poses[0] + 0.5 * (poses[1] - poses[0]) - (poses[2] - poses[0])
+        self.assertLess(np.abs(LAYERS.linear_blend({"pose_1": 0.5, "pose_2": -1}) - added).max(), 1e-5)
+        with self.assertRaises(pliant.Error) as raised:
+            TUBE.linear_blend([0, 0, 0])
+        self.assertEqual(raised.exception.number, "P1204")
+
+    def test_blends_are_minima_of_the_surrogate_energy(self):
+        for asset, weights in ((TUBE, WEIGHTS), (BAR, [0.4, 0.6]), (LAYERS, [0.7, 0.2])):
+            q = asset.coordinates(weights).astype(float)
+            points = np.stack([near(asset, weights, seed) for seed in range(8)])
+            away = asset.energy(weights, points)
+            self.assertEqual(away.shape, (8,))
+            self.assertGreater(away.min(), asset.energy(weights, q))
+            slopes = np.linalg.norm(asset.energy_gradient(weights, points), axis=1)
+            self.assertLess(np.linalg.norm(asset.energy_gradient(weights, q)), 0.02 * slopes.min())
+
+    def test_gradients_are_differences_of_the_surrogate_energy(self):
+        for asset, weights in ((TUBE, WEIGHTS), (BAR, [0.4, 0.6]), (LAYERS, [0.7, 0.2])):
+            q, step = near(asset, weights), 0.005 * np.abs(asset.pose_coordinates).max()
+            steps = step * np.eye(asset.dimension)
+            differences = (asset.energy(weights, q + steps) - asset.energy(weights, q - steps)) / (2 * step)
+            gradient = asset.energy_gradient(weights, q)
+            self.assertLess(np.linalg.norm(gradient - differences), 2e-3 * np.linalg.norm(gradient))
+
+    def test_the_quartic_of_a_solid_is_its_energy_in_the_subspace(self):
+        energy = pliant.energy(SOLID, tets=TETS)
+        rest, basis = BAR.rest.astype(float), BAR.basis.astype(float)
+        weights, one, other = [0.3, 0.7], near(BAR, [0.3, 0.7], 1), near(BAR, [0.3, 0.7], 2)
+
+        def full(q):
+            return np.einsum("vcd,vc->d", basis, energy.gradient(rest + basis @ q, weights))
+
+        # The dead load is the same at both points.
+        reduced = BAR.energy_gradient(weights, one) - BAR.energy_gradient(weights, other)
+        expected = full(one) - full(other)
+        self.assertLess(np.linalg.norm(reduced - expected), 1e-5 * np.linalg.norm(expected))
+
+    def test_wrong_arguments(self):
+        with self.assertRaisesRegex(ValueError, r"q: expected \(6,\) or \(k, 6\)"):
+            TUBE.energy(WEIGHTS, np.zeros(5))
+        with self.assertRaisesRegex(ValueError, "q: expected 1 or 2 rows, as there are rows of weights, got 3"):
+            TUBE.energy([WEIGHTS, WEIGHTS], np.zeros((3, 6)))
+        with self.assertRaises(pliant.Error) as raised:
+            TUBE.energy([-1, 1, 1], np.zeros(6))
+        self.assertEqual(raised.exception.number, "P1204")
+        self.assertEqual(TUBE.energy(WEIGHTS, np.full(6, 1e30)), np.inf)
+        self.assertTrue(np.isnan(TUBE.energy_gradient(WEIGHTS, np.full(6, 1e30))).all())
+
+
+class UnreducedEnergy(unittest.TestCase):
+    def check_derivatives(self, energy, weights):
+        x = crumpled(energy)
+        way = np.random.default_rng(2).normal(size=x.shape)
+        step = 1e-6 * energy.length * way
+        change = energy.value(x + step, weights) - energy.value(x - step, weights)
+        expected = 2 * (energy.gradient(x, weights) * step).sum()
+        self.assertLess(abs(change - expected), 1e-6 * abs(expected))
+        hessian = matrix(energy.hessian(x, weights), x.size)
+        self.assertEqual(np.abs(hessian - hessian.T).max(), 0)
+        turn = energy.gradient(x + step, weights) - energy.gradient(x - step, weights)
+        expected = 2 * hessian @ step.ravel()
+        self.assertLess(np.abs(turn.ravel() - expected).max(), 1e-6 * np.abs(expected).max())
+        projected = matrix(energy.hessian(x, weights, projected=True), x.size)
+        lowest = np.linalg.eigvalsh(projected)[0]
+        self.assertGreater(lowest, -1e-10 * np.abs(projected).max())
+
+    def test_derivatives_are_differences(self):
+        for options in ({}, {"material": "arap"}, {"membrane": "edge", "continuity": "off"}, {"blend": "layers"}):
+            with self.subTest(options):
+                energy = pliant.energy(POSES, FACES, **options)
+                self.check_derivatives(energy, [0.5, 0.3] if "blend" in options else WEIGHTS)
+        for material in ("stvk", "mooney-rivlin"):
+            with self.subTest(material):
+                self.check_derivatives(pliant.energy(SOLID, tets=TETS, material=material), [0.3, 0.7])
+
+    def test_what_it_is(self):
+        energy = ENERGY
+        for k, corner in enumerate(np.eye(3)):
+            self.assertLess(energy.value(energy.poses[k], corner), 1e-20)
+        x = crumpled(energy)
+        parts = [energy.value(x, corner) for corner in np.eye(3)]
+        self.assertAlmostEqual(energy.value(x, [1, 1, 2]), (parts[0] + parts[1] + 2 * parts[2]) / 4, delta=1e-12)
+        self.assertAlmostEqual(energy.value(x), sum(parts) / 3, delta=1e-12)
+        large = pliant.energy(10 * POSES + 7, FACES)
+        self.assertAlmostEqual(large.value(10 * x + 7), energy.value(x), delta=1e-9 * energy.value(x))
+        self.assertAlmostEqual(energy.masses.sum(), 1)
+        self.assertEqual(repr(energy), "<pliant.Energy of 3 poses, 112 vertices>")
+
+    def test_averages_are_minima(self):
+        y = pliant.average(POSES, FACES, WEIGHTS)
+        away = ENERGY.gradient(ENERGY.poses[0], WEIGHTS)
+        self.assertLess(np.abs(ENERGY.gradient(y, WEIGHTS)).max(), 1e-6 * np.abs(away).max())
+        self.assertLess(ENERGY.value(y, WEIGHTS), ENERGY.value(TUBE.linear_blend(WEIGHTS), WEIGHTS))
+        energy = pliant.energy(POSES, FACES, blend="layers")
+        y = pliant.average(POSES, FACES, [0.6, 0.5], blend="layers")
+        away = energy.gradient(energy.poses[0], [0.6, 0.5])
+        self.assertLess(np.abs(energy.gradient(y, [0.6, 0.5])).max(), 1e-4 * np.abs(away).max())
+
+    def test_newton_with_the_hessian_finds_the_average(self):
+        if scipy is None:
+            self.skipTest("scipy is not installed")
+        from scipy.sparse.linalg import spsolve
+
+        energy = pliant.energy(SOLID, tets=TETS)
+        x, size = SOLID[0].copy(), SOLID[0].size
+        for _ in range(20):
+            hessian = energy.hessian(x, [1, 1], projected=True) + 1e-7 * scipy.sparse.identity(size, format="csc")
+            self.assertIsInstance(hessian, scipy.sparse.csc_matrix)
+            x = x - spsolve(hessian, energy.gradient(x, [1, 1]).ravel()).reshape(-1, 3)
+        y = pliant.average(SOLID, weights=[1, 1], tets=TETS)
+        self.assertAlmostEqual(energy.value(x, [1, 1]), energy.value(y, [1, 1]), delta=1e-7 * energy.value(y, [1, 1]))
+
+    def test_welded_vertices(self):
+        # The tube cut open: every corner of a face a vertex of its own.
+        cut, split = POSES[:, FACES.ravel()], np.arange(FACES.size).reshape(-1, 3)
+        with self.assertWarns(pliant.PliantWarning):
+            energy = pliant.energy(cut, split)
+        whole = crumpled(ENERGY)
+        self.assertEqual(len(energy.vertices), len(whole))
+        self.assertAlmostEqual(energy.value(whole[FACES.ravel()]), ENERGY.value(whole), delta=1e-12)
+        gradient = energy.gradient(whole[FACES.ravel()])
+        first = np.sort(energy.vertices)
+        self.assertLess(np.abs(gradient[energy.vertices].sum(0) - ENERGY.gradient(whole).sum(0)).max(), 1e-10)
+        others = np.setdiff1d(np.arange(len(gradient)), first)
+        self.assertFalse(gradient[others].any() or energy.masses[others].any())
+        sums = np.zeros_like(whole)
+        np.add.at(sums, FACES.ravel(), gradient)
+        self.assertLess(np.abs(sums - ENERGY.gradient(whole)).max(), 1e-10)
+
+    def test_collapsed_elements(self):
+        energy = pliant.energy(SOLID, tets=TETS, material="mooney-rivlin")
+        flat = SOLID[0] * [1, 1, 0]
+        self.assertEqual(energy.value(flat), np.inf)
+        self.assertTrue(np.isnan(energy.gradient(flat)).all())
+        self.assertTrue(np.isnan(matrix(energy.hessian(flat), flat.size)).any())
+
+    def test_threads(self):
+        x = crumpled(ENERGY)
+        expected = ENERGY.value(x), ENERGY.gradient(x).tobytes(), matrix(ENERGY.hessian(x), x.size).tobytes()
+        differences = []
+
+        def work():
+            for _ in range(20):
+                got = ENERGY.value(x), ENERGY.gradient(x).tobytes(), matrix(ENERGY.hessian(x), x.size).tobytes()
+                if got != expected:
+                    differences.append(got)
+
+        threads = [threading.Thread(target=work) for _ in range(4)]
+        for thread in threads:
+            thread.start()
+        for thread in threads:
+            thread.join()
+        self.assertFalse(differences)
+
+    def test_wrong_arguments(self):
+        with self.assertRaisesRegex(ValueError, r"x: expected \(112, 3\): positions of the vertices, got \(3,\) "):
+            ENERGY.value([0.0, 1.0, 2.0])
+        with self.assertRaisesRegex(ValueError, "x: a position is not finite"):
+            ENERGY.gradient(np.full(POSES[0].shape, np.nan))
+        with self.assertRaisesRegex(ValueError, r"weights: expected \(3,\): one per pose, got \(2,\)"):
+            ENERGY.value(POSES[0], [1, 1])
+        with self.assertRaises(pliant.Error) as raised:
+            ENERGY.value(POSES[0], [1, -1, 1])
+        self.assertEqual(raised.exception.number, "P1204")
+        with self.assertRaises(pliant.Error) as raised:
+            pliant.energy(POSES, FACES, material="stvk")
+        self.assertEqual(raised.exception.number, "P1206")
+        with self.assertRaisesRegex(ValueError, "thickness: expected a number from 1e-06 to 1"):
+            pliant.energy(POSES, FACES, thickness=2.0)
+
+
+if __name__ == "__main__":
+    unittest.main(verbosity=2)
