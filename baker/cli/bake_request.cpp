@@ -122,7 +122,7 @@ void add_bake_options(CLI::App& verb, BakeRequest& r)
             "`pliant bake-all` keeps a stamp next to each asset")
         ->type_name("OUT.stamp");
     add_threads(verb);
-    add_quiet(verb, r.is_quiet);
+    add_talk(verb, r.talk);
 }
 
 namespace {

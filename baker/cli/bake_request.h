@@ -3,6 +3,7 @@
 #pragma once
 
 #include "bake/options.h"
+#include "cli/console.h"
 #include "pipeline/json_file.h"
 
 #include <CLI/CLI.hpp>
@@ -17,7 +18,8 @@ struct BakeRequest {
     std::string subspace = "adaptive", surrogate = "auto";
     BakeOptions bake;
     bool has_tolerance = false, is_best_effort = false, is_preview = false;
-    bool is_quiet = false, is_dry_run = false, is_print_config = false;
+    bool is_json = false, is_dry_run = false, is_print_config = false;
+    Talk talk;
 };
 
 // Registers all options that a configuration may have. `request` must outlive the verb.

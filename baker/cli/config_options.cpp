@@ -29,7 +29,7 @@ Kind option_kind(const CLI::Option& option)
 }
 
 // Options that say what to do now, and belong in no file.
-const std::set<std::string> without_key = { "help", "config", "print_config", "dry_run" };
+const std::set<std::string> without_key = { "help", "config", "print_config", "dry_run", "json", "verbose" };
 
 std::string key_of(const CLI::Option& option)
 {

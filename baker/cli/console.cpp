@@ -39,15 +39,16 @@ std::atomic<int> interrupt_pipe { -1 };
 
 std::string duration_text(double seconds)
 {
-    if (seconds < 60) return fmt::format("{:.0f} s", seconds);
-    return fmt::format("{:.0f} min {:02.0f} s", std::floor(seconds / 60), std::fmod(seconds, 60));
+    const auto whole = static_cast<long long>(std::llround(seconds));
+    if (whole < 60) return fmt::format("{} s", whole);
+    return fmt::format("{} min {:02} s", whole / 60, whole % 60);
 }
 
 } // namespace
 
-ConsoleProgress::ConsoleProgress(std::string verb, bool is_quiet)
+ConsoleProgress::ConsoleProgress(std::string verb, const Talk& talk)
     : verb_(std::move(verb))
-    , is_quiet_(is_quiet)
+    , talk_(talk)
     , is_terminal_(::isatty(STDERR_FILENO) != 0)
 {
 }
@@ -62,18 +63,31 @@ void ConsoleProgress::clear_line()
 
 void ConsoleProgress::update(const std::string& stage, double fraction, const std::string& detail)
 {
-    if (is_quiet_) return;
-    const Clock::time_point now = Clock::now();
+    if (talk_.is_quiet) return;
     if (stage != stage_) {
         stage_ = stage;
         last_draw_ = {};
-        if (!is_terminal_) fmt::print(stderr, "pliant {}: {}\n", verb_, stage);
+        if (talk_.is_verbose || !is_terminal_) print_stage(fraction);
     }
+    if (is_terminal_) draw(fraction, detail);
+}
+
+void ConsoleProgress::print_stage(double fraction)
+{
+    clear_line();
+    const double elapsed = std::chrono::duration<double>(Clock::now() - start_).count();
+    fmt::print(stderr, "pliant {}: {} {:.0f} %{}\n", verb_, stage_, std::floor(100 * fraction),
+               talk_.is_verbose ? fmt::format(" after {:.1f} s", elapsed) : "");
+}
+
+void ConsoleProgress::draw(double fraction, const std::string& detail)
+{
+    const Clock::time_point now = Clock::now();
     // Ten times a second is enough for the eye and costs nothing.
-    if (!is_terminal_ || now - last_draw_ < std::chrono::milliseconds(100)) return;
+    if (now - last_draw_ < std::chrono::milliseconds(100)) return;
     last_draw_ = now;
     const double elapsed = std::chrono::duration<double>(now - start_).count();
-    std::string line = fmt::format("\r\033[Kpliant {}: {} {:.0f} %", verb_, stage, 100 * fraction);
+    std::string line = fmt::format("\r\033[Kpliant {}: {} {:.0f} %", verb_, stage_, std::floor(100 * fraction));
     if (fraction > 0.05 && elapsed > 1) line += ", " + duration_text(elapsed * (1 - fraction) / fraction) + " left";
     if (!detail.empty()) line += " (" + detail + ")";
     std::fputs(line.c_str(), stderr);
@@ -90,7 +104,7 @@ void ConsoleProgress::warn(int number, const std::string& what, const std::strin
 
 void print_finding(const std::string& verb, const Diagnostic& diagnostic)
 {
-    fmt::print(stderr, "pliant {}: {}\n", verb, to_text(diagnostic));
+    fmt::print(stderr, "pliant{}{}: {}\n", verb.empty() ? "" : " ", verb, to_text(diagnostic));
 }
 
 static bool has_avx2()

@@ -9,11 +9,16 @@
 
 namespace pliant {
 
+// How much a verb says: -q, -v.
+struct Talk {
+    bool is_quiet = false, is_verbose = false;
+};
+
 // Prints progress to stderr: one line redrawn with stage, percentage of the whole work and remaining time on a terminal, a
-// plain line per stage elsewhere, nothing but warnings when quiet.
+// plain line per stage elsewhere or when verbose, then with the seconds so far; nothing but warnings when quiet.
 class ConsoleProgress final : public Progress {
 public:
-    ConsoleProgress(std::string verb, bool is_quiet);
+    ConsoleProgress(std::string verb, const Talk& talk);
     ~ConsoleProgress() override;
 
     void update(const std::string& stage, double fraction, const std::string& detail = {}) override;
@@ -24,8 +29,12 @@ public:
 
 private:
     using Clock = std::chrono::steady_clock;
+    void print_stage(double fraction);
+    void draw(double fraction, const std::string& detail);
+
     std::string verb_, stage_;
-    bool is_quiet_, is_terminal_, has_line_ = false;
+    Talk talk_;
+    bool is_terminal_, has_line_ = false;
     Clock::time_point start_ = Clock::now(), last_draw_;
     std::vector<Diagnostic> warnings_;
 };

@@ -1,4 +1,6 @@
 // The `pliant` tool: one program, one verb per task.
+#include "cli/help_format.h"
+#include "cli/usage_error.h"
 #include "cli/verbs.h"
 
 #include "base/common/version.h"
@@ -50,25 +52,28 @@ int main(int argc, char** argv)
     keep_freed_memory();
     install_signal_handlers();
     CLI::App app("Pliant: bakes poses of a character into an asset that games blend elastically.", "pliant");
+    app.formatter(std::make_shared<HelpFormat>());
     app.set_version_flag("--version", baker_version);
     app.require_subcommand(1);
-    app.failure_message(CLI::FailureMessage::help);
     app.footer("Exit codes: 0 success, 1 failure, 2 wrong usage, 3 bad input file, 4 tolerance missed, 130 "
                "interrupted.\n"
-               "`pliant VERB --help` explains a verb, with an example.");
+               "`pliant help VERB` explains a verb, with an example.");
     const std::vector<std::pair<std::string, Verb>> verbs = {
         { "bake", add_bake(app) },         { "check", add_check(app) },     { "average", add_average(app) },
         { "blend", add_blend(app) },       { "measure", add_measure(app) }, { "info", add_info(app) },
         { "validate", add_validate(app) }, { "export", add_export(app) },   { "bake-all", add_bake_all(app) },
-        { "report", add_report(app) },     { "pose", add_pose(app) },
+        { "report", add_report(app) },     { "pose", add_pose(app) },       { "help", add_help(app) },
     };
+    group_options(app);
     try {
         app.parse(argc, argv);
     } catch (const CLI::ParseError& e) {
         if (e.get_exit_code() == 0) return app.exit(e); // --help, --version
-        const std::string name = app.get_subcommands().empty() ? "" : " " + app.get_subcommands()[0]->get_name();
-        fmt::print(stderr, "pliant{}: error P1101: {}\n  hint: `pliant{} --help` lists the arguments\n", name, e.what(),
-                   name);
+        const CLI::App* const verb = chosen_verb(app);
+        if (argc < 2)
+            std::fputs(app.help().c_str(), stderr);
+        else
+            print_finding(verb ? verb->get_name() : "", usage_error(app, e));
         return int(pliant::ExitCode::usage);
     }
     for (const auto& [name, verb] : verbs) {

@@ -11,6 +11,7 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
+#include <filesystem>
 #include <fmt/core.h>
 #include <utility>
 
@@ -166,7 +167,12 @@ void add_surface(CLI::App& verb, std::string& path)
         ->type_name("FILE");
 }
 
-void add_quiet(CLI::App& verb, bool& is_quiet) { verb.add_flag("-q,--quiet", is_quiet, "Print warnings and errors only"); }
+void add_talk(CLI::App& verb, Talk& talk)
+{
+    CLI::Option* quiet = verb.add_flag("-q,--quiet", talk.is_quiet, "Print warnings and errors only");
+    verb.add_flag("-v,--verbose", talk.is_verbose, "Print more: every stage with the seconds so far, and all that is known")
+        ->excludes(quiet);
+}
 
 void add_json(CLI::App& verb, bool& is_json)
 {
@@ -234,7 +240,9 @@ std::vector<double> parse_weights(const std::string& text)
         if (error != std::errc() || rest != word.data() + word.size())
             throw Failure(ExitCode::usage,
                           error_at(1201, "", fmt::format("weight '{}' in '{}' is not a number", word, text),
-                                   "write weights as 0.5,0.25,0.25 with a decimal point"));
+                                   word.find('=') == std::string::npos
+                                       ? "write weights as 0.5,0.25,0.25 with a decimal point"
+                                       : "`pliant blend` takes weights by name, one each: --set " + word));
         values.push_back(value);
         start = end + 1;
     }
@@ -262,6 +270,17 @@ std::vector<std::vector<double>> read_weight_rows(const std::string& path)
         }
     }
     return rows;
+}
+
+void require_suffix(const std::string& option, const std::string& path, const std::string& suffix)
+{
+    std::filesystem::path name = path;
+    const std::string found = name.extension().string();
+    if (found.empty() || CLI::detail::to_lower(found) == suffix) return;
+    throw Failure(
+        ExitCode::usage,
+        error_at(1230, "", fmt::format("{}: '{}' does not end in {}", option, path, suffix),
+                 fmt::format("the file is written in that format: name it {}", name.replace_extension(suffix).string())));
 }
 
 // Not printf: the pattern comes from outside.

@@ -23,7 +23,8 @@ struct AverageArguments {
     std::uint32_t grid = 0;
     EnergyOptions energy;
     NewtonOptions newton;
-    bool all_vertices = false, is_quiet = false, is_json = false;
+    bool all_vertices = false, is_json = false;
+    Talk talk;
 };
 
 // An average to compute, and the file for it. frame: its name in messages, empty if there is only one.
@@ -135,6 +136,8 @@ void check_usage(const AverageArguments& a)
     const std::vector<std::string> inputs = all_inputs(a);
     probe_output(a.weights.empty() ? frame_name(a.output, 0) : a.output, inputs);
     if (!a.list.empty()) probe_output(a.list, inputs);
+    require_suffix("--output", a.output, ".ply");
+    require_suffix("--list", a.list, ".csv");
 }
 
 std::vector<Wanted> wanted_averages(const AverageArguments& a, std::size_t pose_count)
@@ -189,10 +192,10 @@ void print_figures(const AverageArguments& a, const nlohmann::ordered_json& aver
     if (a.is_json) {
         const nlohmann::ordered_json json = { { "factorizations", factorization_count }, { "averages", averages } };
         fmt::print("{}\n", json_text(json));
-    } else if (!a.is_quiet && averages.size() == 1) {
+    } else if (!a.talk.is_quiet && averages.size() == 1) {
         fmt::print("{}: energy {:.6e}, decrement {:.1e}, {} factorisations\n", averages[0]["output"].get<std::string>(),
                    averages[0]["energy"].get<double>(), averages[0]["decrement"].get<double>(), factorization_count);
-    } else if (!a.is_quiet) {
+    } else if (!a.talk.is_quiet) {
         fmt::print("{} averages, {} factorisations\n", averages.size(), factorization_count);
     }
 }
@@ -200,7 +203,7 @@ void print_figures(const AverageArguments& a, const nlohmann::ordered_json& aver
 ExitCode run_average(AverageArguments a)
 {
     check_usage(a);
-    ConsoleProgress progress("average", a.is_quiet);
+    ConsoleProgress progress("average", a.talk);
     const PoseSet poses = load_with_warnings("average", a.poses, a.energy);
     a.energy.blend = poses.blend;
     const std::vector<Wanted> wanted = wanted_averages(a, poses.pose_count()); // one glTF file may give many poses
@@ -268,7 +271,7 @@ Verb add_average(CLI::App& app)
     add_all_vertices(*verb, a->all_vertices);
     add_threads(*verb);
     add_json(*verb, a->is_json);
-    add_quiet(*verb, a->is_quiet);
+    add_talk(*verb, a->talk);
     return [a] { return run_average(*a); };
 }
 

@@ -87,6 +87,8 @@ void probe_outputs(const BakeRequest& a)
         probe_output(*output, inputs);
         inputs.push_back(*output); // no two outputs may be the same file
     }
+    require_suffix("--output", a.output, ".pliant");
+    require_suffix("--report", a.report, ".json");
 }
 
 // So that both may move together. Without a folder in common, or one that can be looked up, the absolute name.
@@ -138,7 +140,7 @@ ExitCode run_bake(BakeRequest& a, CLI::App& verb)
     }
     probe_outputs(a);
     const ReadLog log;
-    ConsoleProgress progress("bake", a.is_quiet);
+    ConsoleProgress progress("bake", a.talk);
     std::vector<Diagnostic> warnings;
     const PoseSet poses = load_with_warnings("bake", a.poses, a.bake.energy, &warnings);
     a.bake.energy.blend = poses.blend;
@@ -158,7 +160,10 @@ ExitCode run_bake(BakeRequest& a, CLI::App& verb)
     stamp.seconds = seconds_of(baked.report);
     write_outputs(a, baked, warnings, log.files(), std::move(stamp));
     progress.clear_line();
-    if (!a.is_quiet) print_summary(a, baked);
+    if (a.is_json)
+        fmt::print("{}\n", write_report(baked.report, a.output, warnings));
+    else if (!a.talk.is_quiet)
+        print_summary(a, baked);
     return outcome;
 }
 
@@ -183,6 +188,7 @@ Verb add_bake(CLI::App& app)
         "nothing");
     verb->add_flag("--dry-run", a->is_dry_run,
                    "Check the poses, print the estimated cost as JSON like `pliant check --json`, and bake nothing");
+    add_json(*verb, a->is_json);
     return [a, verb] { return run_bake(*a, *verb); };
 }
 

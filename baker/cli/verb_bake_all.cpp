@@ -20,8 +20,8 @@ struct BatchArguments {
     std::vector<std::string> only;
     std::size_t job_count = 1;
     std::uint64_t memory = 0;
-    bool is_json = false, is_quiet = false, is_dry_run = false, is_forced = false, is_fail_fast = false,
-         is_keep_going = false;
+    bool is_json = false, is_dry_run = false, is_forced = false, is_fail_fast = false, is_keep_going = false;
+    Talk talk;
 };
 
 // A fifth is for the system and for what estimates miss.
@@ -52,13 +52,14 @@ void keep_only(std::vector<BatchJob>& jobs, const std::vector<std::string>& only
 
 void print_plan(const BatchArguments& a, const std::vector<BatchJob>& jobs)
 {
-    if (a.is_quiet) return;
+    if (a.talk.is_quiet) return;
     fmt::print(a.is_json ? stderr : stdout, "{}", plan_table(jobs));
     std::fflush(stdout); // before the first progress on the other stream
 }
 
 ExitCode run_bake_all(const BatchArguments& a)
 {
+    require_suffix("--report", a.report, ".json");
     const auto start = std::chrono::steady_clock::now();
     std::vector<BatchJob> jobs = read_manifest(a.manifest, threads_for_each(a.job_count));
     keep_only(jobs, a.only);
@@ -68,7 +69,8 @@ ExitCode run_bake_all(const BatchArguments& a)
     options.memory = a.memory > 0 ? double(a.memory) : memory_share * available_memory();
     options.is_forced = a.is_forced;
     options.is_fail_fast = a.is_fail_fast;
-    options.is_quiet = a.is_quiet;
+    options.is_quiet = a.talk.is_quiet;
+    options.is_verbose = a.talk.is_verbose;
     options.wake = catch_interrupts();
 
     bool goes_on = plan_batch(jobs, options);
@@ -131,7 +133,7 @@ Verb add_bake_all(CLI::App& app)
     add_what_to_do(*verb, *a);
     verb->add_option("--report", a->report, "Also write the summary as JSON")->type_name("OUT.json");
     verb->add_flag("--json", a->is_json, "Print the summary as JSON to standard output and the plan to standard error");
-    add_quiet(*verb, a->is_quiet);
+    add_talk(*verb, a->talk);
     return [a] { return run_bake_all(*a); };
 }
 

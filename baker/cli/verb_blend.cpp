@@ -16,7 +16,8 @@ namespace {
 struct BlendArguments {
     std::string asset, weights, path, output;
     std::vector<std::string> set;
-    bool all_vertices = false, is_quiet = false, is_json = false;
+    bool all_vertices = false, is_json = false;
+    Talk talk;
 };
 
 // How shapes of an asset are written.
@@ -95,17 +96,19 @@ ExitCode run_blend(const BlendArguments& a)
     if (a.path.empty()) {
         const std::vector<float> weights = a.set.empty() ? to_floats(parse_weights(a.weights)) : weights_by_name(a, blender);
         probe_output(a.output, { a.asset });
+        require_suffix("--output", a.output, ".ply");
         write_frame(blender, blender.solve(weights, false, &info), how, a.output);
         if (a.is_json)
             print_frames(a, nlohmann::ordered_json::array({ to_json(a.output, info) }));
-        else if (!a.is_quiet)
+        else if (!a.talk.is_quiet)
             fmt::print("{}: {} iterations, {} evaluations{}\n", a.output, info.iterations, info.evaluations,
                        info.outside > 0 ? ", outside of the measured ranges" : "");
         return ExitCode::done;
     }
     const auto rows = read_weight_rows(a.path);
     for (std::size_t frame = 0; frame < rows.size(); ++frame) probe_output(frame_name(a.output, frame), { a.asset, a.path });
-    ConsoleProgress progress("blend", a.is_quiet);
+    require_suffix("--output", a.output, ".ply");
+    ConsoleProgress progress("blend", a.talk);
     nlohmann::ordered_json frames = nlohmann::ordered_json::array();
     for (std::size_t frame = 0; frame < rows.size(); ++frame) {
         progress.update("frames", double(frame) / double(rows.size()));
@@ -115,7 +118,7 @@ ExitCode run_blend(const BlendArguments& a)
     progress.clear_line();
     if (a.is_json)
         print_frames(a, frames);
-    else if (!a.is_quiet)
+    else if (!a.talk.is_quiet)
         fmt::print("{} frames\n", rows.size());
     return ExitCode::done;
 }
@@ -148,7 +151,7 @@ Verb add_blend(CLI::App& app)
         ->type_name("OUT.ply");
     add_all_vertices(*verb, a->all_vertices);
     add_json(*verb, a->is_json);
-    add_quiet(*verb, a->is_quiet);
+    add_talk(*verb, a->talk);
     return [a] { return run_blend(*a); };
 }
 

@@ -6,11 +6,15 @@
 #include "bake/make_energy.h"
 #include "elastic/energy/contradictions.h"
 #include "elastic/energy/reinforced_shells.h"
+#include "input/gltf/document.h"
+#include "input/poses/pose_source.h"
 #include "pipeline/json_file.h"
 
 #include <algorithm>
+#include <filesystem>
 #include <fmt/core.h>
 #include <memory>
+#include <set>
 
 namespace pliant {
 
@@ -20,6 +24,7 @@ struct CheckArguments {
     std::vector<std::string> poses;
     BakeOptions bake;
     bool is_json = false;
+    Talk talk;
 };
 
 // Where a shell bends sharply.
@@ -86,7 +91,52 @@ void warn_of_contradictions(const std::vector<Contradiction>& pairs, const PoseS
         fmt::print("  {} more pairs of layers contradict each other\n", pairs.size() - named_pairs);
 }
 
-ExitCode run_check(CheckArguments a)
+void print_names(const PoseSet& poses)
+{
+    for (std::size_t k = 0; k < poses.pose_count(); ++k)
+        fmt::print("  {} {}: {}\n", poses.blend == Blend::layers && k > 0 ? "layer" : "pose", k, poses.names[k]);
+}
+
+// The animations of all glTF files, and a line to copy for the first.
+void print_animations(const std::vector<std::string>& arguments)
+{
+    std::set<std::string> files;
+    for (const std::string& argument : arguments) {
+        const PoseArgument pose = split_pose_argument(argument);
+        if (!is_gltf_name(pose.path) || !files.insert(pose.path).second) continue;
+        for (const AnimationChoice& animation : animation_choices(pose.path))
+            fmt::print("  animation {}, {:.3g} s: poses of it as '{}'\n", animation.name, animation.seconds,
+                       example_of(pose.path, animation));
+    }
+}
+
+// As a shell takes it for one word.
+std::string shell_word(const std::string& text)
+{
+    const char* const plain = "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_-+=./,:@%";
+    if (!text.empty() && text.find_first_not_of(plain) == std::string::npos) return text;
+    std::string out = "'";
+    for (char c : text) out += c == '\'' ? std::string("'\\''") : std::string(1, c);
+    return out + "'";
+}
+
+// The bake of what was checked, with the options that were given.
+std::string bake_command(const CheckArguments& a, const CLI::App& verb)
+{
+    const std::set<std::string> own = { "json", "quiet", "verbose" };
+    std::string command = "pliant bake";
+    for (const std::string& pose : a.poses) command += " " + shell_word(pose);
+    for (const CLI::Option* option : verb.get_options()) {
+        if (option->count() == 0 || option->get_positional() || own.count(option->get_lnames().at(0)) > 0) continue;
+        command += " --" + option->get_lnames()[0];
+        if (option->get_items_expected_max() > 0)
+            for (const std::string& value : option->results()) command += " " + shell_word(value);
+    }
+    const std::filesystem::path first = split_pose_argument(a.poses[0]).path;
+    return command + " -o " + shell_word(first.stem().string() + ".pliant");
+}
+
+ExitCode run_check(CheckArguments a, const CLI::App& verb)
 {
     const PoseSet poses = load_with_warnings("check", a.poses, a.bake.energy);
     a.bake.energy.blend = poses.blend;
@@ -95,6 +145,10 @@ ExitCode run_check(CheckArguments a)
         return ExitCode::done;
     }
     const NormalizedPoses set = normalize(poses, a.bake.energy.keeps_placement());
+    if (a.talk.is_quiet) {
+        warn_of_contradictions(contradictions_of(poses, set), poses);
+        return ExitCode::done;
+    }
     const Material material = material_of(a.bake.energy, poses.is_solid());
     if (poses.is_solid())
         fmt::print("{} poses of {} vertices, {} tetrahedra, {} of the vertices on the boundary: ready to bake\n",
@@ -113,6 +167,9 @@ ExitCode run_check(CheckArguments a)
     fmt::print("estimate of a bake ({}): d = {}, {:.0f} s, {:.1f} GiB of memory, an asset of {:.1f} MiB\n",
                name_of(material), e.dimension, e.seconds, e.memory / 1073741824.0, e.asset_size / 1048576.0);
     if (!poses.is_solid()) fmt::print("  at most {} factorisations\n", factorization_limit(poses.pose_count(), a.bake));
+    if (a.talk.is_verbose) print_names(poses);
+    print_animations(a.poses);
+    fmt::print("to bake: {}\n", bake_command(a, verb));
     return ExitCode::done;
 }
 
@@ -160,7 +217,8 @@ Verb add_check(CLI::App& app)
     add_energy_options(*verb, a->bake.energy);
     verb->add_option("--dim", a->bake.dimension, "Dimension of the reduced space, as for bake")->check(CLI::Range(1, 256));
     add_json(*verb, a->is_json);
-    return [a] { return run_check(*a); };
+    add_talk(*verb, a->talk);
+    return [a, verb] { return run_check(*a, *verb); };
 }
 
 } // namespace pliant

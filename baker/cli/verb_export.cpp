@@ -2,6 +2,7 @@
 
 #include "input/io/write_file.h"
 #include "output/export/export_asset.h"
+#include "pipeline/json_file.h"
 
 #include <algorithm>
 #include <filesystem>
@@ -14,7 +15,8 @@ namespace {
 
 struct ExportArguments {
     std::string asset, output, path;
-    bool with_morph = false, with_asset = false, with_compression = false, without_normals = false, is_quiet = false;
+    bool with_morph = false, with_asset = false, with_compression = false, without_normals = false, is_json = false;
+    Talk talk;
     int bone_count = 0;
     double quantisation_error = 0; // of the diagonal
     double frames_per_second = 30;
@@ -85,6 +87,26 @@ void print_summary(const ExportArguments& a, const ExportedFile& file)
     if (a.with_asset) fmt::print("  the asset is embedded (PLIANT_elastic_blend)\n");
 }
 
+nlohmann::ordered_json to_json(const ExportArguments& a, const ExportedFile& file)
+{
+    const ExportReport& r = file.report;
+    nlohmann::ordered_json json = { { "output", a.output },         { "file_size", file.bytes.size() },
+                                    { "vertices", r.vertex_count }, { "triangles", r.triangle_count },
+                                    { "parts", r.part_count },      { "images", r.image_count },
+                                    { "has_asset", a.with_asset },  { "position_error", r.position_error } };
+    if (r.target_count)
+        json["morph_targets"] = { { "count", r.target_count },
+                                  { "table_centres", r.centre_count },
+                                  { "table_error", { { "mean", r.table_mean }, { "largest", r.table_largest } } } };
+    if (r.target_count && !a.without_normals)
+        json["morph_targets"]["normal_error_degrees"]
+            = { { "mean", r.normal_error.mean_degrees }, { "largest", r.normal_error.worst_degrees } };
+    if (r.bone_count)
+        json["skin"] = { { "bones", r.bone_count }, { "error", { { "rms", r.skin_rms }, { "largest", r.skin_largest } } } };
+    if (r.frame_count) json["animation"] = { { "frames", r.frame_count }, { "frames_per_second", a.frames_per_second } };
+    return json;
+}
+
 ExitCode run_export(const ExportArguments& a)
 {
     const bool with_morph = a.with_morph || (!a.with_asset && !a.bone_count);
@@ -99,6 +121,7 @@ ExitCode run_export(const ExportArguments& a)
     std::vector<std::string> inputs = { a.asset };
     if (!a.path.empty()) inputs.push_back(a.path);
     probe_output(a.output, inputs);
+    require_suffix("--output", a.output, ".glb");
     ExportOptions options;
     options.with_morph_targets = with_morph;
     options.with_asset = a.with_asset;
@@ -110,14 +133,16 @@ ExitCode run_export(const ExportArguments& a)
     options.source = a.asset;
     options.frames_per_second = a.frames_per_second;
     options.path = path_of(a, blender.domain());
-    ConsoleProgress progress("export", a.is_quiet);
+    ConsoleProgress progress("export", a.talk);
     progress.update("fit", 0);
     const ExportedFile file = export_asset(blender, options);
     progress.clear_line();
     for (const Diagnostic& warning : warnings_about(file.report)) print_finding("export", warning);
     write_output(a.output, file.bytes);
-    progress.clear_line();
-    if (!a.is_quiet) print_summary(a, file);
+    if (a.is_json)
+        fmt::print("{}\n", json_text(to_json(a, file)));
+    else if (!a.talk.is_quiet)
+        print_summary(a, file);
     return ExitCode::done;
 }
 
@@ -164,7 +189,8 @@ Verb add_export(CLI::App& app)
     verb->add_option("--fps", a->frames_per_second, "Frames per second of the animation")
         ->check(CLI::Range(1.0, 1000.0))
         ->capture_default_str();
-    add_quiet(*verb, a->is_quiet);
+    add_json(*verb, a->is_json);
+    add_talk(*verb, a->talk);
     return [a] { return run_export(*a); };
 }
 

@@ -26,6 +26,7 @@ using Json = nlohmann::ordered_json;
 struct InfoArguments {
     std::string asset;
     bool is_json = false, is_build = false;
+    Talk talk;
 };
 
 // Version, compiler, solver and BLAS of this tool.
@@ -132,8 +133,32 @@ void print_shape(const Json& info)
         morph["file_size"].get<double>() / 1024, morph["frame_bytes"].get<double>() / 1024);
 }
 
+CertificateFacts facts_of(const Json& info)
+{
+    return read_certificate_facts(info["certificate"].dump(-1, ' ', false, Json::error_handler_t::replace),
+                                  info["poses"].size(), info.contains("layers"));
+}
+
+// Whether the asset is any good.
+std::string verdict_of(const CertificateFacts& facts)
+{
+    if (!facts.is_readable || !facts.mean_error) return "no errors were measured when it was baked";
+    return fmt::format(
+        "{} its tolerance: blends at {} weights are off by {:.2e} (mean, allowed {:.0e}) and {:.2e} (largest)",
+        facts.meets_tolerance.value_or(false) ? "keeps" : "misses", facts.checks.size(), *facts.mean_error, facts.tolerance,
+        facts.largest_error.value_or(0));
+}
+
+void print_file(const Json& info)
+{
+    for (const Json& chunk : info["chunks"])
+        fmt::print("  {}  {:>12} bytes at {}\n", chunk["tag"].get<std::string>(), chunk["size"].dump(),
+                   chunk["offset"].dump());
+    fmt::print("certificate: {}\n", info["certificate"].dump(2, ' ', false, Json::error_handler_t::replace));
+}
+
 // The names of the poses; of layers with their ranges and errors.
-void print_weights(const Json& info)
+void print_weights(const Json& info, const CertificateFacts& facts)
 {
     if (!info.contains("layers")) {
         for (const Json& pose : info["poses"]) fmt::print("  pose {}\n", pose.get<std::string>());
@@ -143,8 +168,6 @@ void print_weights(const Json& info)
     for (const Json& layer : info["layers"])
         fmt::print("  layer {}, weights {:g} .. {:g}\n", layer["name"].get<std::string>(), layer["low"].get<float>(),
                    layer["high"].get<float>());
-    const CertificateFacts facts = read_certificate_facts(
-        info["certificate"].dump(-1, ' ', false, Json::error_handler_t::replace), info["poses"].size(), true);
     for (const MixtureFact& m : facts.mixtures)
         fmt::print("  {}\n",
                    kind_line({ m.kind, m.count, m.lost_count, m.mean, m.largest, m.linear_mean, m.linear_largest }));
@@ -158,15 +181,15 @@ ExitCode run_info(const InfoArguments& a)
         fmt::print("{}\n", info.dump(1, ' ', false, Json::error_handler_t::replace));
         return ExitCode::done;
     }
-    fmt::print("{}: {} vertices, {} triangles, d = {}, {:.2f} MiB, {:.1f} KiB of solver memory per character\n", a.asset,
+    if (a.talk.is_quiet) return ExitCode::done;
+    const CertificateFacts facts = facts_of(info);
+    fmt::print("{}: {}\n", a.asset, verdict_of(facts));
+    fmt::print("  {} vertices, {} triangles, d = {}, {:.2f} MiB, {:.1f} KiB of solver memory per character\n",
                info["vertices"].dump(), info["triangles"].dump(), info["dimension"].dump(),
                info["file_size"].get<double>() / 1048576.0, info["solver_memory"].get<double>() / 1024.0);
-    print_weights(info);
-    for (const Json& chunk : info["chunks"])
-        fmt::print("  {}  {:>12} bytes at {}\n", chunk["tag"].get<std::string>(), chunk["size"].dump(),
-                   chunk["offset"].dump());
+    print_weights(info, facts);
     print_shape(info);
-    fmt::print("certificate: {}\n", info["certificate"].dump(2, ' ', false, Json::error_handler_t::replace));
+    if (a.talk.is_verbose) print_file(info);
     return ExitCode::done;
 }
 
@@ -216,7 +239,7 @@ ExitCode run_validate(const InfoArguments& a)
                           { "answers", verdict.answer_count },
                           { "largest_difference", verdict.largest_difference } })
                        .dump(1));
-    else if (is_good)
+    else if (is_good && !a.talk.is_quiet)
         fmt::print("{}: valid; {} stored answers reproduced within {:.1e}\n", a.asset, verdict.answer_count,
                    verdict.largest_difference);
     if (!is_good)
@@ -235,6 +258,7 @@ CLI::App* add_asset_verb(CLI::App& app, const char* name, const char* help, cons
     verb->footer(example);
     verb->add_option("asset", a->asset, "Asset")->required()->type_name("ASSET");
     add_json(*verb, a->is_json);
+    add_talk(*verb, a->talk);
     return verb;
 }
 

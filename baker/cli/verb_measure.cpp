@@ -20,7 +20,8 @@ struct MeasureArguments {
     std::vector<std::string> poses;
     MeasureOptions measure;
     SolverKind solver = default_solver();
-    bool is_json = false, is_quiet = false;
+    bool is_json = false;
+    Talk talk;
 };
 
 nlohmann::ordered_json to_json(const Measurement& s)
@@ -105,7 +106,7 @@ ExitCode run_measure(const MeasureArguments& a)
     RuntimeBlender blender = RuntimeBlender::from_file(a.asset);
     EnergyOptions options = read_energy_options(blender.certificate(), a.asset);
     options.solver = a.solver;
-    ConsoleProgress progress("measure", a.is_quiet);
+    ConsoleProgress progress("measure", a.talk);
     const PoseSet poses = load_with_warnings("measure", a.poses, options);
     const std::optional<RenderMesh> surface = load_drawn(a, blender.certificate(), poses);
     const std::vector<Measurement> samples
@@ -150,7 +151,7 @@ Verb add_measure(CLI::App& app)
         "poses only where the result is more than 5 % away: several times faster, but misses other branches within 5 %");
     add_json(*verb, a->is_json);
     add_threads(*verb);
-    add_quiet(*verb, a->is_quiet);
+    add_talk(*verb, a->talk);
     return [a] { return run_measure(*a); };
 }
 

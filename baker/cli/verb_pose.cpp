@@ -5,7 +5,6 @@
 #include "input/io/encode_msh.h"
 #include "input/io/write_file.h"
 
-#include <filesystem>
 #include <fmt/core.h>
 #include <memory>
 
@@ -16,7 +15,7 @@ namespace {
 struct PoseArguments {
     std::string rest, script, output, ply;
     SolidOptions material { SolidLaw::mooney_rivlin, -1 };
-    bool is_quiet = false;
+    Talk talk;
 };
 
 constexpr char footer[] = R"(The script has one handle per line: a region, and the motion of its vertices.
@@ -32,15 +31,6 @@ Example: bent.txt holds one end of a bar along x, twists the other by 60 degrees
   box 0.9 0 0  1 1 1     turn 0.9 0.5 0.5  1 0 0  60  turn 0.5 0.5 0.5  0 0 1  90
   pliant pose bar.msh bent.txt -o bent.msh && pliant bake bar.msh bent.msh -o bar.pliant)";
 
-void check_output(const std::string& option, const std::string& path, const std::string& extension, const PoseArguments& a)
-{
-    if (std::filesystem::path(path).extension() != extension)
-        throw Failure(ExitCode::usage,
-                      error_at(1230, "", fmt::format("{}: '{}' does not end in {}", option, path, extension),
-                               "--output is written in Gmsh's format (.msh), --ply in the PLY format (.ply)"));
-    probe_output(path, { a.rest, a.script });
-}
-
 void stop_at_errors(const DiagnosticList& diagnostics)
 {
     if (diagnostics.has_errors()) throw Failure(ExitCode::bad_input, diagnostics.diagnostics());
@@ -54,7 +44,7 @@ void print_regions(const Script& script, const Handles& handles)
 
 DragResult drag_with_progress(const PoseArguments& a, const RestPose& rest, const Handles& handles)
 {
-    ConsoleProgress progress("pose", a.is_quiet);
+    ConsoleProgress progress("pose", a.talk);
     progress.update("motion", 0);
     return drag(to_shape_set(rest, handles.vertices()), handles, a.material, [&](const DragStep& step) {
         progress.update("motion", step.time, fmt::format("energy {:.4e}, smallest J {:.3f}", step.energy, step.smallest_j));
@@ -63,8 +53,10 @@ DragResult drag_with_progress(const PoseArguments& a, const RestPose& rest, cons
 
 ExitCode run_pose(const PoseArguments& a)
 {
-    check_output("--output", a.output, ".msh", a);
-    if (!a.ply.empty()) check_output("--ply", a.ply, ".ply", a);
+    require_suffix("--output", a.output, ".msh");
+    require_suffix("--ply", a.ply, ".ply");
+    for (const std::string* output : { &a.output, &a.ply })
+        if (!output->empty()) probe_output(*output, { a.rest, a.script });
     DiagnosticList diagnostics;
     const Script script = read_script(a.script, diagnostics);
     const std::optional<RestPose> rest = read_rest_pose(a.rest, diagnostics);
@@ -72,12 +64,12 @@ ExitCode run_pose(const PoseArguments& a)
     const Handles handles(script, rest->mesh.positions, diagnostics);
     stop_at_errors(diagnostics);
     for (const Diagnostic& warning : diagnostics.diagnostics()) print_finding("pose", warning);
-    if (!a.is_quiet) print_regions(script, handles);
+    if (!a.talk.is_quiet) print_regions(script, handles);
 
     const DragResult result = drag_with_progress(a, *rest, handles);
     write_output(a.output, encode_msh(result.positions, rest->as_read));
     if (!a.ply.empty()) write_output(a.ply, encode_boundary(*rest, result.positions));
-    if (!a.is_quiet)
+    if (!a.talk.is_quiet)
         fmt::print("{}: energy {:.4e}, smallest J {:.3f}, {} steps, {} iterations\n", a.output, result.last.energy,
                    result.last.smallest_j, result.steps, result.iterations);
     return ExitCode::done;
@@ -120,7 +112,7 @@ Verb add_pose(CLI::App& app)
     verb->add_option("--ply", a->ply, "Also write the boundary of the deformed mesh, for viewing")->type_name("OUT.ply");
     add_material(*verb, a->material);
     add_threads(*verb);
-    add_quiet(*verb, a->is_quiet);
+    add_talk(*verb, a->talk);
     return [a] { return run_pose(*a); };
 }
 

@@ -16,7 +16,7 @@ namespace {
 
 struct ReportArguments {
     std::string input, output, up = "y", view = "three-quarter";
-    bool is_quiet = false;
+    Talk talk;
 };
 
 ViewOptions view_of(const ReportArguments& a)
@@ -46,15 +46,16 @@ ExitCode run_report(const ReportArguments& a)
         asset = (std::filesystem::path(a.input).parent_path() / report->asset).string();
     }
     probe_output(a.output, { a.input, asset });
+    require_suffix("--output", a.output, ".html");
     RuntimeBlender blender = RuntimeBlender::from_file(asset);
     if (report) check_same_bake(bytes, blender.certificate(), a.input, asset);
-    ConsoleProgress progress("report", a.is_quiet);
+    ConsoleProgress progress("report", a.talk);
     progress.update("draw", 0);
     const std::string name = std::filesystem::path(asset).filename().string();
     const std::string page = write_page(collect_page_data(blender, name, report ? &*report : nullptr, view_of(a)));
     write_output(a.output, page);
     progress.clear_line();
-    if (!a.is_quiet) fmt::print("{}: {:.2f} MiB\n", a.output, double(page.size()) / 1048576.0);
+    if (!a.talk.is_quiet) fmt::print("{}: {:.2f} MiB\n", a.output, double(page.size()) / 1048576.0);
     return ExitCode::done;
 }
 
@@ -86,7 +87,7 @@ Verb add_report(CLI::App& app)
         ->check(CLI::IsMember({ "front", "side", "three-quarter" }))
         ->capture_default_str()
         ->type_name("NAME");
-    add_quiet(*verb, a->is_quiet);
+    add_talk(*verb, a->talk);
     return [a] { return run_report(*a); };
 }
 

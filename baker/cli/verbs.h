@@ -25,6 +25,7 @@ Verb add_info(CLI::App& app);
 Verb add_validate(CLI::App& app);
 Verb add_export(CLI::App& app);
 Verb add_report(CLI::App& app);
+Verb add_help(CLI::App& app);
 
 // Options that several verbs share.
 CLI::Option* add_pose_arguments(CLI::App& verb, std::vector<std::string>& poses);
@@ -33,7 +34,7 @@ void add_blend_kind(CLI::App& verb, EnergyOptions& options);
 void add_threads(CLI::App& verb);
 void add_all_vertices(CLI::App& verb, bool& all_vertices);
 void add_surface(CLI::App& verb, std::string& path);
-void add_quiet(CLI::App& verb, bool& is_quiet);
+void add_talk(CLI::App& verb, Talk& talk);
 void add_json(CLI::App& verb, bool& is_json);
 
 // Loads and checks poses; prints warnings under the verb's name, and adds them to `kept` if that is not null.
@@ -55,6 +56,10 @@ std::vector<double> parse_weights(const std::string& text);
 
 // A file with weights, a line a frame. Throws Failure (bad_input, P2001, P2601) naming the line that is not one.
 std::vector<std::vector<double>> read_weight_rows(const std::string& path);
+
+// Nothing is written under a name that promises another format. Throws Failure (usage, P1230) naming the option if `path`
+// has a suffix and it is not this one, in any case.
+void require_suffix(const std::string& option, const std::string& path, const std::string& suffix);
 
 // "frame_%04d.ply" with the frame's number in place of its one integer conversion. Throws Failure (usage, P1205).
 std::string frame_name(const std::string& pattern, std::size_t frame);

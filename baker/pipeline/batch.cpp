@@ -87,11 +87,17 @@ bool is_bad(Outcome outcome)
     return outcome == Outcome::failed || outcome == Outcome::crashed || outcome == Outcome::too_large;
 }
 
-std::vector<std::string> arguments_of(const BatchJob& job, const char* command, bool is_quiet)
+std::vector<std::string> talk_of(const BatchOptions& options)
+{
+    if (options.is_quiet) return { "--quiet" };
+    if (options.is_verbose) return { "--verbose" };
+    return {};
+}
+
+std::vector<std::string> arguments_of(const BatchJob& job, const std::vector<std::string>& flags)
 {
     std::vector<std::string> arguments = { "bake" };
-    if (*command) arguments.push_back(command);
-    if (is_quiet) arguments.push_back("--quiet");
+    arguments.insert(arguments.end(), flags.begin(), flags.end());
     arguments.insert(arguments.end(), job.arguments.begin(), job.arguments.end());
     return arguments;
 }
@@ -159,7 +165,7 @@ void start_what_fits(std::vector<BatchJob>& jobs, const BatchOptions& options, S
         if (!options.is_quiet)
             print_line(fmt::format("{}: started; estimate: {} of memory, {:.0f} s", job.name,
                                    size_text(job.estimated_memory), job.estimated_seconds));
-        children.start(std::size_t(id), arguments_of(job, "", options.is_quiet));
+        children.start(std::size_t(id), arguments_of(job, talk_of(options)));
     }
 }
 
@@ -183,7 +189,8 @@ bool plan_batch(std::vector<BatchJob>& jobs, const BatchOptions& options)
     std::size_t next = 0;
     for (;;) {
         for (; next < jobs.size() && children.running_count() < options.job_count; ++next)
-            if (jobs[next].outcome == Outcome::pending) children.start(next, arguments_of(jobs[next], "--dry-run", true));
+            if (jobs[next].outcome == Outcome::pending)
+                children.start(next, arguments_of(jobs[next], { "--dry-run", "--quiet" }));
         if (children.running_count() == 0) return true;
         const std::vector<ChildEnd> ended = children.wait();
         if (ended.empty()) {

@@ -40,7 +40,7 @@ struct BatchJob {
 struct BatchOptions {
     std::size_t job_count = 1;
     double memory = 0; // bytes for all bakes that run together
-    bool is_forced = false, is_fail_fast = false, is_quiet = false;
+    bool is_forced = false, is_fail_fast = false, is_quiet = false, is_verbose = false;
     int wake = -1; // readable once the user wants to stop
 };
 

@@ -179,7 +179,8 @@ def both_case(name, file, mesh):
 
 for nothing_to_add in ("missing_file", "one_pose", "too_many_poses", "good",
                        "output_folder_missing", "output_is_folder", "output_is_input",
-                       "output_is_device", "unknown_option", "weights_not_numbers",
+                       "output_is_device", "unknown_option", "misspelt_option", "misspelt_verb",
+                       "bake_output_kind", "weights_not_numbers", "weights_by_name",
                        "too_few_weights", "range_without_zero", "range_of_no_layer",
                        "range_of_average", "layers_with_krylov", "many_poses_with_krylov",
                        "range_unreadable", "grid_too_fine", "too_few_layer_weights",
@@ -222,6 +223,7 @@ file_case("truncated_obj", "cut.obj", lambda: obj_text(bent())[:-300].rstrip("01
 file_case("obj_named_ply", "obj.ply", lambda: obj_text(bent()))
 file_case("ply_named_obj", "ply.obj", lambda: ply_bytes(bent()))
 file_case("picture_named_obj", "picture.obj", lambda: b"\x89PNG\r\n\x1a\n" + bytes(100))
+file_case("lone_unknown_extension", "good.fbx", lambda: obj_text(good()))
 file_case("unknown_extension", "good.xyz", lambda: obj_text(good()))
 file_case("no_extension", "good", lambda: obj_text(good()))
 
@@ -547,6 +549,8 @@ export_case("export_folder_missing", "")
 export_case("export_frame_rate", "")
 export_case("export_morph_and_skin", "")
 export_case("export_no_bones", "")
+export_case("export_output_kind", "")
+export_case("blend_output_kind", "")
 export_case("export_too_fine", "")
 file_case("truncated_asset", "cut.pliant", lambda: ASSET.read_bytes()[:-1])
 CASES["ghost_fin"] = CASES["three_faces_at_edge"]

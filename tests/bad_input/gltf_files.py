@@ -112,6 +112,13 @@ def add_cases(good):
         gltf.mesh(good().vertices, good().faces,
                   [[(0.01 * k * v[2] ** 2, 0, 0) for v in good().vertices] for k in range(1, 66)])
     case("gltf_many_targets", many)
+    case("gltf_vrm", file="a.vrm", write=lambda g: g.glb())
+
+    def lone_animation(gltf):
+        gltf.animation("Run", (0, "weights", "LINEAR", [0, 3], [0, 1]))
+        gltf.json["meshes"][0]["primitives"][0].pop("targets")
+        gltf.json["animations"][0]["channels"][0]["target"]["path"] = "translation"
+    case("gltf_one_pose_of_animation", lone_animation)
     case("gltf_one_pose", lambda g: g.json["meshes"][0]["primitives"][0].pop("targets"))
 
     case("gltf_not_gltf", write=lambda g: b"\x89PNG\r\n" + bytes(64))

@@ -73,7 +73,7 @@ bool is_gltf_name(std::string_view path)
     if (dot == std::string_view::npos) return false;
     std::string extension(path.substr(dot));
     for (char& c : extension) c = c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
-    return extension == ".glb" || extension == ".gltf";
+    return extension == ".glb" || extension == ".gltf" || extension == ".vrm";
 }
 
 GltfDocument::GltfDocument(std::string path)

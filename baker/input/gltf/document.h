@@ -53,7 +53,7 @@ private:
     std::size_t byte_count_ = 0;
 };
 
-// True for names of files that are read as glTF: *.glb and *.gltf in any case.
+// True for names of files that are read as glTF: *.glb, *.gltf and *.vrm (a .glb by another name) in any case.
 bool is_gltf_name(std::string_view path);
 
 } // namespace pliant

@@ -274,14 +274,41 @@ private:
     std::map<std::string, std::unique_ptr<GltfFile>> files_;
 };
 
-void check_pose_count(const std::vector<Source>& sources, std::size_t count, std::size_t limit,
-                      const DiagnosticList& diagnostics)
+std::vector<AnimationChoice> choices_of(const GltfDocument& document)
 {
-    if (count < 2 && !diagnostics.has_errors())
-        throw Failure(ExitCode::bad_input,
-                      error_at(3001, sources.empty() ? "" : sources[0].argument.path,
-                               fmt::format("{} pose given, two or more are needed", count),
-                               "name all poses of the character, the rest pose first"));
+    std::vector<AnimationChoice> choices;
+    for (const std::string& name : animation_names(document))
+        choices.push_back({ name.empty() ? std::to_string(choices.size()) : name, animation_end(document, choices.size()) });
+    return choices;
+}
+
+std::string hint_of_lone(const Source& source)
+{
+    const std::string hint = "name all poses of the character, the rest pose first";
+    if (!source.file) return hint;
+    const std::vector<AnimationChoice> choices = choices_of(*source.file->scene.document);
+    if (choices.empty()) return hint + "; the file has neither morph targets nor animations";
+    std::vector<std::string> names;
+    for (const AnimationChoice& choice : choices) names.push_back(choice.name);
+    return fmt::format("take poses of an animation: '{}'; it has {}", example_of(source.argument.path, choices[0]),
+                       list_of(names));
+}
+
+// What is wrong with the only file is said first: it is read for that.
+void check_lone_pose(const std::vector<Source>& sources, Reader& reader, const DiagnosticList& diagnostics)
+{
+    std::vector<MeshFile> meshes;
+    if (!sources.empty()) reader.read(sources[0], meshes);
+    if (diagnostics.has_errors()) return;
+    throw Failure(
+        ExitCode::bad_input,
+        error_at(3001, sources.empty() ? "" : sources[0].argument.path,
+                 fmt::format("{} pose given, two or more are needed", sources.size()),
+                 sources.empty() ? "name all poses of the character, the rest pose first" : hint_of_lone(sources[0])));
+}
+
+void check_pose_limit(const std::vector<Source>& sources, std::size_t count, std::size_t limit)
+{
     if (count <= limit) return;
     std::string hint = "choose the poses that differ most";
     for (const Source& source : sources)
@@ -295,6 +322,14 @@ void check_pose_count(const std::vector<Source>& sources, std::size_t count, std
 }
 
 } // namespace
+
+std::vector<AnimationChoice> animation_choices(const std::string& path) { return choices_of(GltfDocument(path)); }
+
+std::string example_of(const std::string& path, const AnimationChoice& animation)
+{
+    const double end = animation.seconds;
+    return fmt::format("{}#animation={}@0,{:.3g},{:.3g}", path, animation.name, end / 3, 2 * end / 3);
+}
 
 PoseArgument split_pose_argument(const std::string& argument)
 {
@@ -320,7 +355,9 @@ PoseSources read_pose_sources(const std::vector<std::string>& arguments, std::op
     }
     const bool has_targets = sources.size() == 1 && sources[0].plans.size() > 1 && sources[0].argument.choice.empty();
     out.blend = blend.value_or(has_targets ? Blend::layers : Blend::average);
-    check_pose_count(sources, out.count, pose_limit(out.blend), diagnostics);
+    if (out.count < 2) check_lone_pose(sources, reader, diagnostics);
+    if (diagnostics.has_errors() && out.count < 2) return out;
+    check_pose_limit(sources, out.count, pose_limit(out.blend));
     for (const Source& source : sources) {
         reader.read(source, out.meshes);
         if (&source == &sources.front()) out.has_first = !out.meshes.empty();

@@ -39,6 +39,18 @@ struct PoseSources {
 PoseSources read_pose_sources(const std::vector<std::string>& arguments, std::optional<Blend> blend,
                               DiagnosticList& diagnostics);
 
+// An animation of a glTF file: its name, or its number where it has none.
+struct AnimationChoice {
+    std::string name;
+    double seconds = 0; // its end
+};
+
+// The animations of a glTF file, for people who choose poses. Throws Failure (bad_input) if the file is none.
+std::vector<AnimationChoice> animation_choices(const std::string& path);
+
+// "hero.glb#animation=Run@0,0.4,0.8": three poses of an animation, as an argument.
+std::string example_of(const std::string& path, const AnimationChoice& animation);
+
 // 64 weights: of layers the rest shape has none.
 constexpr std::size_t pose_limit(Blend blend) { return blend == Blend::layers ? 65 : 64; }
 
