@@ -116,7 +116,9 @@ fi
 if ((run_asan && asan_everything)); then
     suite asan all -DPLIANT_BUILD_SAMPLES=ON --
 elif ((run_asan)); then
-    suite asan pliant_sanitized_tests -DPLIANT_BUILD_SAMPLES=OFF -- -L "$asan_labels"
+    shared=() # the reference takes most of a minute to compute them
+    ((run_dev)) && shared=(-DPLIANT_TEST_ASSETS="$PWD/build/dev/tests/runtime/assets")
+    suite asan pliant_sanitized_tests -DPLIANT_BUILD_SAMPLES=OFF "${shared[@]}" -- -L "$asan_labels"
 fi
 
 if ((!only_build && passed + failed == 0)); then
