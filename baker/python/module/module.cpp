@@ -238,16 +238,8 @@ void write_file(const std::string& path, const nb::bytes& bytes)
     write_file_atomically(path, view);
 }
 
-} // namespace
-
-NB_MODULE(_core, m)
+void bind_poses(nb::module_& m)
 {
-    nb::register_exception_translator(translate);
-    m.def("version", [] { return std::string(version); });
-    m.def("has_cholmod", &has_cholmod);
-    m.def("read_file", &read_file, nb::arg("path"));
-    m.def("write_file", &write_file, nb::arg("path"), nb::arg("data"));
-
     nb::class_<SourcePoses>(m, "Poses")
         .def_prop_ro("pose_count", [](const SourcePoses& poses) { return poses.meshes.size(); })
         .def_prop_ro("vertex_count", [](const SourcePoses& poses) { return std::size_t(poses.meshes[0].positions.rows()); })
@@ -267,6 +259,10 @@ NB_MODULE(_core, m)
             return load_sources(paths, kind, { nb::none(), warn });
         },
         nb::arg("paths"), nb::arg("blend").none(), nb::arg("warn"));
+}
+
+void bind_work(nb::module_& m)
+{
     m.def(
         "bake",
         [](const SourcePoses& poses, const nb::dict& options, const SourcePoses* surface, const std::string& surface_path,
@@ -282,7 +278,10 @@ NB_MODULE(_core, m)
             return average_poses(poses, weights, options, { progress, warn });
         },
         nb::arg("poses"), nb::arg("weights"), nb::arg("options"), nb::arg("progress").none(), nb::arg("warn"));
+}
 
+void bind_energy(nb::module_& m)
+{
     nb::class_<EnergyView>(m, "EnergyView")
         .def(
             "__init__",
@@ -300,7 +299,10 @@ NB_MODULE(_core, m)
         .def_prop_ro("length", &EnergyView::length)
         .def_prop_ro("vertex_count", &EnergyView::vertex_count)
         .def_prop_ro("weight_count", &EnergyView::weight_count);
+}
 
+void bind_asset(nb::module_& m)
+{
     nb::class_<AssetView>(m, "AssetView")
         .def(nb::init<const nb::object&, const std::string&, bool>(), nb::arg("data"), nb::arg("name"), nb::arg("verify"))
         .def("solve", &AssetView::solve, nb::arg("weights"), nb::arg("continuous"))
@@ -326,6 +328,21 @@ NB_MODULE(_core, m)
         .def_prop_ro("weight_count", [](const AssetView& view) { return view.asset().weight_count; })
         .def_prop_ro("has_layers", [](const AssetView& view) { return view.asset().has_layers != 0; })
         .def_prop_ro("dimension", [](const AssetView& view) { return view.asset().dimension; });
+}
+
+} // namespace
+
+NB_MODULE(_core, m)
+{
+    nb::register_exception_translator(translate);
+    m.def("version", [] { return std::string(version); });
+    m.def("has_cholmod", &has_cholmod);
+    m.def("read_file", &read_file, nb::arg("path"));
+    m.def("write_file", &write_file, nb::arg("path"), nb::arg("data"));
+    bind_poses(m);
+    bind_work(m);
+    bind_energy(m);
+    bind_asset(m);
 }
 
 } // namespace pliant

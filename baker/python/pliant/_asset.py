@@ -223,8 +223,8 @@ class Asset:
         return self._view.pose_coordinates()
 
     def linear_blend(self, weights: Weights) -> npt.NDArray[np.float32]:
-        """The linear blend of the poses, or of layers the rest shape and the weighted differences from it: what morph targets
-        draw, to compare with. Arguments, result and errors are those of blend()."""
+        """The linear blend of the poses, or of layers the rest shape and the weighted differences from it: what morph
+        targets draw, to compare with. Arguments, result and errors are those of blend()."""
         rows, is_single = self._rows(weights)
         self._view.solve(rows, False)  # refuses what blend() refuses
         shares = rows.astype(np.float64)
@@ -242,8 +242,8 @@ class Asset:
         weights  as for blend()
         q        (d,) or (k, d): reduced coordinates. One row of either goes with all rows of the other
 
-        Returns a float, or (k,) float64. The runtime computes it in single precision: differences below 2e-5 of the energies
-        of the poses are noise. +inf where it is not finite. Its unit is that of pliant.energy(). Raises the errors of blend()
+        Returns a float, or (k,) float64, in the unit of pliant.energy(); +inf where it is not finite. The runtime computes
+        it in single precision: differences below 2e-5 of the energies of the poses are noise. Raises the errors of blend()
         for the weights, and ValueError or TypeError for q.
         """
         values, _, is_single = self._energies(weights, q)

@@ -1,6 +1,7 @@
 """energy(): the unreduced elastic energy with its derivatives, for research and for checks."""
 from __future__ import annotations
 
+import importlib
 from typing import TYPE_CHECKING, Any, Sequence
 
 import numpy as np
@@ -90,11 +91,11 @@ class Energy:
         """
         rows, columns, values = self._view.hessian(self._positions(x), self._weights(weights), bool(projected))
         try:
-            import scipy.sparse
+            sparse: Any = importlib.import_module("scipy.sparse")
         except ImportError:
             return rows, columns, values
         size = 3 * self.vertex_count
-        return scipy.sparse.csc_matrix((values, (rows, columns)), shape=(size, size))
+        return sparse.csc_matrix((values, (rows, columns)), shape=(size, size))
 
     def _positions(self, x: npt.ArrayLike) -> npt.NDArray[np.float64]:
         n = self.vertex_count
@@ -107,7 +108,8 @@ class Energy:
         count = self.weight_count
         if weights is None:
             return np.zeros(count) if self._has_layers else np.full(count, 1 / count)
-        return _arrays.numbers("weights", weights, (count,), f"({count},): one per {'layer' if self._has_layers else 'pose'}")
+        expected = f"({count},): one per {'layer' if self._has_layers else 'pose'}"
+        return _arrays.numbers("weights", weights, (count,), expected)
 
     def __repr__(self) -> str:
         what = f"{self.weight_count} layers" if self._has_layers else f"{self.weight_count} poses"

@@ -8,8 +8,8 @@ from typing import Any, Callable, Literal, Sequence, Union
 import numpy as np
 import numpy.typing as npt
 
-from . import _arrays, _meshes
-from ._errors import PliantWarning, finding
+from . import _arrays, _meshes, _usd
+from ._errors import Error, PliantWarning, finding
 from ._module import core
 
 PathLike = Union[str, "os.PathLike[str]"]
@@ -34,8 +34,9 @@ class Poses:
     are copies.
     """
 
-    def __init__(self, source: core.Poses) -> None:
+    def __init__(self, source: core.Poses, blend: Blend | None = None) -> None:
         self._source = source
+        self._blend: Blend = blend or ("layers" if source.blend() == "layers" else "average")
 
     @property
     def positions(self) -> npt.NDArray[np.float64]:
@@ -63,8 +64,8 @@ class Poses:
 
     @property
     def blend(self) -> Blend:
-        """How bake() and average() blend them unless they are told: "layers" of a glTF file with morph targets."""
-        return "layers" if self._source.blend() == "layers" else "average"
+        """How bake() and average() blend them unless they are told: "layers" of a file with morph targets."""
+        return self._blend
 
     def __len__(self) -> int:
         return len(self.names)
@@ -76,20 +77,51 @@ class Poses:
 
 def load_poses(paths: PathLike | Sequence[PathLike], *, blend: Blend | None = None) -> Poses:
     """Reads 2 to 64 poses as the command line does, the rest pose first; with blend="layers" the rest shape and up to 64
-    layers. Without `blend` one glTF file with morph targets, named without '#', is one of layers, all else is of averages.
+    layers. Without `blend` one glTF or USD file with morph targets, named without '#', is one of layers, all else is of
+    averages.
 
     paths  mesh files with one pose each, or glTF files with several: surfaces from .obj, .ply, .off, .glb, .gltf; solids of
            tetrahedra from .msh, .mesh, .veg, .vtk. After the name of a glTF file, '#rest', '#target=NAME,NAME' or
            '#animation=NAME@0,0.3' selects poses, as in 'hero.glb#animation=Run@0,0.3,0.6'.
+           Or USD files (.usd, .usda, .usdc, .usdz), not together with others; these need pip install 'pliant[usd]'. Their
+           meshes that are drawn become one, placed in the stage and, for frames, skinned. One file is its blend shapes as
+           layers, or without them its frames; '#rest', '#target=NAME,NAME' or '#time=FRAME,FRAME' selects, as in
+           'hero.usd#time=1,12,24'. In-between shapes, materials and images of USD are not read.
 
     Raises Error: P2xxx for a file that cannot be read, with file and line; P3001 and P3002 for too few and too many poses;
-    P1211 to P1213 for a choice that the file does not have. bake() and average() check that the poses have the same mesh.
+    P1211 to P1213 for a choice that the file does not have. ValueError for USD meshes that are none, ImportError without
+    usd-core. bake() and average() check that the poses have the same mesh.
     """
     if isinstance(paths, (str, os.PathLike)):
         paths = [paths]
     if blend is not None:
         pose_limit(blend)  # checks it
-    return Poses(core.load_poses([os.fspath(path) for path in paths], blend, warner(3)))
+    names = [os.fspath(path) for path in paths]
+    if any(_usd.is_usd(name) for name in names):
+        return _load_usd(names, blend)
+    return Poses(core.load_poses(names, blend, warner(3)))
+
+
+def _load_usd(paths: Sequence[str], blend: Blend | None) -> Poses:
+    other = next((path for path in paths if not _usd.is_usd(path)), None)
+    if other is not None:
+        raise ValueError(f"paths: {other!r} is no USD file; these are not mixed with others")
+    files = [_usd.read_poses(path, len(paths) == 1, blend) for path in paths]
+    shapes = [shape for file in files for shape in file.poses]
+    kind: Blend = blend or ("layers" if files[0].has_layers else "average")
+    limit = pose_limit(kind)
+    if len(shapes) < 2:
+        hint = "name all poses of the character, or choose frames as in hero.usd#time=1,12,24"
+        raise Error([finding(True, 3001, paths[0], f"{len(shapes)} pose given, two or more are needed", hint)], 3)
+    if len(shapes) > limit:
+        hint = "choose the poses that differ most"
+        raise Error([finding(True, 3002, paths[0], f"{len(shapes)} poses given, the limit is {limit}", hint)], 3)
+    for path, file in zip(paths, files):
+        if file.poses[0][1].shape != shapes[0][1].shape or not np.array_equal(file.faces, files[0].faces):
+            raise ValueError(f"{path}: has other vertices or faces than {paths[0]}; poses share them")
+    names = [name for name, _ in shapes]
+    positions = np.stack([shape for _, shape in shapes])
+    return Poses(core.poses_of_arrays(positions, files[0].faces, None, names, paths[0]), kind)
 
 
 def pose_limit(blend: object) -> int:

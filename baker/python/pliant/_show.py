@@ -1,6 +1,7 @@
 """show(): an asset in a window of polyscope, which is imported when it is called."""
 from __future__ import annotations
 
+import importlib
 import os
 from typing import Any
 
@@ -17,7 +18,7 @@ _COLOURS = {"elastic": (0.16, 0.47, 0.71), "linear": (0.80, 0.52, 0.25)}
 
 def _polyscope(is_headless: bool) -> Any:
     try:
-        import polyscope
+        polyscope: Any = importlib.import_module("polyscope")
     except ImportError:
         raise ImportError("pliant.show needs polyscope: pip install 'pliant[show]'", name="polyscope") from None
     if not polyscope.is_initialized():

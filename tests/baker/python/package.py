@@ -17,7 +17,7 @@ import tempfile
 from pathlib import Path
 
 SKIPPED = 77
-EXTRAS = ["trimesh", "meshio", "scipy", "polyscope", "usd-core", "ufbx", "matplotlib"]
+EXTRAS = ["trimesh", "meshio", "scipy", "polyscope", "usd-core", "matplotlib"]
 BUILD_REQUIREMENTS = ["nanobind >= 2.4", "scikit-build-core >= 0.10"]  # of pyproject.toml
 
 

@@ -1,0 +1,240 @@
+"""USD files as poses, read by OpenUSD (usd-core), which is imported when such a file is read."""
+from __future__ import annotations
+
+import importlib
+import math
+import pathlib
+import sys
+from typing import Any, NamedTuple
+
+import numpy as np
+import numpy.typing as npt
+
+from ._errors import Error, finding
+
+SUFFIXES = (".usd", ".usda", ".usdc", ".usdz")
+_LIMIT = 64  # poses, or layers
+_INPUT = 3  # the exit code
+_USAGE = 2
+_CHOICES = "write #rest, #target=NAME,NAME or #time=FRAME,FRAME"
+
+Positions = npt.NDArray[np.float64]
+Faces = npt.NDArray[np.int64]
+
+
+class NamedPoses(NamedTuple):
+    """Poses of one file: (name, (n, 3)) each, their faces (f, k), and whether they are a rest shape and its layers."""
+
+    poses: list[tuple[str, Positions]]
+    faces: Faces
+    has_layers: bool
+
+
+def _error(exit_code: int, number: int, where: str, what: str, hint: str) -> Error:
+    return Error([finding(True, number, where, what, hint)], exit_code)
+
+
+def is_usd(path: str) -> bool:
+    return path.split("#")[0].lower().endswith(SUFFIXES)
+
+
+def _usd(path: str) -> Any:
+    try:
+        for name in ("Tf", "Usd", "UsdGeom", "UsdSkel"):
+            importlib.import_module(f"pxr.{name}")
+    except ImportError:
+        message = f"{path}: reading USD needs usd-core: pip install 'pliant[usd]'"
+        raise ImportError(message, name="pxr") from None
+    return sys.modules["pxr"]
+
+
+def _open(path: str) -> tuple[Any, Any]:
+    pxr = _usd(path)
+    try:
+        with open(path, "rb"):
+            pass
+        return pxr, pxr.Usd.Stage.Open(path)
+    except (OSError, pxr.Tf.ErrorException) as error:
+        reason = (error.strerror if isinstance(error, OSError) else None) or str(error).strip().splitlines()[-1].strip()
+        what = f"cannot be read: {reason}"
+        raise _error(_INPUT, 2001, path, what, "check the name and the permissions of the file") from None
+
+
+class _Part:
+    """A mesh of the stage."""
+
+    def __init__(self, pxr: Any, prim: Any, path: str) -> None:
+        self._usd = pxr
+        self.prim = prim
+        self.mesh = pxr.UsdGeom.Mesh(prim)
+        self.where = f"{path}: {prim.GetPath()}"
+        self._rest_time = pxr.Usd.TimeCode.EarliestTime()
+        self.count = len(self._points(self._rest_time))
+
+    def _points(self, time: Any) -> Positions:
+        points = self.mesh.GetPointsAttr().Get(time)
+        return np.asarray(points if points is not None else np.zeros((0, 3)), np.float64).reshape(-1, 3)
+
+    def positions(self, time: Any, offsets: Positions | None = None) -> Positions:
+        """In the space of the stage; `offsets` are added before."""
+        points = self._points(time)
+        if len(points) != self.count:
+            what = f"has {len(points)} points at frame {time.GetValue():g} and {self.count} at first"
+            raise ValueError(f"{self.where}: {what}; poses share vertices and faces")
+        if offsets is not None:
+            points = points + offsets
+        matrix = np.array(self._usd.UsdGeom.Imageable(self.prim).ComputeLocalToWorldTransform(time))
+        if np.array_equal(matrix, np.eye(4)):
+            return points
+        placed: Positions = points @ matrix[:3, :3] + matrix[3, :3]
+        return placed
+
+    def rest(self, offsets: Positions | None = None) -> Positions:
+        return self.positions(self._rest_time, offsets)
+
+    def times(self) -> set[float]:
+        """At which points or the place of the mesh are given."""
+        out = set(self.mesh.GetPointsAttr().GetTimeSamples())
+        prim = self.prim
+        while prim and not prim.IsPseudoRoot():
+            if prim.IsA(self._usd.UsdGeom.Xformable):
+                out |= set(self._usd.UsdGeom.Xformable(prim).GetTimeSamples())
+            prim = prim.GetParent()
+        return out
+
+    def faces(self) -> list[npt.NDArray[np.int64]]:
+        counts = np.asarray(self.mesh.GetFaceVertexCountsAttr().Get(self._rest_time) or [], np.int64)
+        corners = np.asarray(self.mesh.GetFaceVertexIndicesAttr().Get(self._rest_time) or [], np.int64)
+        if counts.sum() != len(corners) or (counts < 3).any():
+            raise ValueError(f"{self.where}: its numbers of corners do not fit its faces")
+        if ((corners < 0) | (corners >= self.count)).any():
+            raise ValueError(f"{self.where}: a face has a corner that is not among its {self.count} points")
+        faces = np.split(corners, np.cumsum(counts)[:-1])
+        is_left = self.mesh.GetOrientationAttr().Get() == self._usd.UsdGeom.Tokens.leftHanded
+        return [face[::-1] if is_left else face for face in faces if len(face)]
+
+    def offsets(self) -> dict[str, Positions]:
+        """The blend shapes of the mesh by name, as displacements of its points."""
+        binding = self._usd.UsdSkel.BindingAPI(self.prim)
+        names = binding.GetBlendShapesAttr().Get() or []
+        out: dict[str, Positions] = {}
+        for name, target in zip(names, binding.GetBlendShapeTargetsRel().GetTargets()):
+            shape = self._usd.UsdSkel.BlendShape(self.prim.GetStage().GetPrimAtPath(target))
+            given = np.asarray(shape.GetOffsetsAttr().Get() or [], np.float64).reshape(-1, 3)
+            places = shape.GetPointIndicesAttr().Get()
+            numbers = np.arange(self.count) if places is None or not len(places) else np.asarray(places, np.int64)
+            if len(numbers) != len(given) or ((numbers < 0) | (numbers >= self.count)).any():
+                raise ValueError(f"{self.where}: blend shape '{name}' does not fit its {self.count} points")
+            out[str(name)] = np.zeros((self.count, 3))
+            out[str(name)][numbers] = given
+        return out
+
+
+class _Stage:
+    """The meshes of a file that are drawn, as one."""
+
+    def __init__(self, path: str) -> None:
+        self.path = path
+        self._usd, self._stage = _open(path)
+        self._parts = self._find_parts()
+        if not self._parts:
+            raise ValueError(f"{path}: has no mesh that is drawn")
+        self._offsets = [part.offsets() for part in self._parts]
+        self.targets = list(dict.fromkeys(name for one in self._offsets for name in one))
+        self._is_skinned = True  # by the file; not yet by us
+
+    def _find_parts(self) -> list[_Part]:
+        geom = self._usd.UsdGeom
+        out = []
+        for prim in self._stage.Traverse(self._usd.Usd.TraverseInstanceProxies()):
+            if not prim.IsA(geom.Mesh):
+                continue
+            drawn = geom.Imageable(prim)
+            is_hidden = drawn.ComputeVisibility() == geom.Tokens.invisible
+            if not is_hidden and drawn.ComputePurpose() in (geom.Tokens.default_, geom.Tokens.render):
+                out.append(_Part(self._usd, prim, self.path))
+        return out
+
+    def faces(self) -> Faces:
+        """(f, k) if all faces have k corners, otherwise their triangles, each face a fan from its first corner."""
+        faces: list[npt.NDArray[np.int64]] = []
+        first = 0
+        for part in self._parts:
+            faces += [first + face for face in part.faces()]
+            first += part.count
+        if len({len(face) for face in faces}) > 1:
+            faces = [face[[0, k, k + 1]] for face in faces for k in range(1, len(face) - 1)]
+        return np.array(faces, np.int64).reshape(len(faces), -1)
+
+    def rest(self) -> Positions:
+        return np.concatenate([part.rest() for part in self._parts])
+
+    def target(self, name: str) -> Positions:
+        if name not in self.targets:
+            what = ", ".join(self.targets) or "none"
+            raise _error(_USAGE, 1212, self.path, f"there is no morph target '{name}'", f"it has {what}")
+        return np.concatenate([part.rest(offsets.get(name)) for part, offsets in zip(self._parts, self._offsets)])
+
+    def _skin(self) -> None:
+        """Turns skeletons and weights of blend shapes into points of each frame, in memory."""
+        if self._is_skinned:
+            self._stage.SetEditTarget(self._stage.GetSessionLayer())
+            self._usd.UsdSkel.BakeSkinning(self._stage.Traverse())
+        self._is_skinned = False
+
+    def times(self) -> list[float]:
+        self._skin()
+        return sorted(set().union(*(part.times() for part in self._parts)))
+
+    def at(self, time: float) -> Positions:
+        self._skin()
+        code = self._usd.Usd.TimeCode(time)
+        return np.concatenate([part.positions(code) for part in self._parts])
+
+
+def _times_of(text: str, where: str) -> list[float]:
+    out = []
+    for word in text.split(","):
+        try:
+            out.append(float(word))
+        except ValueError:
+            out.append(math.nan)
+        if not math.isfinite(out[-1]):
+            raise _error(_USAGE, 1211, where, f"'{word}' is not a time in frames", _CHOICES)
+    return out
+
+
+def _chosen(stage: _Stage, choice: str) -> list[tuple[str, Positions]]:
+    kind, _, names = choice.partition("=")
+    if choice == "rest":
+        return [("rest", stage.rest())]
+    if kind == "target" and names:
+        return [(name, stage.target(name)) for name in names.split(",")]
+    if kind == "time" and names:
+        return [(f"frame {time:g}", stage.at(time)) for time in _times_of(names, stage.path)]
+    raise _error(_USAGE, 1211, stage.path, f"'#{choice}' after a USD file is not understood", _CHOICES)
+
+
+def _all(stage: _Stage, has_layers: bool) -> list[tuple[str, Positions]]:
+    if has_layers:
+        return [("rest", stage.rest())] + [(name, stage.target(name)) for name in stage.targets]
+    times = stage.times()
+    if len(times) > _LIMIT:
+        hint = f"choose some of them, as in {stage.path}#time={times[0]:g},{times[len(times) // 2]:g},{times[-1]:g}"
+        raise _error(_INPUT, 3002, stage.path, f"{len(times)} poses given, the limit is {_LIMIT}", hint)
+    return [(f"frame {time:g}", stage.at(time)) for time in times] or [("rest", stage.rest())]
+
+
+def read_poses(path: str, is_alone: bool, blend: str | None) -> NamedPoses:
+    """The poses that a path chooses. Without a choice: of a file that is alone its blend shapes as layers, or its frames; of
+    one among others its rest shape."""
+    file, has_choice, choice = path.partition("#")
+    stage = _Stage(file)
+    has_layers = is_alone and not has_choice and bool(stage.targets) and blend != "average"
+    if has_choice:
+        poses = _chosen(stage, choice)
+    elif is_alone:
+        poses = _all(stage, has_layers)
+    else:
+        poses = [(pathlib.PurePath(file).stem, stage.rest())]
+    return NamedPoses(poses, stage.faces(), has_layers)

@@ -1,0 +1,217 @@
+"""USD files as poses: blend shapes, frames, skeletons, places; against arrays and the glTF file of the same shapes."""
+import subprocess
+import sys
+import tempfile
+import unittest
+from pathlib import Path
+
+import numpy as np
+import pliant
+import shapes
+
+try:
+    from pxr import Gf, Sdf, Usd, UsdGeom, UsdSkel, Vt
+except ImportError:
+    print("skipped: usd-core is not installed")
+    sys.exit(77)
+
+POSES, FACES = shapes.tubes((0.0, 1.2, -0.8))
+POSES = POSES.astype(np.float32).astype(float)  # what files of single precision keep
+QUADS = shapes.quads(FACES)
+QUICK = {"dim": 6, "elements": 40, "check_samples": 1, "fresh_samples": 1}
+FOLDER = tempfile.TemporaryDirectory()
+
+
+def vectors(positions):
+    return Vt.Vec3fArray.FromNumpy(np.ascontiguousarray(positions, np.float32))
+
+
+def new_mesh(name, positions, faces, where="/tube"):
+    """A stage in a file with one mesh."""
+    path = str(Path(FOLDER.name, name))
+    stage = Usd.Stage.CreateNew(path)
+    add_mesh(stage, positions, faces, where)
+    return path, stage
+
+
+def add_mesh(stage, positions, faces, where):
+    mesh = UsdGeom.Mesh.Define(stage, where)
+    mesh.CreatePointsAttr(vectors(positions))
+    mesh.CreateFaceVertexCountsAttr([len(face) for face in faces])
+    mesh.CreateFaceVertexIndicesAttr([int(v) for face in faces for v in face])
+    return mesh
+
+
+def write_shapes(name):
+    path, stage = new_mesh(name, POSES[0], QUADS)
+    binding = UsdSkel.BindingAPI.Apply(stage.GetPrimAtPath("/tube"))
+    binding.CreateBlendShapesAttr(["bend", "back"])
+    for k, target in ((1, "bend"), (2, "back")):
+        shape = UsdSkel.BlendShape.Define(stage, f"/tube/{target}")
+        offsets = POSES[k] - POSES[0]
+        moved = np.flatnonzero(offsets.any(1)) if k == 2 else np.arange(len(offsets))  # one sparse, one dense
+        shape.CreateOffsetsAttr(vectors(offsets[moved]))
+        if k == 2:
+            shape.CreatePointIndicesAttr(moved.tolist())
+        binding.GetBlendShapeTargetsRel() or binding.CreateBlendShapeTargetsRel()
+        binding.GetBlendShapeTargetsRel().AddTarget(shape.GetPath())
+    stage.Save()
+    return path
+
+
+def write_frames(name, times=(1, 12, 24)):
+    path, stage = new_mesh(name, POSES[0], FACES)
+    points = UsdGeom.Mesh.Get(stage, "/tube").GetPointsAttr()
+    points.Clear()
+    for k, time in enumerate(times):
+        points.Set(vectors(POSES[k % 3]), time)
+    stage.Save()
+    return path
+
+
+def number_of(call, *arguments, **options):
+    try:
+        call(*arguments, **options)
+    except pliant.Error as error:
+        return error.number, str(error)
+    return None, ""
+
+
+class BlendShapes(unittest.TestCase):
+    def test_they_are_layers(self):
+        poses = pliant.load_poses(write_shapes("keys.usda"))
+        self.assertEqual((poses.blend, poses.names), ("layers", ["rest", "bend", "back"]))
+        np.testing.assert_array_equal(poses.faces, QUADS)
+        self.assertLess(np.abs(poses.positions - POSES).max(), 2e-7)
+        self.assertTrue(pliant.bake(poses, **QUICK).has_layers)
+        glb = shapes.write_glb(Path(FOLDER.name, "keys.glb"), POSES[0], FACES, {"bend": POSES[1], "back": POSES[2]})
+        self.assertLess(np.abs(poses.positions - pliant.load_poses(glb).positions).max(), 2e-7)
+
+    def test_choices(self):
+        path = write_shapes("choices.usdc")
+        poses = pliant.load_poses([path + "#rest", path + "#target=back,bend"])
+        self.assertEqual((poses.blend, poses.names), ("average", ["rest", "back", "bend"]))
+        self.assertLess(np.abs(poses.positions - POSES[[0, 2, 1]]).max(), 2e-7)
+        for wrong, number, text in (("#target=grin", "P1212", "it has bend, back"), ("#morph=bend", "P1211", "#time=FRAME"),
+                                    ("#time=1,x", "P1211", "'x' is not a time in frames"), ("#", "P1211", "'#'"),
+                                    ("#rest", "P3001", "two or more are needed")):
+            got, message = number_of(pliant.load_poses, path + wrong)
+            self.assertEqual(got, number, message)
+            self.assertIn(text, message)
+
+
+class Frames(unittest.TestCase):
+    def test_they_are_poses_with_the_bytes_of_arrays(self):
+        for name in ("frames.usda", "frames.usdc"):
+            poses = pliant.load_poses(write_frames(name))
+            self.assertEqual((poses.blend, poses.names), ("average", ["frame 1", "frame 12", "frame 24"]))
+            np.testing.assert_array_equal(poses.positions, POSES)
+            expected = pliant.bake(POSES, FACES, names=poses.names, **QUICK)
+            self.assertEqual(bytes(pliant.bake(poses, **QUICK)), bytes(expected))
+
+    def test_choices(self):
+        path = write_frames("times.usda")
+        poses = pliant.load_poses(path + "#time=24,6.5")
+        self.assertEqual(poses.names, ["frame 24", "frame 6.5"])
+        np.testing.assert_array_equal(poses.positions[0], POSES[2])
+        self.assertLess(np.abs(poses.positions[1] - (POSES[0] + POSES[1]) / 2).max(), 1e-6)
+        many = write_frames("many.usda", range(65))
+        number, message = number_of(pliant.load_poses, many)
+        self.assertEqual(number, "P3002")
+        self.assertIn("many.usda#time=0,32,64", message)
+
+    def test_several_files(self):
+        paths = []
+        for k, positions in enumerate(POSES):
+            path, stage = new_mesh(f"pose{k}.usda", positions, FACES)
+            stage.Save()
+            paths.append(path)
+        poses = pliant.load_poses(paths)
+        self.assertEqual(poses.names, ["pose0", "pose1", "pose2"])
+        np.testing.assert_array_equal(poses.positions, POSES)
+
+    def test_skeletons(self):
+        path, stage = new_mesh("skin.usda", POSES[0], FACES, "/hero/tube")
+        UsdSkel.Root.Define(stage, "/hero")
+        skeleton = UsdSkel.Skeleton.Define(stage, "/hero/bones")
+        skeleton.CreateJointsAttr(["a"])
+        for create in (skeleton.CreateBindTransformsAttr, skeleton.CreateRestTransformsAttr):
+            create(Vt.Matrix4dArray([Gf.Matrix4d(1)]))
+        animation = UsdSkel.Animation.Define(stage, "/hero/bones/move")
+        animation.CreateJointsAttr(["a"])
+        animation.CreateRotationsAttr([Gf.Quatf(1)])
+        animation.CreateScalesAttr([Gf.Vec3h(1)])
+        moves = animation.CreateTranslationsAttr()
+        for time in (1, 2):
+            moves.Set([Gf.Vec3f(0, time - 1, 0)], time)
+        UsdSkel.BindingAPI.Apply(skeleton.GetPrim()).CreateAnimationSourceRel().SetTargets([animation.GetPath()])
+        binding = UsdSkel.BindingAPI.Apply(stage.GetPrimAtPath("/hero/tube"))
+        binding.CreateSkeletonRel().SetTargets([skeleton.GetPath()])
+        weights = (np.arange(len(POSES[0])) % 2).astype(np.float32)  # of every other vertex
+        binding.CreateJointIndicesPrimvar(False, 1).Set([0] * len(weights))
+        binding.CreateJointWeightsPrimvar(False, 1).Set(weights.tolist())
+        stage.Save()
+        before = Path(path).read_bytes()
+        poses = pliant.load_poses(path)
+        self.assertEqual(len(poses), 2)
+        moved = poses.positions[1] - poses.positions[0]
+        self.assertLess(np.abs(moved[weights == 1] - [0, 1, 0]).max(), 1e-6)
+        self.assertEqual(Path(path).read_bytes(), before)
+
+
+class Meshes(unittest.TestCase):
+    def test_parts_places_and_what_is_not_drawn(self):
+        path, stage = new_mesh("parts.usda", POSES[0], FACES, "/group/tube")
+        group = UsdGeom.Xform.Define(stage, "/group")
+        group.AddTranslateOp().Set((0, 5, 0), 1)
+        group.GetOrderedXformOps()[0].Set((0, 7, 0), 2)
+        add_mesh(stage, POSES[1], QUADS, "/other").CreateOrientationAttr(UsdGeom.Tokens.leftHanded)
+        UsdGeom.Imageable(add_mesh(stage, POSES[1], FACES, "/hidden")).MakeInvisible()
+        add_mesh(stage, POSES[1], FACES, "/guide").CreatePurposeAttr(UsdGeom.Tokens.guide)
+        stage.Save()
+        poses = pliant.load_poses(path)
+        n = len(POSES[0])
+        self.assertEqual(poses.positions.shape, (2, 2 * n, 3))
+        self.assertLess(np.abs(poses.positions[1, :n] - POSES[0] - [0, 7, 0]).max(), 1e-12)
+        np.testing.assert_array_equal(poses.positions[1, n:], POSES[1])
+        flipped = QUADS[:, ::-1]
+        fans = np.stack([flipped[:, [0, 1, 2]], flipped[:, [0, 2, 3]]], 1).reshape(-1, 3)
+        np.testing.assert_array_equal(poses.faces, np.concatenate([FACES, n + fans]))
+
+    def test_wrong_files(self):
+        number, message = number_of(pliant.load_poses, "nowhere.usd")
+        self.assertEqual(number, "P2001")
+        self.assertIn("nowhere.usd: cannot be read: No such file", message)
+        broken = Path(FOLDER.name, "broken.usda")
+        broken.write_text("#usda 1.0\n( this is none")
+        self.assertEqual(number_of(pliant.load_poses, broken)[0], "P2001")
+        empty = str(Path(FOLDER.name, "empty.usda"))
+        Usd.Stage.CreateNew(empty).Save()
+        with self.assertRaisesRegex(ValueError, "empty.usda: has no mesh that is drawn"):
+            pliant.load_poses(empty)
+        with self.assertRaisesRegex(ValueError, "paths: 'a.obj' is no USD file"):
+            pliant.load_poses(["a.usd", "a.obj"])
+        path, stage = new_mesh("corner.usda", POSES[0], FACES)
+        UsdGeom.Mesh.Get(stage, "/tube").CreateFaceVertexIndicesAttr([999] * FACES.size)
+        stage.Save()
+        with self.assertRaisesRegex(ValueError, "corner.usda: /tube: a face has a corner that is not among its 112 points"):
+            pliant.load_poses([path, path])
+        other, stage = new_mesh("other.usda", POSES[0], FACES[::-1])
+        stage.Save()
+        with self.assertRaisesRegex(ValueError, "other.usda: has other vertices or faces than .*frames.usda"):
+            pliant.load_poses([write_frames("frames.usda"), other])
+        changing = write_frames("changing.usda")
+        stage = Usd.Stage.Open(changing)
+        UsdGeom.Mesh.Get(stage, "/tube").GetPointsAttr().Set(vectors(POSES[0][:5]), 12)
+        stage.Save()
+        with self.assertRaisesRegex(ValueError, "/tube: has 5 points at frame 12 and 112 at first"):
+            pliant.load_poses(changing)
+
+    def test_without_usd(self):
+        program = "import sys; sys.modules['pxr'] = None; import pliant; pliant.load_poses('hero.usd')"
+        done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True)
+        self.assertIn("ImportError: hero.usd: reading USD needs usd-core: pip install 'pliant[usd]'", done.stderr)
+
+
+if __name__ == "__main__":
+    unittest.main(verbosity=2)
