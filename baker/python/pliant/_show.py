@@ -118,6 +118,7 @@ def show(
     if picture is not None:
         polyscope.screenshot(os.fspath(picture), transparent_bg=False)
         return
-    polyscope.set_user_callback(lambda: viewer.draw_panel(polyscope.imgui))
+    imgui = importlib.import_module("polyscope.imgui")
+    polyscope.set_user_callback(lambda: viewer.draw_panel(imgui))
     polyscope.show()
     polyscope.clear_user_callback()

@@ -1,6 +1,9 @@
 """The reduced model and the energies that researchers take apart: basis, surrogate energy, unreduced energy."""
+import os
+import re
 import threading
 import unittest
+from pathlib import Path
 
 import numpy as np
 import pliant
@@ -108,6 +111,19 @@ class ReducedModel(unittest.TestCase):
         self.assertEqual(raised.exception.number, "P1204")
         self.assertEqual(TUBE.energy(WEIGHTS, np.full(6, 1e30)), np.inf)
         self.assertTrue(np.isnan(TUBE.energy_gradient(WEIGHTS, np.full(6, 1e30))).all())
+
+
+class Readme(unittest.TestCase):
+    def test_what_it_shows_runs(self):
+        text = Path(os.environ["PLIANT_SOURCE"], "baker/python/README.md").read_text(encoding="utf-8")
+        part = text.split("## For research\n")[1].split("\n## ")[0]
+        names = {"pliant": pliant, "asset": pliant.bake(POSES[:2], FACES, dim=3, elements=18, **QUICK), "poses": POSES[:2],
+                 "faces": FACES, "x": POSES[0]}
+        blocks = re.findall(r"```python\n(.*?)```", part, re.S)
+        for block in blocks:
+            exec(block, names)
+        self.assertEqual(len(blocks), 2)
+        self.assertEqual(names["basis"].shape, (112, 3, 3))
 
 
 class UnreducedEnergy(unittest.TestCase):

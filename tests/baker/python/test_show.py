@@ -95,8 +95,10 @@ class Show(unittest.TestCase):
             _show.Viewer(polyscope, TUBE, np.eye(2), True)
 
     def test_picture(self):
-        from matplotlib.image import imread
-
+        try:
+            from matplotlib.image import imread
+        except ImportError:
+            self.skipTest("matplotlib is not installed")
         with tempfile.TemporaryDirectory() as folder:
             picture = Path(folder, "tube.png")
             pliant.show(TUBE, picture=picture)
