@@ -1,0 +1,135 @@
+#!/usr/bin/env python3
+"""What a release publishes: make_release.py OUT [--without PART]... [--candidate]
+
+Makes the folder OUT with
+    pliant-VERSION.tar.gz     the sources (part `source`): the same bytes for the same commit
+    pliant-VERSION.tgz        the npm package (part `npm`; zig comes from the Python package index)
+    SHA256SUMS                for sha256sum --check
+and what other rooms add, PARTS below. Everything is made in a clone of the last commit, so the working tree must hold
+nothing else. OUT appears whole or not at all. The version of runtime/pliant.h must be the newest heading of CHANGELOG.md,
+with a date; --candidate accepts one that says "unreleased".
+Exit code: 0, 1 if something failed, 2 for a wrong argument.
+"""
+import argparse
+import gzip
+import hashlib
+import os
+import re
+import shutil
+import subprocess
+import sys
+import tempfile
+from pathlib import Path
+
+ROOT = Path(__file__).resolve().parents[2]
+ZIG = "ziglang==0.17.0"
+
+
+class Failure(Exception):
+    """What failed, with a remedy."""
+
+
+def run(*command, cwd=ROOT):
+    done = subprocess.run([str(word) for word in command], cwd=cwd, capture_output=True)
+    if done.returncode != 0:
+        said = (done.stdout + done.stderr).decode(errors="replace")[-3000:]
+        raise Failure(f"{' '.join(map(str, command))}: exit code {done.returncode}\n{said}")
+    return done.stdout
+
+
+def version_of(tree):
+    text = (tree / "runtime/pliant.h").read_text(encoding="utf-8")
+    parts = dict(re.findall(r"^#define PLIANT_VERSION_(MAJOR|MINOR|PATCH) (\d+)\b", text, re.M))
+    return ".".join(parts[name] for name in ("MAJOR", "MINOR", "PATCH"))
+
+
+def check_tree(candidate):
+    """The version of what may be released."""
+    changed = run("git", "status", "--porcelain").decode().splitlines()
+    if changed:
+        raise Failure(f"{len(changed)} files are not as committed, such as {changed[0][3:]}\nhint: commit or remove them")
+    version = version_of(ROOT)
+    heading = re.search(r"^## (.*)$", (ROOT / "CHANGELOG.md").read_text(encoding="utf-8"), re.M)
+    number, _, state = (heading.group(1) if heading else "").partition(", ")
+    if number != version:
+        raise Failure(f"runtime/pliant.h has the version {version}, the newest heading of CHANGELOG.md '{number}'\n"
+                      "hint: one of them was forgotten")
+    if not re.fullmatch(r"\d{4}-\d\d-\d\d", state) and not candidate:
+        raise Failure(f"CHANGELOG.md says '{number}, {state}'\nhint: write the date of the release, or take --candidate")
+    return version
+
+
+def make_source(clone, out, version):
+    name = f"pliant-{version}"
+    tar = run("git", "archive", "--format=tar", f"--prefix={name}/", "HEAD", cwd=clone)
+    (out / f"{name}.tar.gz").write_bytes(gzip.compress(tar, 9, mtime=0))
+
+
+def python_with(folder, *packages):
+    """A virtual environment's interpreter with packages."""
+    run(sys.executable, "-m", "venv", folder)
+    run(folder / "bin/pip", "install", "--quiet", "--disable-pip-version-check", *packages)
+    return folder / "bin/python"
+
+
+def make_npm(clone, out, _version):
+    python = python_with(clone.parent / "zig", ZIG)
+    package = clone.parent / "npm"
+    run(python, "-B", clone / "runtime/bindings/web/build.py", package)
+    run("npm", "pack", "--offline", "--silent", "--pack-destination", out, cwd=package)
+
+
+# Name, the file that must be there, function. A room that publishes something adds a line.
+PARTS = [
+    ("source", "runtime/pliant.h", make_source),
+    ("npm", "runtime/bindings/web/build.py", make_npm),
+]
+
+
+def write_sums(out):
+    lines = [f"{hashlib.sha256(path.read_bytes()).hexdigest()}  {path.name}\n" for path in sorted(out.iterdir())]
+    (out / "SHA256SUMS").write_text("".join(lines))
+
+
+def make_all(out, without, version):
+    """In a folder beside OUT, which gets its name at the end."""
+    out.parent.mkdir(parents=True, exist_ok=True)
+    with tempfile.TemporaryDirectory(prefix=".release-", dir=out.parent) as name:
+        work = Path(name)
+        staging, clone = work / "out", work / "clone"
+        staging.mkdir()
+        run("git", "clone", "--quiet", "--no-hardlinks", ROOT, clone)
+        for part, needed, make in PARTS:
+            if part in without or not (clone / needed).exists():
+                print(f"{part}: left out", flush=True)
+                continue
+            make(clone, staging, version)
+            print(f"{part}: made", flush=True)
+        write_sums(staging)
+        os.rename(staging, out)
+
+
+def main(arguments):
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("out", type=Path)
+    parser.add_argument("--without", action="append", default=[], choices=[part for part, _, _ in PARTS], metavar="PART")
+    parser.add_argument("--candidate", action="store_true")
+    options = parser.parse_args(arguments)
+    out = options.out.resolve()
+    if out.exists():
+        raise Failure(f"{out} is there already\nhint: name a new folder, or remove it")
+    for tool in ["git"] + ["npm"] * ("npm" not in options.without):
+        if not shutil.which(tool):
+            raise Failure(f"{tool} is not installed\nhint: install it" + ", or take --without npm" * (tool == "npm"))
+    make_all(out, options.without, check_tree(options.candidate))
+    for path in sorted(out.iterdir()):
+        print(f"{path.stat().st_size:>12,}  {path.name}")
+    return 0
+
+
+if __name__ == "__main__":
+    try:
+        sys.exit(main(sys.argv[1:]))
+    except Failure as failure:
+        print(f"make_release.py: error: {failure}", file=sys.stderr)
+        sys.exit(1)

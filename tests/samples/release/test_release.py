@@ -1,0 +1,96 @@
+"""samples/release/make_release.py in a small checkout of its own: the sources are the committed files, the same bytes twice,
+with sums that sha256sum accepts; a tree that is not as committed, versions that disagree, a heading without a date, a folder
+that is there, and a part that fails are refused with a message, and leave nothing. Exit code 77, and the reason, without
+git."""
+import os
+import re
+import shutil
+import subprocess
+import sys
+import tarfile
+import tempfile
+from pathlib import Path
+
+ROOT = Path(__file__).resolve().parents[3]
+SCRIPT = "samples/release/make_release.py"
+COPIED = [SCRIPT, "runtime/pliant.h", "runtime/bindings/web/build.py", "LICENSE"]
+HEADER = (ROOT / "runtime/pliant.h").read_text()
+VERSION = ".".join(re.search(rf"VERSION_{name} (\d+)", HEADER).group(1) for name in ("MAJOR", "MINOR", "PATCH"))
+# Nothing is fetched: the part npm fails at once.
+OFFLINE = dict(os.environ, PIP_INDEX_URL="http://127.0.0.1:9/", PIP_RETRIES="0", PIP_NO_CACHE_DIR="1")
+
+
+def git(tree, *arguments):
+    identity = ["-c", "user.name=test", "-c", "user.email=test@localhost"]
+    return subprocess.run(["git", *identity, *arguments], cwd=tree, check=True, capture_output=True, text=True).stdout
+
+
+def make_tree(tree):
+    for path in COPIED:
+        (tree / path).parent.mkdir(parents=True, exist_ok=True)
+        shutil.copy(ROOT / path, tree / path)
+    (tree / "CHANGELOG.md").write_text(f"# Changes\n\n## {VERSION}, 2026-11-26\n")
+    git(tree, "init", "--quiet")
+    commit(tree)
+
+
+def commit(tree):
+    git(tree, "add", "--all")
+    git(tree, "commit", "--quiet", "--message", "test")
+
+
+def release(tree, out, *options):
+    return subprocess.run([sys.executable, "-B", tree / SCRIPT, out, *options], capture_output=True, text=True, env=OFFLINE)
+
+
+def check_good(tree, folder):
+    outs = [folder / "first", folder / "second"]
+    for out in outs:
+        done = release(tree, out, "--without", "npm")
+        assert done.returncode == 0 and "source: made" in done.stdout and "npm: left out" in done.stdout, done
+        assert sorted(path.name for path in out.iterdir()) == ["SHA256SUMS", f"pliant-{VERSION}.tar.gz"]
+        subprocess.run(["sha256sum", "--check", "--quiet", "--strict", "SHA256SUMS"], cwd=out, check=True)
+    first, second = (out / f"pliant-{VERSION}.tar.gz" for out in outs)
+    assert first.read_bytes() == second.read_bytes(), "two archives of one commit differ"
+    with tarfile.open(first) as archive:
+        names = sorted(member.name for member in archive if member.isfile())
+    assert names == sorted(f"pliant-{VERSION}/{name}" for name in git(tree, "ls-files").split()), names
+
+
+def check_refused(tree, folder, text, *options):
+    before = sorted(folder.iterdir())
+    done = release(tree, folder / "refused", *options)
+    assert done.returncode == 1 and text in done.stderr, (text, done)
+    assert sorted(folder.iterdir()) == before, "something was left"
+
+
+def main():
+    if not shutil.which("git"):
+        print("skipped: git is not installed")
+        return 77
+    with tempfile.TemporaryDirectory(prefix="pliant-release-") as name:
+        tree, folder = Path(name, "tree"), Path(name, "out")
+        folder.mkdir()
+        make_tree(tree)
+        check_good(tree, folder)
+        if shutil.which("npm"):
+            check_refused(tree, folder, "ziglang")  # pip finds nothing
+        (folder / "refused").mkdir()
+        check_refused(tree, folder, "is there already", "--without", "npm")
+        (folder / "refused").rmdir()
+        (tree / "notes.txt").write_text("not committed\n")
+        check_refused(tree, folder, "notes.txt", "--without", "npm")
+        (tree / "notes.txt").unlink()
+        (tree / "CHANGELOG.md").write_text(f"# Changes\n\n## {VERSION}, unreleased\n")
+        commit(tree)
+        check_refused(tree, folder, "unreleased", "--without", "npm")
+        assert release(tree, folder / "candidate", "--without", "npm", "--candidate").returncode == 0
+        (tree / "CHANGELOG.md").write_text("# Changes\n\n## 9.9.9, 2026-11-26\n")
+        commit(tree)
+        check_refused(tree, folder, "the newest heading of CHANGELOG.md '9.9.9'", "--without", "npm")
+    print("releases are whole, the same twice, or refused")
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
