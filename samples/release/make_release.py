@@ -2,12 +2,14 @@
 """What a release publishes: make_release.py OUT [--without PART]... [--candidate]
 
 Makes the folder OUT with
-    pliant-VERSION.tar.gz     the sources (part `source`): the same bytes for the same commit
-    pliant-VERSION.tgz        the npm package (part `npm`; zig comes from the Python package index)
-    SHA256SUMS                for sha256sum --check
-and what other rooms add, PARTS below. Everything is made in a clone of the last commit, so the working tree must hold
-nothing else. OUT appears whole or not at all. The version of runtime/pliant.h must be the newest heading of CHANGELOG.md,
-with a date; --candidate accepts one that says "unreleased".
+    part `source`    pliant-VERSION-source.tar.gz    the same bytes for the same commit
+    part `sdist`     pliant-VERSION.tar.gz           what pip builds; part `wheel`: the wheel, which takes minutes
+    part `npm`       pliant-VERSION-npm.tgz          the package for browsers and node
+    part `blender`   pliant-VERSION-blender.zip      the add-on
+    SHA256SUMS       for sha256sum --check
+Tools of the parts come from PyPI. Everything is made in a clone of the last commit, so the working tree must hold nothing
+else. OUT appears whole or not at all. The version of runtime/pliant.h must be the newest heading of CHANGELOG.md, with a
+date; --candidate accepts one that says "unreleased".
 Exit code: 0, 1 if something failed, 2 for a wrong argument.
 """
 import argparse
@@ -62,7 +64,7 @@ def check_tree(candidate):
 def make_source(clone, out, version):
     name = f"pliant-{version}"
     tar = run("git", "archive", "--format=tar", f"--prefix={name}/", "HEAD", cwd=clone)
-    (out / f"{name}.tar.gz").write_bytes(gzip.compress(tar, 9, mtime=0))
+    (out / f"{name}-source.tar.gz").write_bytes(gzip.compress(tar, 9, mtime=0))
 
 
 def python_with(folder, *packages):
@@ -72,18 +74,32 @@ def python_with(folder, *packages):
     return folder / "bin/python"
 
 
-def make_npm(clone, out, _version):
+def make_sdist(clone, out, _version):
+    run(sys.executable, "-B", "baker/python/build_wheels.py", out, "--sdist", cwd=clone)
+
+
+def make_wheel(clone, out, _version):
+    """It is made from a source distribution, which comes along."""
+    made = clone.parent / "wheel"
+    run(sys.executable, "-B", "baker/python/build_wheels.py", made, cwd=clone)
+    for path in made.glob("*.whl"):
+        shutil.copy(path, out)
+
+
+def make_blender(clone, out, version):
+    run(sys.executable, "-B", "samples/blender/build.py", out / f"pliant-{version}-blender.zip", cwd=clone)
+
+
+def make_npm(clone, out, version):
     python = python_with(clone.parent / "zig", ZIG)
     package = clone.parent / "npm"
     run(python, "-B", clone / "runtime/bindings/web/build.py", package)
-    run("npm", "pack", "--offline", "--silent", "--pack-destination", out, cwd=package)
+    run("npm", "pack", "--offline", "--silent", "--pack-destination", clone.parent, cwd=package)
+    shutil.copy(clone.parent / f"pliant-{version}.tgz", out / f"pliant-{version}-npm.tgz")
 
 
-# Name, the file that must be there, function. A room that publishes something adds a line.
-PARTS = [
-    ("source", "runtime/pliant.h", make_source),
-    ("npm", "runtime/bindings/web/build.py", make_npm),
-]
+# In the order that they are made in: those that fail early come first.
+PARTS = {"source": make_source, "blender": make_blender, "npm": make_npm, "sdist": make_sdist, "wheel": make_wheel}
 
 
 def write_sums(out):
@@ -99,12 +115,10 @@ def make_all(out, without, version):
         staging, clone = work / "out", work / "clone"
         staging.mkdir()
         run("git", "clone", "--quiet", "--no-hardlinks", ROOT, clone)
-        for part, needed, make in PARTS:
-            if part in without or not (clone / needed).exists():
-                print(f"{part}: left out", flush=True)
-                continue
-            make(clone, staging, version)
-            print(f"{part}: made", flush=True)
+        for part, make in PARTS.items():
+            if part not in without:
+                make(clone, staging, version)
+            print(f"{part}: {'left out' if part in without else 'made'}", flush=True)
         write_sums(staging)
         os.rename(staging, out)
 
@@ -112,7 +126,7 @@ def make_all(out, without, version):
 def main(arguments):
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("out", type=Path)
-    parser.add_argument("--without", action="append", default=[], choices=[part for part, _, _ in PARTS], metavar="PART")
+    parser.add_argument("--without", action="append", default=[], choices=PARTS, metavar="PART")
     parser.add_argument("--candidate", action="store_true")
     options = parser.parse_args(arguments)
     out = options.out.resolve()
