@@ -1,0 +1,39 @@
+#!/usr/bin/env python3
+"""The add-on as a zip that Blender installs: build.py OUT.zip"""
+import re
+import sys
+import zipfile
+from pathlib import Path
+
+HERE = Path(__file__).resolve().parent
+PACKAGE = HERE / "pliant_blender"
+HEADER = HERE.parents[1] / "runtime/pliant.h"
+PLACES = {"__init__.py": ("(0, 0, 0)", "({}, {}, {})"), "blender_manifest.toml": ('"0.0.0"', '"{}.{}.{}"')}
+
+
+def content(path, version):
+    """A file of the package, with the version of the project."""
+    text = path.read_text()
+    if path.name in PLACES:
+        place, form = PLACES[path.name]
+        if text.count(place) != 1:
+            sys.exit(f"{path}: {place} is to be there once, for the version")
+        text = text.replace(place, form.format(*version))
+    return text
+
+
+def main(output):
+    version = re.findall(r"^#define PLIANT_VERSION_(?:MAJOR|MINOR|PATCH) (\d+)", HEADER.read_text(), re.M)
+    partial = output.with_name(output.name + ".part")
+    with zipfile.ZipFile(partial, "w", zipfile.ZIP_DEFLATED) as archive:
+        for path in sorted([*PACKAGE.glob("*.py"), *PACKAGE.glob("*.toml")]):
+            archive.writestr(f"{PACKAGE.name}/{path.name}", content(path, version))
+        archive.write(HERE.parents[1] / "LICENSE", f"{PACKAGE.name}/LICENSE")
+    partial.replace(output)
+    return 0
+
+
+if __name__ == "__main__":
+    if len(sys.argv) != 2 or not sys.argv[1].endswith(".zip"):
+        sys.exit(__doc__)
+    sys.exit(main(Path(sys.argv[1])))

@@ -1,0 +1,198 @@
+"""The operator pliant.bake: writes the shapes, runs the tool, and puts a driven object beside the one that was read."""
+import hashlib
+import json
+import pathlib
+import tempfile
+from types import SimpleNamespace
+
+import bpy
+
+from . import drive, morphs, shapes, tool
+from .properties import BakeOptions, copy_options
+
+
+class Job:
+    """A bake from the shapes of an object to an asset, in a temporary folder that close() removes."""
+
+    def __init__(self, scene, thing, options):
+        self.target = thing.name if thing.data.pliant.identity else ""  # baked again from its origin
+        origin = thing.pliant.origin if self.target else thing
+        if not origin:
+            raise shapes.Failure(f"the object that {thing.name} was baked from is gone")
+        self.origin, self.options = origin.name, SimpleNamespace()
+        copy_options(options, self.options)
+        self.shapes = shapes.read(scene, origin, options)
+        self.by_keys = options.drive == "KEYS" or options.drive == "AUTO" and not drive.package()
+        self.storage = tempfile.TemporaryDirectory(prefix="pliant_")
+        self.folder = pathlib.Path(self.storage.name)
+        try:
+            export = [["export", "baked.pliant", "--no-normals", "-o", "baked.glb"]] * self.by_keys
+            self.run = tool.Run([self.bake_command(), *export], self.folder)
+        except BaseException:
+            self.storage.cleanup()
+            raise
+
+    def bake_command(self):
+        files = []
+        for shape in self.shapes.shapes:
+            files.append(shape.name.replace("/", "\u2215") + ".ply")  # the tool names poses by their files
+            shapes.write_ply(self.folder / files[-1], shape)
+        words = ["bake", "-o", "baked.pliant", "--report", "report.json", "--blend"]
+        words += ["layers" if self.shapes.layers else "average"]
+        words += ["--preview"] if self.options.preview else ["--best-effort", "--tolerance", f"{self.options.tolerance:.6g}"]
+        for (low, high), file in zip(self.shapes.ranges, files[1:]) if self.shapes.layers else ():
+            words += ["--range", f"{file[:-len('.ply')]}={low:.6g}:{high:.6g}"]
+        return [*words, "--", *files]
+
+    def asset(self):
+        return (self.folder / "baked.pliant").read_bytes()
+
+    def summary(self):
+        report = json.loads((self.folder / "report.json").read_text())
+        measured = report["measured"]
+        return (f"mean error {100 * measured['mean_error']:.2g} %, largest {100 * measured['largest_error']:.2g} %, "
+                f"d = {report['subspace']['dimension']}, {len(self.asset()) / 1048576:.2g} MiB")
+
+    def close(self):
+        self.run.stop()
+        self.storage.cleanup()
+
+
+def put_result(context, job):
+    """The driven object with a new mesh: the one that was active, or beside the origin, which is hidden, a new one."""
+    origin, thing = bpy.data.objects.get(job.origin), bpy.data.objects.get(job.target)
+    mesh = shapes.result_mesh(context.scene, origin, job.options) if origin else None
+    if not mesh or job.target and not thing or len(mesh.vertices) != len(job.shapes.shapes[0].positions):
+        if mesh:
+            bpy.data.meshes.remove(mesh)
+        raise shapes.Failure(f"{job.origin} has changed during the bake: bake it again")
+    thing = thing or new_object(context, origin, job.options)
+    previous, thing.data = thing.data, mesh
+    if not previous.users:
+        bpy.data.meshes.remove(previous)
+    copy_options(job.options, thing.pliant)
+    return thing
+
+
+def new_object(context, origin, options):
+    thing = origin.copy()
+    thing.name = origin.name + " Pliant"
+    thing.pliant.origin = origin
+    for collection in origin.users_collection:
+        collection.objects.link(thing)
+    if options.source == "FRAMES":  # they are in the shapes
+        thing.modifiers.clear()
+        thing.parent_type = "OBJECT" if thing.parent_type == "ARMATURE" else thing.parent_type
+    origin.select_set(False)
+    origin.hide_set(True)
+    origin.hide_render = True
+    thing.select_set(True)
+    context.view_layer.objects.active = thing
+    return thing
+
+
+def finish(context, job):
+    thing = put_result(context, job)
+    data, state = thing.data, thing.data.pliant
+    state.asset = job.asset()
+    state.identity = hashlib.sha256(state.asset).hexdigest()
+    state.summary = job.summary()
+    for name in job.shapes.weight_names:
+        state.weights.add().name = name
+    drive.add_properties(thing, job.shapes, bpy.data.objects[job.origin])
+    if job.by_keys:
+        data.pliant.table = morphs.add_keys(thing, job.folder / "baked.glb")
+    thing.update_tag()
+    drive.refresh_all(context.scene)
+
+
+class PLIANT_OT_bake(bpy.types.Operator, BakeOptions):
+    """Bake the shapes of the object into an elastic blend, and drive a copy of the object by it"""
+    bl_idname = "pliant.bake"
+    bl_label = "Bake Elastic Blend"
+    bl_options = {"UNDO"}
+    job = None  # the one bake that is running
+    message = ""  # of the last one, word for word
+
+    @classmethod
+    def poll(cls, context):
+        thing = context.object
+        return bool(thing and thing.type == "MESH" and thing.mode == "OBJECT") and not PLIANT_OT_bake.job
+
+    def start(self, context):
+        """Whether the tool is at work."""
+        PLIANT_OT_bake.message = ""
+        try:
+            PLIANT_OT_bake.job = Job(context.scene, context.object, self)
+        except (shapes.Failure, OSError) as failure:
+            self.tell("ERROR", str(failure))
+        return bool(self.job)
+
+    def tell(self, kind, text):
+        PLIANT_OT_bake.message = text
+        self.report({kind}, text)
+
+    def execute(self, context):
+        """From scripts and in background mode: to the end."""
+        if not self.start(context):
+            return {"CANCELLED"}
+        try:
+            self.job.run.wait()
+            return self.end(context)
+        finally:
+            self.close()
+
+    def invoke(self, context, event):
+        if bpy.app.background:
+            return self.execute(context)
+        if not self.start(context):
+            return {"CANCELLED"}
+        self.timer = context.window_manager.event_timer_add(0.1, window=context.window)
+        context.window_manager.modal_handler_add(self)
+        return {"RUNNING_MODAL"}
+
+    def modal(self, context, event):
+        if event.type == "ESC" and event.value == "PRESS":
+            self.cancel(context)
+            self.tell("INFO", "cancelled: nothing was baked")
+            return {"CANCELLED"}
+        if event.type != "TIMER":
+            return {"PASS_THROUGH"}
+        is_done = self.job.run.poll() is not None
+        self.show(context)
+        if not is_done:
+            return {"PASS_THROUGH"}
+        try:
+            return self.end(context)
+        finally:
+            self.cancel(context)
+
+    def show(self, context):
+        run = self.job.run
+        context.workspace.status_text_set(f"Pliant {run.percent} %: {run.stage}. Esc cancels")
+        for area in context.screen.areas:
+            if area.type == "VIEW_3D":
+                area.tag_redraw()
+
+    def cancel(self, context):
+        """Also called by Blender, when it quits or opens another file."""
+        context.window_manager.event_timer_remove(self.timer)
+        context.workspace.status_text_set(None)
+        self.close()
+
+    def close(self):
+        job, PLIANT_OT_bake.job = self.job, None
+        job.close()
+
+    def end(self, context):
+        run, text = self.job.run, "\n".join(self.job.run.messages)
+        try:
+            if run.code not in (0, 4):
+                raise shapes.Failure(text or f"the tool ended with exit code {run.code}")
+            finish(context, self.job)
+        except shapes.Failure as failure:
+            self.tell("ERROR", str(failure))
+            return {"CANCELLED"}
+        if text:
+            self.tell("WARNING", text)
+        return {"FINISHED"}

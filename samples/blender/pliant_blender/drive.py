@@ -1,0 +1,120 @@
+"""Drives meshes by the Python package pliant: when weights have changed, handlers blend the asset and set vertices."""
+import functools
+import importlib
+
+import bpy
+import numpy as np
+from bpy.app.handlers import persistent
+
+from . import shapes
+
+assets = {}  # by identity
+applied = {}  # by the name of a mesh: the identity and the weights that its vertices show
+messages = {}  # by the name of a mesh: why it stands still
+
+
+@functools.cache
+def package():
+    """The module, or None where it is not installed."""
+    try:
+        return importlib.import_module("pliant")
+    except ImportError:
+        return None
+
+
+def property_path(name):
+    return f'["{bpy.utils.escape_identifier(name)}"]'
+
+
+def add_properties(thing, shapes_read, origin):
+    """A custom property for each weight. Those that are there keep their value; if the shape keys of the origin are animated
+    or driven, they are followed by drivers."""
+    layers = shapes_read.layers
+    for name, (low, high), value in zip(shapes_read.weight_names, shapes_read.ranges, shapes_read.values):
+        before = thing.get(name)
+        thing[name] = float(before if isinstance(before, (int, float)) else value)
+        limits = {} if layers else {"min": 0.0}  # weights of layers may leave their range, those of averages are shares
+        thing.id_properties_ui(name).update(soft_min=low, soft_max=high, description="Weight of the elastic blend", **limits)
+        thing.property_overridable_library_set(property_path(name), True)
+        thing.driver_remove(property_path(name))
+        keys = origin.data.shape_keys
+        if layers and keys and keys.animation_data and name in keys.key_blocks:
+            driver = thing.driver_add(property_path(name)).driver
+            add_variable(driver, "key", keys, f'key_blocks{property_path(name)}.value', "KEY")
+            driver.expression = "key"
+
+
+def add_variable(driver, name, owner, path, kind="OBJECT"):
+    variable = driver.variables.new()
+    variable.name = name
+    variable.targets[0].id_type = kind
+    variable.targets[0].id = owner
+    variable.targets[0].data_path = path
+
+
+def weights_of(thing, graph):
+    evaluated = thing.evaluated_get(graph)
+    return tuple(float(evaluated.get(weight.name, 0)) for weight in thing.data.pliant.weights)
+
+
+def blend(state, weights):
+    """(n, 3) positions in Blender's axes."""
+    if state.identity not in assets:
+        assets[state.identity] = package().Asset.open(state.asset)
+    return shapes.z_up(assets[state.identity].blend(weights))
+
+
+def drive(thing, weights):
+    mesh = thing.data
+    if applied.get(mesh.name_full) == (mesh.pliant.identity, weights):
+        return
+    applied[mesh.name_full] = mesh.pliant.identity, weights
+    messages.pop(mesh.name_full, None)
+    try:
+        positions = blend(mesh.pliant, weights)
+    except package().Error as error:
+        messages[mesh.name_full] = str(error)
+        return
+    if len(positions) != len(mesh.vertices):
+        messages[mesh.name_full] = f"the mesh has {len(mesh.vertices)} vertices, the asset {len(positions)}: bake it again"
+        return
+    mesh.vertices.foreach_set("co", np.ascontiguousarray(positions, np.float32).ravel())
+    mesh.update()
+
+
+@persistent
+def refresh(scene, graph=None):
+    """Objects that share a mesh share its shape: the first of them in the order of names drives it."""
+    driven = {}
+    for thing in bpy.data.objects:
+        if thing.type == "MESH" and thing.data.pliant.identity and not thing.data.pliant.table and thing.mode == "OBJECT":
+            driven.setdefault(thing.data.name_full, thing)
+    if not driven or not package():
+        return
+    graph = graph or bpy.context.evaluated_depsgraph_get()
+    for thing in driven.values():
+        drive(thing, weights_of(thing, graph))
+
+
+@persistent
+def refresh_all(scene=None, _=None):
+    """After undo, and after a file was opened: vertices may be of another time than the weights."""
+    applied.clear()
+    messages.clear()
+    refresh(scene)
+
+
+HANDLERS = {"depsgraph_update_post": refresh, "frame_change_post": refresh, "undo_post": refresh_all,
+            "redo_post": refresh_all, "load_post": refresh_all}
+
+
+def register():
+    for event, handler in HANDLERS.items():
+        getattr(bpy.app.handlers, event).append(handler)
+
+
+def unregister():
+    for event, handler in HANDLERS.items():
+        getattr(bpy.app.handlers, event).remove(handler)
+    for each in (assets, applied, messages):
+        each.clear()

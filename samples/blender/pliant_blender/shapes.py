@@ -1,0 +1,143 @@
+"""Shapes of an object as arrays, and as PLY files for the tool. Files have glTF's axes, y up, as the asset then has them:
+(x, y, z) of Blender is (x, z, -y) there, which loses nothing."""
+import re
+from typing import NamedTuple
+
+import bpy
+import numpy as np
+
+
+class Failure(Exception):
+    """A text for people."""
+
+
+class Shape(NamedTuple):
+    name: str
+    positions: np.ndarray  # (n, 3) float32
+    faces: np.ndarray  # of each face the number of its corners, then its corners
+    face_count: int
+
+
+class Shapes(NamedTuple):
+    """Arrays only: while the tool works, undo may replace all data of Blender."""
+    shapes: list  # the rest shape first
+    layers: bool
+    ranges: list  # (low, high) of every weight
+    values: list  # at the start
+
+    @property
+    def weight_names(self):
+        return [shape.name for shape in self.shapes[self.layers:]]
+
+
+def coordinates(vertices):
+    flat = np.empty(3 * len(vertices), np.float32)
+    vertices.foreach_get("co", flat)
+    return flat.reshape(-1, 3)
+
+
+def make_shape(name, positions, mesh):
+    corners = np.empty(len(mesh.loops), np.int32)
+    starts, counts = np.empty((2, len(mesh.polygons)), np.int32)
+    mesh.loops.foreach_get("vertex_index", corners)
+    mesh.polygons.foreach_get("loop_start", starts)
+    mesh.polygons.foreach_get("loop_total", counts)
+    return Shape(name, positions, np.insert(corners, starts, counts), len(counts))
+
+
+def y_up(positions):
+    return np.stack([positions[:, 0], positions[:, 2], -positions[:, 1]], axis=1)
+
+
+def z_up(positions):
+    return np.stack([positions[:, 0], -positions[:, 2], positions[:, 1]], axis=1)
+
+
+def read(scene, thing, options):
+    layers = options.blend == "LAYERS" or options.blend == "AUTO" and options.source == "KEYS"
+    result = from_keys(thing, layers) if options.source == "KEYS" else from_frames(scene, thing, options.frames, layers)
+    for name in result.weight_names:
+        known = thing.bl_rna.properties.get(name)
+        if known and known.is_runtime:  # Blender before 5.0 keeps those of add-ons among the custom properties
+            raise Failure(f"shape key '{name}': an add-on has a property of this name: rename the key")
+    return result
+
+
+def group_weights(thing, name):
+    """(n, 1): how much of a shape key each vertex takes."""
+    group = thing.vertex_groups.get(name)
+    if not group:
+        return 1
+    rows = [[g.weight for g in vertex.groups if g.group == group.index] for vertex in thing.data.vertices]
+    return np.array([row[0] if row else 0 for row in rows], np.float32)[:, None]
+
+
+def from_keys(thing, layers):
+    """Every key at value 1, as Blender shows it alone. The slider of a layer keeps its range and its value."""
+    keys = thing.data.shape_keys
+    if not keys:
+        return Shapes([make_shape(thing.name, coordinates(thing.data.vertices), thing.data)], layers, [], [])
+    if not keys.use_relative:
+        raise Failure(f"{thing.name}: its shape keys are absolute: turn on Relative in the shape key settings")
+    blocks = [key for key in keys.key_blocks if key == keys.reference_key or not key.mute]
+    rest = coordinates(keys.reference_key.data)
+    shapes = [make_shape(blocks[0].name, rest, thing.data)]
+    for key in blocks[1:]:
+        difference = coordinates(key.data) - coordinates(key.relative_key.data)
+        shapes.append(make_shape(key.name, rest + group_weights(thing, key.vertex_group) * difference, thing.data))
+    if not layers:
+        return average(shapes)
+    ranges = [(min(key.slider_min, 0), max(key.slider_max, 0)) for key in blocks[1:]]
+    return Shapes(shapes, True, ranges, [key.value for key in blocks[1:]])
+
+
+def average(shapes):
+    return Shapes(shapes, False, [(0, 1)] * len(shapes), [1] + [0] * (len(shapes) - 1))
+
+
+def frame_numbers(text):
+    words = re.findall(r"[^\s,;]+", text)
+    try:
+        return list(dict.fromkeys(int(word) for word in words))
+    except ValueError:
+        raise Failure(f"frames '{text}': write whole numbers, for example 1, 10, 20") from None
+
+
+def from_frames(scene, thing, text, layers):
+    """What the modifiers make of the object at frames of the scene."""
+    shapes = []
+    for frame, evaluated in at_frames(scene, thing, frame_numbers(text)):
+        mesh = evaluated.to_mesh()
+        shapes.append(make_shape(f"frame {frame}", coordinates(mesh.vertices), mesh))
+        evaluated.to_mesh_clear()
+    return Shapes(shapes, True, [(0, 1)] * len(shapes[1:]), [0] * len(shapes[1:])) if layers else average(shapes)
+
+
+def at_frames(scene, thing, frames):
+    """The evaluated object at each frame; the scene then returns to the frame that it had."""
+    shown = scene.frame_current
+    try:
+        for frame in frames:
+            scene.frame_set(frame)
+            yield frame, thing.evaluated_get(bpy.context.evaluated_depsgraph_get())
+    finally:
+        scene.frame_set(shown)
+
+
+def write_ply(path, shape):
+    header = (f"ply\nformat binary_little_endian 1.0\nelement vertex {len(shape.positions)}\nproperty float x\n"
+              f"property float y\nproperty float z\nelement face {shape.face_count}\n"
+              "property list uint int vertex_indices\nend_header\n")
+    with open(path, "wb") as file:
+        file.write(header.encode())
+        file.write(y_up(shape.positions).astype("<f4").tobytes())
+        file.write(shape.faces.astype("<i4").tobytes())
+
+
+def result_mesh(scene, thing, options):
+    """A new mesh for the result, without shape keys: that of the object, of frames as the modifiers make it."""
+    if options.source == "KEYS":
+        return bpy.data.meshes.new_from_object(thing, preserve_all_data_layers=True)
+    for _, evaluated in at_frames(scene, thing, frame_numbers(options.frames)[:1]):
+        graph = bpy.context.evaluated_depsgraph_get()
+        return bpy.data.meshes.new_from_object(evaluated, preserve_all_data_layers=True, depsgraph=graph)

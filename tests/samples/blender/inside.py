@@ -1,0 +1,476 @@
+"""Run by Blender, or by a Python with bpy: CASE ZIP TOOL FOLDER come behind `--`. See test_addon.py."""
+import functools
+import json
+import os
+import pathlib
+import struct
+import subprocess
+import sys
+import traceback
+
+import bpy
+import numpy as np
+
+CASE, ZIP, TOOL, FOLDER = sys.argv[sys.argv.index("--") + 1:]
+FOLDER = pathlib.Path(FOLDER)
+RINGS, SIDES = 18, 12
+NAMES = ["bend", "twist/turn", "\u0431\u0443\u043b\u0430=1"]  # a slash, an equals sign, letters beyond ASCII
+FILES = [name.replace("/", "\u2215") for name in NAMES]
+
+
+def check(condition, text):
+    if not condition:
+        raise AssertionError(text)
+
+
+# ---------------------------------------------------------------------------------------------------------------- the scene
+
+def tube(bend=0.0, twist=0.0, bulge=0.0):
+    """A tube along z: 216 vertices."""
+    along, around = (grid.ravel() for grid in np.meshgrid(np.linspace(0, 1, RINGS), np.arange(SIDES) * 2 * np.pi / SIDES,
+                                                          indexing="ij"))
+    radius, angle = 0.2 * (1 + bulge * np.exp(-((along - 0.5) / 0.15) ** 2)), around + twist * along
+    x, y, z = radius * np.cos(angle), radius * np.sin(angle), 2 * along
+    if bend:
+        x, z = 2 / bend - (2 / bend - x) * np.cos(along * bend), (2 / bend - x) * np.sin(along * bend)
+    return np.stack([x, y, z], axis=1).astype(np.float32)
+
+
+def make_tube(*keys):
+    """The active object: a tube with these shape keys."""
+    quads = [(i * SIDES + j, i * SIDES + (j + 1) % SIDES, (i + 1) * SIDES + (j + 1) % SIDES, (i + 1) * SIDES + j)
+             for i in range(RINGS - 1) for j in range(SIDES)]
+    mesh = bpy.data.meshes.new("tube")
+    mesh.from_pydata(tube().tolist(), [], quads)
+    thing = bpy.data.objects.new("tube", mesh)
+    bpy.context.scene.collection.objects.link(thing)
+    activate(thing)
+    if keys:
+        thing.shape_key_add(name="Basis", from_mix=False)
+    for name, positions in keys:
+        key = thing.shape_key_add(name=name, from_mix=False)
+        key.data.foreach_set("co", positions.ravel())
+        key.value = 0  # from Blender 5.0 on keys start at 1
+    return thing
+
+
+def make_layers():
+    thing = make_tube(*zip(NAMES, (tube(bend=1.8), tube(twist=1.5), tube(bulge=0.6))))
+    keys = thing.data.shape_keys.key_blocks
+    keys[NAMES[1]].slider_min, keys[NAMES[1]].value = -0.5, 0.25
+    thing.data.uv_layers.new(name="UVMap")
+    thing.vertex_groups.new(name="group").add([5], 1, "REPLACE")
+    return thing
+
+
+def activate(thing):
+    bpy.ops.object.select_all(action="DESELECT")
+    thing.select_set(True)
+    bpy.context.view_layer.objects.active = thing
+
+
+def bake(**options):
+    """The driven object."""
+    done = bpy.ops.pliant.bake(**{"preview": True, **options})
+    check(done == {"FINISHED"}, f"the bake: {done}")
+    return bpy.context.object
+
+
+def set_weights(thing, *weights):
+    for weight, value in zip(thing.data.pliant.weights, weights):
+        thing[weight.name] = float(value)
+    thing.update_tag()
+    bpy.context.view_layer.update()
+
+
+# --------------------------------------------------------------------------------------------------------------- comparison
+
+def shown(thing):
+    """The vertices that are drawn."""
+    evaluated = thing.evaluated_get(bpy.context.evaluated_depsgraph_get())
+    flat = np.empty(3 * len(evaluated.data.vertices), np.float32)
+    evaluated.data.vertices.foreach_get("co", flat)
+    return flat.reshape(-1, 3)
+
+
+def blended(asset, weights):
+    """What `pliant blend` says, in Blender's axes."""
+    output = FOLDER / "blend.ply"
+    subprocess.run([TOOL, "blend", asset, "--weights=" + ",".join(map(str, weights)), "-o", output], check=True,
+                   capture_output=True)
+    blob = output.read_bytes()
+    start = blob.index(b"end_header\n") + len(b"end_header\n")
+    count = int(blob[:start].split(b"element vertex ")[1].split()[0])
+    x, y, z = np.frombuffer(blob, "<f4", 3 * count, start).reshape(-1, 3).T
+    return np.stack([x, -z, y], axis=1)
+
+
+def check_shape(thing, asset, weights, limit=1e-5):
+    difference = abs(shown(thing) - blended(asset, weights)).max()
+    check(difference <= limit, f"{thing.name} at {weights} differs by {difference} from pliant blend")
+    return difference
+
+
+def write(thing, name="out.pliant", kind="ASSET"):
+    activate(thing)
+    path = FOLDER / name
+    check(bpy.ops.pliant.export(filepath=str(path), kind=kind) == {"FINISHED"} and path.stat().st_size > 1000, name)
+    return path
+
+
+def glb_json(path):
+    blob = path.read_bytes()
+    return json.loads(blob[20:20 + struct.unpack_from("<I", blob, 12)[0]])
+
+
+# -------------------------------------------------------------------------------------------------------------------- cases
+
+def package():
+    """Driven by the package: layers, averages, animation, files."""
+    thing = bake_layers()
+    check(not thing.data.shape_keys, "a mesh that the package drives needs no shape keys")
+    asset = write(thing)
+    for weights in ((1, 0, 0), (0.5, -0.4, 0.8), (1.2, 1, 1)):
+        set_weights(thing, *weights)
+        check_shape(thing, asset, weights)
+    set_weights(thing, 0, 1, 0)
+    check(abs(shown(thing) - tube(twist=1.5)).max() < 0.01, "a layer alone at 1 is its shape key, not mirrored")
+    check_baked_again(thing)
+    check_animation(thing, asset)
+    check_followed_keys()
+    check_average()
+    check_frames()
+    check_reload()
+
+
+def bake_layers(**options):
+    origin = make_layers()
+    thing = bake(**options)
+    check([weight.name for weight in thing.data.pliant.weights] == NAMES, "names of layers")
+    check([round(thing[name], 6) for name in NAMES] == [0, 0.25, 0], f"values of sliders: {[thing[n] for n in NAMES]}")
+    limits = thing.id_properties_ui(NAMES[1]).as_dict()
+    check((limits["soft_min"], limits["soft_max"]) == (-0.5, 1), f"the range of the slider: {limits}")
+    check({"UVMap"} == {each.name for each in thing.data.uv_layers} and thing.data.vertices[5].groups, "layers of the mesh")
+    check(not origin.visible_get() and origin.data.shape_keys, "the origin is hidden, as it was")
+    report = json.loads(subprocess.run([TOOL, "info", "--json", write(thing)], capture_output=True, check=True).stdout)
+    found = json.dumps(report, ensure_ascii=False)
+    check(all(name in found for name in FILES), f"names in the asset: {found[:2000]}")
+    return thing
+
+
+def check_baked_again(thing):
+    set_weights(thing, 0.75, 0, 0)
+    count = len(bpy.data.objects), len(bpy.data.meshes)
+    check(bake() == thing and (len(bpy.data.objects), len(bpy.data.meshes)) == count, "baked again in place")
+    check(len(bpy.data.shape_keys) == 1, "nothing but the origin has shape keys")
+    check(thing[NAMES[0]] == 0.75, "weights survive another bake")
+    check_shape(thing, write(thing), (0.75, 0, 0))
+
+
+def check_animation(thing, asset):
+    path = f'["{NAMES[0]}"]'
+    for frame, value in ((1, 0), (11, 1)):
+        thing[NAMES[0]] = float(value)
+        thing.keyframe_insert(path, frame=frame)
+    for frame in (6, 11, 1):
+        bpy.context.scene.frame_set(frame)
+        value = thing.evaluated_get(bpy.context.evaluated_depsgraph_get())[NAMES[0]]
+        check(abs(value - (frame - 1) / 10) < 1e-6, f"frame {frame}: {value}")
+        check_shape(thing, asset, (value, 0, 0))
+    check_rendered()
+
+
+def check_rendered():
+    """Rendering evaluates the scene by itself: its frames show the animation."""
+    scene, pictures = bpy.context.scene, []
+    camera = bpy.data.objects.new("camera", bpy.data.cameras.new("camera"))
+    camera.location, camera.rotation_euler = (0.5, -6, 1), (np.pi / 2, 0, 0)
+    scene.collection.objects.link(camera)
+    scene.camera, scene.render.engine, scene.cycles.samples, scene.cycles.use_denoising = camera, "CYCLES", 1, False
+    scene.render.resolution_x = scene.render.resolution_y = 32
+    scene.render.film_transparent, scene.render.image_settings.color_mode = True, "RGBA"
+    scene.frame_start, scene.frame_end, scene.frame_step, scene.render.filepath = 1, 11, 10, str(FOLDER / "frame_")
+    bpy.ops.render.render(animation=True)
+    for frame in (1, 11):
+        image = bpy.data.images.load(str(FOLDER / f"frame_{frame:04}.png"))
+        pictures.append(np.array(image.pixels[:]).reshape(32, 32, 4)[:, :, 3])
+    straight, bent = (np.ptp(np.nonzero(picture.max(axis=1) > 0.5)[0]) for picture in pictures)
+    check(bent < 0.8 * straight, f"rows of pixels of the straight and of the bent tube: {straight}, {bent}")
+
+
+def check_followed_keys():
+    """Shape keys that are animated play on in the driven object."""
+    origin = make_layers()
+    key = origin.data.shape_keys.key_blocks[NAMES[2]]
+    for frame, value in ((1, 0), (21, 1)):
+        key.value = value
+        key.keyframe_insert("value", frame=frame)
+    thing = bake()
+    asset = write(thing)
+    for frame, value in ((21, 1), (1, 0)):
+        bpy.context.scene.frame_set(frame)
+        check_shape(thing, asset, (0, 0.25, value))
+
+
+def check_average():
+    make_layers()
+    thing = bake(blend="AVERAGE")
+    check([weight.name for weight in thing.data.pliant.weights] == ["Basis", *NAMES], "names of poses")
+    check([thing[name] for name in ("Basis", *NAMES)] == [1, 0, 0, 0], "an average starts with its first pose")
+    asset = write(thing)
+    set_weights(thing, 1, 2, 0, 1)
+    check_shape(thing, asset, (1, 2, 0, 1))
+    before = shown(thing)
+    set_weights(thing, 0, 0, 0, 0)
+    check((shown(thing) == before).all(), "without weights the shape stands still")
+
+
+def check_frames():
+    origin = make_tube()
+    modifier = origin.modifiers.new("bend", "SIMPLE_DEFORM")
+    modifier.deform_method, modifier.deform_axis = "TWIST", "Z"
+    for frame, angle in ((1, 0.0), (20, 1.5)):
+        modifier.angle = angle
+        modifier.keyframe_insert("angle", frame=frame)
+    thing = bake(source="FRAMES", frames="1, 10 20")
+    check([weight.name for weight in thing.data.pliant.weights] == ["frame 1", "frame 10", "frame 20"], "names of frames")
+    check(not thing.modifiers and bpy.context.scene.frame_current == 1, "no modifiers, and the frame of before")
+    asset = write(thing)
+    set_weights(thing, 1, 0, 1)
+    check_shape(thing, asset, (1, 0, 1))
+    bake(source="FRAMES", frames="1, 10 20")
+    check(write(thing, "again.pliant").read_bytes() == asset.read_bytes(), "frames of a hidden origin are the same")
+
+
+def check_reload():
+    """A file with a driven object, moved elsewhere: the asset is in it."""
+    thing = bake_layers()
+    asset, name = write(thing), thing.name
+    for kind, word in (("MORPH", "targets"), ("EMBED", "pliant"), ("MESHOPT", "EXT_meshopt_compression")):
+        check(word in json.dumps(glb_json(write(thing, "out.glb", kind))), f"the GLB {kind}")
+    reopen(thing)
+    thing = bpy.data.objects[name]
+    set_weights(thing, 0.3, 0.6, 0.9)
+    check_shape(thing, asset, (0.3, 0.6, 0.9))
+
+
+def reopen(thing):
+    path = FOLDER / "scene.blend"
+    bpy.ops.wm.save_as_mainfile(filepath=str(path))
+    moved = path.rename(FOLDER / "moved.blend")
+    bpy.ops.wm.open_mainfile(filepath=str(moved), use_scripts=True)
+
+
+def keys():
+    """Driven by shape keys, as where the package is not installed: as far from the runtime as the table states."""
+    try:
+        import pliant  # noqa: F401
+        raise AssertionError("the package is not to be found in this case")
+    except ImportError:
+        pass
+    thing = bake_layers()
+    check(len(thing.data.shape_keys.key_blocks) > 5, "the targets are shape keys")
+    asset, name = write(thing), thing.name
+    check_stated_error(thing, asset)
+    reopen(thing)
+    check_stated_error(bpy.data.objects[name], asset)
+    check_many_layers()
+
+
+def check_many_layers():
+    """64 weights, as many as there may be, are variables of one driver: the last one arrives."""
+    thing = make_tube(("key", tube(twist=1)))
+    state, key = thing.data.pliant, thing.data.shape_keys.key_blocks["key"]
+    for i in range(64):
+        state.weights.add().name = f"layer {i}"
+        thing[f"layer {i}"] = i / 100
+    state.identity, state.table = "64 layers", json.dumps({"layers": True, "centres": [], "coefficients": [0] * 64 + [1]})
+    addon("morphs").add_driver(thing, key, 0)
+    thing.update_tag()
+    bpy.context.view_layer.update()
+    check(abs(key.value - 0.63) < 1e-6, f"the 64th weight is {key.value}")
+
+
+def check_stated_error(thing, asset):
+    stated = json.loads(thing.data.pliant.table)["error_of_diagonal"]
+    rows = np.random.default_rng(1).uniform(0, 1, (8, 3)).round(3).tolist()
+    distances = []
+    for weights in rows:
+        set_weights(thing, *weights)
+        wanted = blended(asset, weights)
+        distances.append(np.linalg.norm(shown(thing) - wanted, axis=1) / np.linalg.norm(np.ptp(wanted, axis=0)))
+    mean, largest = np.mean(distances), np.max(distances)
+    check(mean < 2 * stated["mean"] + 1e-5, f"the shape keys are {mean} off, {stated} stated")
+    check(largest < 2 * stated["largest"] + 1e-4, f"the shape keys are {largest} off, {stated} stated")
+    print(f"shape keys: mean {mean:.1e}, largest {largest:.1e} of the diagonal, stated {stated}")
+
+
+def errors():
+    """The messages of the tool, word for word; and after an error nothing is left."""
+    broken = tube(bend=1)
+    broken[7, 1] = np.nan
+    make_tube(("good", tube(twist=1)), ("bad", broken))
+    check_error("error P2105: bad.ply: vertex 7 has the coordinate nan\n"
+                "  hint: the program that made the pose failed there: repair the pose")
+    make_tube()
+    check_error("error P3001: tube.001.ply: 1 pose given")
+    thing = make_tube(("twist", tube(twist=1)))
+    thing.modifiers.new("build", "BUILD").frame_duration = 20
+    check_error("error P3003: frame 20.ply: has", source="FRAMES", frames="10, 20")
+    check_error("frames '1, x': write whole numbers", source="FRAMES", frames="1, x")
+    thing.data.shape_keys.use_relative = False
+    check_error("tube.002: its shape keys are absolute")
+    thing.data.shape_keys.use_relative = True
+    preferences().tool = "no-such-pliant"
+    check_error("the tool 'no-such-pliant' was not found")
+    preferences().tool = TOOL
+    check_miss(bake(preview=False, tolerance=1e-8))
+    check_export_errors()
+
+
+def check_miss(thing):
+    check("warning P4404: mixtures of layers miss the tolerance" in last_message(), f"a missed tolerance: {last_message()}")
+    check(thing.data.pliant.asset, "it is a warning, and the blend is there")
+
+
+def check_export_errors():
+    for name, kind, wanted in (("a.fbx", "ASSET", "does not end in .pliant"), ("a.fbx", "MORPH", "error P1")):
+        try:
+            bpy.ops.pliant.export(filepath=str(FOLDER / name), kind=kind)
+            raise AssertionError(f"{name} was exported as {kind}")
+        except RuntimeError as error:
+            check(wanted in str(error), f"{name}, {kind}: {error}")
+        check(not (FOLDER / name).exists(), f"{name} is there")
+
+
+def check_error(wanted, **options):
+    before = contents()
+    try:
+        bpy.ops.pliant.bake(**{"preview": True, **options})
+        raise AssertionError(f"no error, expected {wanted}")
+    except RuntimeError as error:
+        check(wanted in str(error), f"{error}, expected {wanted}")
+    check(wanted in last_message(), f"the panel says {last_message()}")
+    check(contents() == before, "the error left something")
+
+
+def window():
+    """In a window: the bake runs beside Blender, Esc ends it, undo and redo move the shape. Yields to let Blender work."""
+    thing = make_layers()
+    bpy.ops.ed.undo_push(message="the scene")
+    show_panel()
+    yield
+    before = contents()
+    start_bake(preview=False, tolerance=1e-6)
+    yield from wait_for(lambda: running().percent > 0, "progress")
+    process = running().process
+    bpy.context.window.event_simulate(type="ESC", value="PRESS")
+    yield from wait_for(lambda: not addon("bake").PLIANT_OT_bake.job, "the end of a cancelled bake")
+    check(process.poll() not in (None, 0), "the tool was ended")
+    check(contents() == before and bpy.context.object == thing, "a cancelled bake leaves nothing")
+    check(last_message() == "cancelled: nothing was baked", last_message())
+    start_bake(preview=True)
+    stages = set()
+    yield from wait_for(lambda: stages.add(running() and running().stage) or not running(), "the end of a bake")
+    check(len(stages) > 2, f"stages: {stages}")
+    yield from check_undo(bpy.context.object.name)
+
+
+def show_panel():
+    """In the tab that is open, in a viewport that is quick to draw."""
+    panel = addon("panel").VIEW3D_PT_pliant
+    bpy.utils.unregister_class(panel)
+    panel.bl_category = "Item"
+    bpy.utils.register_class(panel)
+    space = view_3d().spaces.active
+    space.show_region_ui, space.shading.type, space.overlay.show_overlays = True, "WIREFRAME", False
+
+
+def view_3d():
+    return next(area for area in bpy.context.window.screen.areas if area.type == "VIEW_3D")
+
+
+def check_undo(name):
+    asset = write(bpy.data.objects[name])
+    for bend in (0.5, 1.0):
+        set_weights(bpy.data.objects[name], bend, 0, 0)
+        yield
+        bpy.ops.ed.undo_push(message=f"bend {bend}")
+    for act, bend in ((bpy.ops.ed.undo, 0.5), (bpy.ops.ed.redo, 1.0)):
+        act()
+        yield
+        thing = bpy.data.objects[name]
+        check(thing[NAMES[0]] == bend, f"{act}: the weight is {thing[NAMES[0]]}")
+        check_shape(thing, asset, (bend, 0, 0))
+
+
+def start_bake(**options):
+    area = view_3d()
+    with bpy.context.temp_override(window=bpy.context.window, area=area, region=area.regions[-1]):
+        check(bpy.ops.pliant.bake("INVOKE_DEFAULT", **options) == {"RUNNING_MODAL"}, "the bake runs beside Blender")
+
+
+def running():
+    job = addon("bake").PLIANT_OT_bake.job
+    return job and job.run
+
+
+def wait_for(condition, what):
+    for _ in range(600):
+        if condition():
+            return
+        yield
+    raise AssertionError(f"no {what} in a minute")
+
+
+def contents():
+    return [sorted(each.name for each in kind) for kind in (bpy.data.objects, bpy.data.meshes, bpy.data.shape_keys)]
+
+
+def addon(name):
+    return sys.modules[f"pliant_blender.{name}"]
+
+
+def last_message():
+    return addon("bake").PLIANT_OT_bake.message
+
+
+def preferences():
+    return bpy.context.preferences.addons["pliant_blender"].preferences
+
+
+def main():
+    bpy.ops.preferences.addon_install(filepath=ZIP)
+    bpy.ops.preferences.addon_enable(module="pliant_blender")
+    preferences().tool = TOOL
+    bpy.ops.object.select_all(action="SELECT")
+    bpy.ops.object.delete()
+    if CASE == "window":
+        bpy.app.timers.register(functools.partial(step, window()))
+    else:
+        globals()[CASE]()
+        print(f"passed: {CASE}")
+
+
+def step(steps):
+    """One step of a case in a window; its next one comes after Blender's own."""
+    try:
+        next(steps)
+        return 0.1
+    except StopIteration:
+        print(f"passed: {CASE}", flush=True)
+        os._exit(0)
+    except BaseException:
+        fail()
+
+
+def fail():
+    traceback.print_exc()
+    sys.stderr.flush()
+    os._exit(9)
+
+
+try:
+    main()
+except BaseException:
+    fail()
