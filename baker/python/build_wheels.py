@@ -103,7 +103,7 @@ def licence_of(package):
 
 def package_of(library):
     """The Debian package of a library that auditwheel has copied: libfmt-1a2b3c4d.so.9.1.0 was libfmt.so.9.1.0."""
-    name = re.sub(r"-[0-9a-f]{8}(?=\.so)", "", library)
+    name = re.sub(r"-[0-9a-f]{8}(?=\.)", "", library)
     found = subprocess.run(["dpkg", "-S", f"*/{name}"], capture_output=True, text=True).stdout
     packages = {line.split(":")[0] for line in found.splitlines()}
     runtime = sorted(package for package in packages if not package.endswith("-dev")) or sorted(packages)

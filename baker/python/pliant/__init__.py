@@ -3,6 +3,10 @@
     asset = pliant.bake(poses, faces)      # (m, n, 3) float64 and (f, 3): minutes for a character
     shape = asset.blend([0.5, 0.5])        # (n, 3) float32: some milliseconds at most
     asset.save("hero.pliant")
+    pliant.show(asset)                     # a window with sliders
+
+For research: asset.rest + asset.basis @ q are the blends, asset.energy is what they minimise, and pliant.energy() is the
+unreduced elastic energy, with gradient and sparse Hessian.
 
 Lengths are in the units of the poses. Weights are one number >= 0 per pose; only their ratios matter. With blend="layers"
 the first pose is the rest shape, the others are layers on it, and weights add up: asset.blend({"smile": 1, "blink": 0.5}).

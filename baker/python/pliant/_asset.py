@@ -251,10 +251,23 @@ class Asset:
 
     def energy_gradient(self, weights: Weights, q: npt.ArrayLike) -> npt.NDArray[np.float64]:
         """The derivatives of energy() by q, (d,) or (k, d) float64, to single precision; arguments as there. At
-        coordinates(weights) they are as small as the runtime's tolerance demands. Second derivatives are not there: the
-        runtime has none (it minimises by BFGS), and differences of gradients have three digits."""
+        coordinates(weights) they are as small as the runtime's tolerance demands."""
         _, gradients, is_single = self._energies(weights, q)
         return gradients[0] if is_single else gradients
+
+    def energy_hessian(self, weights: Weights, q: npt.ArrayLike) -> npt.NDArray[np.float64]:
+        """The second derivatives of energy() by q, (d, d) float64, for one row of each. The runtime has none (it minimises
+        by BFGS): these are central differences of energy_gradient(), made symmetric, over 1e-3 of the largest coordinate
+        of the poses. They have three to five digits."""
+        centre = _arrays.numbers("q", q, (self.dimension,), f"({self.dimension},): reduced coordinates")
+        rows, is_single = self._rows(weights)
+        if not is_single:
+            raise ValueError(f"weights: expected ({self.weight_count},), got {rows.shape}")
+        step = 1e-3 * float(np.abs(self.pose_coordinates).max()) or 1e-3
+        steps = step * np.eye(self.dimension)
+        change = self.energy_gradient(rows[0], centre + steps) - self.energy_gradient(rows[0], centre - steps)
+        hessian: npt.NDArray[np.float64] = (change + change.T) / (4 * step)
+        return hessian
 
     def _energies(
         self, weights: Weights, q: npt.ArrayLike

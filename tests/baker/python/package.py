@@ -2,7 +2,8 @@
 
 build      a wheel by `pip wheel`, and a virtual environment with it, numpy, mypy and Dask. The baker's library comes from
            BUILD_TREE, so that only the module is compiled
-configure  the way of users, who have no build: everything is configured from the tree; nothing is compiled
+configure  the way of users, who have no build: the source distribution is made, and everything is configured from it;
+           nothing is compiled
 extras     an environment on top of that one with the packages that pliant works with where they are installed
 run        a test, with the Python of the first environment; run-extras: with that of the second one
 
@@ -76,14 +77,30 @@ def build(source, binary, tree, compiler):
     (binary / "environment/is_complete").touch()
 
 
+def unpacked_sdist(source, python, work):
+    """The folder of a source distribution, made as build_wheels.py does and unpacked."""
+    sys.path.insert(0, str(source / "baker/python"))
+    import build_wheels
+
+    build_wheels.stage(work / "staged")
+    call(python, "-c", "from scikit_build_core.build import build_sdist; build_sdist('../sdist')", cwd=work / "staged")
+    (made,) = (work / "sdist").glob("pliant-*.tar.gz")
+    shutil.unpack_archive(made, work / "unpacked")
+    (folder,) = (work / "unpacked").iterdir()
+    if f"Version: {folder.name.split('-')[1]}\n" not in (folder / "PKG-INFO").read_text(encoding="utf-8"):
+        sys.exit(f"{made.name} has another version in its PKG-INFO")
+    return folder
+
+
 def configure(source, binary):
     pip = python_of(binary).with_name("pip")
     call(pip, "install", "--quiet", *BUILD_REQUIREMENTS)
     folder = binary / "configured"
     shutil.rmtree(folder, ignore_errors=True)
+    tree = unpacked_sdist(source, pip.with_name("python"), folder)
     found = subprocess.run([str(pip.with_name("python")), "-m", "nanobind", "--cmake_dir"], capture_output=True, text=True,
                            check=True)
-    call("cmake", "-G", "Ninja", "-S", source / "baker/python", "-B", folder, f"-Dnanobind_DIR={found.stdout.strip()}",
+    call("cmake", "-G", "Ninja", "-S", tree / "baker/python", "-B", folder, f"-Dnanobind_DIR={found.stdout.strip()}",
          f"-DPython_EXECUTABLE={pip.with_name('python')}", "-DCMAKE_UNITY_BUILD=OFF")
     planned = subprocess.run(["ninja", "-C", str(folder), "-n", "_core"], capture_output=True, text=True, check=True).stdout
     for needed in ("baker/bake/bake.cpp", "bfgs.c"):
@@ -106,11 +123,12 @@ def extras(binary):
     (site,) = (folder / "lib").glob("python3*/site-packages")
     (site / "base.pth").write_text(str(next((binary / "environment/lib").glob("python3*/site-packages"))) + "\n")
     install = [base.with_name("pip"), "--python", folder / "bin/python", "install", "--quiet", "--no-compile"]
-    if subprocess.run([*install, *EXTRAS]).returncode != 0:
-        for extra in EXTRAS:
-            if subprocess.run([*install, extra]).returncode != 0:
-                print(f"{extra} cannot be installed here: what needs it will be skipped")
-    (folder / "is_complete").write_text(repr(EXTRAS))
+    if subprocess.run([*install, *EXTRAS]).returncode == 0:
+        (folder / "is_complete").write_text(repr(EXTRAS))
+        return
+    for extra in EXTRAS:
+        if subprocess.run([*install, extra]).returncode != 0:
+            print(f"{extra} cannot be installed here: what needs it will be skipped")
 
 
 def python_of(binary):

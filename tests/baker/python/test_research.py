@@ -101,7 +101,24 @@ class ReducedModel(unittest.TestCase):
         expected = full(one) - full(other)
         self.assertLess(np.linalg.norm(reduced - expected), 1e-5 * np.linalg.norm(expected))
 
+    def test_second_derivatives(self):
+        energy, basis = pliant.energy(SOLID, tets=TETS), BAR.basis.astype(float).reshape(-1, BAR.dimension)
+        for q in (BAR.coordinates([0.3, 0.7]), near(BAR, [0.3, 0.7])):
+            full = energy.hessian(BAR.rest + BAR.basis.astype(float) @ q, [0.3, 0.7])
+            expected = basis.T @ matrix(full, len(basis)) @ basis
+            hessian = BAR.energy_hessian([0.3, 0.7], q)
+            self.assertLess(np.linalg.norm(hessian - expected), 1e-4 * np.linalg.norm(expected))
+        q, way = near(TUBE, WEIGHTS), np.random.default_rng(3).normal(size=6)
+        step = 0.003 * np.abs(TUBE.pose_coordinates).max() * way
+        turn = TUBE.energy_gradient(WEIGHTS, q + step) - TUBE.energy_gradient(WEIGHTS, q - step)
+        expected = 2 * TUBE.energy_hessian(WEIGHTS, q) @ step
+        self.assertLess(np.linalg.norm(turn - expected), 2e-3 * np.linalg.norm(expected))
+
     def test_wrong_arguments(self):
+        with self.assertRaisesRegex(ValueError, r"q: expected \(6,\): reduced coordinates"):
+            TUBE.energy_hessian(WEIGHTS, np.zeros((2, 6)))
+        with self.assertRaisesRegex(ValueError, r"weights: expected \(3,\), got \(2, 3\)"):
+            TUBE.energy_hessian([WEIGHTS, WEIGHTS], np.zeros(6))
         with self.assertRaisesRegex(ValueError, r"q: expected \(6,\) or \(k, 6\)"):
             TUBE.energy(WEIGHTS, np.zeros(5))
         with self.assertRaisesRegex(ValueError, "q: expected 1 or 2 rows, as there are rows of weights, got 3"):
