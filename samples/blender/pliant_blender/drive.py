@@ -27,8 +27,8 @@ def property_path(name):
 
 
 def add_properties(thing, shapes_read, origin):
-    """A custom property for each weight. Those that are there keep their value; if the shape keys of the origin are animated
-    or driven, they are followed by drivers."""
+    """A custom property for each weight. Those that are there keep their value and their driver; if the shape keys of the
+    origin are animated or driven, they are followed by drivers."""
     layers = shapes_read.layers
     for name, (low, high), value in zip(shapes_read.weight_names, shapes_read.ranges, shapes_read.values):
         before = thing.get(name)
@@ -36,12 +36,18 @@ def add_properties(thing, shapes_read, origin):
         limits = {} if layers else {"min": 0.0}  # weights of layers may leave their range, those of averages are shares
         thing.id_properties_ui(name).update(soft_min=low, soft_max=high, description="Weight of the elastic blend", **limits)
         thing.property_overridable_library_set(property_path(name), True)
-        thing.driver_remove(property_path(name))
         keys = origin.data.shape_keys
         if layers and keys and keys.animation_data and name in keys.key_blocks:
-            driver = thing.driver_add(property_path(name)).driver
-            add_variable(driver, "key", keys, f'key_blocks{property_path(name)}.value', "KEY")
-            driver.expression = "key"
+            follow(thing, property_path(name), keys)
+
+
+def follow(thing, path, keys):
+    """Drives a property by the shape key of its name, unless it has a driver."""
+    if thing.animation_data and thing.animation_data.drivers.find(path):
+        return
+    driver = thing.driver_add(path).driver
+    add_variable(driver, "key", keys, f"key_blocks{path}.value", "KEY")
+    driver.expression = "key"
 
 
 def add_variable(driver, name, owner, path, kind="OBJECT"):

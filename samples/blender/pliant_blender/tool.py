@@ -9,7 +9,7 @@ import bpy
 
 from .shapes import Failure
 
-PROGRESS = re.compile(r"pliant [\w-]+: (?P<stage>.+?) (?P<percent>\d+) %(?P<left>, [^(]* left)?.*")
+PROGRESS = re.compile(r"pliant [\w-]+: (?P<stage>[^:]+?) (?P<percent>\d+) %(?P<left>, [^(]* left)?.*")
 MESSAGE = re.compile(r"pliant(?: [\w-]+)?: ((error|warning) P\d{4}: .*)")
 
 
