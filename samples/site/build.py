@@ -2,7 +2,7 @@
 """The documentation as a site of static files: build.py OUT [--page FOLDER] [--strict]
 
 Copies every document of the tree to its own path, and the pages beside this file to the top, rewrites the links, and calls
-mkdocs. What a document links to comes along: pictures as they are, sources as pages that show them. --page puts what
+mkdocs. What a document links to comes along: pictures and notebooks as they are, sources as pages that show them. --page puts what
 samples/web/build.py made into OUT/page. OUT appears whole or not at all; one that this script made before is replaced.
 Needs mkdocs and Pygments: pip install mkdocs==1.6.1 pygments==2.21.0
 Exit code: 0, 1 if something failed, 2 for a wrong argument.
@@ -20,7 +20,7 @@ HERE = Path(__file__).resolve().parent
 ROOT = HERE.parents[1]
 PACKAGES = ["mkdocs==1.6.1", "pygments==2.21.0"]
 HINT = f"\nhint: pip install {' '.join(PACKAGES)}"
-PICTURES = {".gif", ".jpg", ".png", ".svg", ".webp"}
+COPIED = {".gif", ".ipynb", ".jpg", ".png", ".svg", ".webp"}  # as they are
 LANGUAGES = {".c": "c", ".cpp": "cpp", ".cs": "csharp", ".h": "c", ".hpp": "cpp", ".py": "python", ".sh": "bash",
              ".ts": "typescript"}
 DOXYGEN_PAGE = "mainpage.md"
@@ -86,7 +86,7 @@ class Site:
             there = place_of(path)
         else:
             self.linked.add(path)
-            there = path if path.suffix in PICTURES else path.with_name(path.name + ".md")
+            there = path if path.suffix in COPIED else path.with_name(path.name + ".md")
         return os.path.relpath(there, place_of(origin).parent) + hash_sign + anchor
 
     def rewrite(self, origin, text):
@@ -101,7 +101,7 @@ class Site:
 
     def add_linked(self):
         for path in sorted(self.linked):
-            if path.suffix in PICTURES:
+            if path.suffix in COPIED:
                 (self.docs / path).parent.mkdir(parents=True, exist_ok=True)
                 shutil.copy(ROOT / path, self.docs / path)
             else:

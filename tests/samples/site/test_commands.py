@@ -17,16 +17,23 @@ NOT_RUN = {
     "bash samples/demo.sh": BUILDS, "bash samples/install_packages.sh": BUILDS, "cmake ": BUILDS, "python3 -m venv": BUILDS,
     "build/venv/bin/pip": BUILDS, "build/venv/bin/python": BUILDS, "build/zig/bin/python": BUILDS,
     "python3 samples/web/build.py": BUILDS, "python3 -m http.server": WINDOW,
-    "build/pliant/bin/pliant-player": WINDOW, "build/release/samples/gltf_game/gltf_game": WINDOW,
+    "PATH=$PWD/build/release/baker:$PATH blender": WINDOW, "build/pliant/bin/pliant-player": WINDOW, "build/release/samples/gltf_game/gltf_game": WINDOW,
 }
 ASSETS = ["build/demo/creature.pliant", "build/assets/strip.pliant", "hero.pliant"]
 TOOLS = ["build/release/baker/pliant", "build/pliant/bin/pliant", "bin/pliant"]
 
 
 def commands(text):
-    """Lines of shell blocks, joined where they go on, and `pliant ...` in a sentence or table that names a file."""
+    """Those of shell blocks, which may go over lines, and `pliant ...` in a sentence or table that names a file."""
     for block in re.findall(r"^```sh\n(.*?)^```", text, re.M | re.S):
-        yield from block.replace("\\\n", " ").strip().splitlines()
+        command = ""
+        for line in block.replace("\\\n", " ").strip().splitlines():
+            command += line
+            if command.count('"') % 2 == 0:
+                yield command
+                command = ""
+            else:
+                command += "\n"
     for span in re.findall(r"`(pliant \w+ [^`]*\w\.\w+[^`]*)`", re.sub(r"^```.*?^```", "", text, flags=re.M | re.S)):
         yield span.replace("\n", " ")
 
