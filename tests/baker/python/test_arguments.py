@@ -87,7 +87,8 @@ class Arguments(unittest.TestCase):
                          "P3013")
 
     def test_surface(self):
-        self.refuse(TypeError, "surface: expected a path or a pair", BARS, tets=TETS, surface=3)
+        self.refuse(TypeError, "surface: expected a path, a pair (positions, faces) or a mesh, got int", BARS, tets=TETS,
+                    surface=3)
         self.refuse(ValueError, "surface positions: expected (s, 3) float64", BARS, tets=TETS, surface=(BARS, FACES))
         self.refuse(pliant.Error, "P1209: surface is for solids", POSES, FACES, surface=(POSES[0], FACES))
         far = self.refuse(pliant.Error, "surface[0]: vertex", BARS, tets=TETS, surface=(POSES[0] + 9, FACES))
