@@ -2,8 +2,9 @@
 """The documentation as a site of static files: build.py OUT [--page FOLDER] [--strict]
 
 Copies every document of the tree to its own path, and the pages beside this file to the top, rewrites the links, and calls
-mkdocs. What a document links to comes along: pictures and notebooks as they are, sources as pages that show them. --page puts what
-samples/web/build.py made into OUT/page. OUT appears whole or not at all; one that this script made before is replaced.
+mkdocs. What a document links to comes along: pictures and notebooks as they are, sources as pages that show them. --page
+puts what samples/web/build.py made into OUT/page. OUT appears whole or not at all; one that this script made before is
+replaced.
 Needs mkdocs and Pygments: pip install mkdocs==1.6.1 pygments==2.21.0
 Exit code: 0, 1 if something failed, 2 for a wrong argument.
 """

@@ -17,7 +17,8 @@ NOT_RUN = {
     "bash samples/demo.sh": BUILDS, "bash samples/install_packages.sh": BUILDS, "cmake ": BUILDS, "python3 -m venv": BUILDS,
     "build/venv/bin/pip": BUILDS, "build/venv/bin/python": BUILDS, "build/zig/bin/python": BUILDS,
     "python3 samples/web/build.py": BUILDS, "python3 -m http.server": WINDOW,
-    "PATH=$PWD/build/release/baker:$PATH blender": WINDOW, "build/pliant/bin/pliant-player": WINDOW, "build/release/samples/gltf_game/gltf_game": WINDOW,
+    "PATH=$PWD/build/release/baker:$PATH blender": WINDOW,
+    "build/pliant/bin/pliant-player": WINDOW, "build/release/samples/gltf_game/gltf_game": WINDOW,
 }
 ASSETS = ["build/demo/creature.pliant", "build/assets/strip.pliant", "hero.pliant"]
 TOOLS = ["build/release/baker/pliant", "build/pliant/bin/pliant", "bin/pliant"]
