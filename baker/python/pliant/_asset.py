@@ -211,10 +211,11 @@ class Asset:
         """(n, 3, d) float32: the basis of the subspace. rest + basis @ q is reconstruct(q) to single precision, and
         basis.reshape(-1, d) has a row for each of the 3 n coordinates. Of a compressed basis these are the numbers that the
         runtime unpacks. Computed anew at each access, by d reconstructions: keep it."""
-        scale = np.float32(2.0**20)  # beside which the rest positions are rounding; a power of two changes no digit
-        rows = self._view.reconstruct(scale * np.eye(self.dimension, dtype=np.float32), 0, self.vertex_count)
-        columns = (rows.astype(np.float64) - self.rest) / scale
-        basis: npt.NDArray[np.float32] = np.ascontiguousarray(np.moveaxis(columns, 0, -1), dtype=np.float32)
+        scale = 2.0**20  # beside which the rest positions are rounding; a power of two changes no digit
+        rest = self.rest.astype(np.float64)
+        basis = np.empty((self.vertex_count, 3, self.dimension), np.float32)
+        for j, unit in enumerate(scale * np.eye(self.dimension)):
+            basis[..., j] = (self.reconstruct(unit) - rest) / scale
         return basis
 
     @property
