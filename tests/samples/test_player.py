@@ -14,20 +14,17 @@ import sys
 import tempfile
 from pathlib import Path
 
-import numpy as np
-from PIL import Image, features
+from PIL import Image
 
-from player_support import PLAYER, ROOT, make_asset, picture, refused, run, skip, with_checksums, write_path
+from player_support import (PLAYER, ROOT, hot, make_asset, make_truth, picture, read_picture, refused, run, shapes, skip,
+                            thirds, use_window, warm, with_checksums, write_path)
 
-
-def warm(image):
-    """The pixels of the elastic character: red well above blue."""
-    return image[..., 0] - image[..., 2] > 25
+import numpy as np  # after player_support, which chooses its threads
 
 
 def cool(image):
     """The pixels of the linear character: blue well above red, unlike the pale backdrop and the grey shadow."""
-    return (image[..., 2] - image[..., 0] > 20) & (image.mean(axis=2) < 175)
+    return (image[..., 2] - image[..., 0] > 28) & (image.mean(axis=2) < 175)
 
 
 def case_help(folder):
@@ -158,8 +155,9 @@ def case_sequence(folder):
     _, err = run(asset, "--sequence", pattern, "--path", path, "--size", "160x120")
     assert sorted(p.name for p in out.iterdir()) == ["f_00.png", "f_01.png", "f_02.png"], list(out.iterdir())
     second = np.asarray(Image.open(out / "f_01.png").convert("RGB")).astype(float)
-    corner = picture(asset, folder, "--weights", "0,1,0", size="160x120")
-    other = picture(asset, folder, "--weights", "0,0,1", size="160x120")
+    run(asset, "--sequence", out / "t_%d.png", "--path", write_path(folder, [[0, 1, 0], [0, 0, 1], [1, 0, 0]], "turned.csv"),
+        "--size", "160x120")
+    corner, other = (read_picture(out / f"t_{i}.png") for i in (0, 1))
     assert np.abs(second - corner).mean() < 0.2 < np.abs(second - other).mean(), "frame 1 is not what line 1 says"
     run(asset, "--sequence", pattern, "--count", "4", "--size", "64x64", "--hud")
     assert Image.open(out / "f_03.png").size == (64, 64)
@@ -179,28 +177,6 @@ def case_sequence(folder):
                   ["--count", "3"], ["--sequence", pattern, "--count", "3", "--weights", "1,1,1"]):
         refused(asset, *wrong, code=2, number=5942)
     refused(asset, "--sequence", folder / "missing" / "f_%d.png", "--count", "2", "--size", "64x64", code=1, number=5931)
-
-
-def make_truth(asset, folder, shift=0.0, stretch=1.0):
-    """Unreduced averages, or what stands for them: the asset's poses, and its blend of all poses by the reference."""
-    from pliant_reference import Asset
-    reference = Asset(asset.read_bytes())
-    weights = [[1, 0, 0], [0, 1, 0], [0, 0, 1], [1 / 3, 1 / 3, 1 / 3]]
-    for i, row in enumerate(weights):
-        z, _ = reference.minimise(np.array(row))
-        shape = reference.reconstruct(reference.coordinates(z))
-        shape = stretch * shape + shift * np.linalg.norm(np.ptp(shape, axis=0))
-        faces = np.zeros(len(reference.triangles), dtype=[("count", "u1"), ("corners", "<i4", 3)])
-        faces["count"], faces["corners"] = 3, reference.triangles
-        header = (f"ply\nformat binary_little_endian 1.0\nelement vertex {len(shape)}\nproperty float x\nproperty float y\n"
-                  f"property float z\nelement face {len(faces)}\nproperty list uchar int vertex_indices\nend_header\n")
-        (folder / f"truth_{i}.ply").write_bytes(header.encode() + shape.astype("<f4").tobytes() + faces.tobytes())
-    return write_path(folder, weights, "truth.csv"), folder / "truth_%d.ply"
-
-
-def thirds(image):
-    third = image.shape[1] // 3
-    return image[:, :third], image[:, third:2 * third], image[:, 2 * third:]
 
 
 def green(image):
@@ -241,28 +217,23 @@ def case_truth(folder):
     refused(asset, "--truth", one, few / "truth_%d.ply", "--screenshot", "x.png", code=3, number=5915)
 
 
-def hot(image):
-    """The pixels of the warm half of the scale: red well above green."""
-    return (image[..., 0] - image[..., 1] > 60) & (image.mean(axis=2) < 190)
-
-
 def case_heat(folder):
     asset = make_asset(folder)
     truth = make_truth(asset, folder)
     # Between legend and captions. At the poses all three are the same shape: nothing is warm. In between the linear blend
     # is further off.
-    corner = picture(asset, folder, "--truth", *truth, "--heat", "--weights", "1,0,0", size="900x450")[80:-70]
+    corner = shapes(picture(asset, folder, "--truth", *truth, "--heat", "--weights", "1,0,0", size="900x450"))
     assert not hot(corner).any(), f"{hot(corner).sum()} warm pixels at a pose"
-    linear, elastic, unreduced = thirds(picture(asset, folder, "--truth", *truth, "--heat", size="900x450")[80:-70])
+    linear, elastic, unreduced = thirds(shapes(picture(asset, folder, "--truth", *truth, "--heat", size="900x450")))
     assert hot(linear).mean() > 0.005, "the linear blend is not warm"
     assert not hot(elastic).any() and not hot(unreduced).any(), "the elastic blend is the truth here and must not be warm"
-    difference = picture(asset, folder, "--heat", size="450x450")[100:-70]
+    difference = shapes(picture(asset, folder, "--heat", size="450x450"))
     assert hot(difference).mean() > 0.005, "without a truth: the distance from the linear blend"
     moved = make_truth(asset, folder, shift=0.2)
-    elastic = thirds(picture(asset, folder, "--truth", *moved, "--heat", size="900x450")[80:-70])[1]
+    elastic = thirds(shapes(picture(asset, folder, "--truth", *moved, "--heat", size="900x450")))[1]
     assert not hot(elastic).any(), "a difference of place is shown as one of shape"
     large = make_truth(asset, folder, stretch=1.5)
-    far = picture(asset, folder, "--truth", *large, "--heat", "--both", size="900x450")[80:-70]
+    far = shapes(picture(asset, folder, "--truth", *large, "--heat", "--both", size="900x450"))
     assert (far.max(axis=2) < 110).mean() > 0.05 > (elastic.max(axis=2) < 110).mean(), "what is far off is not dark"
     refused(asset, "--heat", "--frames", "3", code=2, number=5942)
 
@@ -314,7 +285,7 @@ def case_materials(folder):
     assert not yellow.any(), f"{yellow.sum()} pixels of what the mask leaves out"
     asset = make_asset(folder, "--scene")
     assert saturated(picture(asset, folder, "--crowd", "3"), 2).any(), "a crowd has no materials"
-    heat = picture(asset, folder, "--heat", "--weights", "1,0,0", size="450x450")[100:-70]
+    heat = shapes(picture(asset, folder, "--heat", "--weights", "1,0,0", size="450x450"))
     assert not saturated(heat, 0).any() and not saturated(heat, 1).any(), "colours by distance do not go before materials"
 
     blob = asset.read_bytes()
@@ -386,22 +357,16 @@ def case_drop(folder):
 
 
 def case_key(folder):
-    """M takes the materials away in the window."""
-    if not shutil.which("xvfb-run") or not features.check("xcb"):
-        skip("xvfb-run is not installed (packages xvfb xauth), or Pillow cannot look at the screen")
+    """M takes the materials away in the window; W draws edges, and then edges only."""
     asset = make_asset(folder, "--scene")
-    script = ('"$0" "$1" --size 640x480 & player=$!; "$2" -B "$3" M "$4" "$5"; code=$?; '
-              'kill -0 $player || code=9; kill $player; exit $code')
-    command = ["xvfb-run", "-a", "-s", "-screen 0 640x480x24", "bash", "-c", script, PLAYER, asset, sys.executable,
-               Path(__file__).with_name("press_key.py"), folder / "before.png", folder / "after.png"]
-    result = subprocess.run(list(map(str, command)), capture_output=True, text=True, timeout=240)
-    if "P5921" in result.stderr:
-        skip("no window here: " + result.stderr)
-    assert result.returncode == 0, (result.returncode, result.stdout, result.stderr)
-    before, after = (np.asarray(Image.open(folder / f"{name}.png").convert("RGB")).astype(float)[:, 340:]
-                     for name in ("before", "after"))
+    use_window(folder, [asset, "--weights", "1,0,0"], "save:before.png", "key:M", "save:plain.png", "key:W", "save:over.png",
+               "key:W", "save:only.png")
+    before, plain, over, only = (read_picture(folder / f"{name}.png")[:, 340:]
+                                 for name in ("before", "plain", "over", "only"))
     assert saturated(before, 2).sum() > 100, f"{saturated(before, 2).sum()} blue pixels of the texture"
-    assert not saturated(after, 2).any(), f"{saturated(after, 2).sum()} blue pixels after the key"
+    assert not saturated(plain, 2).any(), f"{saturated(plain, 2).sum()} blue pixels after the key"
+    assert (np.abs(over - plain).max(axis=2) > 30).sum() > 100, "W draws no edges"
+    assert warm(only).sum() < 0.1 * warm(over).sum(), "the second W leaves the surfaces"
 
 
 def case_whole_or_nothing(folder):

@@ -5,7 +5,6 @@ the case `tool`, which bakes one.
 """
 import json
 import os
-import shutil
 import subprocess
 import sys
 import tempfile
@@ -13,11 +12,11 @@ from pathlib import Path
 
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # small matrices: threads of their own only wait for each other
 import numpy as np  # noqa: E402
-from PIL import Image, features  # noqa: E402
+from PIL import Image  # noqa: E402
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 from layered_tube import tube, write_obj  # noqa: E402
-from player_support import PLAYER, make_asset, picture, refused, run, skip, write_path  # noqa: E402
+from player_support import make_asset, picture, read_picture, refused, run, shapes, use_window, write_path  # noqa: E402
 
 PANEL = np.s_[240:590, 12:224]  # of a picture of 960 x 600: everything below the facts, on the left
 FACTS = np.s_[12:240, 12:224]
@@ -94,13 +93,13 @@ def case_linear(folder):
     """One layer at 1 is its pose in both kinds of blend. Of two the linear blend is another shape: that is what --heat
     shows."""
     asset = make_layers(folder)
-    two = picture(asset, folder, "--heat", "--weights=1,1.5,1", size="450x450")[100:-70]
+    two = shapes(picture(asset, folder, "--heat", "--weights=1,1.5,1", size="450x450"))
 
     def hot(image):
         return (image[..., 0] - image[..., 1] > 60) & (image.mean(axis=2) < 190)
 
     for weights in ("1,0,0", "0,1,0", "0,0,1"):
-        one = picture(asset, folder, "--heat", f"--weights={weights}", size="450x450")[100:-70]
+        one = shapes(picture(asset, folder, "--heat", f"--weights={weights}", size="450x450"))
         assert not hot(one).any(), f"{hot(one).sum()} warm pixels where both blends are the layer's pose"
     assert hot(two).mean() > 0.005, "no difference between linear and elastic"
     both = picture(asset, folder, "--both", "--weights=1,1.5,1", size="600x300")
@@ -131,19 +130,9 @@ def case_modes(folder):
 
 def case_key(folder):
     """0 gives all layers their initial weights."""
-    if not shutil.which("xvfb-run") or not features.check("xcb"):
-        skip("xvfb-run is not installed (packages xvfb xauth), or Pillow cannot look at the screen")
     asset = make_layers(folder)
-    script = ('"$0" "$1" --size 640x620 --weights=0.8,2,1 & player=$!; "$2" -B "$3" 0 "$4" "$5"; code=$?; '
-              'kill -0 $player || code=9; kill $player; exit $code')
-    command = ["xvfb-run", "-a", "-s", "-screen 0 640x620x24", "bash", "-c", script, PLAYER, asset, sys.executable,
-               Path(__file__).with_name("press_key.py"), folder / "before.png", folder / "after.png"]
-    result = subprocess.run(list(map(str, command)), capture_output=True, text=True, timeout=240)
-    if "P5921" in result.stderr:
-        skip("no window here: " + result.stderr)
-    assert result.returncode == 0, (result.returncode, result.stdout, result.stderr)
-    before, after = (np.asarray(Image.open(folder / f"{name}.png").convert("RGB")).astype(float)[360:600, 20:330]
-                     for name in ("before", "after"))
+    use_window(folder, [asset, "--weights=0.8,2,1"], "save:before.png", "key:0", "save:after.png", size="640x620")
+    before, after = (read_picture(folder / f"{name}.png")[360:600, 20:330] for name in ("before", "after"))
     assert orange(before).sum() > 30, "the weight outside its range has no warning"
     assert not orange(after).any(), f"{orange(after).sum()} pixels of warning after the key"
 
@@ -171,8 +160,8 @@ def case_tool(folder):
     linear_is_hot = 0
     for row in rows:
         image = picture(asset, folder, "--truth", path, folder / "truth_%d.ply", "--heat", "--view=90,10",
-                        f"--weights={row[0]},{row[1]}", size="900x450")[80:-70]
-        linear, elastic = image[:, :315], image[:, 315:595]
+                        f"--weights={row[0]},{row[1]}", size="900x450")
+        linear, elastic, _ = np.array_split(shapes(image), 3, axis=1)
         assert not hot(elastic).any(), f"{row}: the elastic blend is not that of the tool"
         linear_is_hot += hot(linear).any()
     assert linear_is_hot >= 1, "the heat shows nothing at all"

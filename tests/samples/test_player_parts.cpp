@@ -8,10 +8,12 @@
 #include "blend/playback.h"
 #include "blend/truth.h"
 #include "blend/weight_path.h"
+#include "draw/image_writer.h"
 
 #include <doctest/doctest.h>
 #include <glm/common.hpp>
 #include <glm/geometric.hpp>
+#include <glm/gtc/matrix_transform.hpp>
 #include <glm/gtc/quaternion.hpp>
 #include <glm/vector_relational.hpp>
 
@@ -138,7 +140,7 @@ TEST_CASE("rows of layers are any finite numbers, kept as they are")
 
 TEST_CASE("the walk through layers is closed, eased, and inside the ranges")
 {
-    const std::vector<LayerWeight> layers { { "a", 0.0, 1.0, 0.0 }, { "b", -1.0, 2.0, 0.5 }, { "c", 0.0, 1.0, 1.0 } };
+    const std::vector<WeightRange> layers { { "a", 0.0, 1.0, 0.0 }, { "b", -1.0, 2.0, 0.5 }, { "c", 0.0, 1.0, 1.0 } };
     const WeightPath walk = layer_walk(layers);
     CHECK(walk.row(0) == std::vector<double> { 0.0, 0.5, 1.0 });
     std::vector<double> lowest { 9.0, 9.0, 9.0 }, highest { -9.0, -9.0, -9.0 };
@@ -286,13 +288,13 @@ TEST_CASE("given weights stay until the point moves")
     CHECK_FALSE(idle.plays());
 }
 
-TEST_CASE("a weight that is set stops the path, and the others stay")
+TEST_CASE("weights that are given stop the path")
 {
     const ControlPolygon polygon(3);
     const WeightPath path({ { 0.0, 1.0 }, { 1.0, 0.0 } });
     Playback playback(polygon, { 0.0, 0.0 }, true, path, 1.0);
     playback.advance(0.25);
-    playback.set_weight(1, -2.0);
+    playback.show({ 0.25, -2.0 });
     CHECK_FALSE(playback.plays());
     playback.advance(1.0);
     CHECK(playback.weights() == std::vector<double> { 0.25, -2.0 });
@@ -301,6 +303,32 @@ TEST_CASE("a weight that is set stops the path, and the others stay")
 
     const Playback given(polygon, { 0.0, 3.0 }, false, path, 1.0);
     CHECK(given.weights() == std::vector<double> { 0.0, 3.0 });
+}
+
+TEST_CASE("the other shares make room in their proportions")
+{
+    std::vector<double> shares { 0.2, 0.6, 0.2, 0.0 };
+    set_share(shares, 0, 0.6);
+    for (std::size_t k = 0; k < 4; ++k) CHECK(shares[k] == doctest::Approx(std::vector<double> { 0.6, 0.3, 0.1, 0.0 }[k]));
+    set_share(shares, 1, 7.0);
+    CHECK(shares == std::vector<double> { 0.0, 1.0, 0.0, 0.0 });
+    set_share(shares, 1, 0.7); // the proportions are gone
+    for (std::size_t k = 0; k < 4; ++k) CHECK(shares[k] == doctest::Approx(k == 1 ? 0.7 : 0.1));
+    set_share(shares, 2, -1.0);
+    CHECK(shares[2] == 0.0);
+    CHECK(shares[0] + shares[1] + shares[3] == doctest::Approx(1.0));
+}
+
+TEST_CASE("a name that is not taken")
+{
+    const TemporaryFile one("x");
+    const std::string& stem = one.path();
+    CHECK(unused_path(stem, ".png") == stem + "_001.png");
+    std::ofstream(stem + "_001.png") << "x";
+    std::filesystem::create_symlink("/nowhere", stem + "_002.png");
+    CHECK(unused_path(stem, ".png") == stem + "_003.png");
+    CHECK(unused_path(stem, "") == stem + "_001");
+    for (const char* end : { "_001.png", "_002.png" }) std::filesystem::remove(stem + end);
 }
 
 TEST_CASE("frame times: medians of the last 120")
@@ -347,6 +375,23 @@ TEST_CASE("a crowd stands apart, around the middle, inside its extent")
         }
         CHECK(glm::length(middle) < 1e-3f * static_cast<float>(count));
         CHECK(all.outline.size() == 4 * one.outline.size());
+    }
+}
+
+TEST_CASE("characters of a crowd differ, the first one from none, and stay in their extent")
+{
+    CHECK(crowd_variation(0) == 0.0f);
+    const Extent one { { -1, 0, -2 }, { 1, 3, 2 }, { { -1, 0, 0 }, { 1, 3, 0 }, { 0, 1, -2 }, { 0, 1, 2 } } };
+    const Extent all = extent_with_turns(one);
+    for (std::uint32_t i = 0; i < 100; ++i) {
+        CHECK(std::abs(crowd_variation(i)) <= 1.0f);
+        CHECK(std::abs(crowd_variation(i) - crowd_variation(i + 1)) > 0.3f);
+        const glm::mat3 turn(glm::rotate(glm::mat4(1.0f), crowd_variation(i) * largest_crowd_turn, { 0.0f, 1.0f, 0.0f }));
+        for (const glm::vec3& point : one.outline) {
+            const glm::vec3 turned = turn * point; // the centre of the extent is on the axis
+            CHECK(glm::all(glm::lessThanEqual(all.lowest, turned + 1e-5f)));
+            CHECK(glm::all(glm::greaterThanEqual(all.highest, turned - 1e-5f)));
+        }
     }
 }
 

@@ -77,15 +77,19 @@ AssetFile::AssetFile(const std::string& path)
         pose_names_.push_back(name.empty() ? "pose " + std::to_string(k) : name);
     }
     short_names_ = without_common_prefix(pose_names_);
-    read_layers();
+    read_weights();
 }
 
-void AssetFile::read_layers()
+void AssetFile::read_weights()
 {
-    for (std::uint32_t i = 0; asset_.has_layers && i < asset_.weight_count; ++i) {
+    for (std::uint32_t i = 0; i < asset_.weight_count; ++i) {
+        if (!asset_.has_layers) {
+            weights_.push_back({ short_names_[i], 0.0, 1.0, 1.0 / asset_.weight_count });
+            continue;
+        }
         pliant_weight weight {};
         pliant_asset_weight(&asset_, i, &weight);
-        layers_.push_back({ pose_names_[i + 1], weight.low, weight.high, weight.initial });
+        weights_.push_back({ pose_names_[i + 1], weight.low, weight.high, weight.initial });
     }
 }
 
@@ -106,8 +110,15 @@ std::vector<std::string> without_common_prefix(const std::vector<std::string>& n
 
 std::string AssetFile::counted() const
 {
-    return has_layers() ? std::to_string(layers_.size()) + (layers_.size() == 1 ? " layer" : " layers")
+    return has_layers() ? std::to_string(weights_.size()) + (weights_.size() == 1 ? " layer" : " layers")
                         : std::to_string(asset_.pose_count) + " poses";
+}
+
+std::string AssetFile::letters() const
+{
+    std::string all = title();
+    for (const std::string& name : pose_names_) all += name;
+    return all;
 }
 
 std::string AssetFile::title() const { return std::filesystem::path(path_).stem().string(); }

@@ -10,8 +10,9 @@
 
 namespace pliant::player {
 
-// A weight of an asset of layers: the layer's name, the range that the baker has measured, the weight to start with.
-struct LayerWeight {
+// A weight of an asset: the name of its layer or pose, its range, the weight to start with. Of layers the range is the one
+// that the baker has measured, of averages it is 0 to 1.
+struct WeightRange {
     std::string name;
     double low = 0.0, high = 1.0, initial = 0.0;
 };
@@ -28,14 +29,14 @@ public:
     const std::vector<std::string>& pose_names() const { return pose_names_; }
     // pose_names() without their common prefix up to a separator ("creature_"), for labels.
     const std::vector<std::string>& short_names() const { return short_names_; }
-    // One for each weight if the asset has layers; empty if it blends averages.
-    const std::vector<LayerWeight>& layers() const { return layers_; }
-    bool has_layers() const { return !layers_.empty(); }
+    const std::vector<WeightRange>& weights() const { return weights_; }
+    bool has_layers() const { return asset_.has_layers != 0; }
     std::string counted() const; // "5 poses" or "7 layers"
+    std::string letters() const; // of title and names
     std::string title() const;   // the file's name without folder and extension
 
 private:
-    void read_layers();
+    void read_weights();
 
     struct AlignedDelete {
         void operator()(std::byte* bytes) const;
@@ -46,7 +47,7 @@ private:
     pliant_asset asset_ {};
     std::vector<std::string> pose_names_;
     std::vector<std::string> short_names_;
-    std::vector<LayerWeight> layers_;
+    std::vector<WeightRange> weights_;
 };
 
 // Removes the common prefix, up to its last separator, from all names. Returns them unchanged if one would become empty.

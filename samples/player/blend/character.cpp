@@ -85,47 +85,31 @@ void Character::set_heat(const std::vector<float>& heat)
     for (std::size_t v = 0; v < vertices_.size(); ++v) vertices_[v].heat = heat.empty() ? -1.0f : heat[v];
 }
 
-namespace {
-
-// Collects the extent of shapes.
-class ExtentOfShapes {
-public:
-    ExtentOfShapes()
-    {
-        for (int i = 0; i < direction_count; ++i) { // evenly over the sphere: a Fibonacci spiral
-            const float up = 1.0f - (2.0f * static_cast<float>(i) + 1.0f) / direction_count;
-            const float level = std::sqrt(1.0f - up * up), angle = static_cast<float>(i) * 2.39996323f;
-            directions_.emplace_back(level * std::cos(angle), up, level * std::sin(angle));
-        }
-        extent_.outline.resize(direction_count);
+ExtentOfShapes::ExtentOfShapes()
+    : furthest_(direction_count, std::numeric_limits<float>::lowest())
+    , extent_ { glm::vec3(std::numeric_limits<float>::max()), glm::vec3(std::numeric_limits<float>::lowest()), {} }
+{
+    for (int i = 0; i < direction_count; ++i) { // evenly over the sphere: a Fibonacci spiral
+        const float up = 1.0f - (2.0f * static_cast<float>(i) + 1.0f) / direction_count;
+        const float level = std::sqrt(1.0f - up * up), angle = static_cast<float>(i) * 2.39996323f;
+        directions_.emplace_back(level * std::cos(angle), up, level * std::sin(angle));
     }
+    extent_.outline.resize(direction_count);
+}
 
-    void add(const std::vector<Vertex>& vertices)
-    {
-        for (const Vertex& vertex : vertices) {
-            extent_.lowest = glm::min(extent_.lowest, vertex.position);
-            extent_.highest = glm::max(extent_.highest, vertex.position);
-            for (int i = 0; i < direction_count; ++i) {
-                const float reach = glm::dot(directions_[i], vertex.position);
-                if (reach <= furthest_[i]) continue;
-                furthest_[i] = reach;
-                extent_.outline[i] = vertex.position;
-            }
+void ExtentOfShapes::add(const std::vector<Vertex>& vertices)
+{
+    for (const Vertex& vertex : vertices) {
+        extent_.lowest = glm::min(extent_.lowest, vertex.position);
+        extent_.highest = glm::max(extent_.highest, vertex.position);
+        for (int i = 0; i < direction_count; ++i) {
+            const float reach = glm::dot(directions_[i], vertex.position);
+            if (reach <= furthest_[i]) continue;
+            furthest_[i] = reach;
+            extent_.outline[i] = vertex.position;
         }
     }
-
-    const Extent& extent() const { return extent_; }
-
-private:
-    // About 20 degrees apart: what lies between them is missed by about 1 % of the size.
-    static constexpr int direction_count = 96;
-
-    std::vector<glm::vec3> directions_;
-    std::vector<float> furthest_ = std::vector<float>(direction_count, std::numeric_limits<float>::lowest());
-    Extent extent_ { glm::vec3(std::numeric_limits<float>::max()), glm::vec3(std::numeric_limits<float>::lowest()), {} };
-};
-
-} // namespace
+}
 
 Extent extent_of_poses(Character& character)
 {
@@ -136,7 +120,7 @@ Extent extent_of_poses(Character& character)
         shapes.add(character.vertices());
     }
     if (!character.file().has_layers()) return shapes.extent();
-    for (const std::vector<double>& weights : layer_keys(character.file().layers())) {
+    for (const std::vector<double>& weights : layer_keys(character.file().weights())) {
         character.forget();
         character.blend(weights, BlendMode::elastic);
         shapes.add(character.vertices());

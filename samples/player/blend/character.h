@@ -77,6 +77,22 @@ private:
     std::vector<Vertex> vertices_;
 };
 
+// Collects the extent of shapes.
+class ExtentOfShapes {
+public:
+    ExtentOfShapes();
+    void add(const std::vector<Vertex>& vertices);
+    const Extent& extent() const { return extent_; }
+
+private:
+    // About 20 degrees apart: what lies between them is missed by about 1 % of the size.
+    static constexpr int direction_count = 96;
+
+    std::vector<glm::vec3> directions_;
+    std::vector<float> furthest_;
+    Extent extent_;
+};
+
 // Of all poses; of layers also of those mixtures that the player shows by itself (layer_walk.h).
 Extent extent_of_poses(Character& character);
 

@@ -114,6 +114,27 @@ std::vector<glm::vec3> crowd_places(std::uint32_t count, glm::vec2 room)
     return places;
 }
 
+float crowd_variation(std::uint32_t character)
+{
+    const double share = std::fmod(character * 0.7548776662466927, 1.0); // another irrational number than that of the phases
+    return static_cast<float>(2.0 * (share < 0.5 ? share : share - 1.0));
+}
+
+Extent extent_with_turns(const Extent& one)
+{
+    const glm::vec3 axis = (one.lowest + one.highest) * 0.5f, half = (one.highest - one.lowest) * 0.5f;
+    const float c = std::cos(largest_crowd_turn), s = std::sin(largest_crowd_turn);
+    const glm::vec3 reach { half.x + s * half.z, half.y, half.z + s * half.x }; // at least that of each turn
+    Extent all { axis - reach, axis + reach, one.outline };
+    for (const float side : { s, -s }) {
+        for (const glm::vec3& point : one.outline) {
+            const glm::vec3 from = point - axis;
+            all.outline.push_back(axis + glm::vec3(c * from.x + side * from.z, from.y, c * from.z - side * from.x));
+        }
+    }
+    return all;
+}
+
 Extent extent_of_crowd(const Extent& one, const std::vector<glm::vec3>& places)
 {
     glm::vec3 nearest(std::numeric_limits<float>::max()), farthest(std::numeric_limits<float>::lowest());

@@ -67,6 +67,13 @@ double loop_seconds(const ControlPolygon& polygon, const std::optional<WeightPat
 // every second row shifted by half a place, all centred at the origin. More columns than rows.
 std::vector<glm::vec3> crowd_places(std::uint32_t count, glm::vec2 room);
 
+// How a character of a crowd differs from the first one: `own` is -1 to 1, even for neighbours far apart. It turns by own
+// times the largest turn, in radians, around the up axis through the centre of its extent.
+float crowd_variation(std::uint32_t character);
+constexpr float largest_crowd_turn = 0.42f;
+// The extent of one character with all these turns.
+Extent extent_with_turns(const Extent& one);
+
 // The extent of copies of `one` at all places.
 Extent extent_of_crowd(const Extent& one, const std::vector<glm::vec3>& places);
 

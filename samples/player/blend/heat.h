@@ -14,14 +14,17 @@ namespace pliant::player {
 constexpr float lowest_heat = 1e-4f;
 constexpr float highest_heat = 1e-1f;
 
-// Colours along the scale, evenly spaced, sRGB: from pale clay to dark violet, darker with every step.
+// Colours along the scale, evenly spaced, sRGB: from pale blue, which no surface without a distance has, to dark violet.
 using HeatColours = std::array<glm::vec3, 6>;
-constexpr HeatColours heat_colours { { { 0.925f, 0.930f, 0.935f },
+constexpr HeatColours heat_colours { { { 0.730f, 0.880f, 0.960f },
                                        { 0.980f, 0.870f, 0.520f },
                                        { 0.965f, 0.610f, 0.280f },
                                        { 0.850f, 0.280f, 0.240f },
                                        { 0.560f, 0.110f, 0.310f },
                                        { 0.240f, 0.050f, 0.260f } } };
+// The heat of a shape from which others have their distances; it is hatched.
+constexpr float reference_heat = -2.0f;
+
 HeatColours linear_heat_colours(); // the same, linear instead of sRGB
 
 // Position of a share of the diagonal on the scale: 0 at its lower end and below, 1 at its upper end and above.

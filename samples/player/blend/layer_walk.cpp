@@ -11,17 +11,17 @@ using Row = std::vector<double>;
 constexpr std::size_t rows_per_key = 24; // 0.8 seconds
 constexpr std::size_t fewest_mixtures = 6, most_mixtures = 12;
 
-Row initial_weights(const std::vector<LayerWeight>& layers)
+Row initial_weights(const std::vector<WeightRange>& layers)
 {
     Row weights;
-    for (const LayerWeight& layer : layers) weights.push_back(layer.initial);
+    for (const WeightRange& layer : layers) weights.push_back(layer.initial);
     return weights;
 }
 
 // Uniform in [0, 1). The distributions of the standard library differ between its implementations.
 double uniform(std::mt19937& random) { return static_cast<double>(random()) / 4294967296.0; }
 
-Row mixture(const std::vector<LayerWeight>& layers, std::mt19937& random)
+Row mixture(const std::vector<WeightRange>& layers, std::mt19937& random)
 {
     Row weights = initial_weights(layers);
     const std::size_t active = std::min<std::size_t>(layers.size(), 2 + random() % 3);
@@ -29,7 +29,7 @@ Row mixture(const std::vector<LayerWeight>& layers, std::mt19937& random)
     for (std::size_t k = 0; k < left.size(); ++k) left[k] = k;
     for (std::size_t i = 0; i < active; ++i) {
         std::swap(left[i], left[i + random() % (left.size() - i)]);
-        const LayerWeight& layer = layers[left[i]];
+        const WeightRange& layer = layers[left[i]];
         const bool down = layer.low < layer.initial && uniform(random) < 0.5;
         weights[left[i]] += (0.35 + 0.65 * uniform(random)) * ((down ? layer.low : layer.high) - layer.initial);
     }
@@ -38,7 +38,7 @@ Row mixture(const std::vector<LayerWeight>& layers, std::mt19937& random)
 
 } // namespace
 
-std::vector<Row> layer_mixtures(const std::vector<LayerWeight>& layers)
+std::vector<Row> layer_mixtures(const std::vector<WeightRange>& layers)
 {
     std::mt19937 random(20261203);
     std::vector<Row> rows;
@@ -47,7 +47,7 @@ std::vector<Row> layer_mixtures(const std::vector<LayerWeight>& layers)
     return rows;
 }
 
-std::vector<Row> layer_keys(const std::vector<LayerWeight>& layers)
+std::vector<Row> layer_keys(const std::vector<WeightRange>& layers)
 {
     const Row initial = initial_weights(layers);
     std::vector<Row> keys;
@@ -64,7 +64,7 @@ std::vector<Row> layer_keys(const std::vector<LayerWeight>& layers)
     return keys;
 }
 
-WeightPath layer_walk(const std::vector<LayerWeight>& layers)
+WeightPath layer_walk(const std::vector<WeightRange>& layers)
 {
     std::vector<Row> keys = layer_keys(layers), rows;
     keys.insert(keys.begin(), initial_weights(layers));

@@ -50,10 +50,9 @@ void Playback::toggle_play()
     }
 }
 
-void Playback::set_weight(std::uint32_t layer, double weight)
+void Playback::show(std::vector<double> weights)
 {
-    given_ = weights();
-    given_[layer] = weight;
+    given_ = std::move(weights);
     source_ = Source::given;
 }
 

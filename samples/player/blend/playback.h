@@ -11,8 +11,8 @@ namespace pliant::player {
 
 class Playback {
 public:
-    // Shows `start` until the point is moved, a weight is set or the path plays. If `plays`, the path plays at once, `fps`
-    // rows per second, or without a path the point starts along the polygon's idle path.
+    // Shows `start` until the point is moved, other weights are given or the path plays. If `plays`, the path plays at once,
+    // `fps` rows per second, or without a path the point starts along the polygon's idle path.
     Playback(const ControlPolygon& polygon, std::vector<double> start, bool plays, std::optional<WeightPath> path,
              double fps);
 
@@ -20,8 +20,8 @@ public:
     void drag_to(glm::dvec2 point);
     void go_to(std::uint32_t corner);
     void toggle_play();
-    // Of layers: keeps the weights that are shown, but for this one.
-    void set_weight(std::uint32_t layer, double weight);
+    // Shows weights until the point is moved or the path plays.
+    void show(std::vector<double> weights);
 
     // Advances the playback by a time step.
     void advance(double seconds);

@@ -10,7 +10,7 @@
 
 namespace pliant::player {
 
-// Positions are in the asset's units, with the world's y up. heat: 0 to 1, see heat.h; negative: the actor's own colour.
+// Positions are in the asset's units, with the world's y up. heat: 0 to 1, see heat.h; -1: the actor's own colour.
 struct Vertex {
     glm::vec3 position { 0.0f };
     glm::vec3 normal { 0.0f }; // of any length; the shader normalises it

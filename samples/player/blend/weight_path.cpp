@@ -54,6 +54,16 @@ bool normalise_weights(std::vector<double>& weights)
     return true;
 }
 
+void set_share(std::vector<double>& shares, std::size_t which, double value)
+{
+    value = std::clamp(value, 0.0, 1.0);
+    double others = 0.0;
+    for (std::size_t k = 0; k < shares.size(); ++k) others += k == which ? 0.0 : shares[k];
+    const auto count = static_cast<double>(shares.size() - 1);
+    for (double& share : shares) share = others > 1e-9 ? share * (1.0 - value) / others : (1.0 - value) / count;
+    shares[which] = value;
+}
+
 bool are_finite(const std::vector<double>& weights)
 {
     return std::all_of(weights.begin(), weights.end(),

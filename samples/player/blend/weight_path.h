@@ -38,6 +38,10 @@ std::vector<double> parse_numbers(const std::string& text, char separator);
 // Divides by the sum. Returns false and changes nothing unless all weights are finite, >= 0, and at least one is positive.
 bool normalise_weights(std::vector<double>& weights);
 
+// Gives one of several shares, whose sum is 1, a new value from 0 to 1. The others make room in their proportions; if they
+// are all zero, in equal parts.
+void set_share(std::vector<double>& shares, std::size_t which, double value);
+
 // Whether all weights are finite in single precision, as those of layers must be.
 bool are_finite(const std::vector<double>& weights);
 

@@ -25,12 +25,15 @@ struct Actor {
     glm::vec3 offset { 0.0f };
     glm::vec3 colour { 0.5f };         // linear, not sRGB; for vertices without heat and paint
     const BuiltShape* built = nullptr; // if set, drawn instead of vertices
+    float turn = 0.0f;                 // in radians, around the up axis through `axis`
+    glm::vec3 axis { 0.0f };
 };
 
 inline glm::mat4 model_of(const Actor& actor)
 {
-    const glm::mat4 offset = glm::translate(glm::mat4(1.0f), actor.offset);
-    return actor.built ? offset * actor.built->placing : offset;
+    glm::mat4 place = glm::translate(glm::mat4(1.0f), actor.offset + actor.axis);
+    place = glm::translate(glm::rotate(place, actor.turn, { 0.0f, 1.0f, 0.0f }), -actor.axis);
+    return actor.built ? place * actor.built->placing : place;
 }
 
 } // namespace pliant::player

@@ -67,4 +67,16 @@ void write_png(const std::string& path, int width, int height, const std::vector
     refuse(path, std::strerror(reason));
 }
 
+std::string unused_path(const std::string& stem, const std::string& suffix)
+{
+    for (int number = 1;; ++number) {
+        char digits[16];
+        std::snprintf(digits, sizeof digits, "_%03d", number);
+        const std::string path = stem + digits + suffix;
+        std::error_code error;
+        if (std::filesystem::symlink_status(path, error).type() == std::filesystem::file_type::not_found) return path;
+        if (number == 1000000) refuse(path, "all numbers are taken");
+    }
+}
+
 } // namespace pliant::player

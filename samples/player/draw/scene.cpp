@@ -16,12 +16,14 @@ namespace {
 // The key light and a dome of lights, each with a shadow map. lowest: sine of the lowest elevation in the dome; with few
 // lights it is high, so that their shadows overlap near the feet. floor: its radius, in radii of the scene.
 struct Lighting {
-    int light_count, shadow_size, key_taps, dome_taps;
+    int light_count, shadow_size, key_taps, dome_taps, footprint_size, sky_taps;
     float lowest, floor;
 };
-constexpr Lighting low_lighting { 1 + 3, 320, 7, 3, 0.82f, 1.5f };
-constexpr Lighting medium_lighting { 1 + 16, 768, 12, 4, 0.25f, 2.4f };
-constexpr Lighting high_lighting { 1 + 24, 768, 24, 8, 0.17f, 2.4f };
+constexpr Lighting low_lighting { 1 + 3, 320, 7, 3, 256, 6, 0.82f, 1.5f };
+constexpr Lighting medium_lighting { 1 + 16, 768, 12, 4, 512, 12, 0.25f, 2.4f };
+constexpr Lighting high_lighting { 1 + 24, 768, 24, 8, 1024, 16, 0.17f, 2.4f };
+
+constexpr float footprint_width = 1.1f; // half of the map's, in radii of the scene
 
 constexpr Lighting lighting(Quality quality)
 {
@@ -31,7 +33,7 @@ constexpr Lighting lighting(Quality quality)
 ShaderSources sources_for(Quality quality)
 {
     const Lighting l = lighting(quality);
-    return shader_sources(l.light_count, l.key_taps, l.dome_taps);
+    return shader_sources(l.light_count, l.key_taps, l.dome_taps, l.sky_taps);
 }
 
 // Directions spread evenly over the sky above `lowest` (a Fibonacci spiral), brighter towards the zenith.
@@ -59,6 +61,7 @@ Scene::Scene(const pliant_asset& asset, const Extent& extent, Quality quality, c
     : extent_(extent)
     , shadow_size_(lighting(quality).shadow_size)
     , light_count_(lighting(quality).light_count)
+    , footprint_size_(lighting(quality).footprint_size)
     , dome_lowest_(lighting(quality).lowest)
     , floor_radius_(lighting(quality).floor)
     , backdrop_("backdrop", sources.backdrop_vertex, sources.backdrop_fragment)
@@ -68,6 +71,9 @@ Scene::Scene(const pliant_asset& asset, const Extent& extent, Quality quality, c
     , empty_array_(make_vertex_array())
     , shadow_texture_(make_texture())
     , shadow_target_(make_framebuffer())
+    , footprint_(make_texture())
+    , footprint_depth_(make_renderbuffer())
+    , footprint_target_(make_framebuffer())
     , white_(make_white_texture())
     , bodies_(asset)
 {
@@ -81,6 +87,23 @@ Scene::Scene(const pliant_asset& asset, const Extent& extent, Quality quality, c
     glTexParameteri(GL_TEXTURE_2D_ARRAY, GL_TEXTURE_MIN_FILTER, GL_LINEAR);
     glTexParameteri(GL_TEXTURE_2D_ARRAY, GL_TEXTURE_MAG_FILTER, GL_LINEAR);
     glTexParameteri(GL_TEXTURE_2D_ARRAY, GL_TEXTURE_COMPARE_MODE, GL_COMPARE_REF_TO_TEXTURE);
+    make_footprint_target();
+}
+
+// Outside of the map nothing is above the floor.
+void Scene::make_footprint_target()
+{
+    glBindTexture(GL_TEXTURE_2D, footprint_.get());
+    glTexImage2D(GL_TEXTURE_2D, 0, GL_RGBA8, footprint_size_, footprint_size_, 0, GL_RGBA, GL_UNSIGNED_BYTE, nullptr);
+    glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_WRAP_S, GL_CLAMP_TO_BORDER);
+    glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_WRAP_T, GL_CLAMP_TO_BORDER);
+    glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MIN_FILTER, GL_LINEAR_MIPMAP_LINEAR);
+    glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MAG_FILTER, GL_LINEAR);
+    glBindRenderbuffer(GL_RENDERBUFFER, footprint_depth_.get());
+    glRenderbufferStorage(GL_RENDERBUFFER, GL_DEPTH_COMPONENT24, footprint_size_, footprint_size_);
+    glBindFramebuffer(GL_FRAMEBUFFER, footprint_target_.get());
+    glFramebufferTexture2D(GL_FRAMEBUFFER, GL_COLOR_ATTACHMENT0, GL_TEXTURE_2D, footprint_.get(), 0);
+    glFramebufferRenderbuffer(GL_FRAMEBUFFER, GL_DEPTH_ATTACHMENT, GL_RENDERBUFFER, footprint_depth_.get());
 }
 
 std::vector<std::vector<std::uint32_t>> Scene::blended_parts() const
@@ -102,12 +125,11 @@ Scene::Stage Scene::stage_for(const std::vector<Actor>& actors) const
 }
 
 // The lights turn with the camera around the up axis, as if the characters stood on a turntable in a studio.
-void Scene::place_lights(const Stage& stage, const glm::vec3& eye)
+void Scene::place_lights(const Stage& stage, const glm::mat4& view)
 {
-    const glm::vec3 to_eye = eye - stage.centre;
-    const float yaw = std::atan2(to_eye.x, to_eye.z);
+    const float yaw = std::atan2(-view[2][0], view[0][0]);
     const glm::mat4 turn = glm::rotate(glm::mat4(1.0f), yaw, glm::vec3(0.0f, 1.0f, 0.0f));
-    lights_.assign(1, glm::vec4(glm::normalize(glm::vec3(-0.55f, 0.95f, 0.62f)), 1.0f));
+    lights_.assign(1, glm::vec4(glm::normalize(key_light), 1.0f));
     for (int i = 0; i + 1 < light_count_; ++i) lights_.push_back(dome_light(i, light_count_ - 1, dome_lowest_));
 
     light_clips_.clear();
@@ -119,8 +141,8 @@ void Scene::place_lights(const Stage& stage, const glm::vec3& eye)
         const glm::vec3 direction = glm::vec3(turn * glm::vec4(glm::vec3(light), 0.0f));
         light = glm::vec4(direction, light.w);
         const glm::vec3 up = std::abs(direction.y) > 0.9f ? glm::vec3(0.0f, 0.0f, 1.0f) : glm::vec3(0.0f, 1.0f, 0.0f);
-        const glm::mat4 view = glm::lookAt(stage.centre + direction * r, stage.centre, up);
-        light_clips_.push_back(glm::ortho(-r, r, -r, r, 0.0f, 2.0f * r) * view);
+        const glm::mat4 from_light = glm::lookAt(stage.centre + direction * r, stage.centre, up);
+        light_clips_.push_back(glm::ortho(-r, r, -r, r, 0.0f, 2.0f * r) * from_light);
         light_matrices_.push_back(to_unit * light_clips_.back());
     }
 }
@@ -164,6 +186,26 @@ void Scene::draw_shadow_maps(const std::vector<Actor>& actors)
     }
 }
 
+// What a camera below the floor sees that looks up: the height of the lowest surface above each place.
+void Scene::draw_footprint(const Stage& stage, const std::vector<Actor>& actors)
+{
+    glBindFramebuffer(GL_FRAMEBUFFER, footprint_target_.get());
+    glViewport(0, 0, footprint_size_, footprint_size_);
+    glClearColor(0.0f, 0.0f, 0.0f, 0.0f);
+    glClear(GL_COLOR_BUFFER_BIT | GL_DEPTH_BUFFER_BIT);
+    const float r = footprint_width * stage.radius, top = footprint_top * body_height();
+    glm::mat4 from_below(0.0f);
+    from_below[0][0] = from_below[2][1] = 1.0f / r;
+    from_below[1][2] = 2.0f / top;
+    from_below[3] = { -stage.centre.x / r, -stage.centre.z / r, 2.0f * footprint_below * body_height() / top - 1.0f, 1.0f };
+    for (std::size_t i = 0; i < actors.size(); ++i) {
+        depth_.set("matrix", from_below * model_of(actors[i]));
+        draw_shadow(i);
+    }
+    glBindTexture(GL_TEXTURE_2D, footprint_.get());
+    glGenerateMipmap(GL_TEXTURE_2D);
+}
+
 void Scene::set_lights(const Program& program) const
 {
     glActiveTexture(GL_TEXTURE0);
@@ -194,6 +236,13 @@ void Scene::draw_floor(const Stage& stage, const Camera::Matrices& camera)
     floor_.set("view_projection", camera.projection * camera.view);
     floor_.set("centre", stage.centre);
     floor_.set("radius", floor_radius_ * stage.radius);
+    glActiveTexture(GL_TEXTURE1);
+    glBindTexture(GL_TEXTURE_2D, footprint_.get());
+    floor_.set("footprint", 1);
+    floor_.set("footprint_radius", footprint_width * stage.radius);
+    floor_.set("body_height", body_height());
+    const float own_radius = 0.5f * glm::length(extent_.highest - extent_.lowest);
+    floor_.set("key_softness", std::max(0.020f * own_radius / stage.radius, 0.006f));
     glEnable(GL_BLEND);
     glBlendFunc(GL_SRC_ALPHA, GL_ONE_MINUS_SRC_ALPHA);
     glDepthMask(GL_FALSE); // soles lie in the floor plane and are drawn over it
@@ -215,12 +264,23 @@ void Scene::draw_actors(const Camera::Matrices& camera, const std::vector<Actor>
     glActiveTexture(GL_TEXTURE1); // unit 0 has the shadows
     glBindTexture(GL_TEXTURE_2D, white_.get());
     body_.set("picture", 1);
+    body_.set("wire", 0.0f);
+    if (wire_ != Wire::only) draw_surfaces(camera.view, actors);
+    if (wire_ != Wire::none) draw_wire(actors);
+    glActiveTexture(GL_TEXTURE0);
+}
+
+// Surfaces are moved back a little, so that edges on them are visible.
+void Scene::draw_surfaces(const glm::mat4& view, const std::vector<Actor>& actors) const
+{
     const bool is_painted = paint_ && shows_paint_;
     body_.set("is_painted", is_painted ? 1 : 0);
     body_.set("is_blended", 0);
     body_.set("cutoff", 0.0f);
+    glPolygonOffset(1.0f, 1.0f);
+    if (wire_ != Wire::none) glEnable(GL_POLYGON_OFFSET_FILL);
     if (is_painted) {
-        draw_painted(camera.view, actors);
+        draw_painted(view, actors);
     } else {
         for (std::size_t i = 0; i < actors.size(); ++i) {
             body_.set("base_colour", glm::vec4(actors[i].colour, 1.0f));
@@ -228,7 +288,21 @@ void Scene::draw_actors(const Camera::Matrices& camera, const std::vector<Actor>
             bodies_.draw(i);
         }
     }
-    glActiveTexture(GL_TEXTURE0);
+    glDisable(GL_POLYGON_OFFSET_FILL);
+}
+
+void Scene::draw_wire(const std::vector<Actor>& actors) const
+{
+    body_.set("wire", wire_ == Wire::over ? 0.45f : 0.75f);
+    glEnable(GL_BLEND);
+    glBlendFunc(GL_SRC_ALPHA, GL_ONE_MINUS_SRC_ALPHA);
+    glPolygonMode(GL_FRONT_AND_BACK, GL_LINE);
+    for (std::size_t i = 0; i < actors.size(); ++i) {
+        body_.set("model", model_of(actors[i]));
+        bodies_.draw(i);
+    }
+    glPolygonMode(GL_FRONT_AND_BACK, GL_FILL);
+    glDisable(GL_BLEND);
 }
 
 void Scene::use_part(const PaintedPart& part) const
@@ -275,9 +349,10 @@ void Scene::draw(const Canvas& canvas, const Area& area, const Area& glow, const
                  const std::vector<Actor>& actors)
 {
     const Stage stage = stage_for(actors);
-    place_lights(stage, camera.eye);
+    place_lights(stage, camera.view);
     bodies_.place(actors);
     draw_shadow_maps(actors);
+    draw_footprint(stage, actors);
 
     canvas.begin();
     const auto x = static_cast<GLint>(area.x), width = static_cast<GLint>(area.width),

@@ -10,6 +10,7 @@
 
 #include <glm/vec3.hpp>
 
+#include <algorithm>
 #include <optional>
 #include <vector>
 
@@ -24,6 +25,8 @@ inline const glm::vec3 linear_colour { 0.20f, 0.29f, 0.42f };
 inline const glm::vec3 unreduced_colour { 0.105f, 0.30f, 0.20f };
 inline const glm::vec3 single_pose_colour { 0.62f, 0.56f, 0.48f };
 
+enum class Wire { none, over, only };
+
 class Scene {
 public:
     // All actors must be blends of the file's asset. extent: of all poses. with_paint: also reads the asset's materials.
@@ -32,7 +35,10 @@ public:
 
     // Whether there are materials, and whether to show them instead of the actors' colours (default: yes).
     bool has_paint() const { return paint_.has_value(); }
-    void show_paint(bool shown) { shows_paint_ = shown; }
+    void toggle_paint() { shows_paint_ = !shows_paint_; }
+    // The edges of all triangles: not shown (default), over the surfaces, or without surfaces.
+    void set_wire(Wire wire) { wire_ = wire; }
+    void next_wire() { wire_ = wire_ == Wire::none ? Wire::over : wire_ == Wire::over ? Wire::only : Wire::none; }
     // The vertices of each blended part, whose means built shapes must provide.
     std::vector<std::vector<std::uint32_t>> blended_parts() const;
 
@@ -48,11 +54,16 @@ private:
     };
 
     Stage stage_for(const std::vector<Actor>& actors) const;
-    void place_lights(const Stage& stage, const glm::vec3& eye);
+    void place_lights(const Stage& stage, const glm::mat4& view);
+    void make_footprint_target();
     void draw_shadow_maps(const std::vector<Actor>& actors);
+    void draw_footprint(const Stage& stage, const std::vector<Actor>& actors);
+    float body_height() const { return std::max(extent_.highest.y - extent_.lowest.y, 1e-6f); }
     void draw_backdrop(const Area& area, const Area& glow);
     void draw_floor(const Stage& stage, const Camera::Matrices& camera);
     void draw_actors(const Camera::Matrices& camera, const std::vector<Actor>& actors);
+    void draw_surfaces(const glm::mat4& view, const std::vector<Actor>& actors) const;
+    void draw_wire(const std::vector<Actor>& actors) const;
     void set_lights(const Program& program) const;
     void draw_shadow(std::size_t actor) const;
     void draw_painted(const glm::mat4& view, const std::vector<Actor>& actors) const;
@@ -62,10 +73,11 @@ private:
     Extent extent_;
     std::optional<Paint> paint_;
     bool shows_paint_ = true;
-    int shadow_size_, light_count_;
+    Wire wire_ = Wire::none;
+    int shadow_size_, light_count_, footprint_size_;
     float dome_lowest_, floor_radius_;
     Program backdrop_, depth_, floor_, body_;
-    GlName empty_array_, shadow_texture_, shadow_target_, white_;
+    GlName empty_array_, shadow_texture_, shadow_target_, footprint_, footprint_depth_, footprint_target_, white_;
     Bodies bodies_;
     std::vector<glm::mat4> light_clips_;    // world to clip space, for drawing the maps
     std::vector<glm::mat4> light_matrices_; // world to the unit cube, for looking up

@@ -7,6 +7,12 @@ namespace {
 
 constexpr char version_line[] = "#version 330 core\n";
 
+// Of the footprint, in heights of a character: the map's depth from its near to its far plane, how far below the floor it
+// starts, and the four heights that it tells apart.
+static_assert(footprint_top == 1.3f && footprint_below == 0.02f);
+constexpr char footprint_numbers[] = "#define FOOTPRINT_TOP 1.3\n#define FOOTPRINT_BELOW 0.02\n#define LOWEST_HEIGHT 0.02\n"
+                                     "#define HEIGHT_FACTOR 2.92\n";
+
 // One triangle that covers the viewport.
 constexpr char backdrop_vertex_source[] = R"(
 out vec2 place;
@@ -46,16 +52,21 @@ void main()
     gl_Position = matrix * vec4(position, 1.0);
 })";
 
-// Places that an alpha mask removes cast no shadow.
+// Places that an alpha mask removes cast no shadow. Seen from below (scene.cpp), the colour is the height above the floor:
+// shares of four heights, which grow by a factor.
 constexpr char depth_fragment_source[] = R"(
 in vec2 place;
 in float tint_alpha;
 uniform sampler2D picture;
 uniform float alpha_factor;
 uniform float cutoff; // 0: no mask
+out vec4 shares;
 void main()
 {
     if (cutoff > 0.0 && alpha_factor * tint_alpha * texture(picture, place).a < cutoff) discard;
+    float height = gl_FragCoord.z * FOOTPRINT_TOP - FOOTPRINT_BELOW;
+    float step = clamp(log(max(height, LOWEST_HEIGHT) / LOWEST_HEIGHT) / log(HEIGHT_FACTOR), 0.0, 3.0);
+    shares = max(1.0 - abs(step - vec4(0.0, 1.0, 2.0, 3.0)), 0.0);
 })";
 
 constexpr char floor_vertex_source[] = R"(
@@ -125,26 +136,45 @@ float visibility(int light, vec3 point, vec3 normal, float softness, int taps)
 }
 )";
 
-// The floor shows only its shadows, which darken the backdrop.
+// The floor shows only its shadows, which darken the backdrop. How much of the sky a surface hides from a place of the floor
+// depends on its height z and the distance r: z^2 / (pi (r^2 + z^2)^2) of it for each area. `footprint` holds the lowest
+// surface above each place, divided into four heights; for each of them the integral is a sum over places spread with that
+// density. Every look-up averages the area that its place stands for, in a mip level: wide shadows are smooth, feet have a
+// dark rim.
 constexpr char floor_fragment_source[] = R"(
 in vec3 point;
 out vec4 colour;
 uniform vec3 centre;
 uniform float radius;
+uniform sampler2D footprint;
+uniform float footprint_radius; // half the width of the map
+uniform float body_height;
+uniform float key_softness; // of the key light's shadow, in widths of the shadow map
+
+float hidden_sky()
+{
+    vec2 at = (point.xz - centre.xz) / footprint_radius * 0.5 + 0.5;
+    float texels = float(textureSize(footprint, 0).x), sum = 0.0, high = LOWEST_HEIGHT * body_height;
+    for (int k = 0; k < 4; ++k) {
+        float z = high / (2.0 * footprint_radius);
+        for (int i = 0; i < SKY_TAPS; ++i) {
+            float share = (float(i) + 0.5) / float(SKY_TAPS), r = z * sqrt(share / (1.0 - share));
+            float angle = float(i) * 2.39996323 + float(k);
+            float apart = sqrt(3.14159265 / float(SKY_TAPS)) * (r * r + z * z) / z;
+            sum += textureLod(footprint, at + r * vec2(cos(angle), sin(angle)), log2(max(1.4 * apart * texels, 1.0)))[k];
+        }
+        high *= HEIGHT_FACTOR;
+    }
+    return min(sum / float(SKY_TAPS), 1.0);
+}
+
 void main()
 {
     float fade = 1.0 - smoothstep(0.45, 1.0, length(point.xz - centre.xz) / radius);
     if (fade <= 0.0) discard;
     vec3 up = vec3(0.0, 1.0, 0.0);
-    float key = visibility(0, point, up, 0.020, KEY_TAPS);
-    float open = 0.0, whole = 0.0;
-    for (int light = 1; light < LIGHTS; ++light) {
-        float share = lights[light].w * lights[light].y;
-        whole += share;
-        open += share * visibility(light, point, up, 0.065, DOME_TAPS);
-    }
-    float dome = open / max(whole, 1e-6);
-    float shade = 1.0 - (0.36 * key + 0.64 * dome);
+    float key = visibility(0, point, up, key_softness, KEY_TAPS);
+    float shade = 1.0 - 0.36 * key - 0.64 * (1.0 - hidden_sky());
     colour = vec4(0.16, 0.19, 0.27, 0.80 * shade * fade);
 })";
 
@@ -164,9 +194,14 @@ uniform bool is_blended;
 uniform vec3 heat_colours[HEAT_COLOURS];
 uniform vec3 eye;
 uniform float height; // of the scene
+uniform float wire;   // the opacity of an edge; 0: this is a surface
 
 vec3 surface_colour(vec3 painted)
 {
+    if (warmth < -1.5) { // the reference of distances: hatched
+        float stripe = abs(fract((gl_FragCoord.x + gl_FragCoord.y) / 14.0) - 0.5);
+        return mix(vec3(0.80, 0.82, 0.80), vec3(0.36, 0.52, 0.42), smoothstep(0.20, 0.30, stripe));
+    }
     if (warmth < 0.0) return painted;
     float at = clamp(warmth, 0.0, 1.0) * float(HEAT_COLOURS - 1);
     int low = min(int(at), HEAT_COLOURS - 2);
@@ -175,6 +210,10 @@ vec3 surface_colour(vec3 painted)
 
 void main()
 {
+    if (wire > 0.0) {
+        colour = vec4(0.10, 0.13, 0.19, wire);
+        return;
+    }
     vec4 painted = base_colour * paint * texture(picture, place);
     if (painted.a < cutoff) discard;
     vec3 base = surface_colour(painted.rgb);
@@ -214,17 +253,18 @@ void main()
 
 } // namespace
 
-ShaderSources shader_sources(int light_count, int key_taps, int dome_taps)
+ShaderSources shader_sources(int light_count, int key_taps, int dome_taps, int sky_taps)
 {
     const std::string version = version_line;
     const std::string numbers = "#define LIGHTS " + std::to_string(light_count) + "\n#define KEY_TAPS "
-        + std::to_string(key_taps) + "\n#define DOME_TAPS " + std::to_string(dome_taps) + "\n#define HEAT_COLOURS "
-        + std::to_string(heat_colours.size()) + "\n";
+        + std::to_string(key_taps) + "\n#define DOME_TAPS " + std::to_string(dome_taps) + "\n#define SKY_TAPS "
+        + std::to_string(sky_taps) + "\n#define HEAT_COLOURS " + std::to_string(heat_colours.size()) + "\n"
+        + footprint_numbers;
     ShaderSources sources;
     sources.backdrop_vertex = version + backdrop_vertex_source;
     sources.backdrop_fragment = version + backdrop_fragment_source;
     sources.depth_vertex = version + depth_vertex_source;
-    sources.depth_fragment = version + depth_fragment_source;
+    sources.depth_fragment = version + footprint_numbers + depth_fragment_source;
     sources.floor_vertex = version + floor_vertex_source;
     sources.floor_fragment = version + numbers + shadow_functions + floor_fragment_source;
     sources.body_vertex = version + body_vertex_source;

@@ -9,7 +9,8 @@
 namespace pliant::player {
 namespace {
 
-constexpr float polygon_height = 322.0f;
+// The panel of the polygon; of two poses it is a line with a point on it.
+float polygon_height(std::uint32_t pose_count) { return pose_count == 2 ? 104.0f : 312.0f; }
 
 const char* status_text(pliant_status status)
 {
@@ -28,7 +29,7 @@ void segment(const char* label, Show show, ImU32 colour, const HudModel& model, 
         ImGui::PushStyleColor(ImGuiCol_Button, colour);
         ImGui::PushStyleColor(ImGuiCol_ButtonHovered, colour);
         ImGui::PushStyleColor(ImGuiCol_ButtonActive, colour);
-        ImGui::PushStyleColor(ImGuiCol_Text, IM_COL32(255, 255, 255, 255));
+        ImGui::PushStyleColor(ImGuiCol_Text, white_ink);
     }
     if (ImGui::Button(label, { width, 0.0f })) actions.show = show;
     if (chosen) ImGui::PopStyleColor(4);
@@ -124,20 +125,23 @@ void handle_polygon_input(const PolygonView& view, float s, HudActions& actions)
         actions.drag_to = view.polygon.nearest_inside(view.point(mouse));
 }
 
-void draw_polygon_panel(const Overlay& overlay, const HudModel& model, int height, HudActions& actions)
+// Returns where the panel starts.
+float draw_polygon_panel(const Overlay& overlay, const HudModel& model, int height, HudActions& actions)
 {
-    const float s = overlay.scale();
-    const ImVec2 size { panel_width * s, polygon_height * s };
-    ImGui::SetNextWindowPos({ panel_margin * s, static_cast<float>(height) - (polygon_height + panel_margin) * s });
+    const std::uint32_t count = model.polygon.corner_count();
+    const float s = overlay.scale(), top = static_cast<float>(height) - (polygon_height(count) + panel_margin) * s;
+    const ImVec2 size { panel_width * s, polygon_height(count) * s };
+    ImGui::SetNextWindowPos({ panel_margin * s, top });
     ImGui::SetNextWindowSize(size);
     ImGui::Begin("polygon", nullptr, panel_flags);
     const ImVec2 corner = ImGui::GetWindowPos();
-    // Polygons with an odd number of corners have a tip on top, so their centre is a little lower.
-    const float drop = model.polygon.corner_count() % 2 == 1 ? 12.0f : 2.0f;
+    // Polygons with an odd number of corners have a tip on top, so their centre is a little lower; a line has its labels
+    // below.
+    const float drop = count == 2 ? -18.0f : count % 2 == 1 ? 12.0f : 2.0f;
     const PolygonView view { model.polygon,
                              model.file.short_names(),
                              { corner.x + size.x * 0.5f, corner.y + size.y * 0.5f + drop * s },
-                             polygon_radius(model.polygon.corner_count()) * s,
+                             polygon_radius(count) * s,
                              0.5f * size.x - 10.0f * s,
                              model.truth };
     ImGui::SetCursorPos({ 6.0f * s, 6.0f * s });
@@ -145,35 +149,38 @@ void draw_polygon_panel(const Overlay& overlay, const HudModel& model, int heigh
     handle_polygon_input(view, s, actions);
     draw_polygon(ImGui::GetWindowDrawList(), overlay, view, model.shown.weights, model.point, true);
     ImGui::End();
+    return top;
 }
 
 std::vector<Key> keys_for(const HudModel& model)
 {
     std::vector<Key> keys = { { "drag the point", "blend" }, { "double click a corner, 1-9", "go there" } };
-    if (model.file.has_layers())
-        keys = { { "drag a slider", "blend" }, { "double click", "initial weight" }, { "0", "all initial" } };
-    keys.insert(keys.end(), { { "drag the scene, wheel", "turn, zoom" }, { "L", "linear / elastic" }, { "B", "both" } });
+    if (model.file.has_layers()) keys = { { "drag a slider", "blend" }, { "double click", "initial weight" } };
+    keys.insert(keys.end(), { { "0", model.file.has_layers() ? "all initial" : "all equal" }, { "S", "sliders" } });
+    keys.insert(keys.end(),
+                { { "drag the scene, wheel", "turn, zoom" },
+                  { "Shift or middle button", "pan" },
+                  { "L", "linear / elastic" },
+                  { "B", "both" } });
     if (model.truth) keys.emplace_back("T", "three");
     keys.emplace_back("E", model.truth ? "error colours" : "difference colours");
     if (model.has_paint) keys.emplace_back("M", "materials");
     keys.emplace_back("Space", model.path_count > 0 ? "play / pause path" : "play / pause");
-    keys.insert(keys.end(),
-                { { "R", "reset view" }, { "drop a file", "open it" }, { "H", "hide help" }, { "Esc", "quit" } });
+    keys.insert(keys.end(), keys_of_all.begin(), keys_of_all.end());
     return keys;
 }
 
 } // namespace
 
-HudActions draw_hud(const Overlay& overlay, const HudModel& model, SliderSearch& search, int width, int height)
+HudActions draw_hud(const Overlay& overlay, const HudModel& model, SliderState& sliders, int width, int height)
 {
     HudActions actions;
     const float facts_end = draw_facts(overlay, model, actions);
-    if (model.file.has_layers()) {
-        const SliderModel sliders { model.file.layers(), model.weights, model.truth ? &model.shown.weights : nullptr };
-        actions.sliders = draw_sliders(overlay, sliders, search, facts_end, static_cast<float>(height));
-    } else {
-        draw_polygon_panel(overlay, model, height, actions);
-    }
+    const bool of_layers = model.file.has_layers();
+    const float bottom = of_layers ? static_cast<float>(height) - (panel_margin - panel_gap) * overlay.scale()
+                                   : draw_polygon_panel(overlay, model, height, actions);
+    const SliderModel shown { model.file.weights(), model.weights, model.truth ? &model.shown.weights : nullptr, of_layers };
+    actions.sliders = draw_sliders(overlay, shown, sliders, facts_end, bottom);
     draw_keys(overlay, keys_for(model), model.help, width, height);
     return actions;
 }

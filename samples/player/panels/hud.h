@@ -1,4 +1,4 @@
-// The panels over a single character: the kind of blend, its cost, the control polygon or the sliders, the keys.
+// The panels over a single character: the kind of blend, its cost, the control polygon, the sliders, the keys.
 #pragma once
 
 #include "blend/character.h"
@@ -40,6 +40,6 @@ struct HudActions {
     SliderActions sliders;
 };
 
-HudActions draw_hud(const Overlay& overlay, const HudModel& model, SliderSearch& search, int width, int height);
+HudActions draw_hud(const Overlay& overlay, const HudModel& model, SliderState& sliders, int width, int height);
 
 } // namespace pliant::player

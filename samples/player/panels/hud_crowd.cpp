@@ -54,11 +54,6 @@ void draw_bars(const Overlay& overlay, const FrameTimes& times, ImVec2 corner, I
     for (double share : { 0.0, 0.5, 1.0 }) {
         const float y = corner.y + size.y * static_cast<float>(1.0 - share);
         list->AddLine({ corner.x, y }, { corner.x + size.x, y }, IM_COL32(60, 72, 96, share > 0.0 ? 46 : 120), 1.0f * s);
-        if (share == 0.0) continue;
-        char text[24];
-        const bool seconds = end >= 1e4; // happens with many characters if the driver renders on the processor
-        std::snprintf(text, sizeof text, seconds ? "%g s" : "%g ms", share * end * (seconds ? 1e-3 : 1.0));
-        draw_text(list, overlay.small(), { corner.x, y + 2.0f * s }, {}, faint_ink, text);
     }
     const float width = size.x / static_cast<float>(FrameTimes::capacity);
     for (std::size_t age = 0; age < times.count(); ++age) {
@@ -72,6 +67,13 @@ void draw_bars(const Overlay& overlay, const FrameTimes& times, ImVec2 corner, I
             list->AddRectFilled({ right - 0.82f * width, y - high }, { right, y }, colour);
             y -= high;
         }
+    }
+    for (double share : { 0.5, 1.0 }) {
+        char text[24];
+        const bool seconds = end >= 1e4; // happens with many characters if the driver renders on the processor
+        std::snprintf(text, sizeof text, seconds ? "%g s" : "%g ms", share * end * (seconds ? 1e-3 : 1.0));
+        const float y = corner.y + size.y * static_cast<float>(1.0 - share);
+        draw_caption(list, overlay.small(), { corner.x + 24.0f * s, y + 2.0f * s }, faint_ink, text);
     }
 }
 
@@ -103,15 +105,11 @@ void draw_crowd_hud(const Overlay& overlay, const CrowdModel& model, int width, 
 {
     draw_facts(overlay, model);
     draw_graph(overlay, model, height);
-    std::vector<Key> keys = { { "drag the scene", "turn" }, { "wheel", "zoom" }, { "L", "linear / elastic" } };
+    std::vector<Key> keys
+        = { { "drag the scene, wheel", "turn, zoom" }, { "Shift or middle button", "pan" }, { "L", "linear / elastic" } };
     if (model.has_paint) keys.emplace_back("M", "materials");
-    keys.insert(keys.end(),
-                { { "G", "GPU / CPU" },
-                  { "Space", "play / pause" },
-                  { "R", "reset view" },
-                  { "drop a file", "open it" },
-                  { "H", "hide help" },
-                  { "Esc", "quit" } });
+    keys.insert(keys.end(), { { "G", "GPU / CPU" }, { "Space", "play / pause" } });
+    keys.insert(keys.end(), keys_of_all.begin(), keys_of_all.end());
     draw_keys(overlay, keys, model.help, width, height);
 }
 

@@ -2,10 +2,17 @@
 
 #include "panels/hud_parts.h"
 
+#include <algorithm>
 #include <cmath>
 
 namespace pliant::player {
 namespace {
+
+// In pixels of the design.
+constexpr float legend_height = 76.0f;
+float caption_height(const Shown& shown) { return shown.heat ? 60.0f : 40.0f; }
+
+bool has_captions(const Shown& shown) { return shown.heat || kinds_of(shown.show).size() > 1; }
 
 ImU32 ink_of(Kind kind) { return kind == Kind::linear ? linear_ink : kind == Kind::elastic ? elastic_ink : unreduced_ink; }
 
@@ -17,25 +24,33 @@ ImU32 heat_ink(std::size_t stop)
 
 std::string distances(const Shown& shown, Kind kind)
 {
-    if (kind == Kind::unreduced) return "the reference for both";
+    if (kind == Kind::unreduced) return "the reference, hatched";
     const HeatSummary& heat = kind == Kind::linear ? shown.linear_heat : shown.elastic_heat;
     return "mean " + percent(heat.mean) + ", largest " + percent(heat.largest);
 }
 
 } // namespace
 
-void draw_side_captions(const Overlay& overlay, const Shown& shown, const Area& free)
+Area without_captions(const Shown& shown, Area free, float scale)
 {
+    const float above = shown.heat ? legend_height * scale : 0.0f;
+    const float below = has_captions(shown) ? caption_height(shown) * scale : 0.0f;
+    free.y += above;
+    free.height = std::max(free.height - above - below, 1.0f);
+    return free;
+}
+
+void draw_side_captions(const Overlay& overlay, const Shown& shown, const Area& free, const std::vector<glm::vec2>& places)
+{
+    if (!has_captions(shown)) return;
     const std::vector<Kind> kinds = kinds_of(shown.show);
-    if (kinds.size() < 2 && !shown.heat) return;
     ImDrawList* list = ImGui::GetBackgroundDrawList();
-    const float s = overlay.scale(), line = free.y + free.height - (shown.heat ? 48.0f : 34.0f) * s;
+    const float s = overlay.scale(), lowest = free.y + free.height - caption_height(shown) * s;
     for (std::size_t i = 0; i < kinds.size(); ++i) {
-        const float middle = free.x + (static_cast<float>(i) + 0.5f) / static_cast<float>(kinds.size()) * free.width;
-        draw_text(list, overlay.title(), { middle, line }, { 0.5f, 0.0f }, ink_of(kinds[i]), name_of(kinds[i]));
-        if (!shown.heat) continue;
-        draw_text(list, overlay.small(), { middle, line + 29.0f * s }, { 0.5f, 0.0f }, faint_ink,
-                  distances(shown, kinds[i]));
+        const float x = std::clamp(places[i].x, free.x, free.x + free.width);
+        const float y = std::clamp(places[i].y, free.y, lowest) + 8.0f * s;
+        draw_caption(list, overlay.title(), { x, y }, ink_of(kinds[i]), name_of(kinds[i]));
+        if (shown.heat) draw_caption(list, overlay.small(), { x, y + 29.0f * s }, faint_ink, distances(shown, kinds[i]));
     }
 }
 
@@ -48,6 +63,8 @@ void draw_heat_legend(const Overlay& overlay, const Shown& shown, const Area& fr
     const std::string title
         = std::string(shown.truth ? "distance from the unreduced average" : "distance between linear and elastic")
         + ", fraction of the diagonal";
+    list->AddRectFilled({ corner.x - 42.0f * s, corner.y - 32.0f * s },
+                        { corner.x + width + 42.0f * s, corner.y + 40.0f * s }, panel, 10.0f * s);
     draw_text(list, overlay.small(), { corner.x + 0.5f * width, corner.y - 8.0f * s }, { 0.5f, 1.0f }, ink, title);
     const float step = width / static_cast<float>(heat_colours.size() - 1);
     for (std::size_t i = 0; i + 1 < heat_colours.size(); ++i) {

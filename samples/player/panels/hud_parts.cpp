@@ -78,6 +78,10 @@ std::string percent(double share)
     return text;
 }
 
+const std::vector<Key> keys_of_all
+    = { { "W", "wireframe" },  { "P", "write a picture" },   { "V", "record" },    { "F", "frame all" },
+        { "R", "reset view" }, { "drop a file", "open it" }, { "H", "hide help" }, { "Esc", "quit" } };
+
 // One strip at the bottom, with as many lines as it needs.
 void draw_keys(const Overlay& overlay, const std::vector<Key>& keys, bool shown, int width, int height)
 {
@@ -120,9 +124,9 @@ void draw_notice(const Overlay& overlay, const Notice& notice, int width, int he
     const float needed = ImGui::CalcTextSize(notice.text.c_str(), nullptr, false, room - 36.0f * s).x + 36.0f * s;
     ImGui::SetNextWindowPos({ free.x + 0.5f * free.width, free.y + panel_margin * s }, 0, { 0.5f, 0.0f });
     ImGui::SetNextWindowSize({ std::min(room, needed + 2.0f * s), 0.0f });
-    ImGui::PushStyleColor(ImGuiCol_WindowBg, notice.is_error ? IM_COL32(255, 236, 230, 240) : IM_COL32(255, 255, 255, 225));
+    ImGui::PushStyleColor(ImGuiCol_WindowBg, notice.is_error ? error_panel : panel);
     ImGui::Begin("notice", nullptr, panel_flags | ImGuiWindowFlags_NoInputs);
-    ImGui::PushStyleColor(ImGuiCol_Text, notice.is_error ? IM_COL32(160, 44, 24, 255) : ink);
+    ImGui::PushStyleColor(ImGuiCol_Text, notice.is_error ? error_ink : ink);
     ImGui::TextWrapped("%s", notice.text.c_str());
     ImGui::PopStyleColor(2);
     ImGui::End();

@@ -12,7 +12,8 @@
 namespace pliant::player {
 
 // Layout, in pixels of the design.
-constexpr float panel_margin = 18.0f, panel_width = 316.0f;
+// panel_gap: between panels.
+constexpr float panel_margin = 18.0f, panel_width = 316.0f, panel_gap = 10.0f;
 
 constexpr ImGuiWindowFlags panel_flags = ImGuiWindowFlags_NoTitleBar | ImGuiWindowFlags_NoResize | ImGuiWindowFlags_NoMove
     | ImGuiWindowFlags_NoScrollbar | ImGuiWindowFlags_NoScrollWithMouse | ImGuiWindowFlags_NoSavedSettings
@@ -36,6 +37,8 @@ std::string percent(double share);
 
 // A key and its effect, for the strip at the bottom.
 using Key = std::pair<const char*, const char*>;
+// Those that every window has, for the end of the strip.
+extern const std::vector<Key> keys_of_all;
 void draw_keys(const Overlay& overlay, const std::vector<Key>& keys, bool shown, int width, int height);
 
 // A message over the scene: a file was opened, or was refused.

@@ -3,38 +3,65 @@
 #include <backends/imgui_impl_glfw.h>
 #include <backends/imgui_impl_opengl3.h>
 
+#include <algorithm>
 #include <cfloat>
 #include <filesystem>
+
+// Written by fonts/embed.cmake.
+extern const unsigned char dejavu_sans[], dejavu_sans_bold[];
+extern const unsigned dejavu_sans_size, dejavu_sans_bold_size;
 
 namespace pliant::player {
 namespace {
 
 constexpr float text_size = 17.0f, small_size = 14.0f, title_size = 23.0f;
+constexpr float smallest_size = 11.0f; // pixels of the framebuffer
 
-// Where Debian, Fedora and Arch install DejaVu Sans.
-constexpr const char* font_folders[]
-    = { "/usr/share/fonts/truetype/dejavu/", "/usr/share/fonts/dejavu-sans-fonts/", "/usr/share/fonts/TTF/" };
+// The letters of the player's own fonts (fonts/): Latin, Greek, Cyrillic, and the punctuation in the player's texts. The
+// bold one has Latin letters only.
+const ImWchar own_ranges[] = { 0x20, 0x24F, 0x370, 0x52F, 0x2010, 0x2027, 0x2190, 0x2193, 0x2264, 0x2265, 0 };
 
-// Latin, Greek, Cyrillic, and the punctuation in the player's texts.
-const ImWchar glyph_ranges[] = { 0x20, 0x24F, 0x370, 0x52F, 0x2010, 0x2027, 0x2190, 0x2193, 0x2264, 0x2265, 0 };
+// Where systems install fonts with Chinese, Japanese and Korean letters; the first ones are preferred.
+constexpr const char* other_fonts[] = { "/usr/share/fonts/opentype/noto/NotoSansCJK-Regular.ttc",
+                                        "/usr/share/fonts/noto-cjk/NotoSansCJK-Regular.ttc",
+                                        "/usr/share/fonts/google-noto-sans-cjk-fonts/NotoSansCJK-Regular.ttc",
+                                        "/usr/share/fonts/opentype/ipafont-gothic/ipag.ttf",
+                                        "/usr/share/fonts/truetype/wqy/wqy-microhei.ttc",
+                                        "/usr/share/fonts/wenquanyi/wqy-microhei/wqy-microhei.ttc",
+                                        "/usr/share/fonts/truetype/wqy/wqy-zenhei.ttc",
+                                        "/usr/share/fonts/truetype/nanum/NanumGothic.ttf",
+                                        "/usr/share/fonts/truetype/droid/DroidSansFallbackFull.ttf",
+                                        "/usr/share/fonts/truetype/unifont/unifont.ttf",
+                                        "/System/Library/Fonts/PingFang.ttc",
+                                        "C:/Windows/Fonts/msgothic.ttc",
+                                        "C:/Windows/Fonts/msyh.ttc" };
 
-ImFont* load_font(const char* name, float size)
+void add_own_font(const unsigned char* bytes, unsigned size, float pixels, bool merge)
 {
-    ImFontAtlas* fonts = ImGui::GetIO().Fonts;
-    for (const char* folder : font_folders) {
-        const std::string path = std::string(folder) + name;
-        std::error_code error;
-        if (std::filesystem::is_regular_file(path, error))
-            if (ImFont* font = fonts->AddFontFromFileTTF(path.c_str(), size, nullptr, glyph_ranges)) return font;
-    }
-    ImFontConfig built_in;
-    built_in.SizePixels = size;
-    return fonts->AddFontDefault(&built_in);
+    ImFontConfig config;
+    config.FontDataOwnedByAtlas = false;
+    config.MergeMode = merge;
+    ImGui::GetIO().Fonts->AddFontFromMemoryTTF(const_cast<unsigned char*>(bytes), static_cast<int>(size), pixels, &config,
+                                               own_ranges);
 }
 
-ImVec4 colour(int r, int g, int b, float a)
+void add_other_fonts(float pixels, const std::vector<ImWchar>& ranges)
 {
-    return { static_cast<float>(r) / 255.0f, static_cast<float>(g) / 255.0f, static_cast<float>(b) / 255.0f, a };
+    if (ranges.empty()) return;
+    ImFontConfig config;
+    config.MergeMode = true;
+    for (const char* path : other_fonts) {
+        std::error_code error;
+        if (std::filesystem::is_regular_file(path, error))
+            ImGui::GetIO().Fonts->AddFontFromFileTTF(path, pixels, &config, ranges.data());
+    }
+}
+
+bool is_own(ImWchar letter)
+{
+    for (const ImWchar* range = own_ranges; *range; range += 2)
+        if (letter >= range[0] && letter <= range[1]) return true;
+    return false;
 }
 
 } // namespace
@@ -60,9 +87,35 @@ Overlay::~Overlay()
 
 void Overlay::load_fonts()
 {
-    text_ = load_font("DejaVuSans.ttf", text_size * scale_);
-    small_ = load_font("DejaVuSans.ttf", small_size * scale_);
-    title_ = load_font("DejaVuSans-Bold.ttf", title_size * scale_);
+    ImFontAtlas* fonts = ImGui::GetIO().Fonts;
+    fonts->Clear();
+    for (const float pixels : { text_size * scale_, std::max(small_size * scale_, smallest_size), title_size * scale_ }) {
+        const bool is_title = fonts->Fonts.Size == 2;
+        if (is_title) add_own_font(dejavu_sans_bold, dejavu_sans_bold_size, pixels, false);
+        add_own_font(dejavu_sans, dejavu_sans_size, pixels, is_title);
+        add_other_fonts(pixels, other_ranges_);
+    }
+    text_ = fonts->Fonts[0];
+    small_ = fonts->Fonts[1];
+    title_ = fonts->Fonts[2];
+}
+
+void Overlay::need_letters(const std::string& text)
+{
+    ImFontGlyphRangesBuilder builder;
+    builder.AddText(text.c_str());
+    const std::size_t before = other_letters_.size();
+    for (unsigned letter = 0x80; letter <= IM_UNICODE_CODEPOINT_MAX; ++letter)
+        if (builder.GetBit(letter) && !is_own(static_cast<ImWchar>(letter)))
+            other_letters_.insert(static_cast<ImWchar>(letter));
+    if (other_letters_.size() == before) return;
+    other_ranges_.clear();
+    for (ImWchar letter : other_letters_) other_ranges_.insert(other_ranges_.end(), { letter, letter });
+    other_ranges_.push_back(0);
+    const bool is_loaded = ImGui::GetIO().Fonts->TexID != nullptr;
+    if (is_loaded) ImGui_ImplOpenGL3_DestroyFontsTexture();
+    load_fonts();
+    if (is_loaded) ImGui_ImplOpenGL3_CreateFontsTexture();
 }
 
 void Overlay::set_style()
@@ -76,12 +129,16 @@ void Overlay::set_style()
     style.FramePadding = { 10.0f, 6.0f };
     style.ItemSpacing = { 8.0f, 7.0f };
     style.AntiAliasedFill = style.AntiAliasedLines = true;
-    style.Colors[ImGuiCol_Text] = ImGui::ColorConvertU32ToFloat4(ink);
-    style.Colors[ImGuiCol_WindowBg] = colour(255, 255, 255, 0.66f);
-    style.Colors[ImGuiCol_Border] = colour(255, 255, 255, 0.85f);
-    style.Colors[ImGuiCol_Button] = colour(40, 52, 76, 0.07f);
-    style.Colors[ImGuiCol_ButtonHovered] = colour(40, 52, 76, 0.14f);
-    style.Colors[ImGuiCol_ButtonActive] = colour(40, 52, 76, 0.22f);
+    const auto set = [&](ImGuiCol which, ImU32 colour) { style.Colors[which] = ImGui::ColorConvertU32ToFloat4(colour); };
+    set(ImGuiCol_Text, ink);
+    set(ImGuiCol_TextDisabled, faint_ink);
+    set(ImGuiCol_WindowBg, panel);
+    set(ImGuiCol_PopupBg, field);
+    set(ImGuiCol_FrameBg, field);
+    set(ImGuiCol_Border, border);
+    set(ImGuiCol_Button, button);
+    set(ImGuiCol_ButtonHovered, hovered_button);
+    set(ImGuiCol_ButtonActive, pressed_button);
     style.ScaleAllSizes(scale_);
 }
 
@@ -120,6 +177,14 @@ ImVec2 draw_text(ImDrawList* list, ImFont* font, ImVec2 place, ImVec2 anchor, Im
     return size;
 }
 
+void draw_caption(ImDrawList* list, ImFont* font, ImVec2 place, ImU32 colour, const std::string& text)
+{
+    const ImVec2 size = font->CalcTextSizeA(font->FontSize, FLT_MAX, 0.0f, text.c_str());
+    const float margin = 0.35f * font->FontSize, left = place.x - 0.5f * size.x;
+    list->AddRectFilled({ left - margin, place.y }, { left + size.x + margin, place.y + size.y }, panel, margin);
+    draw_text(list, font, place, { 0.5f, 0.0f }, colour, text);
+}
+
 namespace {
 
 float width_of(ImFont* font, const std::string& text)
@@ -142,14 +207,6 @@ void drop_first_letter(std::string& text)
 }
 
 } // namespace
-
-std::string shortened(ImFont* font, const std::string& text, float room)
-{
-    if (width_of(font, text) <= room) return text;
-    std::string start = text;
-    while (!start.empty() && width_of(font, start + "…") > room) drop_last_letter(start);
-    return start + "…";
-}
 
 std::string elided(ImFont* font, const std::string& text, float room)
 {

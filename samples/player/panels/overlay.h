@@ -2,10 +2,13 @@
 #pragma once
 
 #include "draw/gl_objects.h"
+#include "panels/palette.h"
 
 #include <imgui.h>
 
+#include <set>
 #include <string>
+#include <vector>
 
 struct GLFWwindow;
 
@@ -25,6 +28,10 @@ public:
     void end_frame();     // draws into the bound framebuffer
     void discard_frame(); // draws nothing
 
+    // Makes sure that a text can be drawn, not between begin_frame() and end_frame(). The player's own font has Latin, Greek
+    // and Cyrillic letters; others, such as Chinese and Japanese ones, come from a font of the system, if there is one.
+    void need_letters(const std::string& text);
+
     float scale() const { return scale_; }
     ImFont* text() const { return text_; }
     ImFont* small() const { return small_; }
@@ -36,25 +43,20 @@ private:
 
     float scale_;
     GLFWwindow* window_;
+    std::set<ImWchar> other_letters_;   // that the player's own font does not have
+    std::vector<ImWchar> other_ranges_; // the same as ImGui reads it
     ImFont* text_ = nullptr;
     ImFont* small_ = nullptr;
     ImFont* title_ = nullptr;
 };
 
-// The palette of panels and captions.
-inline constexpr ImU32 ink = IM_COL32(34, 42, 56, 255);
-inline constexpr ImU32 faint_ink = IM_COL32(104, 116, 136, 255);
-inline constexpr ImU32 elastic_ink = IM_COL32(206, 92, 58, 255);
-inline constexpr ImU32 linear_ink = IM_COL32(88, 108, 142, 255);
-inline constexpr ImU32 unreduced_ink = IM_COL32(58, 128, 96, 255);
-inline constexpr ImU32 sand_ink = IM_COL32(206, 184, 142, 255);
-
 // Draws text with its anchor (0 to 1 in both directions) at `place`; returns the size of the text.
 ImVec2 draw_text(ImDrawList* list, ImFont* font, ImVec2 place, ImVec2 anchor, ImU32 colour, const std::string& text);
 
-// Cuts letters off the end of a text that is wider than `room` pixels.
-std::string shortened(ImFont* font, const std::string& text, float room);
-// The same from its middle: "mouthSm…Left".
+// The same centred below `place`, on a plate like a panel: for texts over the scene.
+void draw_caption(ImDrawList* list, ImFont* font, ImVec2 place, ImU32 colour, const std::string& text);
+
+// Takes letters out of the middle of a text that is wider than `room` pixels: "mouthSm…Left".
 std::string elided(ImFont* font, const std::string& text, float room);
 
 // 18439 as "18,439".

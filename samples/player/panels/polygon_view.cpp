@@ -88,30 +88,31 @@ std::string percentage(double weight)
     return text;
 }
 
-// A label that grows away from the centre; a long name is shortened.
+// A name and a weight around `place`; a name that is wider than the room on either side of it is cut in its middle.
 void draw_label(ImDrawList* list, const Overlay& overlay, const PolygonView& view, std::uint32_t corner, double weight)
 {
     const glm::dvec2 outward = view.polygon.corners()[corner];
-    const float s = overlay.scale();
+    const float s = overlay.scale(), x = static_cast<float>(outward.x), y = static_cast<float>(outward.y);
     const ImVec2 at = view.place(outward);
-    std::string name = view.names[corner];
-    if (name.size() > 14) name = name.substr(0, 13) + "…";
-    const bool beside = view.polygon.corner_count() > 2 && std::abs(outward.x) > 0.35;
-    const float line = 17.0f * s;
-    ImVec2 place { at.x + static_cast<float>(outward.x) * 14.0f * s, at.y - static_cast<float>(outward.y) * 16.0f * s };
-    float anchor = 0.5f;
-    if (beside && outward.y > -0.45) { // excludes the lower corners of a triangle, at -0.5
+    ImVec2 place { at.x + x * 14.0f * s, at.y - y * 16.0f * s };
+    float right = 0.5f; // the share of the text to the right of `place`, if the corner is on the right
+    if (view.polygon.corner_count() == 2) {
+        place = { at.x + x * 8.0f * s, at.y + 18.0f * s };
+        right = 0.0f;
+    } else if (std::abs(x) > 0.35f && y > -0.45f) { // excludes the lower corners of a triangle, at -0.5
         // There is little room beside the polygon: the two lines stand above the corner and are shifted inwards.
-        anchor = outward.x > 0.0 ? 0.62f : 0.38f;
+        right = 0.38f;
         place.y = at.y - 48.0f * s;
-    } else if (outward.y > 0.5) {
+    } else if (y > 0.5f) {
         place.y -= 26.0f * s;
-    } else if (view.polygon.corner_count() == 2) {
-        place.y += 14.0f * s;
-        place.x = at.x;
     }
-    draw_text(list, overlay.text(), place, { anchor, 0.0f }, ink, name);
-    draw_text(list, overlay.small(), { place.x, place.y + line }, { anchor, 0.0f }, faint_ink, percentage(weight));
+    const float aside = std::abs(place.x - view.centre.x);
+    float room = 2.0f * view.room;
+    if (aside > s) room = std::min((view.room - aside) / std::max(right, 1e-3f), (aside - 3.0f * s) / (1.0f - right));
+    const std::string name = elided(overlay.text(), view.names[corner], room);
+    const ImVec2 anchor { x > 0.0f ? 1.0f - right : right, 0.0f };
+    draw_text(list, overlay.text(), place, anchor, ink, name);
+    draw_text(list, overlay.small(), { place.x, place.y + 17.0f * s }, anchor, faint_ink, percentage(weight));
 }
 
 // A label beside its corner that grows outwards to the edge of the panel; above or below corners in the middle.
@@ -128,7 +129,7 @@ public:
         const float room = side == 0.0f ? 2.0f * view.room : view.room - std::abs(at.x - view.centre.x) - gap;
         const std::string tail = two_lines || weight < smallest_labelled_weight ? "" : " · " + percentage(weight);
         const float tail_width = overlay.small()->CalcTextSizeA(line, FLT_MAX, 0.0f, tail.c_str()).x;
-        first_ = shortened(overlay.small(), view.names[corner], room - tail_width) + tail;
+        first_ = elided(overlay.small(), view.names[corner], room - tail_width) + tail;
         anchor_ = 0.5f - 0.5f * side;
         size_ = overlay.small()->CalcTextSizeA(line, FLT_MAX, 0.0f, first_.c_str());
         size_.y = two_lines ? 2.0f * line : line;
@@ -195,9 +196,21 @@ void draw_labels(ImDrawList* list, const Overlay& overlay, const PolygonView& vi
     }
 }
 
+// Of more than three poses, most weights are not those of any point.
+bool are_weights_of(const ControlPolygon& polygon, glm::dvec2 point, const std::vector<double>& weights)
+{
+    const std::vector<double> own = polygon.weights(point);
+    for (std::size_t k = 0; k < own.size(); ++k)
+        if (std::abs(own[k] - weights[k]) > smallest_labelled_weight) return false;
+    return true;
+}
+
 } // namespace
 
-float polygon_radius(std::uint32_t pose_count) { return pose_count <= max_corners_around ? 96.0f : 78.0f; }
+float polygon_radius(std::uint32_t pose_count)
+{
+    return pose_count == 2 ? 128.0f : pose_count <= max_corners_around ? 96.0f : 78.0f;
+}
 
 ImU32 pose_colour(std::uint32_t pose, std::uint32_t pose_count, float alpha)
 {
@@ -252,6 +265,8 @@ void draw_polygon(ImDrawList* list, const Overlay& overlay, const PolygonView& v
     list->AddCircleFilled({ handle.x, handle.y + 1.5f * s }, 12.5f * s, IM_COL32(20, 28, 44, 50), 32);
     list->AddCircleFilled(handle, 11.0f * s, IM_COL32(255, 255, 255, 255), 32);
     list->AddCircleFilled(handle, 8.0f * s, ink, 32);
+    if (!view.truth && !are_weights_of(view.polygon, point, weights))
+        list->AddCircleFilled(handle, 5.0f * s, IM_COL32(255, 255, 255, 255), 32);
     if (with_labels) draw_labels(list, overlay, view, weights);
 }
 

@@ -26,6 +26,7 @@ struct PolygonView {
     std::optional<std::uint32_t> corner_at(ImVec2 place, float reach) const;
 };
 
+// A hollow point: its weights are others than those shown, which no point has.
 // Labels: names and weights at the corners, on two lines each for up to 8 poses and on one line for up to 16. With more
 // poses only the few largest weights have labels.
 void draw_polygon(ImDrawList* list, const Overlay& overlay, const PolygonView& view, const std::vector<double>& weights,

@@ -36,7 +36,7 @@ void print_json_row(const char* name, const Spread& s)
 
 void print_json_layers(const AssetFile& file)
 {
-    if (file.has_layers()) std::printf(",\n  \"layers\": %zu", file.layers().size());
+    if (file.has_layers()) std::printf(",\n  \"layers\": %zu", file.weights().size());
 }
 
 void print_text_row(const char* name, const Spread& s) { std::printf("%-11s %8.1f   %8.1f  us\n", name, s.median, s.high); }

@@ -40,25 +40,35 @@ void BlendSession::read_keys()
     if (pressed(GLFW_KEY_B)) show_ = show_ == Show::both ? Show::elastic : Show::both;
     if (pressed(GLFW_KEY_T) && truth_) show_ = show_ == Show::three ? Show::elastic : Show::three;
     if (pressed(GLFW_KEY_E)) heat_ = !heat_;
-    if (pressed(GLFW_KEY_M)) stage_.show_paint(paint_ = !paint_);
     if (pressed(GLFW_KEY_SPACE)) playback_.toggle_play();
-    if (file_.has_layers()) {
-        if (pressed(GLFW_KEY_0)) reset_layers();
-        return;
-    }
+    if (pressed(GLFW_KEY_S)) sliders_.toggle();
+    if (pressed(GLFW_KEY_0)) reset_weights();
+    if (file_.has_layers()) return;
     for (std::uint32_t k = 0; k < std::min(stage_.polygon().corner_count(), 9u); ++k)
         if (pressed(GLFW_KEY_1 + static_cast<int>(k))) playback_.go_to(k);
 }
 
-void BlendSession::reset_layers()
+void BlendSession::set_weight(std::uint32_t which, double value)
 {
-    for (std::uint32_t k = 0; k < file_.layers().size(); ++k) playback_.set_weight(k, file_.layers()[k].initial);
+    std::vector<double> weights = playback_.weights();
+    if (file_.has_layers())
+        weights[which] = value;
+    else
+        set_share(weights, which, value);
+    playback_.show(weights);
 }
 
-void BlendSession::draw_scene(const Canvas& canvas, const Area& area, const Area& free)
+void BlendSession::reset_weights()
+{
+    std::vector<double> weights;
+    for (const WeightRange& range : file_.weights()) weights.push_back(range.initial);
+    playback_.show(weights);
+}
+
+void BlendSession::draw_scene(const Canvas& canvas, const Area& area, const Area& free, float scale)
 {
     history_.add(stage_.blend(playback_.weights(), show_, heat_).cost);
-    stage_.draw(canvas, area, free);
+    stage_.draw(canvas, area, free, scale);
 }
 
 void BlendSession::draw_panels(const Overlay& overlay, int width, int height, bool with_help)
@@ -76,15 +86,17 @@ void BlendSession::draw_panels(const Overlay& overlay, int width, int height, bo
                            history_.median(&BlendCost::solve_us),
                            history_.median(&BlendCost::reconstruct_us),
                            history_.median(&BlendCost::normals_us) };
-    const HudActions actions = draw_hud(overlay, model, search_, width, height);
+    const HudActions actions = draw_hud(overlay, model, sliders_, width, height);
     const Area free = free_area(overlay.scale(), width, height);
-    draw_side_captions(overlay, stage_.shown(), free);
+    std::vector<glm::vec2> places = stage_.caption_places();
+    for (glm::vec2& place : places) place *= glm::vec2(width, height);
+    draw_side_captions(overlay, stage_.shown(), free, places);
     draw_heat_legend(overlay, stage_.shown(), free);
     if (actions.show) show_ = *actions.show;
     if (actions.drag_to) playback_.drag_to(*actions.drag_to);
     if (actions.go_to) playback_.go_to(*actions.go_to);
-    for (const auto& [layer, weight] : actions.sliders.weights) playback_.set_weight(layer, weight);
-    if (actions.sliders.reset_all) reset_layers();
+    for (const auto& [which, value] : actions.sliders.weights) set_weight(which, value);
+    if (actions.sliders.reset_all) reset_weights();
 }
 
 } // namespace pliant::player

@@ -22,13 +22,16 @@ public:
 
     void advance(double seconds) override { playback_.advance(seconds); }
     void read_keys() override;
-    void draw_scene(const Canvas& canvas, const Area& area, const Area& free) override;
+    void draw_scene(const Canvas& canvas, const Area& area, const Area& free, float scale) override;
+    Extent extent_shown() const override { return stage_.extent_shown(); }
     void draw_panels(const Overlay& overlay, int width, int height, bool with_help) override;
     Camera& camera() override { return stage_.camera(); }
-    std::string title() const override { return file_.title(); }
+    Scene& scene() override { return stage_.scene(); }
+    const AssetFile& file() const override { return file_; }
 
 private:
-    void reset_layers();
+    void set_weight(std::uint32_t which, double value);
+    void reset_weights();
 
     AssetFile file_;
     std::optional<Truth> truth_;
@@ -37,9 +40,8 @@ private:
     CostHistory history_;
     Show show_;
     bool heat_;
-    bool paint_ = true;
     bool has_lines_; // the path is a given one
-    SliderSearch search_;
+    SliderState sliders_;
 };
 
 } // namespace pliant::player

@@ -26,12 +26,11 @@ void CrowdSession::read_keys()
 {
     const auto pressed = [](int key) { return ImGui::IsKeyPressed(key, false); };
     if (pressed(GLFW_KEY_L)) mode_ = mode_ == BlendMode::linear ? BlendMode::elastic : BlendMode::linear;
-    if (pressed(GLFW_KEY_M)) stage_.show_paint(paint_ = !paint_);
     if (pressed(GLFW_KEY_G)) stage_.rebuild_on_gpu(!stage_.rebuilds_on_gpu());
     if (pressed(GLFW_KEY_SPACE)) plays_ = !plays_;
 }
 
-void CrowdSession::draw_scene(const Canvas& canvas, const Area& area, const Area& free)
+void CrowdSession::draw_scene(const Canvas& canvas, const Area& area, const Area& free, float)
 {
     stage_.blend(phase_, mode_);
     stage_.draw(canvas, area, free);

@@ -2,6 +2,10 @@
 
 #include "blend/error.h"
 
+#include <glm/common.hpp>
+#include <glm/exponential.hpp>
+
+#include <algorithm>
 #include <cstdio>
 
 namespace pliant::player {
@@ -13,15 +17,19 @@ constexpr float crowd_yaw = 14.0f, crowd_pitch = 30.0f;
 Extent extent_of_one(const AssetFile& file, const glm::mat3& to_world)
 {
     Character character(file, to_world);
-    return extent_of_poses(character);
+    return extent_with_turns(extent_of_poses(character));
 }
 
-// A little more than the poses need, so that neighbours do not touch.
+// A little more than the poses need, so that neighbours do not touch. Behind each row is room in which those of the next one
+// can be seen.
 glm::vec2 room_of(const Extent& one)
 {
     const glm::vec3 size = one.highest - one.lowest;
-    return glm::vec2(size.x, size.z) * 1.06f;
+    return { size.x * 0.84f, size.z * 0.74f + 0.6f * size.y };
 }
+
+// Lighter or darker than the colour of the blend, so that characters can be told apart.
+glm::vec3 tint(glm::vec3 colour, float own) { return colour * glm::exp(own * glm::vec3(0.14f, 0.50f, 0.42f)); }
 
 } // namespace
 
@@ -40,6 +48,7 @@ CrowdStage::CrowdStage(const Options& options, const AssetFile& file, Quality qu
 {
     camera_.set_home(crowd_yaw, crowd_pitch);
     if (options.view) camera_.set_view(options.view->x, options.view->y);
+    if (options.wire) scene_.set_wire(Wire::over);
     if (options.rebuild == Rebuild::gpu) {
         make_gpu();
         on_gpu_ = true;
@@ -82,15 +91,19 @@ void CrowdStage::draw(const Canvas& canvas, const Area& area, const Area& free)
 {
     const Stopwatch watch;
     std::vector<Actor> actors;
+    const glm::vec3 axis = (one_.lowest + one_.highest) * 0.5f;
     const glm::vec3 colour = mode_ == BlendMode::elastic ? elastic_colour : linear_colour;
     for (std::uint32_t i = 0; i < crowd_.count(); ++i) {
+        const float own = crowd_variation(i);
+        Actor actor { nullptr, places_[i], tint(colour, own), nullptr, own * largest_crowd_turn, axis };
         if (on_gpu_)
-            actors.push_back({ nullptr, places_[i], colour, &gpu_->shape(i) });
+            actor.built = &gpu_->shape(i);
         else
-            actors.push_back({ &crowd_.vertices(i), places_[i], colour });
+            actor.vertices = &crowd_.vertices(i);
+        actors.push_back(actor);
     }
     const Area free_in_area { free.x - area.x, free.y - area.y, free.width, free.height };
-    scene_.draw(canvas, area, free, camera_.matrices({ area.width, area.height }, free_in_area), actors);
+    scene_.draw(canvas, area, free, camera_.place({ area.width, area.height }, free_in_area).matrices, actors);
     glFinish();
     times_.add({ cost_.solve_us * 1e-3, cost_.rebuild_us() * 1e-3, watch.microseconds() * 1e-3 });
 }

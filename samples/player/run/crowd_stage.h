@@ -27,7 +27,6 @@ public:
     void draw(const Canvas& canvas, const Area& area, const Area& free);
 
     bool has_paint() const { return scene_.has_paint(); }
-    void show_paint(bool shown) { scene_.show_paint(shown); }
 
     // Chooses between pliant::gl and the processor. If the driver cannot reconstruct shapes, returns false, prints a line on
     // standard error, and the processor continues.
@@ -37,6 +36,9 @@ public:
 
     double loop_seconds() const { return loop_seconds_; }
     Camera& camera() { return camera_; }
+    Scene& scene() { return scene_; }
+    // Of all poses, at the places of all characters.
+    Extent extent_shown() const { return extent_of_crowd(one_, places_); }
     const Crowd& crowd() const { return crowd_; }
     const FrameTimes& times() const { return times_; }
     const CrowdCost& cost() const { return cost_; } // of the last frame

@@ -203,6 +203,7 @@ ParsedLine parse_command_line(int argc, char** argv)
     app.add_flag("--linear", options.linear, "show the linear blend instead of the elastic blend");
     app.add_flag("--both", options.both, "show linear and elastic side by side");
     app.add_flag("--plain", options.plain, "one colour per kind of blend instead of the asset's materials and textures");
+    app.add_flag("--wire", options.wire, "also draw the edges of all triangles");
     app.add_option("--size", size, "size of the window or picture in pixels; with --sheet the size of one cell")
         ->type_name("WxH");
     app.add_option("--view", view, "direction of view in degrees")->type_name("YAW,PITCH");
@@ -237,7 +238,7 @@ ParsedLine parse_command_line(int argc, char** argv)
 std::optional<WeightPath> path_for(const Options& options, const AssetFile& file)
 {
     if (!options.path.empty()) return WeightPath(options.path, file.view().weight_count, file.has_layers());
-    if (file.has_layers()) return layer_walk(file.layers());
+    if (file.has_layers()) return layer_walk(file.weights());
     return std::nullopt;
 }
 
@@ -259,7 +260,7 @@ void set_weight(const std::string& text, const AssetFile& file, std::vector<doub
     if (value.size() != 1) refuse_weights("--set: '" + text + "' is not a name and a weight", "write it as --set smile=0.8");
     const std::string name = text.substr(0, equals);
     for (std::size_t k = 0; k < weights.size(); ++k) {
-        if (file.layers()[k].name != name) continue;
+        if (file.weights()[k].name != name) continue;
         weights[k] = value[0];
         return;
     }
@@ -270,7 +271,7 @@ std::vector<double> weights_of_layers(const Options& options, const AssetFile& f
 {
     std::vector<double> weights = options.weights;
     if (weights.empty())
-        for (const LayerWeight& layer : file.layers()) weights.push_back(layer.initial);
+        for (const WeightRange& layer : file.weights()) weights.push_back(layer.initial);
     if (weights.size() == file.view().weight_count)
         for (const std::string& text : options.set_weights) set_weight(text, file, weights);
     if (!are_finite(weights))

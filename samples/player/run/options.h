@@ -36,6 +36,7 @@ struct Options {
     bool both = false;
     bool hud = false;
     bool plain = false; // without the asset's materials
+    bool wire = false;  // with the edges of all triangles
     bool up_is_z = false;
     int width = 0, height = 0;     // 0: the default of the mode
     std::optional<glm::vec2> view; // yaw and pitch in degrees

@@ -37,7 +37,7 @@ struct Easel {
     Overlay overlay;
     bool hud;
 
-    explicit Easel(const Options& options)
+    Easel(const Options& options, const AssetFile& file)
         : width(options.width > 0 ? options.width : default_width)
         , height(options.height > 0 ? options.height : default_height)
         , context(make_offscreen_context())
@@ -46,6 +46,7 @@ struct Easel {
                   nullptr) // wide strips get larger captions
         , hud(options.hud)
     {
+        overlay.need_letters(file.letters());
     }
     Area whole() const { return { 0.0f, 0.0f, static_cast<float>(width), static_cast<float>(height) }; }
     Area free() const { return hud ? free_area(overlay.scale(), width, height) : whole(); }
@@ -70,6 +71,8 @@ class Subject {
 public:
     virtual ~Subject() = default;
     virtual void draw(Easel& easel, double phase) = 0;
+    // Lets all of `count` pictures have one view, which fits them.
+    virtual void frame_all(std::size_t) {}
 };
 
 class BlendSubject final : public Subject {
@@ -95,10 +98,12 @@ public:
             if (!moves_) stage_.forget();
             history_.add(stage_.blend(weights, show_, heat_).cost);
         }
+        if (!moves_) stage_.camera().frame(stage_.extent_shown());
+        const bool has_panels = easel.hud || heat_;
         easel.canvas.begin();
-        stage_.draw(easel.canvas, easel.whole(), easel.free());
+        stage_.draw(easel.canvas, easel.whole(), easel.free(), has_panels ? easel.overlay.scale() : 0.0f);
         easel.canvas.resolve();
-        if (!easel.hud && !heat_) return;
+        if (!has_panels) return;
         const HudModel model { file_,
                                stage_.polygon(),
                                stage_.shown(),
@@ -114,11 +119,23 @@ public:
                                history_.median(&BlendCost::reconstruct_us),
                                history_.median(&BlendCost::normals_us) };
         easel.draw_over([&] {
-            SliderSearch search;
-            if (easel.hud) draw_hud(easel.overlay, model, search, easel.width, easel.height);
-            draw_side_captions(easel.overlay, stage_.shown(), easel.free());
+            if (easel.hud) draw_hud(easel.overlay, model, sliders_, easel.width, easel.height);
+            std::vector<glm::vec2> places = stage_.caption_places();
+            for (glm::vec2& place : places) place *= glm::vec2(easel.width, easel.height);
+            draw_side_captions(easel.overlay, stage_.shown(), easel.free(), places);
             draw_heat_legend(easel.overlay, stage_.shown(), easel.free());
         });
+    }
+
+    void frame_all(std::size_t count) override
+    {
+        ExtentOfShapes all;
+        for (std::size_t i = 0; i < count; ++i) {
+            stage_.blend(weights_at(static_cast<double>(i) / static_cast<double>(count)), show_);
+            stage_.add_shown(all);
+        }
+        stage_.forget();
+        stage_.camera().frame(all.extent());
     }
 
 private:
@@ -135,6 +152,7 @@ private:
     Stage stage_;
     CostHistory history_;
     Show show_;
+    SliderState sliders_;
     bool heat_, moves_, has_lines_;
 };
 
@@ -218,7 +236,7 @@ std::unique_ptr<Subject> subject_for(const Options& options, const AssetFile& fi
 void write_screenshot(const Options& options, const AssetFile& file)
 {
     const std::optional<Truth> truth = truth_for(options, file); // reports wrong files before a missing driver
-    Easel easel(options);
+    Easel easel(options, file);
     const std::unique_ptr<Subject> subject = subject_for(options, file, truth ? &*truth : nullptr, easel);
     subject->draw(easel, 0.0);
     write_png(options.screenshot, easel.width, easel.height, easel.canvas.pixels());
@@ -229,8 +247,9 @@ void write_sequence(const Options& options, const AssetFile& file)
     const std::optional<WeightPath> path = path_for(options, file);
     const std::optional<Truth> truth = truth_for(options, file);
     const std::size_t count = options.count > 0 ? static_cast<std::size_t>(options.count) : path->count();
-    Easel easel(options);
+    Easel easel(options, file);
     const std::unique_ptr<Subject> subject = subject_for(options, file, truth ? &*truth : nullptr, easel);
+    subject->frame_all(count);
     Report report(count);
     for (std::size_t i = 0; i < count; ++i) {
         subject->draw(easel, static_cast<double>(i) / static_cast<double>(count));

@@ -7,6 +7,8 @@
 #include "panels/polygon_view.h"
 #include "run/stage.h"
 
+#include <glm/common.hpp>
+
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
@@ -26,14 +28,14 @@ struct Blend {
 std::vector<Blend> chosen_mixtures(const AssetFile& file)
 {
     std::vector<Blend> blends;
-    for (const std::vector<double>& weights : layer_mixtures(file.layers())) {
+    for (const std::vector<double>& weights : layer_mixtures(file.weights())) {
         if (blends.size() > max_edges) break;
         Blend blend { weights, "" };
         for (std::size_t k = 0; k < weights.size(); ++k) {
-            if (weights[k] == file.layers()[k].initial) continue;
+            if (weights[k] == file.weights()[k].initial) continue;
             char weight[32];
             std::snprintf(weight, sizeof weight, "%.2f ", weights[k]);
-            blend.caption += (blend.caption.empty() ? "" : "\n") + (weight + file.layers()[k].name);
+            blend.caption += (blend.caption.empty() ? "" : "\n") + (weight + file.weights()[k].name);
         }
         blends.push_back(blend);
     }
@@ -127,7 +129,7 @@ void draw_lines(const Overlay& overlay, const Layout& layout, ImVec2 place, cons
     for (std::size_t end = 0; end != std::string::npos; start = end + 1, place.y += 22.0f * layout.s) {
         end = text.find('\n', start);
         const std::string line
-            = shortened(overlay.text(), text.substr(start, end - start), layout.caption_width - 6.0f * layout.s);
+            = elided(overlay.text(), text.substr(start, end - start), layout.caption_width - 6.0f * layout.s);
         draw_text(ImGui::GetBackgroundDrawList(), overlay.text(), place, { 0.5f, 0.0f }, ink, line);
     }
 }
@@ -161,7 +163,7 @@ void draw_captions(const Overlay& overlay, const Layout& layout, const AssetFile
         const Area area = layout.pose(k);
         const ImVec2 dot { area.x + 16.0f * s, area.y + 18.0f * s };
         list->AddCircleFilled(dot, 5.5f * s, pose_colour(k, asset.pose_count, 1.0f), 24);
-        const std::string name = shortened(overlay.small(), file.short_names()[k], area.width - 34.0f * s);
+        const std::string name = elided(overlay.small(), file.short_names()[k], area.width - 34.0f * s);
         draw_text(list, overlay.small(), { dot.x + 12.0f * s, dot.y }, { 0.0f, 0.5f }, ink, name);
     }
     for (std::size_t i = 0; i < blends.size(); ++i) {
@@ -172,6 +174,52 @@ void draw_captions(const Overlay& overlay, const Layout& layout, const AssetFile
     }
 }
 
+// A shape on the sheet. Both blends of the same weights have one extent, of both shapes.
+struct Tile {
+    std::vector<double> weights;
+    Show show;
+    Extent extent;
+};
+
+// The poses, then linear and elastic of each blend.
+std::vector<Tile> tiles_of(Stage& stage, const AssetFile& file, std::uint32_t poses, const std::vector<Blend>& blends)
+{
+    std::vector<Tile> tiles;
+    for (std::uint32_t k = 0; k < poses; ++k) {
+        const std::vector<double> weights = weights_of_pose(file.view(), k);
+        stage.blend(weights, Show::linear);
+        tiles.push_back({ weights, Show::linear, stage.extent_shown() });
+    }
+    for (const Blend& blend : blends) {
+        stage.forget(); // each cell is a cold solve, not a step of an animation
+        stage.blend(blend.weights, Show::both);
+        for (Show show : { Show::linear, Show::elastic }) tiles.push_back({ blend.weights, show, stage.extent_shown() });
+    }
+    return tiles;
+}
+
+// Width and height of the largest tile's shapes as seen, and the distance at which all fit into a cell of the layout.
+glm::vec2 largest_look(Camera& camera, const std::vector<Tile>& tiles)
+{
+    glm::vec2 look(0.0f);
+    for (const Tile& tile : tiles) {
+        camera.frame(tile.extent);
+        look = glm::max(look, camera.size());
+    }
+    return look;
+}
+
+float distance_for_all(Camera& camera, const std::vector<Tile>& tiles, const Area& cell)
+{
+    float distance = 0.0f;
+    for (const Tile& tile : tiles) {
+        camera.frame(tile.extent);
+        const Area whole { 0.0f, 0.0f, cell.width, cell.height };
+        distance = std::max(distance, camera.place({ cell.width, cell.height }, whole).distance);
+    }
+    return distance;
+}
+
 } // namespace
 
 void write_sheet(const Options& options, const AssetFile& file)
@@ -179,23 +227,24 @@ void write_sheet(const Options& options, const AssetFile& file)
     const std::vector<Blend> blends = chosen_blends(file);
     const auto context = make_offscreen_context();
     Stage stage(options, file, nullptr, Quality::high);
-    const Layout layout(options, file.view().pose_count, blends.size(), stage.camera().size());
+    const std::uint32_t poses = std::min(file.view().pose_count, max_poses);
+    const std::vector<Tile> tiles = tiles_of(stage, file, poses, blends);
+    const Layout layout(options, poses, blends.size(), largest_look(stage.camera(), tiles));
     const Canvas canvas(layout.width, layout.height);
     clear_paper(canvas);
-    for (std::uint32_t k = 0; k < layout.pose_count; ++k) {
-        stage.blend(weights_of_pose(file.view(), k), Show::linear);
-        stage.draw_pose(canvas, layout.pose(k));
-    }
-    for (std::size_t i = 0; i < blends.size(); ++i) {
-        stage.forget(); // each cell is a cold solve, not a step of an animation
-        for (int column : { 1, 2 }) {
-            const Area cell = layout.cell(i, column);
-            stage.blend(blends[i].weights, column == 1 ? Show::linear : Show::elastic);
-            stage.draw(canvas, cell, cell);
-        }
+    const float distance = distance_for_all(stage.camera(), tiles, layout.cell(0, 1));
+    for (std::size_t i = 0; i < tiles.size(); ++i) {
+        const std::size_t of_blends = i - std::min<std::size_t>(i, poses);
+        const Area area = i < poses ? layout.pose(static_cast<std::uint32_t>(i))
+                                    : layout.cell(of_blends / 2, of_blends % 2 == 0 ? 1 : 2);
+        if (i >= poses) stage.forget();
+        stage.blend(tiles[i].weights, tiles[i].show);
+        stage.camera().frame(tiles[i].extent);
+        stage.draw_tile(canvas, area, distance, i < poses);
     }
     canvas.resolve();
     Overlay overlay(layout.s, nullptr);
+    overlay.need_letters(file.letters());
     overlay.begin_frame(layout.width, layout.height);
     draw_captions(overlay, layout, file, stage.polygon(), blends);
     overlay.end_frame();

@@ -1,10 +1,9 @@
 #include "run/stage.h"
 
+#include "panels/hud_heat.h"
+
 namespace pliant::player {
 namespace {
-
-// Distance of the centres of characters side by side, in widths.
-constexpr float separation = 1.04f;
 
 float diagonal_of_first_pose(Character& character)
 {
@@ -34,6 +33,7 @@ Stage::Stage(const Options& options, const AssetFile& file, const Truth* truth, 
     , heat_(file.view().vertex_count)
 {
     if (options.view) camera_.set_view(options.view->x, options.view->y);
+    if (options.wire) scene_.set_wire(Wire::over);
 }
 
 const Shown& Stage::blend(const std::vector<double>& weights, Show show, bool heat)
@@ -76,37 +76,54 @@ void Stage::colour_by_distance()
     linear_.set_heat(heat_);
     shown_.elastic_heat = measure_heat(elastic_.positions(), truth, count, diagonal_, heat_);
     elastic_.set_heat(heat_);
-    unreduced_.set_heat(std::vector<float>(heat_.size(), 0.0f));
+    unreduced_.set_heat(std::vector<float>(heat_.size(), reference_heat));
+}
+
+const Character& Stage::character(Kind kind) const
+{
+    return kind == Kind::linear ? linear_ : kind == Kind::elastic ? elastic_ : unreduced_;
 }
 
 Actor Stage::actor(Kind kind, glm::vec3 offset) const
 {
-    switch (kind) {
-    case Kind::linear: return { &linear_.vertices(), offset, linear_colour };
-    case Kind::elastic: return { &elastic_.vertices(), offset, elastic_colour };
-    case Kind::unreduced: break;
-    }
-    return { &unreduced_.vertices(), offset, unreduced_colour };
+    const glm::vec3 colour = kind == Kind::linear ? linear_colour
+        : kind == Kind::elastic                   ? elastic_colour
+                                                  : unreduced_colour;
+    return { &character(kind).vertices(), offset, colour };
 }
 
-void Stage::draw(const Canvas& canvas, const Area& area, const Area& free)
+Extent Stage::extent_shown() const
+{
+    ExtentOfShapes all;
+    add_shown(all);
+    return all.extent();
+}
+
+void Stage::add_shown(ExtentOfShapes& all) const
+{
+    for (Kind kind : kinds_of(shown_.show)) all.add(character(kind).vertices());
+}
+
+void Stage::draw(const Canvas& canvas, const Area& area, const Area& free, float scale)
 {
     const glm::vec2 picture { area.width, area.height };
-    const Area free_in_area { free.x - area.x, free.y - area.y, free.width, free.height };
+    const Area room = without_captions(shown_, { free.x - area.x, free.y - area.y, free.width, free.height }, scale);
     const std::vector<Kind> kinds = kinds_of(shown_.show);
-    const float last = static_cast<float>(kinds.size()) - 1.0f;
-    const glm::vec3 step = camera_.right() * (separation * camera_.size().x);
+    const Camera::Placement placement = camera_.place(picture, room, kinds.size());
     std::vector<Actor> actors;
-    for (std::size_t i = 0; i < kinds.size(); ++i)
-        actors.push_back(actor(kinds[i], step * (static_cast<float>(i) - 0.5f * last)));
-    scene_.draw(canvas, area, free, camera_.matrices(picture, free_in_area, 1.0f + separation * last), actors);
+    for (std::size_t i = 0; i < kinds.size(); ++i) actors.push_back(actor(kinds[i], placement.offsets[i]));
+    scene_.draw(canvas, area, free, placement.matrices, actors);
+    caption_places_.clear();
+    for (glm::vec2 below : placement.below) caption_places_.push_back(below / picture);
 }
 
-void Stage::draw_pose(const Canvas& canvas, const Area& area)
+void Stage::draw_tile(const Canvas& canvas, const Area& area, float least_distance, bool neutral)
 {
     const Area whole { 0.0f, 0.0f, area.width, area.height };
-    scene_.draw(canvas, area, area, camera_.matrices({ area.width, area.height }, whole),
-                { { &linear_.vertices(), {}, single_pose_colour } });
+    Actor shape = actor(kinds_of(shown_.show).front(), {});
+    if (neutral) shape.colour = single_pose_colour;
+    scene_.draw(canvas, area, area, camera_.place({ area.width, area.height }, whole, 1, least_distance).matrices,
+                { shape });
 }
 
 } // namespace pliant::player

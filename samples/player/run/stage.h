@@ -20,23 +20,31 @@ public:
     const Shown& blend(const std::vector<double>& weights, Show show, bool heat = false);
     const Shown& shown() const { return shown_; }
 
-    // Draws the last blend into a part of the canvas, with the characters in the centre of `free`.
-    void draw(const Canvas& canvas, const Area& area, const Area& free);
-    // Draws the linear blend in a neutral colour: for single poses, where both blends are equal.
-    void draw_pose(const Canvas& canvas, const Area& area);
+    // Draws the last blend into a part of the canvas, with the characters in the centre of `free`. scale: pixels per pixel
+    // of the design, for the room of captions.
+    void draw(const Canvas& canvas, const Area& area, const Area& free, float scale);
+    // The same without captions, all in one size if the distance is the same: the camera's for the largest.
+    void draw_tile(const Canvas& canvas, const Area& area, float least_distance, bool neutral);
+
+    // The space that the shapes of the last blend take.
+    Extent extent_shown() const;
+    void add_shown(ExtentOfShapes& all) const;
+    // Where the captions of the characters are, as a share of the area of the last draw().
+    const std::vector<glm::vec2>& caption_places() const { return caption_places_; }
 
     // Lets the next elastic blend start cold, after a jump in the weights.
     void forget() { elastic_.forget(); }
 
     bool has_paint() const { return scene_.has_paint(); }
-    void show_paint(bool shown) { scene_.show_paint(shown); }
 
     Camera& camera() { return camera_; }
+    Scene& scene() { return scene_; }
     const ControlPolygon& polygon() const { return polygon_; }
     const Truth* truth() const { return truth_; }
 
 private:
     void colour_by_distance();
+    const Character& character(Kind kind) const;
     Actor actor(Kind kind, glm::vec3 offset) const;
 
     const Truth* truth_;
@@ -50,6 +58,7 @@ private:
     ControlPolygon polygon_;
     Shown shown_;
     std::vector<float> heat_;
+    std::vector<glm::vec2> caption_places_;
 };
 
 } // namespace pliant::player
