@@ -1,5 +1,6 @@
 #include "cli/console.h"
 
+#include "base/common/print.h"
 #include "input/io/write_file.h"
 
 #include <atomic>
@@ -10,6 +11,7 @@
 #include <fcntl.h>
 #include <fmt/core.h>
 #include <mutex>
+#include <poll.h>
 #include <thread>
 #include <unistd.h>
 
@@ -76,8 +78,8 @@ void ConsoleProgress::print_stage(double fraction)
 {
     clear_line();
     const double elapsed = std::chrono::duration<double>(Clock::now() - start_).count();
-    fmt::print(stderr, "pliant {}: {} {:.0f} %{}\n", verb_, stage_, std::floor(100 * fraction),
-               talk_.is_verbose ? fmt::format(" after {:.1f} s", elapsed) : "");
+    print_to(stderr, "pliant {}: {} {:.0f} %{}\n", verb_, stage_, std::floor(100 * fraction),
+             talk_.is_verbose ? fmt::format(" after {:.1f} s", elapsed) : "");
 }
 
 void ConsoleProgress::draw(double fraction, const std::string& detail)
@@ -104,7 +106,30 @@ void ConsoleProgress::warn(int number, const std::string& what, const std::strin
 
 void print_finding(const std::string& verb, const Diagnostic& diagnostic)
 {
-    fmt::print(stderr, "pliant{}{}: {}\n", verb.empty() ? "" : " ", verb, to_text(diagnostic));
+    print_to(stderr, "pliant{}{}: {}\n", verb.empty() ? "" : " ", verb, to_text(diagnostic));
+}
+
+void print_out_of_memory()
+{
+    std::fputs("pliant: error P4901: memory ran out\n  hint: `pliant check` estimates the memory of a bake\n", stderr);
+}
+
+// Opened the wrong way round, so that reading and writing fail.
+void open_closed_streams()
+{
+    for (int descriptor : { STDIN_FILENO, STDOUT_FILENO, STDERR_FILENO })
+        if (::fcntl(descriptor, F_GETFD) < 0) ::open("/dev/null", descriptor == STDIN_FILENO ? O_WRONLY : O_RDONLY);
+}
+
+bool flush_output()
+{
+    if (std::fflush(stdout) == 0 && !std::ferror(stdout)) return true;
+    pollfd reader { STDOUT_FILENO, 0, 0 };
+    if (::poll(&reader, 1, 0) == 1 && (reader.revents & POLLERR)) {
+        std::signal(SIGPIPE, SIG_DFL);
+        std::raise(SIGPIPE);
+    }
+    return false;
 }
 
 static bool has_avx2()
@@ -146,6 +171,7 @@ void install_signal_handlers()
         }
     }).detach();
     signal(SIGXFSZ, SIG_IGN); // a file-size limit is then an error of write(), which we report
+    signal(SIGPIPE, SIG_IGN); // a reader of messages that is gone ends no bake
 }
 
 int catch_interrupts()

@@ -42,10 +42,20 @@ private:
 // "pliant bake: error P2103: ..." with its hint, to stderr.
 void print_finding(const std::string& verb, const Diagnostic& diagnostic);
 
+// P4901, without asking for memory.
+void print_out_of_memory();
+
+// Gives the descriptors 0, 1 and 2 to nothing where they are closed, so that no file or pipe that is opened later gets them.
+// What is written there is lost, and flush_output() says so. Call first.
+void open_closed_streams();
+
+// False if something that was printed on standard output could not be written. Ends the process, as any other program in a
+// pipe, if its reader is gone.
+bool flush_output();
+
 // OpenBLAS starts its threads and chooses its kernels before main. Unless the environment sets both, starts the program
 // again with one thread, since no signal mask reaches the others, and on x86 processors with AVX2 with the kernels for
-// those: an OpenBLAS older than the processor takes much slower ones, and other kernels change the last bits of a bake. Call
-// first.
+// those: an OpenBLAS older than the processor takes much slower ones, and other kernels change the last bits of a bake.
 void start_with_fixed_blas(char** arguments);
 
 // Ctrl-C and SIGTERM end the process with exit code 130 at once. That is safe: outputs exist under their own name only when

@@ -6,8 +6,11 @@
 #include "base/common/version.h"
 
 #include <cstdio>
-#include <fmt/core.h>
+#include <fmt/format.h>
+#include <map>
+#include <memory>
 #include <new>
+#include <system_error>
 #ifdef __GLIBC__
 #include <malloc.h>
 #endif
@@ -16,19 +19,25 @@ namespace {
 
 using namespace pliant;
 
-// Runs the chosen verb and turns everything that can go wrong into messages and an exit code.
-ExitCode guarded(const std::string& name, const Verb& verb)
+// Runs the work of a verb, or of the parser before there is one, and turns everything that can go wrong into messages and an
+// exit code. `name` is read when it ends.
+ExitCode guarded(const std::string& name, const Verb& work)
 {
     try {
-        return verb();
+        return work();
     } catch (const Failure& failure) {
         for (const Diagnostic& diagnostic : failure.diagnostics()) print_finding(name, diagnostic);
         return failure.code();
     } catch (const Interrupted&) {
         return ExitCode::interrupted;
     } catch (const std::bad_alloc&) {
-        print_finding(name, error_at(4901, "", "memory ran out", "`pliant check` estimates the memory of a bake"));
+        print_out_of_memory();
     } catch (const std::exception& e) {
+        const auto* const system = dynamic_cast<const std::system_error*>(&e);
+        if (system && system->code() == std::errc::resource_unavailable_try_again) { // no memory for a thread
+            print_out_of_memory();
+            return ExitCode::failed;
+        }
         print_finding(
             name, error_at(4902, "", fmt::format("unexpected: {}", e.what()), "please report this with the command line"));
     }
@@ -44,46 +53,66 @@ void keep_freed_memory()
 #endif
 }
 
-} // namespace
-
-int main(int argc, char** argv)
+std::map<std::string, Verb> add_verbs(CLI::App& app)
 {
-    start_with_fixed_blas(argv);
-    keep_freed_memory();
-    install_signal_handlers();
-    CLI::App app("Pliant: bakes poses of a character into an asset that games blend elastically.", "pliant");
     app.formatter(std::make_shared<HelpFormat>());
     app.set_version_flag("--version", baker_version);
     app.require_subcommand(1);
     app.footer("Exit codes: 0 success, 1 failure, 2 wrong usage, 3 bad input file, 4 tolerance missed, 130 "
                "interrupted.\n"
                "`pliant help VERB` explains a verb, with an example.");
-    const std::vector<std::pair<std::string, Verb>> verbs = {
-        { "bake", add_bake(app) },         { "check", add_check(app) },     { "average", add_average(app) },
-        { "blend", add_blend(app) },       { "measure", add_measure(app) }, { "info", add_info(app) },
-        { "validate", add_validate(app) }, { "export", add_export(app) },   { "bake-all", add_bake_all(app) },
-        { "report", add_report(app) },     { "pose", add_pose(app) },       { "help", add_help(app) },
-    };
+    std::map<std::string, Verb> verbs;
+    for (const auto& [name, add] : std::initializer_list<std::pair<const char*, Verb (*)(CLI::App&)>> {
+             { "bake", add_bake },
+             { "check", add_check },
+             { "average", add_average },
+             { "blend", add_blend },
+             { "measure", add_measure },
+             { "info", add_info },
+             { "validate", add_validate },
+             { "export", add_export },
+             { "bake-all", add_bake_all },
+             { "report", add_report },
+             { "pose", add_pose },
+             { "help", add_help },
+         })
+        verbs[name] = add(app);
     group_options(app);
+    return verbs;
+}
+
+// `verb`: set to the name of the verb as soon as it is known.
+ExitCode run_tool(int argc, char** argv, std::string& verb)
+{
+    keep_freed_memory();
+    install_signal_handlers();
+    CLI::App app("Pliant: bakes poses of a character into an asset that games blend elastically.", "pliant");
+    const std::map<std::string, Verb> verbs = add_verbs(app);
     try {
         app.parse(argc, argv);
     } catch (const CLI::ParseError& e) {
-        if (e.get_exit_code() == 0) return app.exit(e); // --help, --version
-        const CLI::App* const verb = chosen_verb(app);
-        if (argc < 2)
+        if (e.get_exit_code() == 0) return ExitCode(app.exit(e)); // --help, --version
+        if (argc < 2) {
             std::fputs(app.help().c_str(), stderr);
-        else
-            print_finding(verb ? verb->get_name() : "", usage_error(app, e));
-        return int(pliant::ExitCode::usage);
-    }
-    for (const auto& [name, verb] : verbs) {
-        if (!app.got_subcommand(name)) continue;
-        const ExitCode code = guarded(name, verb);
-        if (std::fflush(stdout) != 0 || std::ferror(stdout)) {
-            print_finding(name, error_at(4903, "", "standard output could not be written"));
-            return int(ExitCode::failed);
+            return ExitCode::usage;
         }
-        return int(code);
+        const CLI::App* const chosen = chosen_verb(app);
+        verb = chosen ? chosen->get_name() : "";
+        throw Failure(ExitCode::usage, usage_error(app, e));
     }
-    return int(ExitCode::usage);
+    verb = chosen_verb(app)->get_name();
+    return guarded(verb, verbs.at(verb));
+}
+
+} // namespace
+
+int main(int argc, char** argv)
+{
+    open_closed_streams();
+    start_with_fixed_blas(argv);
+    std::string verb;
+    const ExitCode code = guarded(verb, [&] { return run_tool(argc, argv, verb); });
+    if (flush_output()) return int(code);
+    print_finding(verb, error_at(4903, "", "standard output could not be written"));
+    return int(ExitCode::failed);
 }

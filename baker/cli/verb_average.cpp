@@ -4,6 +4,7 @@
 
 #include "bake/warnings.h"
 #include "base/common/parallel.h"
+#include "base/common/print.h"
 #include "elastic/average/family.h"
 #include "input/io/encode_ply.h"
 #include "input/io/write_file.h"
@@ -191,12 +192,13 @@ void print_figures(const AverageArguments& a, const nlohmann::ordered_json& aver
 {
     if (a.is_json) {
         const nlohmann::ordered_json json = { { "factorizations", factorization_count }, { "averages", averages } };
-        fmt::print("{}\n", json_text(json));
+        print_to(stdout, "{}\n", json_text(json));
     } else if (!a.talk.is_quiet && averages.size() == 1) {
-        fmt::print("{}: energy {:.6e}, decrement {:.1e}, {} factorisations\n", averages[0]["output"].get<std::string>(),
-                   averages[0]["energy"].get<double>(), averages[0]["decrement"].get<double>(), factorization_count);
+        print_to(stdout, "{}: energy {:.6e}, decrement {:.1e}, {} factorisations\n",
+                 averages[0]["output"].get<std::string>(), averages[0]["energy"].get<double>(),
+                 averages[0]["decrement"].get<double>(), factorization_count);
     } else if (!a.talk.is_quiet) {
-        fmt::print("{} averages, {} factorisations\n", averages.size(), factorization_count);
+        print_to(stdout, "{} averages, {} factorisations\n", averages.size(), factorization_count);
     }
 }
 

@@ -3,6 +3,7 @@
 #include "bake/bake.h"
 #include "bake/certificate.h"
 #include "bake/warnings.h"
+#include "base/common/print.h"
 #include "base/common/sha256.h"
 #include "base/weights/weights.h"
 #include "cli/bake_request.h"
@@ -23,11 +24,11 @@ namespace {
 // The errors of layers by kind of mixture, beside those of the linear sum.
 void print_layer_errors(const BakeReport& r, double tolerance)
 {
-    for (const KindErrors& kind : r.check.kinds) fmt::print("  {}\n", kind_line(kind));
+    for (const KindErrors& kind : r.check.kinds) print_to(stdout, "  {}\n", kind_line(kind));
     if (r.check.largest_error > 0)
-        fmt::print("  worst mixture: {}\n", blend_text(r.check.worst_weights, r.input.pose_names));
+        print_to(stdout, "  worst mixture: {}\n", blend_text(r.check.worst_weights, r.input.pose_names));
     if (r.check.linear_error <= tolerance)
-        fmt::print("  the linear sum keeps the tolerance, too: mean error {:.2e}\n", r.check.linear_error);
+        print_to(stdout, "  the linear sum keeps the tolerance, too: mean error {:.2e}\n", r.check.linear_error);
 }
 
 void print_summary(const BakeRequest& a, const BakedAsset& baked)
@@ -39,32 +40,33 @@ void print_summary(const BakeRequest& a, const BakedAsset& baked)
     const std::size_t layer_count = r.input.ranges.size();
     const std::string poses = layer_count ? fmt::format("rest shape and {} layer{}", layer_count, layer_count > 1 ? "s" : "")
                                           : fmt::format("{} poses", r.input.pose_count);
-    fmt::print("{}: {}, {} vertices, d = {}, {}, {:.1f} MiB\n", a.output, poses, r.input.vertex_count, r.fit.dimension,
-               energy, double(baked.bytes.size()) / 1048576.0);
-    fmt::print("elastic energy: {}{}\n", name_of(r.input.material),
-               r.input.rough_count == 0 ? ""
-                                        : fmt::format(", ARAP cells at {} rough vertices, the roughest of them {}",
-                                                      r.input.rough_count, r.input.roughest_vertex));
-    fmt::print("basis: {:.2f} bytes per number, largest error {:.1e} of the diagonal\n", r.check.basis.bytes_per_number,
-               r.check.basis.largest_difference);
-    if (!r.fit.reason.empty()) fmt::print("cubature instead of the quartic: {}\n", r.fit.reason);
+    print_to(stdout, "{}: {}, {} vertices, d = {}, {}, {:.1f} MiB\n", a.output, poses, r.input.vertex_count, r.fit.dimension,
+             energy, double(baked.bytes.size()) / 1048576.0);
+    print_to(stdout, "elastic energy: {}{}\n", name_of(r.input.material),
+             r.input.rough_count == 0 ? ""
+                                      : fmt::format(", ARAP cells at {} rough vertices, the roughest of them {}",
+                                                    r.input.rough_count, r.input.roughest_vertex));
+    print_to(stdout, "basis: {:.2f} bytes per number, largest error {:.1e} of the diagonal\n",
+             r.check.basis.bytes_per_number, r.check.basis.largest_difference);
+    if (!r.fit.reason.empty()) print_to(stdout, "cubature instead of the quartic: {}\n", r.fit.reason);
     if (r.input.tet_count && !r.check.blends.empty())
-        fmt::print("smallest volume ratio of a tetrahedron: {:.3f}\n", r.check.cell_ratio);
+        print_to(stdout, "smallest volume ratio of a tetrahedron: {:.3f}\n", r.check.cell_ratio);
     if (r.check.render_mesh)
-        fmt::print("render mesh: {} vertices of {}{}\n", a.bake.render_mesh->embedding.count(), a.surface,
-                   r.check.blends.empty() ? ""
-                                          : fmt::format(", relative L2 {:.2e} (mean), {:.2e} (largest)",
-                                                        r.check.render_mesh->mean, r.check.render_mesh->largest));
+        print_to(stdout, "render mesh: {} vertices of {}{}\n", a.bake.render_mesh->embedding.count(), a.surface,
+                 r.check.blends.empty() ? ""
+                                        : fmt::format(", relative L2 {:.2e} (mean), {:.2e} (largest)",
+                                                      r.check.render_mesh->mean, r.check.render_mesh->largest));
     if (!r.check.blends.empty())
-        fmt::print(
+        print_to(
+            stdout,
             "blends at {} weights: relative L2 {:.2e} (mean), {:.2e} (largest), at best {:.2e} and {:.2e} in the subspace; "
             "farthest vertex {:.2f} % of the diagonal\n",
             r.check.blends.size(), r.check.mean_error, r.check.largest_error, r.fit.subspace_error.mean,
             r.fit.subspace_error.largest, 100 * r.check.largest_distance);
     if (!r.check.kinds.empty()) print_layer_errors(r, a.bake.tolerance);
-    for (const StageTime& stage : r.stages) fmt::print("  {:<18} {:8.1f} s\n", stage.stage, stage.seconds);
-    fmt::print("  {} factorisations, {} snapshots, {} interpolated\n", r.factorization_count, r.snapshot_count,
-               r.interpolated_count);
+    for (const StageTime& stage : r.stages) print_to(stdout, "  {:<18} {:8.1f} s\n", stage.stage, stage.seconds);
+    print_to(stdout, "  {} factorisations, {} snapshots, {} interpolated\n", r.factorization_count, r.snapshot_count,
+             r.interpolated_count);
 }
 
 // A tolerance that was asked for and is missed: nothing is written, unless the best that can be had was asked for, too.
@@ -135,7 +137,7 @@ ExitCode run_bake(BakeRequest& a, CLI::App& verb)
     complete_request(verb, a);
     const Json config = effective_config(verb);
     if (a.is_print_config) {
-        fmt::print("{}\n", json_text(config));
+        print_to(stdout, "{}\n", json_text(config));
         return ExitCode::done;
     }
     probe_outputs(a);
@@ -148,7 +150,7 @@ ExitCode run_bake(BakeRequest& a, CLI::App& verb)
         a.bake.render_mesh
             = std::make_shared<const RenderMesh>(load_surface_with_warnings("bake", a.surface, poses, &warnings));
     if (a.is_dry_run) {
-        fmt::print("{}\n", json_text(describe_poses(poses, a.bake)));
+        print_to(stdout, "{}\n", json_text(describe_poses(poses, a.bake)));
         return ExitCode::done;
     }
     const BakedAsset baked = bake(poses, a.bake, progress);
@@ -161,7 +163,7 @@ ExitCode run_bake(BakeRequest& a, CLI::App& verb)
     write_outputs(a, baked, warnings, log.files(), std::move(stamp));
     progress.clear_line();
     if (a.is_json)
-        fmt::print("{}\n", write_report(baked.report, a.output, warnings));
+        print_to(stdout, "{}\n", write_report(baked.report, a.output, warnings));
     else if (!a.talk.is_quiet)
         print_summary(a, baked);
     return outcome;

@@ -1,6 +1,7 @@
 #include "cli/verbs.h"
 
 #include "base/common/memory.h"
+#include "base/common/print.h"
 #include "cli/manifest.h"
 #include "input/io/source_file.h"
 #include "input/io/write_file.h"
@@ -53,7 +54,7 @@ void keep_only(std::vector<BatchJob>& jobs, const std::vector<std::string>& only
 void print_plan(const BatchArguments& a, const std::vector<BatchJob>& jobs)
 {
     if (a.talk.is_quiet) return;
-    fmt::print(a.is_json ? stderr : stdout, "{}", plan_table(jobs));
+    print_to(a.is_json ? stderr : stdout, "{}", plan_table(jobs));
     std::fflush(stdout); // before the first progress on the other stream
 }
 
@@ -81,9 +82,9 @@ ExitCode run_bake_all(const BatchArguments& a)
     const Json summary = summary_json(jobs, seconds);
     if (!a.report.empty()) write_output(a.report, json_text(summary) + "\n");
     if (a.is_json)
-        fmt::print("{}\n", json_text(summary));
+        print_to(stdout, "{}\n", json_text(summary));
     else if (!a.is_dry_run)
-        fmt::print("{}", summary_table(jobs));
+        print_to(stdout, "{}", summary_table(jobs));
     return goes_on ? ExitCode(exit_code_of(jobs)) : ExitCode::interrupted;
 }
 

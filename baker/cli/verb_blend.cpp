@@ -1,5 +1,6 @@
 #include "cli/verbs.h"
 
+#include "base/common/print.h"
 #include "input/io/encode_ply.h"
 #include "input/io/write_file.h"
 #include "output/asset/runtime_blender.h"
@@ -49,7 +50,7 @@ nlohmann::ordered_json to_json(const std::string& output, const pliant_solve_inf
 void print_frames(const BlendArguments& a, const nlohmann::ordered_json& frames)
 {
     const nlohmann::ordered_json json = { { "asset", a.asset }, { "frames", frames } };
-    fmt::print("{}\n", json_text(json));
+    print_to(stdout, "{}\n", json_text(json));
 }
 
 std::string names_of(const pliant_asset& asset)
@@ -101,8 +102,8 @@ ExitCode run_blend(const BlendArguments& a)
         if (a.is_json)
             print_frames(a, nlohmann::ordered_json::array({ to_json(a.output, info) }));
         else if (!a.talk.is_quiet)
-            fmt::print("{}: {} iterations, {} evaluations{}\n", a.output, info.iterations, info.evaluations,
-                       info.outside > 0 ? ", outside of the measured ranges" : "");
+            print_to(stdout, "{}: {} iterations, {} evaluations{}\n", a.output, info.iterations, info.evaluations,
+                     info.outside > 0 ? ", outside of the measured ranges" : "");
         return ExitCode::done;
     }
     const auto rows = read_weight_rows(a.path);
@@ -119,7 +120,7 @@ ExitCode run_blend(const BlendArguments& a)
     if (a.is_json)
         print_frames(a, frames);
     else if (!a.talk.is_quiet)
-        fmt::print("{} frames\n", rows.size());
+        print_to(stdout, "{} frames\n", rows.size());
     return ExitCode::done;
 }
 

@@ -4,6 +4,7 @@
 
 #include "bake/certificate.h"
 #include "bake/make_energy.h"
+#include "base/common/print.h"
 #include "elastic/energy/contradictions.h"
 #include "elastic/energy/reinforced_shells.h"
 #include "input/gltf/document.h"
@@ -44,10 +45,11 @@ Folds folds_of(const NormalizedPoses& set, const EnergyOptions& options)
 void print_folds(const Folds& folds, std::size_t vertex_count)
 {
     if (folds.foldover_count > 0)
-        fmt::print("  {} of {} hinges are folded over or fold strongly between poses: their bending energy will be damped\n",
-                   folds.foldover_count, folds.hinge_count);
+        print_to(stdout,
+                 "  {} of {} hinges are folded over or fold strongly between poses: their bending energy will be damped\n",
+                 folds.foldover_count, folds.hinge_count);
     if (folds.rough_count > 0)
-        fmt::print("  {} of {} vertices are rough: they will have ARAP cells\n", folds.rough_count, vertex_count);
+        print_to(stdout, "  {} of {} vertices are rough: they will have ARAP cells\n", folds.rough_count, vertex_count);
 }
 
 double turned_degrees(const NormalizedPoses& set, std::size_t pose)
@@ -58,12 +60,12 @@ double turned_degrees(const NormalizedPoses& set, std::size_t pose)
 void print_surface(const PoseSet& poses)
 {
     const RenderMesh* const drawn = poses.render_mesh.get();
-    fmt::print("{} poses of {} vertices, {} faces, {} triangles: ready to bake\n", poses.pose_count(),
-               drawn ? drawn->embedding.count() : poses.vertex_count(), poses.polygons.count(),
-               drawn ? drawn->triangles.size() : poses.triangles.size());
+    print_to(stdout, "{} poses of {} vertices, {} faces, {} triangles: ready to bake\n", poses.pose_count(),
+             drawn ? drawn->embedding.count() : poses.vertex_count(), poses.polygons.count(),
+             drawn ? drawn->triangles.size() : poses.triangles.size());
     if (drawn)
-        fmt::print("  the simulation mesh has {} vertices, {} triangles in {} components\n", poses.vertex_count(),
-                   poses.triangles.size(), poses.repairs.component_count);
+        print_to(stdout, "  the simulation mesh has {} vertices, {} triangles in {} components\n", poses.vertex_count(),
+                 poses.triangles.size(), poses.repairs.component_count);
 }
 
 // Pairs that are named; the others are counted.
@@ -88,13 +90,13 @@ void warn_of_contradictions(const std::vector<Contradiction>& pairs, const PoseS
                                  "blend them with weights whose sum is 1 at most, or leave one of them out"));
     }
     if (pairs.size() > named_pairs)
-        fmt::print("  {} more pairs of layers contradict each other\n", pairs.size() - named_pairs);
+        print_to(stdout, "  {} more pairs of layers contradict each other\n", pairs.size() - named_pairs);
 }
 
 void print_names(const PoseSet& poses)
 {
     for (std::size_t k = 0; k < poses.pose_count(); ++k)
-        fmt::print("  {} {}: {}\n", poses.blend == Blend::layers && k > 0 ? "layer" : "pose", k, poses.names[k]);
+        print_to(stdout, "  {} {}: {}\n", poses.blend == Blend::layers && k > 0 ? "layer" : "pose", k, poses.names[k]);
 }
 
 // The animations of all glTF files, and a line to copy for the first.
@@ -105,8 +107,8 @@ void print_animations(const std::vector<std::string>& arguments)
         const PoseArgument pose = split_pose_argument(argument);
         if (!is_gltf_name(pose.path) || !files.insert(pose.path).second) continue;
         for (const AnimationChoice& animation : animation_choices(pose.path))
-            fmt::print("  animation {}, {:.3g} s: poses of it as '{}'\n", animation.name, animation.seconds,
-                       example_of(pose.path, animation));
+            print_to(stdout, "  animation {}, {:.3g} s: poses of it as '{}'\n", animation.name, animation.seconds,
+                     example_of(pose.path, animation));
     }
 }
 
@@ -141,7 +143,7 @@ ExitCode run_check(CheckArguments a, const CLI::App& verb)
     const PoseSet poses = load_with_warnings("check", a.poses, a.bake.energy);
     a.bake.energy.blend = poses.blend;
     if (a.is_json) {
-        fmt::print("{}\n", json_text(describe_poses(poses, a.bake)));
+        print_to(stdout, "{}\n", json_text(describe_poses(poses, a.bake)));
         return ExitCode::done;
     }
     const NormalizedPoses set = normalize(poses, a.bake.energy.keeps_placement());
@@ -151,25 +153,26 @@ ExitCode run_check(CheckArguments a, const CLI::App& verb)
     }
     const Material material = material_of(a.bake.energy, poses.is_solid());
     if (poses.is_solid())
-        fmt::print("{} poses of {} vertices, {} tetrahedra, {} of the vertices on the boundary: ready to bake\n",
-                   poses.pose_count(), poses.vertex_count(), poses.tets.size(), poses.boundary_vertex_count);
+        print_to(stdout, "{} poses of {} vertices, {} tetrahedra, {} of the vertices on the boundary: ready to bake\n",
+                 poses.pose_count(), poses.vertex_count(), poses.tets.size(), poses.boundary_vertex_count);
     else
         print_surface(poses);
     if (poses.blend == Blend::layers)
-        fmt::print("  {} is the rest shape, the others are layers on it (--blend average: poses of equal rank)\n",
-                   poses.names[0]);
+        print_to(stdout, "  {} is the rest shape, the others are layers on it (--blend average: poses of equal rank)\n",
+                 poses.names[0]);
     for (std::size_t k = 1; k < poses.pose_count() && poses.blend == Blend::average; ++k)
-        fmt::print("  {}: rotated by {:.1f} degrees to align it with {}\n", poses.names[k], turned_degrees(set, k),
-                   poses.names[0]);
+        print_to(stdout, "  {}: rotated by {:.1f} degrees to align it with {}\n", poses.names[k], turned_degrees(set, k),
+                 poses.names[0]);
     print_folds(folds_of(set, a.bake.energy), poses.vertex_count());
     warn_of_contradictions(contradictions_of(poses, set), poses);
     const BakeEstimate e = estimate_bake(poses.vertex_count(), poses.pose_count(), a.bake);
-    fmt::print("estimate of a bake ({}): d = {}, {:.0f} s, {:.1f} GiB of memory, an asset of {:.1f} MiB\n",
-               name_of(material), e.dimension, e.seconds, e.memory / 1073741824.0, e.asset_size / 1048576.0);
-    if (!poses.is_solid()) fmt::print("  at most {} factorisations\n", factorization_limit(poses.pose_count(), a.bake));
+    print_to(stdout, "estimate of a bake ({}): d = {}, {:.0f} s, {:.1f} GiB of memory, an asset of {:.1f} MiB\n",
+             name_of(material), e.dimension, e.seconds, e.memory / 1073741824.0, e.asset_size / 1048576.0);
+    if (!poses.is_solid())
+        print_to(stdout, "  at most {} factorisations\n", factorization_limit(poses.pose_count(), a.bake));
     if (a.talk.is_verbose) print_names(poses);
     print_animations(a.poses);
-    fmt::print("to bake: {}\n", bake_command(a, verb));
+    print_to(stdout, "to bake: {}\n", bake_command(a, verb));
     return ExitCode::done;
 }
 

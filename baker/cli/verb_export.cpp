@@ -1,5 +1,6 @@
 #include "cli/verbs.h"
 
+#include "base/common/print.h"
 #include "input/io/write_file.h"
 #include "output/export/export_asset.h"
 #include "pipeline/json_file.h"
@@ -57,34 +58,36 @@ std::vector<std::vector<float>> path_of(const ExportArguments& a, const WeightDo
 void print_targets(const ExportArguments& a, const ExportReport& report)
 {
     if (a.without_normals)
-        fmt::print("  {} morph targets without normals\n", report.target_count);
+        print_to(stdout, "  {} morph targets without normals\n", report.target_count);
     else
-        fmt::print("  {} morph targets; error of normals: mean {:.2f}, 99.9 % below {:.2f}, largest {:.1f} degrees\n",
-                   report.target_count, report.normal_error.mean_degrees, report.normal_error.percentile_degrees,
-                   report.normal_error.worst_degrees);
-    fmt::print("  animation of {} frames at {:g} frames per second\n"
-               "  table of weights: {} centres; error at fresh weights: mean {:.2g}, largest {:.2g} of the diagonal\n",
-               report.frame_count, a.frames_per_second, report.centre_count, report.table_mean, report.table_largest);
+        print_to(stdout, "  {} morph targets; error of normals: mean {:.2f}, 99.9 % below {:.2f}, largest {:.1f} degrees\n",
+                 report.target_count, report.normal_error.mean_degrees, report.normal_error.percentile_degrees,
+                 report.normal_error.worst_degrees);
+    print_to(stdout,
+             "  animation of {} frames at {:g} frames per second\n"
+             "  table of weights: {} centres; error at fresh weights: mean {:.2g}, largest {:.2g} of the diagonal\n",
+             report.frame_count, a.frames_per_second, report.centre_count, report.table_mean, report.table_largest);
 }
 
 void print_summary(const ExportArguments& a, const ExportedFile& file)
 {
     const ExportReport& report = file.report;
-    fmt::print("{}: {} vertices, {} triangles, {:.2f} MiB\n", a.output, report.vertex_count, report.triangle_count,
-               double(file.bytes.size()) / 1048576.0);
+    print_to(stdout, "{}: {} vertices, {} triangles, {:.2f} MiB\n", a.output, report.vertex_count, report.triangle_count,
+             double(file.bytes.size()) / 1048576.0);
     if (report.part_count > 1 || report.image_count > 0)
-        fmt::print("  {} {} with the materials of the source, {} {}\n", report.part_count,
-                   report.part_count == 1 ? "part" : "parts", report.image_count,
-                   report.image_count == 1 ? "image" : "images");
+        print_to(stdout, "  {} {} with the materials of the source, {} {}\n", report.part_count,
+                 report.part_count == 1 ? "part" : "parts", report.image_count,
+                 report.image_count == 1 ? "image" : "images");
     if (report.target_count) print_targets(a, report);
     if (report.bone_count)
-        fmt::print("  {} bones; distance from the blends: RMS {:.3f} %, largest {:.2f} % of the diagonal\n"
-                   "  animation of {} frames at {:g} frames per second\n",
-                   report.bone_count, 100 * report.skin_rms, 100 * report.skin_largest, report.frame_count,
-                   a.frames_per_second);
+        print_to(stdout,
+                 "  {} bones; distance from the blends: RMS {:.3f} %, largest {:.2f} % of the diagonal\n"
+                 "  animation of {} frames at {:g} frames per second\n",
+                 report.bone_count, 100 * report.skin_rms, 100 * report.skin_largest, report.frame_count,
+                 a.frames_per_second);
     if (report.position_error > 0)
-        fmt::print("  positions in whole numbers: largest error {:.2g} of the diagonal\n", report.position_error);
-    if (a.with_asset) fmt::print("  the asset is embedded (PLIANT_elastic_blend)\n");
+        print_to(stdout, "  positions in whole numbers: largest error {:.2g} of the diagonal\n", report.position_error);
+    if (a.with_asset) print_to(stdout, "  the asset is embedded (PLIANT_elastic_blend)\n");
 }
 
 nlohmann::ordered_json to_json(const ExportArguments& a, const ExportedFile& file)
@@ -140,7 +143,7 @@ ExitCode run_export(const ExportArguments& a)
     for (const Diagnostic& warning : warnings_about(file.report)) print_finding("export", warning);
     write_output(a.output, file.bytes);
     if (a.is_json)
-        fmt::print("{}\n", json_text(to_json(a, file)));
+        print_to(stdout, "{}\n", json_text(to_json(a, file)));
     else if (!a.talk.is_quiet)
         print_summary(a, file);
     return ExitCode::done;

@@ -1,9 +1,9 @@
 #include "cli/verbs.h"
 
+#include "base/common/print.h"
 #include "cli/manual.h"
 #include "cli/usage_error.h"
 
-#include <fmt/core.h>
 #include <memory>
 
 namespace pliant {
@@ -25,11 +25,11 @@ std::string help_of(const CLI::App& app)
 ExitCode run_help(const HelpArguments& a, const CLI::App& app)
 {
     if (a.is_manual)
-        fmt::print("{}", manual_page(app));
+        print_to(stdout, "{}", manual_page(app));
     else if (!a.shell.empty())
-        fmt::print("{}", completion(app, a.shell));
+        print_to(stdout, "{}", completion(app, a.shell));
     else
-        fmt::print("{}", help_of(a.verb.empty() ? app : find_verb(app, a.verb)));
+        print_to(stdout, "{}", help_of(a.verb.empty() ? app : find_verb(app, a.verb)));
     return ExitCode::done;
 }
 

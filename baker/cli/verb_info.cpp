@@ -1,6 +1,7 @@
 #include "cli/verbs.h"
 
 #include "base/common/parallel.h"
+#include "base/common/print.h"
 #include "base/common/version.h"
 #include "cli/kind_line.h"
 #include "elastic/average/sparse_cholesky.h"
@@ -42,11 +43,11 @@ ExitCode run_build_info(const InfoArguments& a)
             { "compiler", compiler },  { "solver", version_of(default_solver()) },
             { "blas", blas_in_use() }, { "threads", worker_count() } };
     if (a.is_json) {
-        fmt::print("{}\n", build.dump(1));
+        print_to(stdout, "{}\n", build.dump(1));
         return ExitCode::done;
     }
     for (const auto& [key, value] : build.items())
-        fmt::print("{:<9} {}\n", key, value.is_string() ? value.get<std::string>() : value.dump());
+        print_to(stdout, "{:<9} {}\n", key, value.is_string() ? value.get<std::string>() : value.dump());
     return ExitCode::done;
 }
 
@@ -125,8 +126,9 @@ void print_shape(const Json& info)
     for (const Json& group : basis["columns"])
         columns
             += fmt::format("{}{} of {} bits", columns.empty() ? "" : ", ", group["columns"].dump(), group["bits"].dump());
-    fmt::print("basis: {:.2f} bytes per number; columns: {}\n", basis["bytes_per_number"].get<double>(), columns);
-    fmt::print(
+    print_to(stdout, "basis: {:.2f} bytes per number; columns: {}\n", basis["bytes_per_number"].get<double>(), columns);
+    print_to(
+        stdout,
         "file {:.1f} KiB, read per frame {:.1f} KiB; linear morph targets of the same poses in single precision: {:.1f} and "
         "{:.1f} KiB\n",
         info["file_size"].get<double>() / 1024, shape["frame_bytes"].get<double>() / 1024,
@@ -152,25 +154,25 @@ std::string verdict_of(const CertificateFacts& facts)
 void print_file(const Json& info)
 {
     for (const Json& chunk : info["chunks"])
-        fmt::print("  {}  {:>12} bytes at {}\n", chunk["tag"].get<std::string>(), chunk["size"].dump(),
-                   chunk["offset"].dump());
-    fmt::print("certificate: {}\n", info["certificate"].dump(2, ' ', false, Json::error_handler_t::replace));
+        print_to(stdout, "  {}  {:>12} bytes at {}\n", chunk["tag"].get<std::string>(), chunk["size"].dump(),
+                 chunk["offset"].dump());
+    print_to(stdout, "certificate: {}\n", info["certificate"].dump(2, ' ', false, Json::error_handler_t::replace));
 }
 
 // The names of the poses; of layers with their ranges and errors.
 void print_weights(const Json& info, const CertificateFacts& facts)
 {
     if (!info.contains("layers")) {
-        for (const Json& pose : info["poses"]) fmt::print("  pose {}\n", pose.get<std::string>());
+        for (const Json& pose : info["poses"]) print_to(stdout, "  pose {}\n", pose.get<std::string>());
         return;
     }
-    fmt::print("  rest shape {}\n", info["poses"][0].get<std::string>());
+    print_to(stdout, "  rest shape {}\n", info["poses"][0].get<std::string>());
     for (const Json& layer : info["layers"])
-        fmt::print("  layer {}, weights {:g} .. {:g}\n", layer["name"].get<std::string>(), layer["low"].get<float>(),
-                   layer["high"].get<float>());
+        print_to(stdout, "  layer {}, weights {:g} .. {:g}\n", layer["name"].get<std::string>(), layer["low"].get<float>(),
+                 layer["high"].get<float>());
     for (const MixtureFact& m : facts.mixtures)
-        fmt::print("  {}\n",
-                   kind_line({ m.kind, m.count, m.lost_count, m.mean, m.largest, m.linear_mean, m.linear_largest }));
+        print_to(stdout, "  {}\n",
+                 kind_line({ m.kind, m.count, m.lost_count, m.mean, m.largest, m.linear_mean, m.linear_largest }));
 }
 
 ExitCode run_info(const InfoArguments& a)
@@ -178,15 +180,15 @@ ExitCode run_info(const InfoArguments& a)
     const RuntimeBlender blender = RuntimeBlender::from_file(a.asset);
     const Json info = describe(blender);
     if (a.is_json) {
-        fmt::print("{}\n", info.dump(1, ' ', false, Json::error_handler_t::replace));
+        print_to(stdout, "{}\n", info.dump(1, ' ', false, Json::error_handler_t::replace));
         return ExitCode::done;
     }
     if (a.talk.is_quiet) return ExitCode::done;
     const CertificateFacts facts = facts_of(info);
-    fmt::print("{}: {}\n", a.asset, verdict_of(facts));
-    fmt::print("  {} vertices, {} triangles, d = {}, {:.2f} MiB, {:.1f} KiB of solver memory per character\n",
-               info["vertices"].dump(), info["triangles"].dump(), info["dimension"].dump(),
-               info["file_size"].get<double>() / 1048576.0, info["solver_memory"].get<double>() / 1024.0);
+    print_to(stdout, "{}: {}\n", a.asset, verdict_of(facts));
+    print_to(stdout, "  {} vertices, {} triangles, d = {}, {:.2f} MiB, {:.1f} KiB of solver memory per character\n",
+             info["vertices"].dump(), info["triangles"].dump(), info["dimension"].dump(),
+             info["file_size"].get<double>() / 1048576.0, info["solver_memory"].get<double>() / 1024.0);
     print_weights(info, facts);
     print_shape(info);
     if (a.talk.is_verbose) print_file(info);
@@ -234,14 +236,14 @@ ExitCode run_validate(const InfoArguments& a)
     const Verdict verdict = solve_answers(blender);
     const bool is_good = verdict.largest_difference <= answer_tolerance;
     if (a.is_json)
-        fmt::print("{}\n",
-                   Json({ { "valid", is_good },
-                          { "answers", verdict.answer_count },
-                          { "largest_difference", verdict.largest_difference } })
-                       .dump(1));
+        print_to(stdout, "{}\n",
+                 Json({ { "valid", is_good },
+                        { "answers", verdict.answer_count },
+                        { "largest_difference", verdict.largest_difference } })
+                     .dump(1));
     else if (is_good && !a.talk.is_quiet)
-        fmt::print("{}: valid; {} stored answers reproduced within {:.1e}\n", a.asset, verdict.answer_count,
-                   verdict.largest_difference);
+        print_to(stdout, "{}: valid; {} stored answers reproduced within {:.1e}\n", a.asset, verdict.answer_count,
+                 verdict.largest_difference);
     if (!is_good)
         throw Failure(ExitCode::bad_input,
                       error_at(5105, a.asset,

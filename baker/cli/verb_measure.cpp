@@ -2,6 +2,7 @@
 
 #include "bake/certificate.h"
 #include "bake/measure.h"
+#include "base/common/print.h"
 #include "output/asset/asset_facts.h"
 
 #include <algorithm>
@@ -50,20 +51,20 @@ std::string energy_text(const Measurement& s)
 
 void print_table(const std::vector<Measurement>& samples)
 {
-    fmt::print("{:<8} {:>11} {:>10} {:>10} {:>11} {:>5} {:>6} {:>7}  weights\n", "kind", "relative L2", "farthest %",
-               "energy +%", "linear L2", "iter", "eval", "us");
+    print_to(stdout, "{:<8} {:>11} {:>10} {:>10} {:>11} {:>5} {:>6} {:>7}  weights\n", "kind", "relative L2", "farthest %",
+             "energy +%", "linear L2", "iter", "eval", "us");
     double mean = 0, worst = 0, farthest = 0, nearest_mean = 0, nearest_worst = 0;
     int unconverged = 0, branched = 0;
     std::vector<double> times;
     for (const Measurement& s : samples) {
         std::string w;
         for (double value : s.weights) w += fmt::format("{}{:.2f}", w.empty() ? "" : ",", value);
-        fmt::print("{:<8} {:>11.2e} {:>10.3f} {:>10} {:>11.2e} {:>5} {:>6} {:>7.1f}  {}{}\n", s.kind, s.error.relative_l2,
-                   100 * s.error.largest_distance, energy_text(s), s.linear.relative_l2, s.info.iterations,
-                   s.info.evaluations, s.microseconds, w,
-                   !s.has_converged     ? "  (unreduced average did not converge)"
-                       : s.branch_count ? fmt::format("  (nearest other average: {:.1e})", s.nearest_error)
-                                        : "");
+        print_to(stdout, "{:<8} {:>11.2e} {:>10.3f} {:>10} {:>11.2e} {:>5} {:>6} {:>7.1f}  {}{}\n", s.kind,
+                 s.error.relative_l2, 100 * s.error.largest_distance, energy_text(s), s.linear.relative_l2,
+                 s.info.iterations, s.info.evaluations, s.microseconds, w,
+                 !s.has_converged     ? "  (unreduced average did not converge)"
+                     : s.branch_count ? fmt::format("  (nearest other average: {:.1e})", s.nearest_error)
+                                      : "");
         mean += s.error.relative_l2 / double(samples.size());
         worst = std::max(worst, s.error.relative_l2);
         farthest = std::max(farthest, s.error.largest_distance);
@@ -73,17 +74,18 @@ void print_table(const std::vector<Measurement>& samples)
         branched += s.branch_count > 0;
         times.push_back(s.microseconds);
     }
-    fmt::print("relative L2: mean {:.2e}, largest {:.2e}; farthest vertex {:.3f} % of the diagonal; solve {:.1f} us "
-               "(median, cold)\n",
-               mean, worst, 100 * farthest, median(times));
+    print_to(stdout,
+             "relative L2: mean {:.2e}, largest {:.2e}; farthest vertex {:.3f} % of the diagonal; solve {:.1f} us "
+             "(median, cold)\n",
+             mean, worst, 100 * farthest, median(times));
     if (branched)
-        fmt::print(
-            "{} of {} weights have a second average besides the one on the straight path from the mean; relative L2 to "
-            "the average nearest to the blend: mean {:.2e}, largest {:.2e}\n",
-            branched, samples.size(), nearest_mean, nearest_worst);
+        print_to(stdout,
+                 "{} of {} weights have a second average besides the one on the straight path from the mean; relative L2 to "
+                 "the average nearest to the blend: mean {:.2e}, largest {:.2e}\n",
+                 branched, samples.size(), nearest_mean, nearest_worst);
     if (unconverged)
-        fmt::print("{} of {} unreduced averages did not converge: their rows are not reliable\n", unconverged,
-                   samples.size());
+        print_to(stdout, "{} of {} unreduced averages did not converge: their rows are not reliable\n", unconverged,
+                 samples.size());
 }
 
 // The surface that the asset draws, if it does; it must be given then, and only then.
@@ -116,7 +118,7 @@ ExitCode run_measure(const MeasureArguments& a)
         nlohmann::ordered_json json
             = { { "asset", a.asset }, { "dimension", blender.asset().dimension }, { "seed", a.measure.seed } };
         for (const Measurement& s : samples) json["samples"].push_back(to_json(s));
-        fmt::print("{}\n", json.dump(1));
+        print_to(stdout, "{}\n", json.dump(1));
     } else {
         print_table(samples);
     }

@@ -1,5 +1,6 @@
 #include "cli/verbs.h"
 
+#include "base/common/print.h"
 #include "elastic/pose/drag.h"
 #include "elastic/pose/rest_pose.h"
 #include "input/io/encode_msh.h"
@@ -39,7 +40,7 @@ void stop_at_errors(const DiagnosticList& diagnostics)
 void print_regions(const Script& script, const Handles& handles)
 {
     for (std::size_t i = 0; i < handles.size(); ++i)
-        fmt::print(stderr, "pliant pose: {}: {} vertices\n", script.where(script.lines[i]), handles.count(i));
+        print_to(stderr, "pliant pose: {}: {} vertices\n", script.where(script.lines[i]), handles.count(i));
 }
 
 DragResult drag_with_progress(const PoseArguments& a, const RestPose& rest, const Handles& handles)
@@ -70,8 +71,8 @@ ExitCode run_pose(const PoseArguments& a)
     write_output(a.output, encode_msh(result.positions, rest->as_read));
     if (!a.ply.empty()) write_output(a.ply, encode_boundary(*rest, result.positions));
     if (!a.talk.is_quiet)
-        fmt::print("{}: energy {:.4e}, smallest J {:.3f}, {} steps, {} iterations\n", a.output, result.last.energy,
-                   result.last.smallest_j, result.steps, result.iterations);
+        print_to(stdout, "{}: energy {:.4e}, smallest J {:.3f}, {} steps, {} iterations\n", a.output, result.last.energy,
+                 result.last.smallest_j, result.steps, result.iterations);
     return ExitCode::done;
 }
 

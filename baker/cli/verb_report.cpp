@@ -1,12 +1,12 @@
 #include "cli/verbs.h"
 
+#include "base/common/print.h"
 #include "input/io/source_file.h"
 #include "input/io/write_file.h"
 #include "output/page/collect_page_data.h"
 #include "output/page/page.h"
 
 #include <filesystem>
-#include <fmt/core.h>
 #include <memory>
 #include <optional>
 
@@ -55,7 +55,7 @@ ExitCode run_report(const ReportArguments& a)
     const std::string page = write_page(collect_page_data(blender, name, report ? &*report : nullptr, view_of(a)));
     write_output(a.output, page);
     progress.clear_line();
-    if (!a.talk.is_quiet) fmt::print("{}: {:.2f} MiB\n", a.output, double(page.size()) / 1048576.0);
+    if (!a.talk.is_quiet) print_to(stdout, "{}: {:.2f} MiB\n", a.output, double(page.size()) / 1048576.0);
     return ExitCode::done;
 }
 

@@ -1,6 +1,7 @@
 #include "pipeline/batch.h"
 
 #include "base/common/diagnostics.h"
+#include "base/common/print.h"
 #include "pipeline/child_process.h"
 #include "pipeline/stamp.h"
 
@@ -12,7 +13,7 @@
 namespace pliant {
 namespace {
 
-void print_line(const std::string& text) { fmt::print(stderr, "pliant bake-all: {}\n", text); }
+void print_line(const std::string& text) { print_to(stderr, "pliant bake-all: {}\n", text); }
 
 // A line of a child under the name of its bake.
 ChildGroup::LineSink line_printer(const std::vector<BatchJob>& jobs)

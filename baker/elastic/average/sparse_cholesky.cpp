@@ -1,13 +1,18 @@
 #include "elastic/average/sparse_cholesky.h"
 
 #include "base/common/diagnostics.h"
+#include "base/common/parallel.h"
 
 #include <Eigen/SparseCholesky>
+#include <algorithm>
 #include <cstring>
 #include <fmt/core.h>
 #include <mutex>
 #include <new>
 #include <sstream>
+#include <sys/mman.h>
+#include <sys/resource.h>
+#include <vector>
 
 #ifdef PLIANT_WITH_CHOLMOD
 #include <suitesparse/cholmod.h>
@@ -16,6 +21,8 @@ extern "C" void openblas_set_num_threads(int) __attribute__((weak));
 extern "C" int openblas_get_parallel() __attribute__((weak)); // 0: built without threads
 extern "C" char* openblas_get_config() __attribute__((weak));
 extern "C" char* openblas_get_corename() __attribute__((weak));
+extern "C" void* blas_memory_alloc(int) __attribute__((weak));
+extern "C" void blas_memory_free(void*) __attribute__((weak));
 // Present when CHOLMOD was built with OpenMP: it asks for four threads by itself, which then spin against each other.
 extern "C" void omp_set_max_active_levels(int) __attribute__((weak));
 #endif
@@ -88,6 +95,38 @@ private:
     std::unique_lock<std::mutex> lock_;
 };
 
+constexpr std::size_t blas_buffer_size = std::size_t(128) << 20; // of OpenBLAS, a thread that computes: address space
+
+bool has_room(std::size_t size)
+{
+    void* const room = ::mmap(nullptr, size, PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS | MAP_NORESERVE, -1, 0);
+    return room != MAP_FAILED && ::munmap(room, size) == 0;
+}
+
+// OpenBLAS tries for ever to map a buffer where the address space is limited (ulimit -v) and used up. So it maps one for
+// each thread now, after we have seen that there is room; it keeps them.
+void map_blas_buffers(std::size_t thread_count)
+{
+    rlimit limit {};
+    if (!blas_memory_alloc || ::getrlimit(RLIMIT_AS, &limit) != 0 || limit.rlim_cur == RLIM_INFINITY) return;
+    static std::size_t mapped_count = 0;
+    std::vector<void*> buffers;
+    bool is_enough = true;
+    while (buffers.size() < thread_count && is_enough) {
+        is_enough = buffers.size() < mapped_count || has_room(blas_buffer_size + blas_buffer_size / 16);
+        if (is_enough) buffers.push_back(blas_memory_alloc(0));
+    }
+    mapped_count = std::max(mapped_count, buffers.size());
+    for (void* buffer : buffers) blas_memory_free(buffer);
+    if (!is_enough)
+        throw Failure(
+            ExitCode::failed,
+            error_at(4306, "",
+                     fmt::format("the address space is limited (ulimit -v): OpenBLAS needs {} MiB for each of {} threads",
+                                 blas_buffer_size >> 20, thread_count),
+                     "raise the limit, or use fewer --threads or --solver eigen"));
+}
+
 } // namespace
 #endif
 
@@ -122,6 +161,7 @@ struct SparseCholesky::Backend {
         static std::once_flag once;
         std::call_once(once, [] {
             if (openblas_set_num_threads) openblas_set_num_threads(1);
+            map_blas_buffers(worker_count());
         });
         cholmod_l_start(&common);
         common.supernodal = CHOLMOD_SUPERNODAL;
