@@ -1,9 +1,11 @@
 #!/usr/bin/env python3
-"""The page as a folder of static files: build.py FOLDER PACKAGE ASSET...
+"""The page as a folder of static files: build.py FOLDER [--package PACKAGE] ASSET...
 
-PACKAGE is the folder that runtime/bindings/web/build.py makes. The assets are copied; the page opens creature.pliant first.
-three.js comes from the npm registry. Any web server serves FOLDER: python3 -m http.server --directory FOLDER
+The assets are copied; the page opens creature.pliant first. three.js comes from the npm registry. PACKAGE is the folder that
+runtime/bindings/web/build.py has made; without it, it is made now. Any web server serves FOLDER:
+python3 -m http.server --directory FOLDER
 """
+import argparse
 import shutil
 import subprocess
 import sys
@@ -11,6 +13,7 @@ import tempfile
 from pathlib import Path
 
 HERE = Path(__file__).resolve().parent
+BINDING = HERE.parents[1] / "runtime/bindings/web/build.py"
 PAGE = ["index.html", "example.html", "style.css", "page.js", "polygon.js", "view.js"]
 THREE = ["build/three.module.js", "build/three.core.js", "examples/jsm/controls/OrbitControls.js", "LICENSE"]
 PACKAGE = ["pliant.js", "pliant.wasm", "three.js", "LICENSE"]
@@ -22,20 +25,27 @@ def copy(files, source, folder):
         shutil.copy(source / name, folder)
 
 
-def main(folder, package, *assets):
+def main():
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("folder", type=Path, metavar="FOLDER")
+    parser.add_argument("assets", type=Path, nargs="*", metavar="ASSET")
+    parser.add_argument("--package", type=Path)
+    options = parser.parse_args()
+    folder = options.folder
     with tempfile.TemporaryDirectory() as name:
         modules = Path(name)
         copy(["package.json", "package-lock.json"], HERE, modules)
         subprocess.run(["npm", "ci", "--no-audit", "--no-fund", "--ignore-scripts", "--silent", "--fetch-retries=1"],
                        cwd=modules, check=True)
         copy(THREE, modules / "node_modules/three", folder / "three")
+        package = options.package or modules / "package"
+        if not options.package:
+            subprocess.run([sys.executable, "-B", BINDING, package], check=True)
+        copy(PACKAGE, package, folder / "pliant")
     copy(PAGE, HERE, folder)
-    copy(PACKAGE, package, folder / "pliant")
-    copy(assets, Path(), folder)
+    copy(options.assets, Path(), folder)
     return 0
 
 
 if __name__ == "__main__":
-    if len(sys.argv) < 3:
-        sys.exit(__doc__)
-    sys.exit(main(*map(Path, sys.argv[1:])))
+    sys.exit(main())

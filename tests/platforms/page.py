@@ -58,7 +58,7 @@ def main():
     page = folder / "page"
     python = environment / "bin/python"
     shutil.rmtree(page, ignore_errors=True)
-    subprocess.run([python, "-B", ROOT / "samples/web/build.py", page, environment / "package"], check=True)
+    subprocess.run([python, "-B", ROOT / "samples/web/build.py", page, "--package", environment / "package"], check=True)
     for name, (file, _) in ASSETS.items():
         shutil.copy(assets / file, page / f"{name}.pliant")
     subprocess.run([tool, "export", page / "averages.pliant", "--embed", "-o", page / "embedded.glb"], check=True,

@@ -2,12 +2,15 @@
 """The npm package: build.py FOLDER
 
 Compiles the runtime to FOLDER/pliant.wasm and copies the package's other files beside it; `npm pack` in FOLDER makes the
-archive. The compiler is zig: pip install ziglang==0.17.0 for the Python that runs this. The module imports nothing.
+archive. The compiler is zig, of the Python that runs this; where that has none, zig is installed from PyPI once, into build/zig
+of the project. The module imports nothing.
 """
+import importlib.util
 import re
 import shutil
 import subprocess
 import sys
+import venv
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
@@ -15,7 +18,8 @@ HERE = Path(__file__).resolve().parent
 RUNTIME = HERE.parents[1]
 ROOT = RUNTIME.parent
 FILES = ["package.json", "pliant.js", "pliant.d.ts", "three.js", "three.d.ts", "README.md"]
-COMPILE = [sys.executable, "-m", "ziglang", "cc", "-target", "wasm32-wasi", "-msimd128", "-std=c99", "-ffp-contract=off",
+ZIG = "ziglang==0.17.0"
+COMPILE = ["-m", "ziglang", "cc", "-target", "wasm32-wasi", "-msimd128", "-std=c99", "-ffp-contract=off",
            "-fno-math-errno", "-fno-trapping-math", f"-I{RUNTIME}", f"-I{ROOT / 'formats'}"]
 # Not in a frame, or little of it: made small. The rest is made fast.
 SMALL = {"asset", "asset_energy", "asset_shape", "bounds", "glb", "morph", "normals", "objective", "open", "radial",
@@ -28,20 +32,33 @@ def functions():
     return [name for name in names if name != "pliant_solver_desc_default"]
 
 
-def compile_one(source, output):
+def python_with_zig():
+    if importlib.util.find_spec("ziglang"):
+        return sys.executable
+    folder = ROOT / "build/zig"
+    python = folder / ("Scripts/python.exe" if sys.platform == "win32" else "bin/python")
+    is_there = python.exists() and not subprocess.run([python, "-c", "import ziglang"], capture_output=True).returncode
+    if not is_there:
+        venv.create(folder, clear=True, with_pip=True)
+        subprocess.run([python, "-m", "pip", "install", "--quiet", ZIG], check=True)
+    return str(python)
+
+
+def compile_one(python, source, output):
     level = "-Oz" if source.stem in SMALL else "-O2"
-    subprocess.run([*COMPILE, level, "-c", str(source), "-o", str(output)], check=True)
+    subprocess.run([python, *COMPILE, level, "-c", str(source), "-o", str(output)], check=True)
     return str(output)
 
 
 def main(folder):
+    python = python_with_zig()
     objects = folder / "objects"
     objects.mkdir(parents=True, exist_ok=True)
     sources = sorted(RUNTIME.glob("*.c"))
     with ThreadPoolExecutor(2) as pool:
-        compiled = list(pool.map(lambda source: compile_one(source, objects / f"{source.stem}.o"), sources))
+        compiled = list(pool.map(lambda source: compile_one(python, source, objects / f"{source.stem}.o"), sources))
     exports = [f"-Wl,--export={name}" for name in ("malloc", "free", *functions())]
-    subprocess.run([*COMPILE, "-O2", "-s", "-mexec-model=reactor", *compiled, *exports, "-o", str(folder / "pliant.wasm")],
+    subprocess.run([python, *COMPILE, "-O2", "-s", "-mexec-model=reactor", *compiled, *exports, "-o", str(folder / "pliant.wasm")],
                    check=True)
     shutil.rmtree(objects)
     for name in FILES:

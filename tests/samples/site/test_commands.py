@@ -15,7 +15,7 @@ BUILDS = "it builds, or fetches, for minutes"
 WINDOW = "it opens a window, or serves until it is stopped"
 NOT_RUN = {
     "bash samples/demo.sh": BUILDS, "bash samples/install_packages.sh": BUILDS, "cmake ": BUILDS, "python3 -m venv": BUILDS,
-    "build/venv/bin/pip": BUILDS, "build/venv/bin/python": BUILDS, "build/zig/bin/python": BUILDS,
+    "build/venv/bin/pip": BUILDS, "build/venv/bin/python": BUILDS,
     "python3 samples/web/build.py": BUILDS, "python3 -m http.server": WINDOW,
     "PATH=$PWD/build/release/baker:$PATH blender": WINDOW,
     "build/pliant/bin/pliant-player": WINDOW, "build/release/samples/gltf_game/gltf_game": WINDOW,
