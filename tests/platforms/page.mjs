@@ -84,7 +84,7 @@ async function checkOutline(tab, picture) {
             ours.filter((isInside, i) => isInside || theirs[i]).length];
   }, `data:image/png;base64,${readFileSync(picture, "base64")}`, [640, 480], 26);
   console.log(`${different} of ${either} pixels of the outline differ from the player's`);
-  assert.ok(either > 10000 && different < 0.015 * either, "the page draws another outline than the player");
+  assert.ok(either > 10000 && different < 0.01 * either, "the page draws another outline than the player");
   await tab.click("#linear");
   await settled(tab);
 }
