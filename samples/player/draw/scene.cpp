@@ -19,7 +19,7 @@ struct Lighting {
     int light_count, shadow_size, key_taps, dome_taps, footprint_size, sky_taps;
     float lowest, floor;
 };
-constexpr Lighting low_lighting { 1 + 3, 320, 7, 3, 256, 6, 0.82f, 1.5f };
+constexpr Lighting low_lighting { 1 + 3, 320, 7, 3, 256, 3, 0.82f, 1.5f };
 constexpr Lighting medium_lighting { 1 + 16, 768, 12, 4, 512, 12, 0.25f, 2.4f };
 constexpr Lighting high_lighting { 1 + 24, 768, 24, 8, 1024, 16, 0.17f, 2.4f };
 
@@ -97,7 +97,7 @@ void Scene::make_footprint_target()
     glTexImage2D(GL_TEXTURE_2D, 0, GL_RGBA8, footprint_size_, footprint_size_, 0, GL_RGBA, GL_UNSIGNED_BYTE, nullptr);
     glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_WRAP_S, GL_CLAMP_TO_BORDER);
     glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_WRAP_T, GL_CLAMP_TO_BORDER);
-    glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MIN_FILTER, GL_LINEAR_MIPMAP_LINEAR);
+    glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MIN_FILTER, GL_LINEAR_MIPMAP_NEAREST); // each look-up has one level for all pixels
     glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MAG_FILTER, GL_LINEAR);
     glBindRenderbuffer(GL_RENDERBUFFER, footprint_depth_.get());
     glRenderbufferStorage(GL_RENDERBUFFER, GL_DEPTH_COMPONENT24, footprint_size_, footprint_size_);

@@ -173,7 +173,7 @@ void main()
     float fade = 1.0 - smoothstep(0.45, 1.0, length(point.xz - centre.xz) / radius);
     if (fade <= 0.0) discard;
     vec3 up = vec3(0.0, 1.0, 0.0);
-    float key = visibility(0, point, up, key_softness, KEY_TAPS);
+    float key = visibility(0, point, up, key_softness, KEY_TAPS > 12 ? 2 * KEY_TAPS : KEY_TAPS);
     float shade = 1.0 - 0.36 * key - 0.64 * (1.0 - hidden_sky());
     colour = vec4(0.16, 0.19, 0.27, 0.80 * shade * fade);
 })";
@@ -200,7 +200,7 @@ vec3 surface_colour(vec3 painted)
 {
     if (warmth < -1.5) { // the reference of distances: hatched
         float stripe = abs(fract((gl_FragCoord.x + gl_FragCoord.y) / 14.0) - 0.5);
-        return mix(vec3(0.80, 0.82, 0.80), vec3(0.36, 0.52, 0.42), smoothstep(0.20, 0.30, stripe));
+        return mix(vec3(0.80, 0.82, 0.80), vec3(0.52, 0.64, 0.56), smoothstep(0.20, 0.30, stripe));
     }
     if (warmth < 0.0) return painted;
     float at = clamp(warmth, 0.0, 1.0) * float(HEAT_COLOURS - 1);
