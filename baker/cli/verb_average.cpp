@@ -23,7 +23,6 @@ struct AverageArguments {
     std::string weights, path, list, output;
     std::uint32_t grid = 0;
     EnergyOptions energy;
-    NewtonOptions newton;
     bool all_vertices = false, is_json = false;
     Talk talk;
 };
@@ -216,7 +215,8 @@ ExitCode run_average(AverageArguments a)
     options.material = material_of(options, poses.is_solid());
     const ElasticModel model = make_model(set, options, &progress);
     SolverPool pool(*model.energy, set, a.energy.solver);
-    AverageFamily family(pool, a.newton, &progress, {}, model.coarse.get());
+    const NewtonOptions newton = exact_newton(set);
+    AverageFamily family(pool, newton, &progress, {}, model.coarse.get());
     family.mean();
     nlohmann::ordered_json averages = nlohmann::ordered_json::array();
     const std::size_t portion = 4 * worker_count(); // in memory together; few, so that files appear as the work goes on
@@ -229,7 +229,7 @@ ExitCode run_average(AverageArguments a)
             if (options.blend == Blend::layers)
                 require_layered_shape(result, one.weights, poses.names, one.frame);
             else
-                require_convergence(result, a.newton, one.frame);
+                require_convergence(result, newton, one.frame);
             write_output(one.output, encode_ply(to_input_units(set, result.y), poses, a.all_vertices));
             progress.clear_line();
             warn_of_jumps(points[i], poses, *options.material, one.frame, progress);

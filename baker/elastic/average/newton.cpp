@@ -66,6 +66,14 @@ NewtonSolver::NewtonSolver(const Energy& energy, const NormalizedPoses& set, Sol
 {
 }
 
+NewtonOptions exact_newton(const NormalizedPoses& set)
+{
+    NewtonOptions options;
+    options.step_floor = 1e-9 * mass_norm(set.shapes[0], set.masses); // shapes are centred
+    options.step_decrement = 1e-12;
+    return options;
+}
+
 void fix_gauge(const NormalizedPoses& set, Shape& y) { align_to(set, set.shapes[0], y); }
 
 void NewtonSolver::hold(const Shape& y)

@@ -32,6 +32,10 @@ struct NewtonOptions {
     bool has_near_factor = false;
 };
 
+// For averages that are the reference of others: converged also where no digit of the shape is left to gain, since forces of
+// sheets whose energy is nearly 0 are noise.
+NewtonOptions exact_newton(const NormalizedPoses& set);
+
 struct NewtonResult {
     Shape y;
     double energy = 0;

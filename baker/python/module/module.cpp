@@ -147,7 +147,7 @@ std::vector<double> averages(const PoseSet& poses, const std::vector<Weights>& w
     options.material = material_of(options, poses.is_solid());
     const ElasticModel model = make_model(set, options, &progress);
     SolverPool pool(*model.energy, set, options.solver);
-    AverageFamily family(pool, NewtonOptions(), &progress, {}, model.coarse.get());
+    AverageFamily family(pool, exact_newton(set), &progress, {}, model.coarse.get());
     family.mean();
     std::vector<FamilyPoint> points(wanted.size());
     if (wanted.size() == 1) {
