@@ -48,10 +48,10 @@ def run(*command, **options):
 
 
 def sources():
-    """The files of PARTS that belong to the tree, without what a build left there."""
-    listed = run("git", "ls-files", "-z", "--", *PARTS, cwd=TREE) if (TREE / ".git").exists() else ""
-    if listed:
-        return [Path(name) for name in listed.split("\0") if name]
+    """The files of PARTS, new ones too, without what git ignores: what a build left there."""
+    if (TREE / ".git").exists():
+        listed = run("git", "ls-files", "-z", "--cached", "--others", "--exclude-standard", "--", *PARTS, cwd=TREE)
+        return [Path(name) for name in listed.split("\0") if name and (TREE / name).is_file()]
     found = [path for part in PARTS for path in ([TREE / part] if (TREE / part).is_file() else (TREE / part).rglob("*"))]
     return [path.relative_to(TREE) for path in found if path.is_file() and "__pycache__" not in path.parts]
 
