@@ -16,7 +16,7 @@ from PIL import Image, features  # noqa: E402
 
 ROOT = Path(__file__).resolve().parents[2]
 sys.path.insert(0, str(ROOT / "formats" / "reference"))
-PLAYER = sys.argv[2]
+PLAYER = str(Path(sys.argv[2]).resolve())
 # Graphics drivers leak a little, which sanitizer builds would report as ours. What does not draw is still watched.
 if sys.argv[1] not in ("help", "usage", "bad_asset", "benchmark"):
     os.environ["ASAN_OPTIONS"] = "detect_leaks=0"

@@ -381,7 +381,7 @@ TEST_CASE("a crowd stands apart, around the middle, inside its extent")
 TEST_CASE("characters of a crowd differ, the first one from none, and stay in their extent")
 {
     CHECK(crowd_variation(0) == 0.0f);
-    const Extent one { { -1, 0, -2 }, { 1, 3, 2 }, { { -1, 0, 0 }, { 1, 3, 0 }, { 0, 1, -2 }, { 0, 1, 2 } } };
+    const Extent one { { -1, 0, -2 }, { 1, 3, 2 }, { { -1, 0, 0 }, { 1, 3, 0 }, { 1, 1, -2 }, { -1, 1, -2 }, { 1, 1, 2 } } };
     const Extent all = extent_with_turns(one);
     for (std::uint32_t i = 0; i < 100; ++i) {
         CHECK(std::abs(crowd_variation(i)) <= 1.0f);
