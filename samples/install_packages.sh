@@ -15,13 +15,14 @@ pliant_packages() {
                 zlib1g-dev libdraco-dev libmeshoptimizer-dev libstb-dev
             ;;
         player)
-            # fonts-dejavu-core: without it the player's texts are drawn with a coarse built-in font.
+            # fonts-dejavu-core: for the captions of the moving pictures.
             printf '%s\n' libglfw3-dev libglm-dev libepoxy-dev libimgui-dev libtinygltf-dev xvfb xauth libgl1-mesa-dri \
                 libegl1-mesa-dev libgl1-mesa-dev fonts-dejavu-core
             ;;
         tests)
             printf '%s\n' doctest-dev libbenchmark-dev python3-dev python3-venv python3-numpy python3-pil \
-                python3-jsonschema clang libclang-rt-14-dev clang-format valgrind doxygen
+                python3-jsonschema clang libclang-rt-14-dev clang-format valgrind doxygen zsh fish \
+                fonts-wqy-microhei
             ;;
         engines)
             # Programs that draw what `pliant export` writes, ffmpeg for the comparison clip, browsers for the page, an ARM
