@@ -1,5 +1,6 @@
 #include "bake/warnings.h"
 
+#include "base/mesh/align.h"
 #include "base/weights/weights.h"
 
 #include <fmt/core.h>
@@ -7,33 +8,33 @@
 namespace pliant {
 namespace {
 
-// The same for layers: no pose can be added between them, but less can be asked of them.
-std::string remedy_for_layers(const BakeReport& r, const BakeOptions& options)
+// The part that misses the tolerance, if the user has chosen it: "raise --dim or leave it out, ". Only options that were
+// given, since without them the baker has tried more already.
+std::string choice_at_fault(const BakeReport& r, const BakeOptions& options)
 {
-    if (!r.branches.empty())
-        return r.input.material == Material::discrete_shells
-            ? "sums of layers jump (P4406): use --material arap, or take a smaller --range"
-            : "sums of layers jump (P4406): take a smaller --range, leave a layer out, or raise --tolerance";
-    if (r.fit.subspace_error.mean > 0.5 * options.tolerance)
-        return r.fit.dimension >= 60 ? "take a smaller --range, leave a layer out, or raise --tolerance"
-                                     : "raise --dim or leave it out, take a smaller --range, or raise --tolerance";
-    return "raise --elements, take a smaller --range, or raise --tolerance";
+    const bool is_subspace = r.fit.subspace_error.mean > 0.5 * options.tolerance;
+    if (is_subspace && options.dimension) return "raise --dim or leave it out, ";
+    if (!is_subspace && options.element_count && r.fit.kind == SurrogateKind::cubature)
+        return "raise --elements or leave it out, ";
+    return "";
 }
 
-// Where to turn when the tolerance is missed: what makes averages jump, else the part that misses it.
+// What helps besides a larger tolerance: against averages that jump, else for the poses.
 std::string remedy(const BakeReport& r, const BakeOptions& options)
 {
-    if (options.time_limit) return "raise --time-limit, leave out --time-limit and --preview, or raise --tolerance";
-    if (!r.input.ranges.empty()) return remedy_for_layers(r, options);
+    if (options.time_limit)
+        return *options.time_limit > 0 ? "raise --time-limit or leave it out, " : "leave out --preview, ";
+    const bool is_shell = r.input.material == Material::discrete_shells;
+    const bool has_layers = !r.input.ranges.empty();
+    if (!r.branches.empty() && is_shell)
+        return has_layers ? "sums of layers jump (P4406): use --material arap, take a smaller --range, "
+                          : "averages jump (P4406): use --material arap, ";
     if (!r.branches.empty())
-        return r.input.material == Material::discrete_shells
-            ? "averages jump (P4406): use --material arap"
-            : "averages jump (P4406): add a pose in between, leave a pose out, or raise --tolerance";
-    if (r.fit.subspace_error.mean > 0.5 * options.tolerance)
-        return r.fit.dimension >= 60
-            ? "add a pose between those of the worst weights, leave a pose out, or raise --tolerance"
-            : "raise --dim or leave it out, add a pose in between, or raise --tolerance";
-    return "raise --elements, add a pose between those of the worst weights, or raise --tolerance";
+        return has_layers ? "sums of layers jump (P4406): take a smaller --range, leave a layer out, "
+                          : "averages jump (P4406): add a pose in between, leave a pose out, ";
+    return choice_at_fault(r, options)
+        + (has_layers ? "take a smaller --range, leave a layer out, "
+                      : "add a pose between those of the worst weights, leave a pose out, ");
 }
 
 bool is_of_layers(const Branch& branch, const std::vector<std::string>& pose_names)
@@ -64,11 +65,12 @@ std::optional<ToleranceMiss> find_miss(const BakeReport& r, const BakeOptions& o
     std::string miss = fmt::format("{} miss the tolerance {:.3g}", r.input.ranges.empty() ? "blends" : "mixtures of layers",
                                    options.tolerance);
     if (options.tolerance_max > 0) miss += fmt::format(" (largest {:.3g})", options.tolerance_max);
-    miss += fmt::format(": mean error {:.2e} (at best {:.2e} in the subspace) at d = {} and {} elements", r.check.mean_error,
-                        r.fit.subspace_error.mean, r.fit.dimension, r.fit.element_count);
+    miss += fmt::format(": mean error {:.2e} (at best {:.2e} in the subspace) at d = {}", r.check.mean_error,
+                        r.fit.subspace_error.mean, r.fit.dimension);
+    if (r.fit.kind != SurrogateKind::quartic) miss += fmt::format(" and {} elements", r.fit.element_count);
     miss += fmt::format(", largest {:.2e} at weights {}", r.check.largest_error,
                         blend_text(r.check.worst_weights, r.input.pose_names));
-    return ToleranceMiss { is_asked, miss, remedy(r, options) };
+    return ToleranceMiss { is_asked, miss, remedy(r, options) + "or raise --tolerance" };
 }
 
 void warn_of(const ToleranceMiss& miss, Progress& progress) { progress.warn(4404, miss.what, miss.hint); }
@@ -143,6 +145,22 @@ void warn_of_memory(double needed, double available, Progress& progress)
     progress.warn(4411,
                   fmt::format("needs about {:.1f} GiB of memory, there are {:.1f}", needed / gibibyte, available / gibibyte),
                   "lower --threads, bake a coarser mesh, or use a machine with more memory");
+}
+
+void warn_of_turns(const NormalizedPoses& set, const PoseSet& poses, Progress& progress)
+{
+    constexpr double far = 30; // degrees
+    std::size_t most = 0, count = 0;
+    for (std::size_t k = 1; k < poses.pose_count(); ++k) {
+        if (turned_degrees(set, k) > turned_degrees(set, most)) most = k;
+        count += turned_degrees(set, k) > far;
+    }
+    if (count == 0) return;
+    progress.warn(4413,
+                  fmt::format("{} is turned by {:.0f} degrees to align it with {}{}", poses.names[most],
+                              turned_degrees(set, most), poses.names[0],
+                              count > 1 ? fmt::format(", {} more poses by more than {:.0f}", count - 1, far) : ""),
+                  "--no-align keeps all poses where their files put them");
 }
 
 void warn_of_foldover(const InputReport& input, const EnergyOptions& energy, Progress& progress)

@@ -4,11 +4,14 @@
 
 #include "bake/certificate.h"
 #include "bake/make_energy.h"
+#include "bake/warnings.h"
 #include "base/common/print.h"
+#include "cli/idle_options.h"
 #include "elastic/energy/contradictions.h"
 #include "elastic/energy/reinforced_shells.h"
 #include "input/gltf/document.h"
 #include "input/poses/pose_source.h"
+#include "pipeline/batch.h"
 #include "pipeline/json_file.h"
 
 #include <algorithm>
@@ -50,11 +53,6 @@ void print_folds(const Folds& folds, std::size_t vertex_count)
                  folds.foldover_count, folds.hinge_count);
     if (folds.rough_count > 0)
         print_to(stdout, "  {} of {} vertices are rough: they will have ARAP cells\n", folds.rough_count, vertex_count);
-}
-
-double turned_degrees(const NormalizedPoses& set, std::size_t pose)
-{
-    return Eigen::AngleAxisd(set.motions[pose].rotation).angle() * 57.29577951308232;
 }
 
 void print_surface(const PoseSet& poses)
@@ -99,13 +97,13 @@ void print_names(const PoseSet& poses)
         print_to(stdout, "  {} {}: {}\n", poses.blend == Blend::layers && k > 0 ? "layer" : "pose", k, poses.names[k]);
 }
 
-// The animations of all glTF files, and a line to copy for the first.
-void print_animations(const std::vector<std::string>& arguments)
+// The animations of all glTF files that are named without a choice, or of all, each with an argument to copy.
+void print_animations(const std::vector<std::string>& arguments, bool is_verbose)
 {
     std::set<std::string> files;
     for (const std::string& argument : arguments) {
         const PoseArgument pose = split_pose_argument(argument);
-        if (!is_gltf_name(pose.path) || !files.insert(pose.path).second) continue;
+        if (!is_gltf_name(pose.path) || (!pose.choice.empty() && !is_verbose) || !files.insert(pose.path).second) continue;
         for (const AnimationChoice& animation : animation_choices(pose.path))
             print_to(stdout, "  animation {}, {:.3g} s: poses of it as '{}'\n", animation.name, animation.seconds,
                      example_of(pose.path, animation));
@@ -140,8 +138,10 @@ std::string bake_command(const CheckArguments& a, const CLI::App& verb)
 
 ExitCode run_check(CheckArguments a, const CLI::App& verb)
 {
-    const PoseSet poses = load_with_warnings("check", a.poses, a.bake.energy);
+    std::vector<Diagnostic> warnings;
+    const PoseSet poses = load_with_warnings("check", a.poses, a.bake.energy, &warnings);
     a.bake.energy.blend = poses.blend;
+    warn_of_idle_options(verb, a.bake.energy, poses.is_solid(), warnings);
     if (a.is_json) {
         print_to(stdout, "{}\n", json_text(describe_poses(poses, a.bake)));
         return ExitCode::done;
@@ -152,6 +152,8 @@ ExitCode run_check(CheckArguments a, const CLI::App& verb)
         return ExitCode::done;
     }
     const Material material = material_of(a.bake.energy, poses.is_solid());
+    ConsoleProgress progress("check", a.talk);
+    warn_of_turns(set, poses, progress);
     if (poses.is_solid())
         print_to(stdout, "{} poses of {} vertices, {} tetrahedra, {} of the vertices on the boundary: ready to bake\n",
                  poses.pose_count(), poses.vertex_count(), poses.tets.size(), poses.boundary_vertex_count);
@@ -161,17 +163,18 @@ ExitCode run_check(CheckArguments a, const CLI::App& verb)
         print_to(stdout, "  {} is the rest shape, the others are layers on it (--blend average: poses of equal rank)\n",
                  poses.names[0]);
     for (std::size_t k = 1; k < poses.pose_count() && poses.blend == Blend::average; ++k)
-        print_to(stdout, "  {}: rotated by {:.1f} degrees to align it with {}\n", poses.names[k], turned_degrees(set, k),
-                 poses.names[0]);
+        if (turned_degrees(set, k) >= 0.1)
+            print_to(stdout, "  {}: rotated by {:.1f} degrees to align it with {}\n", poses.names[k], turned_degrees(set, k),
+                     poses.names[0]);
     print_folds(folds_of(set, a.bake.energy), poses.vertex_count());
     warn_of_contradictions(contradictions_of(poses, set), poses);
     const BakeEstimate e = estimate_bake(poses.vertex_count(), poses.pose_count(), a.bake);
-    print_to(stdout, "estimate of a bake ({}): d = {}, {:.0f} s, {:.1f} GiB of memory, an asset of {:.1f} MiB\n",
-             name_of(material), e.dimension, e.seconds, e.memory / 1073741824.0, e.asset_size / 1048576.0);
+    print_to(stdout, "estimate of a bake ({}): d = {}, {}, {} of memory, an asset of {}\n", name_of(material), e.dimension,
+             e.seconds < 1 ? "under a second" : duration_text(e.seconds), size_text(e.memory), size_text(e.asset_size));
     if (!poses.is_solid())
         print_to(stdout, "  at most {} factorisations\n", factorization_limit(poses.pose_count(), a.bake));
     if (a.talk.is_verbose) print_names(poses);
-    print_animations(a.poses);
+    print_animations(a.poses, a.talk.is_verbose);
     print_to(stdout, "to bake: {}\n", bake_command(a, verb));
     return ExitCode::done;
 }

@@ -5,6 +5,7 @@ import pathlib
 import random
 import struct
 
+import command_lines
 import gltf_files
 import pose_scripts
 import solids
@@ -177,24 +178,15 @@ def both_case(name, file, mesh):
     CASES[name] = lambda folder: write_both(folder, file, mesh())
 
 
-for nothing_to_add in ("missing_file", "one_pose", "too_many_poses", "good",
-                       "output_folder_missing", "output_is_folder", "output_is_input",
-                       "output_is_device", "unknown_option", "misspelt_option", "misspelt_verb",
-                       "bake_output_kind", "weights_not_numbers", "weights_by_name",
-                       "too_few_weights", "range_without_zero", "range_of_no_layer",
-                       "range_of_average", "layers_with_krylov", "many_poses_with_krylov",
-                       "range_unreadable", "grid_too_fine", "too_few_layer_weights",
-                       "infinite_layer_weight", "layers_without_shape", "layer_grid_too_fine",
-                       "list_without_grid", "average_path_one_name", "negative_weight",
-                       "not_an_asset", "tolerance_missed", "preview_and_limit",
-                       "time_limit_negative"):
-    CASES[nothing_to_add] = lambda folder: None
-
-
 @case
 def layers_contradict(folder):
     for name, height in (("flat", 0.2), ("flatter", 0.15)):
         write_mesh(folder / f"{name}.obj", good().moved(lambda x, y, z, height=height: (x, y, height * z)))
+
+
+@case
+def pose_turned(folder):
+    write_mesh(folder / "turned.obj", bent().moved(lambda x, y, z: (z, y, -x)))
 
 
 @case
@@ -483,82 +475,13 @@ def slash_in_group(folder):
     write(folder / "groups.obj", "\n".join(lines[:VERTEX_COUNT] + groups + lines[VERTEX_COUNT:]) + "\n")
 
 
-ASSET = pathlib.Path(__file__).parent.parent / "golden" / "format_1_0.pliant"
-
-
-@case
-def no_weights(folder):
-    write(folder / "asset.pliant", ASSET.read_bytes())
-
-
-@case
-def asset_without_options(folder):
-    write(folder / "asset.pliant", ASSET.read_bytes())
-
-
-@case
-def set_unknown(folder):
-    write(folder / "asset.pliant", ASSET.read_bytes())
-
-
-@case
-def no_frame_number(folder):
-    write(folder / "asset.pliant", ASSET.read_bytes())
-    write(folder / "weights.csv", "1,1\n")
-
-
-@case
-def weights_file_damaged(folder):
-    write(folder / "asset.pliant", ASSET.read_bytes())
-    write(folder / "weights.csv", "1,1\n1,x\n")
-
-
-@case
-def average_two_kinds(folder):
-    write(folder / "weights.csv", "1,1\n")
-
-
-@case
-def average_path_of_other_poses(folder):
-    write(folder / "weights.csv", "1,1\n1,2,3\n")
-
-
-@case
-def average_path_empty(folder):
-    write(folder / "weights.csv", "# nothing\n\n")
-
-
-def export_case(name, weights):
-    """An asset, and a path of weights for it."""
-    def write_files(folder):
-        write(folder / "asset.pliant", ASSET.read_bytes())
-        write(folder / "weights.csv", weights)
-
-    CASES[name] = write_files
-
-
-export_case("export_path_without_animation", "1,1\n")
-export_case("export_path_damaged", "1,1\n1,x\n")
-export_case("export_path_count", "1,1\n1,1,1\n")
-export_case("export_path_negative", "-1,2\n")
-export_case("export_path_empty", "# nothing\n")
-export_case("export_path_missing", "")
-export_case("export_no_asset", "")
-export_case("export_over_asset", "")
-export_case("export_folder_missing", "")
-export_case("export_frame_rate", "")
-export_case("export_morph_and_skin", "")
-export_case("export_no_bones", "")
-export_case("export_output_kind", "")
-export_case("blend_output_kind", "")
-export_case("export_too_fine", "")
-file_case("truncated_asset", "cut.pliant", lambda: ASSET.read_bytes()[:-1])
 CASES["ghost_fin"] = CASES["three_faces_at_edge"]
 
 
 gltf_files.add_cases(good)
 CASES.update(gltf_files.CASES)
 CASES.update(pose_scripts.CASES)
+CASES.update(command_lines.CASES)
 
 
 def generate(name, folder):

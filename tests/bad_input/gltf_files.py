@@ -105,7 +105,10 @@ def add_cases(good):
     case("gltf_time_after_end", lambda g: g.animation("Run", (0, "weights", "LINEAR", [0, 1], [0, 1])))
     case("gltf_animation_unknown", lambda g: g.animation("Run", (0, "weights", "LINEAR", [0, 1], [0, 1])))
     case("gltf_keys", lambda g: g.animation("Run", (0, "weights", "LINEAR", [1, 0], [0, 1])))
+    case("gltf_animation_of_rig", lambda g: g.animation("Rig|Run", (0, "weights", "LINEAR", [0, 1], [0, 1])))
     case("gltf_target_unknown")
+    case("gltf_target_misspelt")
+    case("gltf_one_target")
 
     def many(gltf):
         gltf.json["meshes"] = []

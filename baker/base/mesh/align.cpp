@@ -120,6 +120,11 @@ NormalizedPoses normalize(const PoseSet& poses, bool keep_placement)
     return set;
 }
 
+double turned_degrees(const NormalizedPoses& set, std::size_t pose)
+{
+    return Eigen::AngleAxisd(set.motions[pose].rotation).angle() * 57.29577951308232;
+}
+
 Positions to_input_units(const NormalizedPoses& set, const Shape& shape)
 {
     Positions positions = set.length * rows(shape);

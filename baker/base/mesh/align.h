@@ -19,6 +19,9 @@ void keep_aligned(const NormalizedPoses& set, const Shape& target, const Shape& 
 // Aligns (unless `keep_placement`, or vertices are fixed) and normalises.
 NormalizedPoses normalize(const PoseSet& poses, bool keep_placement = false);
 
+// By how much a pose was turned to align it with pose 0.
+double turned_degrees(const NormalizedPoses& set, std::size_t pose);
+
 // Back to input units and place.
 Positions to_input_units(const NormalizedPoses& set, const Shape& shape);
 
