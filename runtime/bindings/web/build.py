@@ -2,8 +2,8 @@
 """The npm package: build.py FOLDER
 
 Compiles the runtime to FOLDER/pliant.wasm and copies the package's other files beside it; `npm pack` in FOLDER makes the
-archive. The compiler is zig, of the Python that runs this; where that has none, zig is installed from PyPI once, into build/zig
-of the project. The module imports nothing.
+archive. The compiler is zig, of the Python that runs this; where that has none, zig is installed from PyPI once, into
+build/zig of the project. The module imports nothing.
 """
 import importlib.util
 import re
@@ -37,7 +37,8 @@ def python_with_zig():
         return sys.executable
     folder = ROOT / "build/zig"
     python = folder / ("Scripts/python.exe" if sys.platform == "win32" else "bin/python")
-    is_there = python.exists() and not subprocess.run([python, "-c", "import ziglang"], capture_output=True).returncode
+    question = [python, "-c", "import ziglang"]
+    is_there = python.exists() and subprocess.run(question, check=False, capture_output=True).returncode == 0
     if not is_there:
         venv.create(folder, clear=True, with_pip=True)
         subprocess.run([python, "-m", "pip", "install", "--quiet", ZIG], check=True)

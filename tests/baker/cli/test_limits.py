@@ -35,7 +35,8 @@ def check_messages(good):
         done = shell(streams, *BAKE, "-o", "a.pliant")
         assert done.returncode == 0 and bytes_of("a.pliant") == good, (streams, done)
         assert shell(streams, "check", "none.obj", "bent.obj").returncode == 3, streams
-    for words in (("--version",), ("--help",), ("help", "bake"), (*BAKE, "-o", "a.pliant"), ("check", "rest.obj", "bent.obj")):
+    for words in (("--version",), ("--help",), ("help", "bake"), (*BAKE, "-o", "a.pliant"),
+                  ("check", "rest.obj", "bent.obj")):
         for streams in (">/dev/full", ">&-"):
             done = shell(streams, *words)
             assert done.returncode == 1 and "error P4903: " in done.stderr, (words, streams, done)
