@@ -37,12 +37,14 @@ void add_bake_options(CLI::App& verb, BakeRequest& r)
             "How to build the reduced space: adaptive (from unreduced averages, with the fewest dimensions that meet "
             "--tolerance), krylov (Algorithm 1 of von Tycowicz et al. 2015: faster to bake, far less accurate) or barbic "
             "(Barbic et al. 2009: tangents, modes and derivatives of the first pose; for comparison)")
-        ->check(CLI::IsMember({ "adaptive", "krylov", "barbic" }))
+        ->transform(CLI::IsMember({ "adaptive", "krylov", "barbic" }, CLI::ignore_case))
         ->capture_default_str()
         ->type_name("NAME");
-    verb.add_option("--tolerance", r.bake.tolerance,
-                    "Allowed relative L2 error of blends, mean over the check weights, including the error of the "
-                    "surrogate energy. If you set it and the bake misses it, no asset is written and the exit code is 4")
+    verb.add_option(
+            "--tolerance", r.bake.tolerance,
+            "Allowed relative L2 error of blends, mean over the check weights, including the error of the "
+            "surrogate energy. A bake that misses the one you set writes no asset and has exit code 4, unless "
+            "--best-effort or a limit of time is given; without the option it is an aim, and missing it is a warning")
         ->each([&r](const std::string&) { r.has_tolerance = true; })
         ->check(CLI::Range(1e-8, 1.0))
         ->capture_default_str();
@@ -50,7 +52,7 @@ void add_bake_options(CLI::App& verb, BakeRequest& r)
                     "Allowed largest error over the check weights (default: no limit)")
         ->check(CLI::Range(1e-8, 1.0));
     verb.add_flag("--best-effort", r.is_best_effort,
-                  "Write the asset even if it misses --tolerance (the exit code is still 4)");
+                  "Write the asset even if it misses the tolerance that you set; the exit code is 4 then, too");
     verb.add_option("--ritz", r.bake.ritz_count, "krylov: Ritz vectors per tangent")
         ->check(CLI::Range(0, 32))
         ->capture_default_str();
@@ -60,7 +62,7 @@ void add_bake_options(CLI::App& verb, BakeRequest& r)
             "--energy", r.surrogate,
             "Surrogate energy: quartic (an exact polynomial; stvk solids only), cubature (few elements, accurate), ghost (a "
             "coarse mesh; surfaces only), or auto (for stvk solids quartic if d is at most 32; otherwise cubature)")
-        ->check(CLI::IsMember({ "auto", "quartic", "cubature", "ghost" }))
+        ->transform(CLI::IsMember({ "auto", "quartic", "cubature", "ghost" }, CLI::ignore_case))
         ->capture_default_str()
         ->type_name("NAME");
     verb.add_option("--elements", r.bake.element_count,
@@ -72,7 +74,7 @@ void add_bake_options(CLI::App& verb, BakeRequest& r)
                 r.bake.cubature_solver = name == "nn-htp" ? CubatureSolver::nn_htp : CubatureSolver::nnls;
             },
             "How to find cubature elements: nnls (greedy) or nn-htp (hard thresholding pursuit, von Tycowicz et al. 2013)")
-        ->check(CLI::IsMember({ "nnls", "nn-htp" }))
+        ->transform(CLI::IsMember({ "nnls", "nn-htp" }, CLI::ignore_case))
         ->default_str("nnls")
         ->type_name("NAME");
     verb.add_option("--ghost-vertices", r.bake.ghost_vertex_count, "Number of vertices of the ghost")
@@ -97,14 +99,15 @@ void add_bake_options(CLI::App& verb, BakeRequest& r)
         ->type_name("FLOAT");
     verb.add_option_function<double>(
             "--time-limit", [&r](double seconds) { r.bake.time_limit = seconds; },
-            "Stop refining after so many seconds and write the best asset so far, even if it misses --tolerance (the exit "
-            "code is then 4). The shortest bake is that of --preview. The asset depends on the speed of the machine, except "
-            "with 0")
+            "Stop refining after so many seconds and write the best asset so far, as with --best-effort. The shortest bake "
+            "is "
+            "that of --preview. The asset depends on the speed of the machine, except with 0")
         ->check(CLI::Range(0.0, 1e6))
         ->type_name("FLOAT");
-    verb.add_flag("--preview", r.is_preview,
-                  "Bake a rough asset quickly, to try weights and poses: --time-limit 0 and, unless you set it, --tolerance "
-                  "5e-3")
+    verb.add_flag(
+            "--preview", r.is_preview,
+            "Bake a rough asset quickly, to try weights and poses: --time-limit 0, aiming at a tolerance of 5e-3 unless "
+            "you set one")
         ->excludes("--time-limit");
     verb.add_option("--seed", r.bake.seed, "Random seed")->capture_default_str();
     verb.add_flag_callback(

@@ -1,5 +1,6 @@
 #include "cli/config_options.h"
 
+#include "cli/help_format.h"
 #include "input/io/source_file.h"
 
 #include <algorithm>
@@ -106,20 +107,6 @@ Json checked_value(const CLI::Option& option, const Json& value, const std::stri
 
 std::string text_of(const Json& value) { return value.is_string() ? value.get<std::string>() : value.dump(); }
 
-// "INT:INT in [1 - 256]" -> "1 to 256"; "NAME:{a,b}" -> "a, b".
-std::string range_of(const CLI::Option& option)
-{
-    const std::string type = option.get_type_name();
-    const std::size_t open = type.find_first_of("[{"), close = type.find_last_of("]}");
-    if (open == std::string::npos || close == std::string::npos || close < open)
-        return type.rfind("UINT", 0) == 0 ? "a whole number from 0" : "another value";
-    std::string range = type.substr(open + 1, close - open - 1);
-    if (const std::size_t dash = range.find(" - "); dash != std::string::npos) return range.replace(dash, 3, " to ");
-    std::string spaced;
-    for (const char c : range) spaced += c == ',' ? std::string(", ") : std::string(1, c);
-    return spaced;
-}
-
 void set_option(CLI::Option& option, const Json& value, const std::string& where)
 {
     try {
@@ -133,7 +120,7 @@ void set_option(CLI::Option& option, const Json& value, const std::string& where
     } catch (const CLI::ParseError&) {
         throw Failure(ExitCode::bad_input,
                       error_at(2706, where, fmt::format("\"{}\" cannot be {}", key_of(option), value.dump()),
-                               fmt::format("it takes {}; `pliant bake --help` explains it", range_of(option))));
+                               fmt::format("it takes {}; `pliant bake --help` explains it", allowed_values(option))));
     }
 }
 

@@ -26,18 +26,31 @@ std::mutex& output_mutex()
     return instance;
 }
 
+std::size_t written_count = 0; // outputs that are whole; under output_mutex
+std::atomic<const char*> working_verb { "" };
+
 // The end to write to once somebody wants to be told; -1 before.
 std::atomic<int> interrupt_pipe { -1 };
+
+std::string written_text()
+{
+    if (written_count == 0) return "nothing was written";
+    return written_count == 1 ? "one file was written, whole"
+                              : fmt::format("{} files were written, each whole", written_count);
+}
 
 // Nothing is unwound, since nothing half-done can be seen from outside.
 [[noreturn]] void end_interrupted()
 {
     output_mutex().lock();
-    const char text[] = "\npliant: interrupted, nothing was written\n";
-    const ssize_t ignored = ::write(STDERR_FILENO, text, sizeof text - 1);
+    const std::string text = fmt::format("{}pliant{}: interrupted, {}\n", ::isatty(STDERR_FILENO) ? "\n" : "",
+                                         working_verb.load(), written_text());
+    const ssize_t ignored = ::write(STDERR_FILENO, text.data(), text.size());
     (void)ignored;
     ::_exit(int(ExitCode::interrupted));
 }
+
+} // namespace
 
 std::string duration_text(double seconds)
 {
@@ -45,8 +58,6 @@ std::string duration_text(double seconds)
     if (whole < 60) return fmt::format("{} s", whole);
     return fmt::format("{} min {:02} s", whole / 60, whole % 60);
 }
-
-} // namespace
 
 ConsoleProgress::ConsoleProgress(std::string verb, const Talk& talk)
     : verb_(std::move(verb))
@@ -151,6 +162,13 @@ void start_with_fixed_blas(char** arguments)
     ::execv("/proc/self/exe", arguments); // returns only if it failed: then all works but for signals during an analysis
 }
 
+void name_interrupts(const std::string& verb)
+{
+    static std::string name;
+    name = " " + verb;
+    working_verb = name.c_str();
+}
+
 // A thread waits for the signals, and all others, which inherit the mask, never see them: METIS puts a handler of its own on
 // SIGTERM while it works, which jumps back into METIS from whatever thread it hits.
 void install_signal_handlers()
@@ -187,6 +205,7 @@ void write_output(const std::string& path, std::string_view bytes)
 {
     const std::lock_guard<std::mutex> lock(output_mutex());
     write_file_atomically(path, bytes);
+    ++written_count;
 }
 
 } // namespace pliant

@@ -39,6 +39,9 @@ private:
     std::vector<Diagnostic> warnings_;
 };
 
+// "42 s", "3 min 05 s".
+std::string duration_text(double seconds);
+
 // "pliant bake: error P2103: ..." with its hint, to stderr.
 void print_finding(const std::string& verb, const Diagnostic& diagnostic);
 
@@ -62,11 +65,14 @@ void start_with_fixed_blas(char** arguments);
 // they are whole, and while one is written the signal waits until its temporary file is gone or has its name.
 void install_signal_handlers();
 
+// The verb that an interrupt names. To be called once.
+void name_interrupts(const std::string& verb);
+
 // From now on Ctrl-C and SIGTERM end nothing, but make the descriptor that is returned readable, for verbs that have to
 // clean up.
 int catch_interrupts();
 
-// write_file_atomically, with the signals held back meanwhile.
+// write_file_atomically, with the signals held back meanwhile; an interrupt later says how many were written.
 void write_output(const std::string& path, std::string_view bytes);
 
 } // namespace pliant

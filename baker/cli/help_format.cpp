@@ -47,11 +47,11 @@ const std::vector<OptionGroup>& option_groups()
         { "Quality",
           { "--tolerance", "--tolerance-max", "--best-effort", "--preview", "--time-limit", "--position-error",
             "--check-samples", "--fresh-samples" } },
+        { "Build systems", { "--config", "--print-config", "--dry-run", "--report", "--depfile", "--stamp" } },
+        { "Run", { "--threads", "--json", "--quiet", "--verbose" } },
         { "Method, for experiments",
           { "--subspace", "--dim", "--ritz", "--energy", "--elements", "--cubature", "--ghost-vertices", "--solver",
             "--seed" } },
-        { "Build systems", { "--config", "--print-config", "--dry-run", "--report", "--depfile", "--stamp" } },
-        { "Run", { "--threads", "--json", "--quiet", "--verbose" } },
     };
     return groups;
 }
@@ -98,6 +98,25 @@ OptionValue shown_value(const CLI::Option& option)
         value.type += check.substr(range);
     if (!value.choices.empty()) value.type = joined(value.choices, "|");
     return value;
+}
+
+bool takes_whole_numbers(const CLI::Option& option)
+{
+    const std::string type = option.get_type_name();
+    return type.rfind("INT", 0) == 0 || type.rfind("UINT", 0) == 0 || type.find(":INT") != std::string::npos
+        || type.find(":UINT") != std::string::npos;
+}
+
+std::string allowed_values(const CLI::Option& option)
+{
+    const OptionValue value = shown_value(option);
+    if (!value.choices.empty()) return joined(value.choices, ", ");
+    const std::size_t open = value.type.find(" in ["), dash = value.type.find(" - ");
+    if (open != std::string::npos && dash != std::string::npos)
+        return value.type.substr(open + 5, dash - open - 5) + " to "
+            + value.type.substr(dash + 3, value.type.size() - dash - 4);
+    if (option.get_type_name().rfind("UINT", 0) == 0) return "a whole number from 0";
+    return takes_whole_numbers(option) ? "a whole number" : "another value";
 }
 
 std::string HelpFormat::make_option(const CLI::Option* option, bool is_positional) const

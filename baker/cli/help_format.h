@@ -17,6 +17,10 @@ struct OptionValue {
     std::vector<std::string> choices; // one of these words
 };
 OptionValue shown_value(const CLI::Option& option);
+bool takes_whole_numbers(const CLI::Option& option);
+
+// "1 to 256", "adaptive, krylov", for hints.
+std::string allowed_values(const CLI::Option& option);
 
 class HelpFormat : public CLI::Formatter {
 public:

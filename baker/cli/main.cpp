@@ -101,6 +101,7 @@ ExitCode run_tool(int argc, char** argv, std::string& verb)
         throw Failure(ExitCode::usage, usage_error(app, e));
     }
     verb = chosen_verb(app)->get_name();
+    name_interrupts(verb);
     return guarded(verb, verbs.at(verb));
 }
 

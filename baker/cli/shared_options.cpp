@@ -32,7 +32,7 @@ void add_choice(CLI::App& verb, const std::string& option, Enum& value, std::vec
                     if (name == name_of(v)) value = v;
             },
             help)
-        ->check(CLI::IsMember(names))
+        ->transform(CLI::IsMember(names, CLI::ignore_case))
         ->default_str(name_of(value))
         ->type_name("NAME");
 }
@@ -53,7 +53,7 @@ void add_material(CLI::App& verb, EnergyOptions& options)
             "Elastic energy. For surfaces: discrete-shells (thin shell; the default) or arap (as rigid as possible). For "
             "solids: stvk (St. Venant-Kirchhoff; the default) or mooney-rivlin (preserves volume better, never inverts "
             "tetrahedra)")
-        ->check(CLI::IsMember(names))
+        ->transform(CLI::IsMember(names, CLI::ignore_case))
         ->type_name("NAME");
     verb.add_option(
             "--poisson", options.poisson,
@@ -100,7 +100,7 @@ CLI::Option* add_pose_arguments(CLI::App& verb, std::vector<std::string>& poses)
             "tetrahedra: .msh (Gmsh) .mesh (MEDIT) .veg (Vega) .vtk. A glTF file gives its rest shape and one "
             "pose for each morph target at weight 1. FILE.glb#rest gives the rest shape only, "
             "FILE.glb#target=NAME,NAME only these targets, FILE.glb#animation=NAME@0,0.3,0.6 an animation (by "
-            "name, or by number from 0) at these times in seconds")
+            "name, or by number from 0) at these times in seconds; neither of the two holds the rest shape")
         ->required()
         ->type_name("POSE")
         ->expected(1, -1);
@@ -142,7 +142,7 @@ void add_blend_kind(CLI::App& verb, EnergyOptions& options)
             "pose a layer on it with a weight of its own, as of morph targets: 0 without, 1 with the layer; layers add "
             "up, negative weights are the opposite, weights above 1 exaggerate. Default: layers for one glTF file with "
             "morph targets, named without '#'; else average")
-        ->check(CLI::IsMember({ "average", "layers" }))
+        ->transform(CLI::IsMember({ "average", "layers" }, CLI::ignore_case))
         ->type_name("NAME");
 }
 
@@ -181,9 +181,16 @@ void add_json(CLI::App& verb, bool& is_json)
 
 namespace {
 
+// Seams of texture coordinates are in every glTF file: welding them is worth a line of `check` and of a report, no warning.
+bool is_normal(const Diagnostic& warning)
+{
+    return warning.number == 2220 && is_gltf_name(split_pose_argument(warning.where).path);
+}
+
 void report_warnings(const std::string& verb, const std::vector<Diagnostic>& warnings, std::vector<Diagnostic>* kept)
 {
-    for (const Diagnostic& warning : warnings) print_finding(verb, warning);
+    for (const Diagnostic& warning : warnings)
+        if (verb == "check" || !is_normal(warning)) print_finding(verb, warning);
     if (kept) kept->insert(kept->end(), warnings.begin(), warnings.end());
 }
 
@@ -255,7 +262,7 @@ std::vector<std::vector<double>> read_weight_rows(const std::string& path)
     const auto text = read_bytes(path, diagnostics);
     if (!text) throw Failure(ExitCode::bad_input, diagnostics.diagnostics());
     std::vector<std::vector<double>> rows;
-    std::size_t start = 0;
+    std::size_t start = text->rfind("\xef\xbb\xbf", 0) == 0 ? 3 : 0; // spreadsheets begin with a byte order mark
     for (std::size_t line = 1; start < text->size(); ++line) {
         const std::size_t end = std::min(text->find('\n', start), text->size());
         std::string row = text->substr(start, end - start);
@@ -264,16 +271,24 @@ std::vector<std::vector<double>> read_weight_rows(const std::string& path)
         try {
             rows.push_back(parse_weights(row));
         } catch (const Failure& failure) {
-            throw Failure(ExitCode::bad_input,
-                          error_at(2601, path + ":" + std::to_string(line), failure.diagnostics()[0].what,
-                                   "one line per frame, one weight per pose, separated by commas; # starts a comment"));
+            const std::string hint = "one line per frame, one weight per pose, separated by commas; # starts a comment";
+            throw Failure(
+                ExitCode::bad_input,
+                error_at(2601, path + ":" + std::to_string(line), failure.diagnostics()[0].what,
+                         row.find(';') == std::string::npos ? hint : "write commas in place of semicolons: " + hint));
         }
     }
+    if (rows.empty())
+        throw Failure(ExitCode::bad_input, error_at(1223, path, "holds no weights", "write one line of weights per frame"));
     return rows;
 }
 
 void require_suffix(const std::string& option, const std::string& path, const std::string& suffix)
 {
+    if (path == "-")
+        throw Failure(ExitCode::usage,
+                      error_at(1230, "", fmt::format("{}: '-' is no file: standard output is for figures", option),
+                               "outputs are files, as they appear whole or not at all: name one that ends in " + suffix));
     std::filesystem::path name = path;
     const std::string found = name.extension().string();
     if (found.empty() || CLI::detail::to_lower(found) == suffix) return;
@@ -281,6 +296,16 @@ void require_suffix(const std::string& option, const std::string& path, const st
         ExitCode::usage,
         error_at(1230, "", fmt::format("{}: '{}' does not end in {}", option, path, suffix),
                  fmt::format("the file is written in that format: name it {}", name.replace_extension(suffix).string())));
+}
+
+void require_no_pattern(const std::string& path, const std::string& owner)
+{
+    const std::size_t percent = path.find('%');
+    const std::size_t end = percent == std::string::npos ? percent : path.find_first_not_of("0123456789", percent + 1);
+    if (end == std::string::npos || path[end] != 'd') return;
+    throw Failure(ExitCode::usage,
+                  error_at(1237, "", fmt::format("'{}' is a pattern, but one mesh is written", path),
+                           "a pattern belongs to " + owner + ": name one file"));
 }
 
 // Not printf: the pattern comes from outside.

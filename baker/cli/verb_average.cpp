@@ -5,6 +5,7 @@
 #include "bake/warnings.h"
 #include "base/common/parallel.h"
 #include "base/common/print.h"
+#include "cli/idle_options.h"
 #include "elastic/average/family.h"
 #include "input/io/encode_ply.h"
 #include "input/io/write_file.h"
@@ -110,9 +111,6 @@ std::vector<Weights> path_points(const AverageArguments& a, std::size_t pose_cou
                                    "comment"));
         }
     }
-    if (points.empty())
-        throw Failure(ExitCode::bad_input,
-                      error_at(1223, a.path, "holds no weights", "write one line of weights per frame"));
     return points;
 }
 
@@ -134,9 +132,9 @@ void check_usage(const AverageArguments& a)
                       error_at(1224, "", "--list belongs to --grid", "the file of --path lists its weights already"));
     if (!a.weights.empty()) parse_weights(a.weights);
     const std::vector<std::string> inputs = all_inputs(a);
-    probe_output(a.weights.empty() ? frame_name(a.output, 0) : a.output, inputs);
-    if (!a.list.empty()) probe_output(a.list, inputs);
+    probe_outputs({ a.weights.empty() ? frame_name(a.output, 0) : a.output, a.list }, inputs);
     require_suffix("--output", a.output, ".ply");
+    if (!a.weights.empty()) require_no_pattern(a.output, "--path and --grid");
     require_suffix("--list", a.list, ".csv");
 }
 
@@ -201,15 +199,19 @@ void print_figures(const AverageArguments& a, const nlohmann::ordered_json& aver
     }
 }
 
-ExitCode run_average(AverageArguments a)
+ExitCode run_average(AverageArguments a, const CLI::App& verb)
 {
     check_usage(a);
     ConsoleProgress progress("average", a.talk);
-    const PoseSet poses = load_with_warnings("average", a.poses, a.energy);
+    std::vector<Diagnostic> warnings;
+    const PoseSet poses = load_with_warnings("average", a.poses, a.energy, &warnings);
     a.energy.blend = poses.blend;
+    warn_of_idle_options(verb, a.energy, poses.is_solid(), warnings);
     const std::vector<Wanted> wanted = wanted_averages(a, poses.pose_count()); // one glTF file may give many poses
     const std::vector<std::string> inputs = all_inputs(a);
-    for (const Wanted& one : wanted) probe_output(one.output, inputs);
+    std::vector<std::string> outputs = { a.list };
+    for (const Wanted& one : wanted) outputs.push_back(one.output);
+    probe_outputs(outputs, inputs);
     const NormalizedPoses set = normalize(poses, a.energy.keeps_placement());
     EnergyOptions options = a.energy;
     options.material = material_of(options, poses.is_solid());
@@ -274,7 +276,7 @@ Verb add_average(CLI::App& app)
     add_threads(*verb);
     add_json(*verb, a->is_json);
     add_talk(*verb, a->talk);
-    return [a] { return run_average(*a); };
+    return [a, verb] { return run_average(*a, *verb); };
 }
 
 } // namespace pliant

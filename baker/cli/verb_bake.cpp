@@ -7,9 +7,11 @@
 #include "base/common/sha256.h"
 #include "base/weights/weights.h"
 #include "cli/bake_request.h"
+#include "cli/certificate_lines.h"
 #include "cli/config_options.h"
-#include "cli/kind_line.h"
+#include "cli/idle_options.h"
 #include "input/io/write_file.h"
+#include "pipeline/batch.h"
 #include "pipeline/depfile.h"
 #include "pipeline/stamp.h"
 
@@ -31,64 +33,85 @@ void print_layer_errors(const BakeReport& r, double tolerance)
         print_to(stdout, "  the linear sum keeps the tolerance, too: mean error {:.2e}\n", r.check.linear_error);
 }
 
-void print_summary(const BakeRequest& a, const BakedAsset& baked)
+// Of a mesh with seams the simulation has fewer vertices than the file.
+std::string vertices_text(const InputReport& input)
 {
-    const BakeReport& r = baked.report;
-    const std::string energy = r.fit.kind == SurrogateKind::quartic
-        ? "exact quartic"
-        : fmt::format("{} elements{}", r.fit.element_count, r.fit.surrogate.has_load ? " and a dead load" : "");
-    const std::size_t layer_count = r.input.ranges.size();
-    const std::string poses = layer_count ? fmt::format("rest shape and {} layer{}", layer_count, layer_count > 1 ? "s" : "")
-                                          : fmt::format("{} poses", r.input.pose_count);
-    print_to(stdout, "{}: {}, {} vertices, d = {}, {}, {:.1f} MiB\n", a.output, poses, r.input.vertex_count, r.fit.dimension,
-             energy, double(baked.bytes.size()) / 1048576.0);
-    print_to(stdout, "elastic energy: {}{}\n", name_of(r.input.material),
-             r.input.rough_count == 0 ? ""
-                                      : fmt::format(", ARAP cells at {} rough vertices, the roughest of them {}",
-                                                    r.input.rough_count, r.input.roughest_vertex));
-    print_to(stdout, "basis: {:.2f} bytes per number, largest error {:.1e} of the diagonal\n",
-             r.check.basis.bytes_per_number, r.check.basis.largest_difference);
-    if (!r.fit.reason.empty()) print_to(stdout, "cubature instead of the quartic: {}\n", r.fit.reason);
-    if (r.input.tet_count && !r.check.blends.empty())
-        print_to(stdout, "smallest volume ratio of a tetrahedron: {:.3f}\n", r.check.cell_ratio);
-    if (r.check.render_mesh)
-        print_to(stdout, "render mesh: {} vertices of {}{}\n", a.bake.render_mesh->embedding.count(), a.surface,
-                 r.check.blends.empty() ? ""
-                                        : fmt::format(", relative L2 {:.2e} (mean), {:.2e} (largest)",
-                                                      r.check.render_mesh->mean, r.check.render_mesh->largest));
-    if (!r.check.blends.empty())
-        print_to(
-            stdout,
-            "blends at {} weights: relative L2 {:.2e} (mean), {:.2e} (largest), at best {:.2e} and {:.2e} in the subspace; "
-            "farthest vertex {:.2f} % of the diagonal\n",
-            r.check.blends.size(), r.check.mean_error, r.check.largest_error, r.fit.subspace_error.mean,
-            r.fit.subspace_error.largest, 100 * r.check.largest_distance);
-    if (!r.check.kinds.empty()) print_layer_errors(r, a.bake.tolerance);
+    if (!input.drawn_vertex_count) return fmt::format("{} vertices", input.vertex_count);
+    return fmt::format("{} vertices ({} simulated)", input.drawn_vertex_count, input.vertex_count);
+}
+
+std::string poses_text(const InputReport& input)
+{
+    const std::size_t layer_count = input.ranges.size();
+    return layer_count ? fmt::format("rest shape and {} layer{}", layer_count, layer_count > 1 ? "s" : "")
+                       : fmt::format("{} poses", input.pose_count);
+}
+
+void print_work(const BakeReport& r)
+{
     for (const StageTime& stage : r.stages) print_to(stdout, "  {:<18} {:8.1f} s\n", stage.stage, stage.seconds);
     print_to(stdout, "  {} factorisations, {} snapshots, {} interpolated\n", r.factorization_count, r.snapshot_count,
              r.interpolated_count);
 }
 
+void print_checks(const BakeRequest& a, const BakeReport& r)
+{
+    if (r.check.blends.empty()) return;
+    print_to(stdout,
+             "  at best {:.2e} (mean) and {:.2e} (largest) in the subspace; farthest vertex {:.2f} % of the diagonal\n",
+             r.fit.subspace_error.mean, r.fit.subspace_error.largest, 100 * r.check.largest_distance);
+    if (r.input.tet_count) print_to(stdout, "  smallest volume ratio of a tetrahedron: {:.3f}\n", r.check.cell_ratio);
+    if (r.check.render_mesh)
+        print_to(stdout, "  render mesh: relative L2 {:.2e} (mean), {:.2e} (largest)\n", r.check.render_mesh->mean,
+                 r.check.render_mesh->largest);
+    if (!r.check.kinds.empty()) print_layer_errors(r, a.bake.tolerance);
+}
+
+void print_summary(const BakeRequest& a, const BakedAsset& baked)
+{
+    const BakeReport& r = baked.report;
+    const CertificateFacts facts = read_certificate_facts(r.certificate, r.input.pose_count, !r.input.ranges.empty());
+    const std::string energy = r.fit.kind == SurrogateKind::quartic
+        ? "exact quartic"
+        : fmt::format("{} elements{}", r.fit.element_count, r.fit.surrogate.has_load ? " and a dead load" : "");
+    print_to(stdout, "{}: {}\n", a.output, verdict_of(facts));
+    print_to(stdout, "  {}, {}, d = {}, {}, {}\n", poses_text(r.input), vertices_text(r.input), r.fit.dimension, energy,
+             size_text(double(baked.bytes.size())));
+    if (a.bake.render_mesh)
+        print_to(stdout, "  drawn: {} vertices of {}\n", a.bake.render_mesh->embedding.count(), a.surface);
+    print_to(stdout, "  elastic energy: {}{}\n", name_of(r.input.material),
+             r.input.rough_count == 0 ? ""
+                                      : fmt::format(", ARAP cells at {} rough vertices, the roughest of them {}",
+                                                    r.input.rough_count, r.input.roughest_vertex));
+    print_to(stdout, "  basis: {:.2f} bytes per number, largest error {:.1e} of the diagonal\n",
+             r.check.basis.bytes_per_number, r.check.basis.largest_difference);
+    if (!r.fit.reason.empty()) print_to(stdout, "  cubature instead of the quartic: {}\n", r.fit.reason);
+    if (const std::string drift = drift_line(facts); !drift.empty()) print_to(stdout, "  {}\n", drift);
+    print_checks(a, r);
+    if (a.talk.is_verbose) print_work(r);
+}
+
 // A tolerance that was asked for and is missed: nothing is written, unless the best that can be had was asked for, too.
 ExitCode check_tolerance(const BakeRequest& a, const BakedAsset& baked, Progress& progress)
 {
-    const std::optional<ToleranceMiss> miss = find_miss(baked.report, a.bake, a.has_tolerance);
+    std::optional<ToleranceMiss> miss = find_miss(baked.report, a.bake, a.has_tolerance);
     if (!miss) return ExitCode::done;
-    if (miss->is_asked && !a.is_best_effort && !a.bake.time_limit) throw to_failure(*miss);
+    if (miss->is_asked && !a.is_best_effort && !a.bake.time_limit) {
+        std::error_code error;
+        if (std::filesystem::exists(a.output, error))
+            miss->what += fmt::format("; the older {} was left as it is", a.output);
+        throw to_failure(*miss);
+    }
     warn_of(*miss, progress);
     return miss->is_asked ? ExitCode::misses_tolerance : ExitCode::done;
 }
 
-void probe_outputs(const BakeRequest& a)
+void probe_all_outputs(const BakeRequest& a)
 {
     std::vector<std::string> inputs = input_files(a.poses, a.bake.energy);
     if (!a.surface.empty()) inputs.push_back(a.surface);
     if (!a.config.empty()) inputs.push_back(a.config);
-    for (const std::string* output : { &a.output, &a.report, &a.depfile, &a.stamp }) {
-        if (output->empty()) continue;
-        probe_output(*output, inputs);
-        inputs.push_back(*output); // no two outputs may be the same file
-    }
+    probe_outputs({ a.output, a.report, a.depfile, a.stamp }, inputs);
     require_suffix("--output", a.output, ".pliant");
     require_suffix("--report", a.report, ".json");
 }
@@ -140,12 +163,13 @@ ExitCode run_bake(BakeRequest& a, CLI::App& verb)
         print_to(stdout, "{}\n", json_text(config));
         return ExitCode::done;
     }
-    probe_outputs(a);
+    probe_all_outputs(a);
     const ReadLog log;
     ConsoleProgress progress("bake", a.talk);
     std::vector<Diagnostic> warnings;
     const PoseSet poses = load_with_warnings("bake", a.poses, a.bake.energy, &warnings);
     a.bake.energy.blend = poses.blend;
+    warn_of_idle_options(verb, a.bake.energy, poses.is_solid(), warnings);
     if (!a.surface.empty())
         a.bake.render_mesh
             = std::make_shared<const RenderMesh>(load_surface_with_warnings("bake", a.surface, poses, &warnings));

@@ -8,6 +8,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <cstdlib>
 #include <fmt/core.h>
 #include <memory>
 #include <thread>
@@ -17,10 +18,9 @@ namespace pliant {
 namespace {
 
 struct BatchArguments {
-    std::string manifest, report;
+    std::string manifest, report, memory;
     std::vector<std::string> only;
     std::size_t job_count = 1;
-    std::uint64_t memory = 0;
     bool is_json = false, is_dry_run = false, is_forced = false, is_fail_fast = false, is_keep_going = false;
     Talk talk;
 };
@@ -51,6 +51,24 @@ void keep_only(std::vector<BatchJob>& jobs, const std::vector<std::string>& only
     jobs.erase(std::remove_if(jobs.begin(), jobs.end(), is_left_out), jobs.end());
 }
 
+// Of --memory. A number without a unit is one of bytes, but who writes 16 means another.
+double bytes_of(const std::string& text)
+{
+    double bytes = 0;
+    try {
+        std::string number = text;
+        if (CLI::AsSizeValue(false)(number).empty()) bytes = std::strtod(number.c_str(), nullptr);
+    } catch (const CLI::Error&) {
+    }
+    const bool has_unit = text.find_first_not_of("0123456789") != std::string::npos;
+    if (bytes > 0 && (has_unit || bytes >= 1048576)) return bytes;
+    throw Failure(ExitCode::usage,
+                  error_at(1239, "",
+                           bytes > 0 ? fmt::format("--memory {} has no unit: it would be {} bytes", text, text)
+                                     : fmt::format("--memory {} is no size", excerpt(text)),
+                           "write it as 500MiB or 16GiB"));
+}
+
 void print_plan(const BatchArguments& a, const std::vector<BatchJob>& jobs)
 {
     if (a.talk.is_quiet) return;
@@ -61,13 +79,14 @@ void print_plan(const BatchArguments& a, const std::vector<BatchJob>& jobs)
 ExitCode run_bake_all(const BatchArguments& a)
 {
     require_suffix("--report", a.report, ".json");
+    const double memory = a.memory.empty() ? memory_share * available_memory() : bytes_of(a.memory);
     const auto start = std::chrono::steady_clock::now();
     std::vector<BatchJob> jobs = read_manifest(a.manifest, threads_for_each(a.job_count));
     keep_only(jobs, a.only);
-    if (!a.report.empty()) probe_output(a.report, { a.manifest });
+    probe_outputs({ a.report }, { a.manifest });
     BatchOptions options;
     options.job_count = a.job_count;
-    options.memory = a.memory > 0 ? double(a.memory) : memory_share * available_memory();
+    options.memory = memory;
     options.is_forced = a.is_forced;
     options.is_fail_fast = a.is_fail_fast;
     options.is_quiet = a.talk.is_quiet;
@@ -75,7 +94,9 @@ ExitCode run_bake_all(const BatchArguments& a)
     options.wake = catch_interrupts();
 
     bool goes_on = plan_batch(jobs, options);
-    print_plan(a, jobs);
+    const bool has_work
+        = std::any_of(jobs.begin(), jobs.end(), [](const BatchJob& job) { return job.outcome == Outcome::pending; });
+    if (a.is_dry_run || has_work) print_plan(a, jobs); // else the summary says the same
     if (goes_on && !a.is_dry_run) goes_on = run_batch(jobs, options);
     for (BatchJob& job : jobs) read_figures(job);
     const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
@@ -83,7 +104,7 @@ ExitCode run_bake_all(const BatchArguments& a)
     if (!a.report.empty()) write_output(a.report, json_text(summary) + "\n");
     if (a.is_json)
         print_to(stdout, "{}\n", json_text(summary));
-    else if (!a.is_dry_run)
+    else if (!a.is_dry_run && !a.talk.is_quiet)
         print_to(stdout, "{}", summary_table(jobs));
     return goes_on ? ExitCode(exit_code_of(jobs)) : ExitCode::interrupted;
 }
@@ -129,7 +150,6 @@ Verb add_bake_all(CLI::App& app)
             "--memory", a->memory,
             "Memory that all running bakes together may use, by their estimates (see `pliant check`), such as 500MiB or "
             "16GiB; other bakes wait (default: 80 % of the memory of the machine or container)")
-        ->transform(CLI::AsSizeValue(false))
         ->type_name("SIZE");
     add_what_to_do(*verb, *a);
     verb->add_option("--report", a->report, "Also write the summary as JSON")->type_name("OUT.json");

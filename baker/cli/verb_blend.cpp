@@ -6,9 +6,10 @@
 #include "output/asset/runtime_blender.h"
 #include "pipeline/json_file.h"
 
-#include <fmt/core.h>
-#include <map>
+#include <algorithm>
+#include <fmt/format.h>
 #include <memory>
+#include <set>
 
 namespace pliant {
 
@@ -30,13 +31,16 @@ struct Writing {
 
 std::vector<float> to_floats(const std::vector<double>& values) { return std::vector<float>(values.begin(), values.end()); }
 
-void write_frame(const RuntimeBlender& blender, const std::vector<float>& q, const Writing& how, const std::string& path)
+// Returns how many vertices the mesh has.
+std::size_t write_frame(const RuntimeBlender& blender, const std::vector<float>& q, const Writing& how,
+                        const std::string& path)
 {
     const std::vector<float> positions = blender.positions(q);
     const Eigen::Index count = Eigen::Index(positions.size() / 3);
     using FloatRows = Eigen::Matrix<float, Eigen::Dynamic, 3, Eigen::RowMajor>;
     const Positions rows = Eigen::Map<const FloatRows>(positions.data(), count, 3).cast<double>();
     write_output(path, encode_ply(rows, how.faces, how.numbers, how.all_vertices));
+    return how.all_vertices || !how.numbers.boundary_count ? std::size_t(count) : how.numbers.boundary_count;
 }
 
 nlohmann::ordered_json to_json(const std::string& output, const pliant_solve_info& info)
@@ -53,36 +57,104 @@ void print_frames(const BlendArguments& a, const nlohmann::ordered_json& frames)
     print_to(stdout, "{}\n", json_text(json));
 }
 
-std::string names_of(const pliant_asset& asset)
+std::vector<std::string> weight_names(const pliant_asset& asset)
 {
-    std::string names;
+    std::vector<std::string> names;
     pliant_weight weight;
-    for (std::uint32_t i = 0; pliant_asset_weight(&asset, i, &weight) == PLIANT_OK; ++i)
-        names += (names.empty() ? "" : ", ") + std::string(weight.name);
+    for (std::uint32_t i = 0; pliant_asset_weight(&asset, i, &weight) == PLIANT_OK; ++i) names.push_back(weight.name);
     return names;
+}
+
+[[noreturn]] void fail_set(const BlendArguments& a, const std::string& what, const std::string& hint)
+{
+    throw Failure(ExitCode::usage, error_at(1236, a.asset, "--set " + what, hint));
+}
+
+// Which weight the name of a --set means.
+std::size_t find_weight(const BlendArguments& a, const std::string& text, const std::vector<std::string>& names)
+{
+    const std::size_t equals = text.rfind('=');
+    if (equals == std::string::npos) fail_set(a, fmt::format("'{}' has no '='", text), "write NAME=W, as " + text + "=1");
+    const std::string name = text.substr(0, equals);
+    const auto found = std::find(names.begin(), names.end(), name);
+    if (found == names.end()) {
+        const std::string nearest = nearest_word(name, names);
+        fail_set(a, fmt::format("'{}' names no weight of the asset", text),
+                 name.find('=') != std::string::npos ? "give one --set for each name: --set A=1 --set B=0.5"
+                     : nearest.empty()               ? fmt::format("the names are {}", fmt::join(names, ", "))
+                                                     : fmt::format("did you mean {}={}?", nearest, text.substr(equals + 1)));
+    }
+    if (std::find(found + 1, names.end(), name) != names.end())
+        fail_set(a, fmt::format("'{}' names two weights of the asset", text), "give all weights with --weights");
+    return std::size_t(found - names.begin());
 }
 
 // --set: layers that are not named keep the weight that the asset starts with, poses take no part.
 std::vector<float> weights_by_name(const BlendArguments& a, const RuntimeBlender& blender)
 {
     const pliant_asset& asset = blender.asset();
+    const std::vector<std::string> names = weight_names(asset);
     std::vector<float> weights(asset.weight_count);
-    std::map<std::string, std::uint32_t> places;
-    pliant_weight weight;
-    for (std::uint32_t i = 0; pliant_asset_weight(&asset, i, &weight) == PLIANT_OK; ++i) {
-        places.emplace(weight.name, i); // of equal names the first
-        if (asset.has_layers) weights[i] = weight.initial;
+    for (std::uint32_t i = 0; asset.has_layers && i < asset.weight_count; ++i) {
+        pliant_weight weight {};
+        pliant_asset_weight(&asset, i, &weight);
+        weights[i] = weight.initial;
     }
+    std::set<std::size_t> given;
     for (const std::string& text : a.set) {
-        const std::size_t equals = text.rfind('=');
-        const auto found = places.find(text.substr(0, equals));
-        if (equals == std::string::npos || found == places.end())
-            throw Failure(ExitCode::usage,
-                          error_at(1236, a.asset, fmt::format("--set '{}' names no weight of the asset", text),
-                                   fmt::format("write NAME=W; the names are {}", names_of(asset))));
-        weights[found->second] = to_floats(parse_weights(text.substr(equals + 1)))[0];
+        const std::size_t i = find_weight(a, text, names);
+        if (!given.insert(i).second) fail_set(a, fmt::format("'{}' gives {} a second time", text, names[i]), "give it once");
+        weights[i] = to_floats(parse_weights(text.substr(text.rfind('=') + 1)))[0];
     }
     return weights;
+}
+
+// The work of a frame is for those who ask, -v.
+std::string work_text(const pliant_solve_info& info, bool is_verbose)
+{
+    return is_verbose ? fmt::format(", {} iterations, {} evaluations", info.iterations, info.evaluations) : "";
+}
+
+ExitCode blend_once(const BlendArguments& a, RuntimeBlender& blender, const Writing& how)
+{
+    pliant_solve_info info {};
+    const std::vector<float> weights = a.set.empty() ? to_floats(parse_weights(a.weights)) : weights_by_name(a, blender);
+    probe_outputs({ a.output }, { a.asset });
+    require_suffix("--output", a.output, ".ply");
+    require_no_pattern(a.output, "--path");
+    const std::size_t count = write_frame(blender, blender.solve(weights, false, &info), how, a.output);
+    if (a.is_json)
+        print_frames(a, nlohmann::ordered_json::array({ to_json(a.output, info) }));
+    else if (!a.talk.is_quiet)
+        print_to(stdout, "{}: {} vertices{}{}\n", a.output, count, work_text(info, a.talk.is_verbose),
+                 info.outside > 0 ? ", outside of the measured ranges" : "");
+    return ExitCode::done;
+}
+
+ExitCode blend_path(const BlendArguments& a, RuntimeBlender& blender, const Writing& how)
+{
+    const auto rows = read_weight_rows(a.path);
+    std::vector<std::string> outputs;
+    for (std::size_t frame = 0; frame < rows.size(); ++frame) outputs.push_back(frame_name(a.output, frame));
+    probe_outputs(outputs, { a.asset, a.path });
+    require_suffix("--output", a.output, ".ply");
+    ConsoleProgress progress("blend", a.talk);
+    nlohmann::ordered_json frames = nlohmann::ordered_json::array();
+    pliant_solve_info info {};
+    std::size_t count = 0, outside_count = 0;
+    for (std::size_t frame = 0; frame < rows.size(); ++frame) {
+        progress.update("frames", double(frame) / double(rows.size()));
+        count = write_frame(blender, blender.solve(to_floats(rows[frame]), true, &info), how, frame_name(a.output, frame));
+        outside_count += info.outside > 0;
+        frames.push_back(to_json(frame_name(a.output, frame), info));
+    }
+    progress.clear_line();
+    if (a.is_json)
+        print_frames(a, frames);
+    else if (!a.talk.is_quiet)
+        print_to(stdout, "{} frames of {} vertices{}\n", rows.size(), count,
+                 outside_count ? fmt::format(", {} of them outside of the measured ranges", outside_count) : "");
+    return ExitCode::done;
 }
 
 ExitCode run_blend(const BlendArguments& a)
@@ -93,35 +165,7 @@ ExitCode run_blend(const BlendArguments& a)
     RuntimeBlender blender = RuntimeBlender::from_file(a.asset);
     const Writing how
         = { blender.faces(), { blender.source_vertices(), blender.asset().boundary_vertex_count }, a.all_vertices };
-    pliant_solve_info info {};
-    if (a.path.empty()) {
-        const std::vector<float> weights = a.set.empty() ? to_floats(parse_weights(a.weights)) : weights_by_name(a, blender);
-        probe_output(a.output, { a.asset });
-        require_suffix("--output", a.output, ".ply");
-        write_frame(blender, blender.solve(weights, false, &info), how, a.output);
-        if (a.is_json)
-            print_frames(a, nlohmann::ordered_json::array({ to_json(a.output, info) }));
-        else if (!a.talk.is_quiet)
-            print_to(stdout, "{}: {} iterations, {} evaluations{}\n", a.output, info.iterations, info.evaluations,
-                     info.outside > 0 ? ", outside of the measured ranges" : "");
-        return ExitCode::done;
-    }
-    const auto rows = read_weight_rows(a.path);
-    for (std::size_t frame = 0; frame < rows.size(); ++frame) probe_output(frame_name(a.output, frame), { a.asset, a.path });
-    require_suffix("--output", a.output, ".ply");
-    ConsoleProgress progress("blend", a.talk);
-    nlohmann::ordered_json frames = nlohmann::ordered_json::array();
-    for (std::size_t frame = 0; frame < rows.size(); ++frame) {
-        progress.update("frames", double(frame) / double(rows.size()));
-        write_frame(blender, blender.solve(to_floats(rows[frame]), true, &info), how, frame_name(a.output, frame));
-        frames.push_back(to_json(frame_name(a.output, frame), info));
-    }
-    progress.clear_line();
-    if (a.is_json)
-        print_frames(a, frames);
-    else if (!a.talk.is_quiet)
-        print_to(stdout, "{} frames\n", rows.size());
-    return ExitCode::done;
+    return a.path.empty() ? blend_once(a, blender, how) : blend_path(a, blender, how);
 }
 
 } // namespace

@@ -49,9 +49,6 @@ std::vector<std::vector<float>> path_of(const ExportArguments& a, const WeightDo
     std::vector<std::vector<float>> path;
     for (const std::vector<double>& row : read_weight_rows(a.path))
         path.push_back(weights_of(row, path.size(), domain, a.path));
-    if (path.empty())
-        throw Failure(ExitCode::bad_input,
-                      error_at(5204, a.path, "has no frames", "one line of weights per frame, separated by commas"));
     return path;
 }
 
@@ -123,7 +120,7 @@ ExitCode run_export(const ExportArguments& a)
     RuntimeBlender blender = RuntimeBlender::from_file(a.asset);
     std::vector<std::string> inputs = { a.asset };
     if (!a.path.empty()) inputs.push_back(a.path);
-    probe_output(a.output, inputs);
+    probe_outputs({ a.output }, inputs);
     require_suffix("--output", a.output, ".glb");
     ExportOptions options;
     options.with_morph_targets = with_morph;

@@ -43,7 +43,7 @@ Verb add_help(CLI::App& app)
     CLI::Option* name = verb->add_option("verb", a->verb, "The verb; without it all of them are listed")->type_name("VERB");
     CLI::Option* manual = verb->add_flag("--man", a->is_manual, "Write the manual page (troff) to standard output");
     verb->add_option("--completion", a->shell, "Write a completion script to standard output")
-        ->check(CLI::IsMember({ "bash", "zsh", "fish" }))
+        ->transform(CLI::IsMember({ "bash", "zsh", "fish" }, CLI::ignore_case))
         ->type_name("SHELL")
         ->excludes(name)
         ->excludes(manual);

@@ -3,12 +3,13 @@
 #include "base/common/parallel.h"
 #include "base/common/print.h"
 #include "base/common/version.h"
-#include "cli/kind_line.h"
+#include "cli/certificate_lines.h"
 #include "elastic/average/sparse_cholesky.h"
 #include "output/asset/asset_facts.h"
 #include "output/asset/runtime_blender.h"
 #include "output/page/certificate_facts.h"
 #include "output/page/foreign_json.h"
+#include "pipeline/batch.h"
 #include "pliant_format.h"
 
 #include <algorithm>
@@ -25,7 +26,7 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 struct InfoArguments {
-    std::string asset;
+    std::vector<std::string> assets;
     bool is_json = false, is_build = false;
     Talk talk;
 };
@@ -94,11 +95,28 @@ Json shape_costs(const pliant_asset& asset)
              { "morph_targets", { { "file_size", morph + size_of(PLIANT_CHUNK_TRIANGLES) }, { "frame_bytes", morph } } } };
 }
 
-Json describe(const RuntimeBlender& blender)
+CertificateFacts facts_of(const Json& info)
+{
+    return read_certificate_facts(info["certificate"].dump(-1, ' ', false, Json::error_handler_t::replace),
+                                  info["poses"].size(), info.contains("layers"));
+}
+
+// What scripts ask for first; null where nothing was measured.
+void add_verdict(Json& info)
+{
+    const CertificateFacts facts = facts_of(info);
+    info["meets_tolerance"] = facts.meets_tolerance && facts.mean_error ? Json(*facts.meets_tolerance) : Json();
+    info["tolerance"] = facts.tolerance;
+    info["mean_error"] = facts.mean_error ? Json(*facts.mean_error) : Json();
+    info["largest_error"] = facts.largest_error ? Json(*facts.largest_error) : Json();
+}
+
+Json describe(const RuntimeBlender& blender, const std::string& path)
 {
     const pliant_asset& asset = blender.asset();
     const pliant_solver_desc desc = pliant_solver_desc_default();
-    Json info = { { "format", format_version(asset) },
+    Json info = { { "asset", path },
+                  { "format", format_version(asset) },
                   { "vertices", asset.vertex_count },
                   { "triangles", asset.triangle_count },
                   { "dimension", asset.dimension },
@@ -116,6 +134,7 @@ Json describe(const RuntimeBlender& blender)
     }
     const Json certificate = parse_foreign_json(blender.certificate());
     info["certificate"] = certificate.is_discarded() ? Json() : certificate;
+    add_verdict(info);
     return info;
 }
 
@@ -126,29 +145,13 @@ void print_shape(const Json& info)
     for (const Json& group : basis["columns"])
         columns
             += fmt::format("{}{} of {} bits", columns.empty() ? "" : ", ", group["columns"].dump(), group["bits"].dump());
-    print_to(stdout, "basis: {:.2f} bytes per number; columns: {}\n", basis["bytes_per_number"].get<double>(), columns);
-    print_to(
-        stdout,
-        "file {:.1f} KiB, read per frame {:.1f} KiB; linear morph targets of the same poses in single precision: {:.1f} and "
-        "{:.1f} KiB\n",
-        info["file_size"].get<double>() / 1024, shape["frame_bytes"].get<double>() / 1024,
-        morph["file_size"].get<double>() / 1024, morph["frame_bytes"].get<double>() / 1024);
-}
-
-CertificateFacts facts_of(const Json& info)
-{
-    return read_certificate_facts(info["certificate"].dump(-1, ' ', false, Json::error_handler_t::replace),
-                                  info["poses"].size(), info.contains("layers"));
-}
-
-// Whether the asset is any good.
-std::string verdict_of(const CertificateFacts& facts)
-{
-    if (!facts.is_readable || !facts.mean_error) return "no errors were measured when it was baked";
-    return fmt::format(
-        "{} its tolerance: blends at {} weights are off by {:.2e} (mean, allowed {:.0e}) and {:.2e} (largest)",
-        facts.meets_tolerance.value_or(false) ? "keeps" : "misses", facts.checks.size(), *facts.mean_error, facts.tolerance,
-        facts.largest_error.value_or(0));
+    print_to(stdout, "  basis: {:.2f} bytes per number; columns: {}\n", basis["bytes_per_number"].get<double>(), columns);
+    print_to(stdout,
+             "  file {:.1f} KiB, read per frame {:.1f} KiB; linear morph targets of the same poses in single precision: "
+             "{:.1f} and "
+             "{:.1f} KiB\n",
+             info["file_size"].get<double>() / 1024, shape["frame_bytes"].get<double>() / 1024,
+             morph["file_size"].get<double>() / 1024, morph["frame_bytes"].get<double>() / 1024);
 }
 
 void print_file(const Json& info)
@@ -175,23 +178,34 @@ void print_weights(const Json& info, const CertificateFacts& facts)
                  kind_line({ m.kind, m.count, m.lost_count, m.mean, m.largest, m.linear_mean, m.linear_largest }));
 }
 
+void print_info(const std::string& path, const Json& info, bool is_verbose)
+{
+    const CertificateFacts facts = facts_of(info);
+    print_to(stdout, "{}: {}\n", path, verdict_of(facts));
+    print_to(stdout, "  {} vertices, {} triangles, d = {}, {}, {} of solver memory per character\n", info["vertices"].dump(),
+             info["triangles"].dump(), info["dimension"].dump(), size_text(info["file_size"].get<double>()),
+             size_text(info["solver_memory"].get<double>()));
+    print_weights(info, facts);
+    if (const std::string drift = drift_line(facts); !drift.empty()) print_to(stdout, "  {}\n", drift);
+    print_shape(info);
+    if (is_verbose) print_file(info);
+}
+
+// One asset is one JSON value, several are an array of them.
+void print_values(const std::vector<Json>& values)
+{
+    const Json json = values.size() == 1 ? values[0] : Json(values);
+    print_to(stdout, "{}\n", json.dump(1, ' ', false, Json::error_handler_t::replace));
+}
+
 ExitCode run_info(const InfoArguments& a)
 {
-    const RuntimeBlender blender = RuntimeBlender::from_file(a.asset);
-    const Json info = describe(blender);
-    if (a.is_json) {
-        print_to(stdout, "{}\n", info.dump(1, ' ', false, Json::error_handler_t::replace));
-        return ExitCode::done;
+    std::vector<Json> values;
+    for (const std::string& path : a.assets) {
+        values.push_back(describe(RuntimeBlender::from_file(path), path));
+        if (!a.is_json && !a.talk.is_quiet) print_info(path, values.back(), a.talk.is_verbose);
     }
-    if (a.talk.is_quiet) return ExitCode::done;
-    const CertificateFacts facts = facts_of(info);
-    print_to(stdout, "{}: {}\n", a.asset, verdict_of(facts));
-    print_to(stdout, "  {} vertices, {} triangles, d = {}, {:.2f} MiB, {:.1f} KiB of solver memory per character\n",
-             info["vertices"].dump(), info["triangles"].dump(), info["dimension"].dump(),
-             info["file_size"].get<double>() / 1048576.0, info["solver_memory"].get<double>() / 1024.0);
-    print_weights(info, facts);
-    print_shape(info);
-    if (a.talk.is_verbose) print_file(info);
+    if (a.is_json) print_values(values);
     return ExitCode::done;
 }
 
@@ -230,27 +244,45 @@ Verdict solve_answers(RuntimeBlender& blender)
 // behaves as it did for the baker.
 constexpr double answer_tolerance = 1e-3;
 
+Failure not_reproduced(const std::string& path, const Verdict& verdict)
+{
+    return Failure(ExitCode::bad_input,
+                   error_at(5105, path,
+                            fmt::format("stored answers are not reproduced: off by {:.1e}, allowed {:.1e}",
+                                        verdict.largest_difference, answer_tolerance),
+                            "the file is damaged or was baked for another solver: bake it again"));
+}
+
+// Prints what is wrong, or the verdict as text if `is_text`; returns the verdict as JSON.
+Json validate(const std::string& path, bool is_text)
+{
+    Json json = { { "asset", path }, { "valid", true } };
+    try {
+        RuntimeBlender blender = RuntimeBlender::from_file(path);
+        const Verdict verdict = solve_answers(blender);
+        json["answers"] = verdict.answer_count;
+        json["largest_difference"] = verdict.largest_difference;
+        if (!(verdict.largest_difference <= answer_tolerance)) throw not_reproduced(path, verdict);
+        if (is_text)
+            print_to(stdout, "{}: valid; {} stored answers reproduced within {:.1e}\n", path, verdict.answer_count,
+                     verdict.largest_difference);
+    } catch (const Failure& failure) {
+        if (failure.code() != ExitCode::bad_input) throw;
+        for (const Diagnostic& diagnostic : failure.diagnostics()) print_finding("validate", diagnostic);
+        json["valid"] = false;
+        json["number"] = failure.diagnostics().front().number;
+        json["what"] = failure.diagnostics().front().what;
+    }
+    return json;
+}
+
 ExitCode run_validate(const InfoArguments& a)
 {
-    RuntimeBlender blender = RuntimeBlender::from_file(a.asset, true);
-    const Verdict verdict = solve_answers(blender);
-    const bool is_good = verdict.largest_difference <= answer_tolerance;
-    if (a.is_json)
-        print_to(stdout, "{}\n",
-                 Json({ { "valid", is_good },
-                        { "answers", verdict.answer_count },
-                        { "largest_difference", verdict.largest_difference } })
-                     .dump(1));
-    else if (is_good && !a.talk.is_quiet)
-        print_to(stdout, "{}: valid; {} stored answers reproduced within {:.1e}\n", a.asset, verdict.answer_count,
-                 verdict.largest_difference);
-    if (!is_good)
-        throw Failure(ExitCode::bad_input,
-                      error_at(5105, a.asset,
-                               fmt::format("stored answers are not reproduced: off by {:.1e}, allowed {:.1e}",
-                                           verdict.largest_difference, answer_tolerance),
-                               "the file is damaged or was baked for another solver: bake it again"));
-    return ExitCode::done;
+    std::vector<Json> values;
+    for (const std::string& path : a.assets) values.push_back(validate(path, !a.is_json && !a.talk.is_quiet));
+    if (a.is_json) print_values(values);
+    const bool all_valid = std::all_of(values.begin(), values.end(), [](const Json& v) { return v["valid"] == true; });
+    return all_valid ? ExitCode::done : ExitCode::bad_input;
 }
 
 CLI::App* add_asset_verb(CLI::App& app, const char* name, const char* help, const char* example,
@@ -258,7 +290,7 @@ CLI::App* add_asset_verb(CLI::App& app, const char* name, const char* help, cons
 {
     CLI::App* verb = app.add_subcommand(name, help);
     verb->footer(example);
-    verb->add_option("asset", a->asset, "Asset")->required()->type_name("ASSET");
+    verb->add_option("asset", a->assets, "One or more assets")->required()->type_name("ASSET")->expected(1, -1);
     add_json(*verb, a->is_json);
     add_talk(*verb, a->talk);
     return verb;
@@ -276,9 +308,8 @@ Verb add_info(CLI::App& app)
     verb->get_option("asset")->required(false)->excludes(build);
     return [a] {
         if (a->is_build) return run_build_info(*a);
-        if (a->asset.empty())
-            throw Failure(ExitCode::usage,
-                          error_at(1101, "", "asset is required", "`pliant info --help` lists the arguments"));
+        if (a->assets.empty())
+            throw Failure(ExitCode::usage, error_at(1101, "", "ASSET is missing", "for example: pliant info hero.pliant"));
         return run_info(*a);
     };
 }
@@ -286,9 +317,10 @@ Verb add_info(CLI::App& app)
 Verb add_validate(CLI::App& app)
 {
     auto a = std::make_shared<InfoArguments>();
-    add_asset_verb(app, "validate",
-                   "Check an asset: structure, checksums, and that the runtime reproduces its stored answers",
-                   "Example:\n  pliant validate hero.pliant", a);
+    CLI::App* verb = add_asset_verb(
+        app, "validate", "Check an asset: structure, checksums, and that the runtime reproduces its stored answers",
+        "Example:\n  pliant validate hero.pliant", a);
+    verb->get_option("--json")->description("Print the verdict as JSON to standard output, also on failure");
     return [a] { return run_validate(*a); };
 }
 

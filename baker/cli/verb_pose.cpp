@@ -56,11 +56,10 @@ ExitCode run_pose(const PoseArguments& a)
 {
     require_suffix("--output", a.output, ".msh");
     require_suffix("--ply", a.ply, ".ply");
-    for (const std::string* output : { &a.output, &a.ply })
-        if (!output->empty()) probe_output(*output, { a.rest, a.script });
+    probe_outputs({ a.output, a.ply }, { a.rest, a.script });
     DiagnosticList diagnostics;
-    const Script script = read_script(a.script, diagnostics);
     const std::optional<RestPose> rest = read_rest_pose(a.rest, diagnostics);
+    const Script script = read_script(a.script, diagnostics);
     stop_at_errors(diagnostics);
     const Handles handles(script, rest->mesh.positions, diagnostics);
     stop_at_errors(diagnostics);
@@ -84,7 +83,7 @@ void add_material(CLI::App& verb, SolidOptions& material)
                 material.law = name == "stvk" ? SolidLaw::stvk : SolidLaw::mooney_rivlin;
             },
             "Elastic energy: mooney-rivlin (preserves volume) or stvk (St. Venant-Kirchhoff)")
-        ->check(CLI::IsMember(std::vector<std::string> { "mooney-rivlin", "stvk" }))
+        ->transform(CLI::IsMember(std::vector<std::string> { "mooney-rivlin", "stvk" }, CLI::ignore_case))
         ->default_str("mooney-rivlin")
         ->type_name("NAME");
     verb.add_option("--poisson", material.poisson,

@@ -45,7 +45,7 @@ ExitCode run_report(const ReportArguments& a)
         report = parse_report(bytes, a.input);
         asset = (std::filesystem::path(a.input).parent_path() / report->asset).string();
     }
-    probe_output(a.output, { a.input, asset });
+    probe_outputs({ a.output }, { a.input, asset });
     require_suffix("--output", a.output, ".html");
     RuntimeBlender blender = RuntimeBlender::from_file(asset);
     if (report) check_same_bake(bytes, blender.certificate(), a.input, asset);
@@ -77,14 +77,14 @@ Verb add_report(CLI::App& app)
         ->type_name("ASSET|REPORT.json");
     verb->add_option("-o,--output", a->output, "Page to write")->required()->type_name("OUT.html");
     verb->add_option("--up", a->up, "Axis that points up in the pictures")
-        ->check(CLI::IsMember({ "x", "y", "z" }))
+        ->transform(CLI::IsMember({ "x", "y", "z" }, CLI::ignore_case))
         ->capture_default_str()
         ->type_name("AXIS");
     verb->add_option(
             "--view", a->view,
             "Camera: front (the longer horizontal principal axis of the first pose lies across the picture), side (rotated "
             "by 90 degrees) or three-quarter (rotated by 30 degrees, slightly from above)")
-        ->check(CLI::IsMember({ "front", "side", "three-quarter" }))
+        ->transform(CLI::IsMember({ "front", "side", "three-quarter" }, CLI::ignore_case))
         ->capture_default_str()
         ->type_name("NAME");
     add_talk(*verb, a->talk);

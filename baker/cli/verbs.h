@@ -54,12 +54,17 @@ std::vector<std::string> input_files(const std::vector<std::string>& poses, cons
 // "1,0.5,2" as numbers. Throws Failure (usage, P1201) quoting what is not one.
 std::vector<double> parse_weights(const std::string& text);
 
-// A file with weights, a line a frame. Throws Failure (bad_input, P2001, P2601) naming the line that is not one.
+// A file with weights, a line a frame. Throws Failure (bad_input): P2001, P2601 naming the line that is not one, P1223 if
+// there is none.
 std::vector<std::vector<double>> read_weight_rows(const std::string& path);
 
 // Nothing is written under a name that promises another format. Throws Failure (usage, P1230) naming the option if `path`
-// has a suffix and it is not this one, in any case.
+// has a suffix and it is not this one, in any case, or is "-".
 void require_suffix(const std::string& option, const std::string& path, const std::string& suffix);
+
+// Where one mesh is written, "frame_%04d.ply" means something else. Throws Failure (usage, P1237) naming the options that
+// write many, `owner`.
+void require_no_pattern(const std::string& path, const std::string& owner);
 
 // "frame_%04d.ply" with the frame's number in place of its one integer conversion. Throws Failure (usage, P1205).
 std::string frame_name(const std::string& pattern, std::size_t frame);

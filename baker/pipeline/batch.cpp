@@ -7,6 +7,7 @@
 
 #include <algorithm>
 #include <cstdio>
+#include <cstdlib>
 #include <filesystem>
 #include <fmt/format.h>
 
@@ -15,11 +16,20 @@ namespace {
 
 void print_line(const std::string& text) { print_to(stderr, "pliant bake-all: {}\n", text); }
 
+// "pliant bake: error P2103: run.ply: ...", the first of them.
+void note_error(BatchJob& job, const std::string& line, const std::string& prefix)
+{
+    if (job.error_number || line.rfind(prefix, 0) != 0 || line.size() < prefix.size() + 6) return;
+    job.error_number = std::atoi(line.c_str() + prefix.size());
+    job.error = line.substr(prefix.size() + 6);
+}
+
 // A line of a child under the name of its bake.
-ChildGroup::LineSink line_printer(const std::vector<BatchJob>& jobs)
+ChildGroup::LineSink line_printer(std::vector<BatchJob>& jobs)
 {
     return [&jobs](std::size_t id, const std::string& line) {
         const std::string prefix = "pliant bake: ";
+        note_error(jobs[id], line, prefix + "error P");
         print_line(jobs[id].name + ": " + (line.rfind(prefix, 0) == 0 ? line.substr(prefix.size()) : line));
     };
 }

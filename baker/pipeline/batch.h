@@ -27,7 +27,9 @@ struct BatchJob {
     Json options;                       // of its stamp
     std::vector<std::string> extras;    // further outputs, which must be there
 
-    std::string reason; // why it is not up to date
+    std::string reason;   // why it is not up to date
+    std::string error;    // the first that its process has named: "poses/run.ply:812: face 377 uses ..."
+    int error_number = 0; // 2103; 0: none
     Outcome outcome = Outcome::pending;
     int exit_code = 0, signal = 0;
     double seconds = 0, peak_memory = 0;                       // of the child

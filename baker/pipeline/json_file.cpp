@@ -51,30 +51,6 @@ std::string line_and_column(const std::string& text, std::size_t byte)
     return fmt::format("line {}, column {}", line + 1, end - (start == std::string::npos ? 0 : start + 1) + 1);
 }
 
-std::string plain(std::string word)
-{
-    for (char& c : word) {
-        if (c == '-') c = '_';
-        if (c >= 'A' && c <= 'Z') c = static_cast<char>(c - 'A' + 'a');
-    }
-    return word;
-}
-
-// Letters to change, insert, leave out or swap with their neighbour (optimal string alignment).
-std::size_t edit_distance(const std::string& a, const std::string& b)
-{
-    std::vector<std::vector<std::size_t>> d(a.size() + 1, std::vector<std::size_t>(b.size() + 1));
-    for (std::size_t i = 0; i <= a.size(); ++i) d[i][0] = i;
-    for (std::size_t k = 0; k <= b.size(); ++k) d[0][k] = k;
-    for (std::size_t i = 1; i <= a.size(); ++i)
-        for (std::size_t k = 1; k <= b.size(); ++k) {
-            d[i][k] = std::min({ d[i - 1][k] + 1, d[i][k - 1] + 1, d[i - 1][k - 1] + (a[i - 1] == b[k - 1] ? 0u : 1u) });
-            if (i > 1 && k > 1 && a[i - 1] == b[k - 2] && a[i - 2] == b[k - 1])
-                d[i][k] = std::min(d[i][k], d[i - 2][k - 2] + 1);
-        }
-    return d[a.size()][b.size()];
-}
-
 } // namespace
 
 Json read_json_file(const std::string& path)
@@ -96,21 +72,6 @@ Json read_json_file(const std::string& path)
 }
 
 std::string json_text(const Json& json) { return json.dump(1, ' ', false, Json::error_handler_t::replace); }
-
-std::string nearest_word(const std::string& word, const std::vector<std::string>& words)
-{
-    constexpr std::size_t longest = 64; // no key of ours; bounds the table
-    if (word.size() > longest) return {};
-    std::string nearest;
-    std::size_t least = longest;
-    for (const std::string& candidate : words) {
-        const std::size_t distance = edit_distance(plain(word), plain(candidate));
-        if (distance >= least || 3 * distance > std::max(word.size(), candidate.size())) continue;
-        least = distance;
-        nearest = candidate;
-    }
-    return nearest;
-}
 
 void fail_unknown_key(const std::string& where, const std::string& key, const std::vector<std::string>& known)
 {
@@ -140,6 +101,8 @@ void fail_wrong_kind(const std::string& where, const std::string& key, const std
         hint = "write true or false, without quotation marks";
     else if (wants("number"))
         hint = value.is_string() ? "write it without quotation marks" : "write digits alone, without a decimal point";
+    else if (key == "range")
+        hint = "write [\"0:1.3\"], or [\"smile=0:1\", \"jaw=-0.5:1\"]";
     else if (wants("list"))
         hint = "write [\"rest.ply\", \"run.ply\"]";
     else if (wants("object"))

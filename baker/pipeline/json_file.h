@@ -2,6 +2,7 @@
 #pragma once
 
 #include "base/common/diagnostics.h"
+#include "base/common/nearest_word.h"
 
 #include <nlohmann/json.hpp>
 #include <string>
@@ -14,11 +15,6 @@ using Json = nlohmann::ordered_json;
 // A file whose whole text is one JSON object. Throws Failure (bad_input): P2001, P2002, P2008 (it cannot be read), P2701
 // (not JSON, with line and column, or no object), P2702 (nested deeper than 32), P2703 (a key twice in one object).
 Json read_json_file(const std::string& path);
-
-// Of `words` the one with the fewest letters to change, insert, leave out or swap (the first of several); empty if more than
-// a third of the letters would change, as then something else was meant. Upper and lower case, '-' and '_' count as the
-// same.
-std::string nearest_word(const std::string& word, const std::vector<std::string>& words);
 
 // The error about a key that nobody knows, P2704: names the nearest one of `known` or, if none is near, all.
 [[noreturn]] void fail_unknown_key(const std::string& where, const std::string& key, const std::vector<std::string>& known);

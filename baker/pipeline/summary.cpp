@@ -125,12 +125,14 @@ std::string summary_table(const std::vector<BatchJob>& jobs)
     const std::size_t width = name_width(jobs);
     std::string text = fmt::format("{:<{}}  {:<16} {:>4} {:>8} {:>9} {:>10} {:>8}\n", "name", width, "outcome", "d",
                                    "elements", "error", "size", "seconds");
-    for (const BatchJob& job : jobs)
+    for (const BatchJob& job : jobs) {
         text += fmt::format(
             "{:<{}}  {:<16} {:>4} {:>8} {:>9} {:>10} {:>8}\n", job.name, width, name_of(job.outcome),
             or_dash(has_asset(job), std::to_string(job.dimension)), or_dash(has_asset(job), std::to_string(job.elements)),
             or_dash(job.has_error, fmt::format("{:.2e}", job.mean_error)), or_dash(has_asset(job), size_text(job.file_size)),
             or_dash(job.seconds > 0, fmt::format("{:.1f}", job.seconds)));
+        if (job.error_number) text += fmt::format("{:<{}}  P{}: {}\n", "", width, job.error_number, job.error);
+    }
     return text;
 }
 
@@ -142,6 +144,7 @@ Json summary_json(const std::vector<BatchJob>& jobs, double seconds)
         json["exit_code"] = job.exit_code;
         if (job.signal != 0) json["signal"] = job.signal;
         if (!job.reason.empty()) json["reason"] = job.reason;
+        if (job.error_number) json["error"] = { { "number", job.error_number }, { "what", job.error } };
         if (job.estimated_memory > 0)
             json["estimate"] = { { "dimension", job.estimated_dimension },
                                  { "seconds", job.estimated_seconds },

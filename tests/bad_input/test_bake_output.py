@@ -3,6 +3,7 @@ Cut short by a limit on the size of files: exit code 1, the same. Two at once to
 stays."""
 import os
 import pathlib
+import re
 import resource
 import signal
 import struct
@@ -10,9 +11,11 @@ import subprocess
 import sys
 import tempfile
 import time
-import zlib
 
 import generate
+
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1]))
+from asset_checksums import with_checksums  # noqa: E402
 
 TOOL = sys.argv[1]
 failures = []
@@ -38,13 +41,28 @@ def test_interrupt(folder, poses, number, name):
     time.sleep(1) # long enough to be at work; a bake of this mesh takes many seconds
     is_working = process.poll() is None
     process.send_signal(number)
-    process.communicate(timeout=60)
+    _, errors = process.communicate(timeout=60)
     if not is_working:
         print(f"skipped {name}: the bake was done too soon")
         return
     check(process.returncode == 130, f"{name}: exit code {process.returncode}, wanted 130")
     check(target.read_bytes() == b"old" and os.listdir(folder / "out") == ["a.pliant"],
           f"{name}: the old file alone is there")
+    check(errors == "pliant bake: interrupted, nothing was written\n", f"{name}: {errors!r}")
+
+
+def test_interrupt_of_many(folder, poses):
+    """What was written before an interrupt stays, and is counted."""
+    command = [TOOL, "average", *map(str, poses), "--grid", "1000", "-o", str(folder / "grid_%d.ply"), "--quiet"]
+    process = subprocess.Popen(command, stdin=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True)
+    while not list(folder.glob("grid_*.ply")) and process.poll() is None:
+        time.sleep(0.01)
+    process.send_signal(signal.SIGINT)
+    _, errors = process.communicate(timeout=60)
+    written = len(list(folder.glob("grid_*.ply")))
+    found = re.fullmatch(r"pliant average: interrupted, (\d+) files were written, each whole\n", errors)
+    check(process.returncode == 130 and (found and int(found[1]) == written or written == 1),
+          f"{written} averages are there: {errors!r}")
 
 
 def limit_file_size():
@@ -86,13 +104,10 @@ def change_first_answer(blob):
     (count,) = struct.unpack_from("<I", blob, 24)
     (pose_count,) = struct.unpack_from("<I", blob, 44)
     for entry in range(64, 64 + 32 * count, 32):
-        tag, _, offset, size, _, _ = struct.unpack_from("<4sIQQII", blob, entry)
+        tag, _, offset = struct.unpack_from("<4sIQ", blob, entry)
         if tag == b"ANSW":
             struct.pack_into("<f", blob, offset + 64 + 4 * pose_count, 1e3)
-            struct.pack_into("<I", blob, entry + 24, zlib.crc32(blob[offset : offset + size]))
-    struct.pack_into("<I", blob, 28, 0)
-    struct.pack_into("<I", blob, 28, zlib.crc32(blob[: 64 + 32 * count]))
-    return bytes(blob)
+    return with_checksums(blob)
 
 
 def test_wrong_partners(folder, poses):
@@ -111,7 +126,7 @@ def test_wrong_partners(folder, poses):
           f"best effort: exit code {missed.returncode}, {missed.stderr}")
     check((folder / "missed.pliant").exists(), "best effort: the asset is written")
     preview = run("bake", *poses, "-o", folder / "preview.pliant", "--tolerance", "1e-8", "--preview")
-    check(preview.returncode == 4 and "warning P4404" in preview.stderr and "--time-limit" in preview.stderr,
+    check(preview.returncode == 4 and "warning P4404" in preview.stderr and "leave out --preview" in preview.stderr,
           f"a preview that misses its tolerance: exit code {preview.returncode}, {preview.stderr}")
     check(run("validate", folder / "preview.pliant").returncode == 0, "the preview is written, and valid")
 
@@ -149,6 +164,7 @@ def main():
         generate.write_mesh(large[1], generate.sheet(generate.roof, n=120))
         test_interrupt(folder, large, signal.SIGINT, "SIGINT")
         test_interrupt(folder, large, signal.SIGTERM, "SIGTERM")
+        test_interrupt_of_many(folder, small)
         test_cut_short(folder, small)
         test_wrong_partners(folder, small)
         test_drawn_surface(folder)

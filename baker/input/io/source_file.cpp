@@ -88,8 +88,8 @@ std::optional<std::string> read_whole(const std::string& path, DiagnosticList& d
         return std::nullopt;
     }
     if (!S_ISREG(status.st_mode)) {
-        diagnostics.add(
-            error_at(2002, path, S_ISDIR(status.st_mode) ? "is a folder" : "is not a regular file", "name a mesh file"));
+        diagnostics.add(error_at(2002, path, S_ISDIR(status.st_mode) ? "is a folder" : "is not a regular file",
+                                 "name a file on disk: folders, pipes and devices are not read"));
         return std::nullopt;
     }
     if (status.st_size > file_size_limit) {

@@ -2,6 +2,7 @@
 
 #include "base/mesh/render_mesh.h"
 #include "base/mesh/solid.h"
+#include "input/gltf/document.h"
 #include "input/poses/check_connectivity.h"
 #include "input/poses/check_solid.h"
 #include "input/poses/check_surface.h"
@@ -13,6 +14,8 @@
 #include <algorithm>
 #include <filesystem>
 #include <fmt/format.h>
+#include <map>
+#include <set>
 #include <utility>
 
 namespace pliant {
@@ -112,11 +115,35 @@ void take_elastic(PoseSet& poses, Triangulation drawn, SimulationMesh surface)
     poses.source_vertices = std::move(sources);
 }
 
+// What tells files of one name apart: of a glTF file its own name, else that of its folder.
+std::string origin_of(const MeshFile& mesh)
+{
+    const std::filesystem::path path = split_pose_argument(mesh.path).path;
+    return is_gltf_name(path.string()) ? path.stem().string() : path.parent_path().filename().string();
+}
+
+// Weights are set by name, so no two poses have the same: "run/rest" and "walk/rest", else "rest" and "rest (2)".
+std::vector<std::string> unique_names(const std::vector<MeshFile>& meshes)
+{
+    std::map<std::string, std::size_t> counts;
+    for (const MeshFile& mesh : meshes) ++counts[pose_name(mesh)];
+    std::vector<std::string> names;
+    std::set<std::string> taken;
+    for (const MeshFile& mesh : meshes) {
+        std::string name = pose_name(mesh);
+        const std::string origin = counts[name] > 1 ? origin_of(mesh) : "";
+        if (!origin.empty()) name = origin + "/" + name;
+        names.push_back(name);
+        for (int k = 2; !taken.insert(names.back()).second; ++k) names.back() = fmt::format("{} ({})", name, k);
+    }
+    return names;
+}
+
 PoseSet to_pose_set(std::vector<MeshFile> meshes, Checked checked)
 {
     PoseSet poses;
+    poses.names = unique_names(meshes);
     for (MeshFile& mesh : meshes) {
-        poses.names.push_back(pose_name(mesh));
         poses.paths.push_back(std::move(mesh.path));
         poses.positions.push_back(std::move(mesh.positions));
         poses.initial_weights.push_back(mesh.initial_weight);

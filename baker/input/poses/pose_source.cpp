@@ -1,5 +1,6 @@
 #include "input/poses/pose_source.h"
 
+#include "base/common/nearest_word.h"
 #include "input/gltf/animation.h"
 #include "input/gltf/evaluate.h"
 #include "input/gltf/read_render_scene.h"
@@ -48,6 +49,18 @@ std::string list_of(const std::vector<std::string>& names)
     return text;
 }
 
+// For a name that there is not: the nearest one, or all. Many exporters write animations as "Rig|Walk".
+std::string hint_of_choice(const std::string& wanted, const std::vector<std::string>& names)
+{
+    const auto ends_with_it = [&](const std::string& name) {
+        return !wanted.empty() && name.size() > wanted.size()
+            && name.compare(name.size() - wanted.size(), std::string::npos, wanted) == 0;
+    };
+    const auto found = std::find_if(names.begin(), names.end(), ends_with_it);
+    const std::string nearest = found == names.end() ? nearest_word(wanted, names) : *found;
+    return nearest.empty() ? "it has " + list_of(names) : fmt::format("did you mean '{}'?", nearest);
+}
+
 std::vector<std::string> split(const std::string& text, char separator)
 {
     std::vector<std::string> parts;
@@ -77,7 +90,7 @@ std::vector<Plan> plan_targets(const GltfScene& scene, const std::string& wanted
     for (const std::string& name : split(wanted, ',')) {
         if (!is_known(name))
             usage(error_at(1212, scene.document->path(), fmt::format("there is no morph target '{}'", name),
-                           known.empty() ? "the file has no morph targets" : "it has " + list_of(known)));
+                           known.empty() ? "the file has no morph targets" : hint_of_choice(name, known)));
         plans.push_back(target_plan(name));
     }
     return plans;
@@ -92,7 +105,7 @@ std::size_t find_animation(const GltfDocument& document, const std::string& want
     const auto [rest, error] = std::from_chars(wanted.data(), wanted.data() + wanted.size(), number);
     if (error == std::errc() && rest == wanted.data() + wanted.size() && number < names.size()) return number;
     usage(error_at(1213, document.path(), fmt::format("there is no animation '{}'", wanted),
-                   names.empty() ? "the file has no animations" : "it has " + list_of(names)));
+                   names.empty() ? "the file has no animations" : hint_of_choice(wanted, names)));
 }
 
 double parse_seconds(const std::string& path, const std::string& word)
@@ -204,6 +217,16 @@ struct Source {
     bool is_gltf = false;
 };
 
+// "run.ply#rest" is not a file that somebody has, but a choice where there is none.
+void check_plain(const std::string& path)
+{
+    const std::string suffix = std::filesystem::path(path).extension().string();
+    const std::size_t hash = suffix.find('#');
+    if (hash == std::string::npos || std::filesystem::exists(path)) return;
+    usage(error_at(1211, path, fmt::format("'{}': only glTF files take a choice behind '#'", suffix.substr(hash)),
+                   "leave it out: other files hold one pose"));
+}
+
 class Reader {
 public:
     explicit Reader(DiagnosticList& diagnostics)
@@ -215,7 +238,10 @@ public:
     {
         Source source { split_pose_argument(text), nullptr, {}, false };
         source.is_gltf = is_gltf_name(source.argument.path);
-        if (!source.is_gltf) return source;
+        if (!source.is_gltf) {
+            check_plain(source.argument.path);
+            return source;
+        }
         source.file = open(source.argument.path);
         if (source.file)
             guard(source.argument.path,
@@ -286,6 +312,8 @@ std::string hint_of_lone(const Source& source)
 {
     const std::string hint = "name all poses of the character, the rest pose first";
     if (!source.file) return hint;
+    if (source.argument.choice.rfind("target=", 0) == 0)
+        return fmt::format("add the rest shape: '{0}#rest' '{0}#{1}'", source.argument.path, source.argument.choice);
     const std::vector<AnimationChoice> choices = choices_of(*source.file->scene.document);
     if (choices.empty()) return hint + "; the file has neither morph targets nor animations";
     std::vector<std::string> names;
@@ -345,12 +373,8 @@ PoseSources read_pose_sources(const std::vector<std::string>& arguments, std::op
     Reader reader(diagnostics);
     std::vector<Source> sources;
     PoseSources out;
-    // A long list of plain files needs no reading to be too long.
-    const bool has_gltf = std::any_of(arguments.begin(), arguments.end(), [](const std::string& argument) {
-        return is_gltf_name(split_pose_argument(argument).path);
-    });
     for (const std::string& argument : arguments) {
-        sources.push_back(has_gltf ? reader.plan(argument) : Source { { argument, "" }, nullptr, {}, false });
+        sources.push_back(reader.plan(argument));
         out.count += sources.back().is_gltf && sources.back().file ? sources.back().plans.size() : 1;
     }
     const bool has_targets = sources.size() == 1 && sources[0].plans.size() > 1 && sources[0].argument.choice.empty();

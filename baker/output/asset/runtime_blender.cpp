@@ -14,13 +14,11 @@ Failure open_failure(pliant_result result, const std::string& path)
     const char* hint = "";
     switch (result) {
     case PLIANT_ERROR_VERSION: hint = "bake it again with this version, or use a newer tool"; break;
-    case PLIANT_ERROR_NOT_PLIANT: hint = "`pliant bake` writes .pliant files"; break;
+    case PLIANT_ERROR_NOT_PLIANT: hint = "`pliant bake` writes .pliant files; meshes are for `pliant check`"; break;
     default: hint = "the file is damaged: copy it again (in binary mode) or bake it again"; break;
     }
     return Failure(ExitCode::bad_input,
-                   error_at(5102, path,
-                            fmt::format("not a usable asset: {} (result {})", pliant_result_text(result), int(result)),
-                            hint));
+                   error_at(5102, path, fmt::format("not a usable asset: {}", pliant_result_text(result)), hint));
 }
 
 std::string certificate_of(const pliant_asset& asset)
@@ -65,12 +63,29 @@ RuntimeBlender::RuntimeBlender(const std::vector<std::uint8_t>& bytes, const std
     configure(pliant_solver_desc_default());
 }
 
-RuntimeBlender RuntimeBlender::from_file(const std::string& path, bool verify_checksums)
+// The asset in a file: the one that `pliant export --embed` put into a GLB, else all bytes.
+static std::vector<std::uint8_t> asset_bytes(const std::string& file, const std::string& path)
+{
+    if (file.empty())
+        throw Failure(ExitCode::bad_input,
+                      error_at(5102, path, "not a usable asset: the file is empty", "copy it again or bake it again"));
+    std::size_t offset = 0, size = file.size();
+    const pliant_result result = pliant_glb_find(file.data(), file.size(), &offset, &size);
+    if (result == PLIANT_ERROR_ABSENT)
+        throw Failure(ExitCode::bad_input,
+                      error_at(5102, path, "not a usable asset: a GLB without one",
+                               "`pliant export --embed` puts an asset into a GLB; meshes are for `pliant check`"));
+    if (result != PLIANT_OK) return std::vector<std::uint8_t>(file.begin(), file.end());
+    const auto begin = file.begin() + std::ptrdiff_t(offset);
+    return std::vector<std::uint8_t>(begin, begin + std::ptrdiff_t(size));
+}
+
+RuntimeBlender RuntimeBlender::from_file(const std::string& path)
 {
     DiagnosticList diagnostics;
     const std::optional<std::string> bytes = read_bytes(path, diagnostics);
     if (!bytes) throw Failure(ExitCode::bad_input, diagnostics.diagnostics());
-    return RuntimeBlender(std::vector<std::uint8_t>(bytes->begin(), bytes->end()), path, verify_checksums);
+    return RuntimeBlender(asset_bytes(*bytes, path), path, true);
 }
 
 void RuntimeBlender::configure(const pliant_solver_desc& desc)
@@ -110,11 +125,14 @@ std::vector<float> RuntimeBlender::solve(const std::vector<float>& weights, bool
 {
     if (weights.size() != asset_->weight_count) {
         const char* of = asset_->has_layers ? "layer" : "pose";
+        std::vector<std::string> names;
+        for (std::uint32_t i = 0; i < asset_->weight_count; ++i) names.push_back(asset_.weight(i).name);
         throw Failure(
             ExitCode::usage,
             error_at(1203, "",
                      fmt::format("{} weights given, the asset has {} {}s", weights.size(), asset_->weight_count, of),
-                     fmt::format("give one weight per {}, separated by commas", of)));
+                     fmt::format("give one weight per {}, separated by commas: {}{}", of, fmt::join(names, ", "),
+                                 asset_->has_layers ? " (the rest shape has none)" : "")));
     }
     if (!continuous) solver_->reset();
     try {

@@ -26,8 +26,9 @@ public:
     // Opens a copy of the bytes. Throws Failure (bad_input, P51xx) naming `path` if the runtime refuses them.
     RuntimeBlender(const std::vector<std::uint8_t>& bytes, const std::string& path, bool verify_checksums = false);
 
-    // Reads the file first. Throws Failure (bad_input, P5101) if it cannot be read.
-    static RuntimeBlender from_file(const std::string& path, bool verify_checksums = false);
+    // Reads the file first, an asset or a GLB with one inside, and verifies its checksums. Throws Failure (bad_input): as
+    // above, and P2001, P2002 if it cannot be read.
+    static RuntimeBlender from_file(const std::string& path);
 
     const pliant_asset& asset() const { return *asset_.get(); }
     WeightDomain domain() const;

@@ -14,6 +14,7 @@ using Json = Glb::Json;
 
 // Above this number engines that can be met refuse morph targets.
 constexpr std::size_t many_targets = 64;
+constexpr double visible_error = 0.01; // of the diagonal
 
 // One mesh of node 0, one scene with the nodes that have no parent. The node of a skin has no place of its own.
 void add_scene(Glb& glb, const std::string& name, Json mesh, bool is_skinned, const Grid& grid)
@@ -110,6 +111,14 @@ std::vector<Diagnostic> warnings_about(const ExportReport& report)
         warnings.push_back(
             warning_at(5205, "", "the asset has no morph ranges: they were computed now and are in the mesh's extras only",
                        "bake the asset again if you need pliant_morph_weights"));
+    if (report.table_largest > visible_error)
+        warnings.push_back(
+            warning_at(5208, "",
+                       fmt::format("the table of weights for engines is off by up to {:.1f} % of the diagonal between its "
+                                   "centres (mean {:.2f} %)",
+                                   100 * report.table_largest, 100 * report.table_mean),
+                       "the animation does not use it; where weights change in the engine, compute q with the runtime "
+                       "(--embed)"));
     return warnings;
 }
 

@@ -15,7 +15,7 @@ struct ExportedFile {
     ExportReport report;
 };
 
-// What of it may not work in some engine: P5202, P5205.
+// What of it may not work in some engine: P5202, P5205, P5208.
 std::vector<Diagnostic> warnings_about(const ExportReport& report);
 
 // Weights from pose to pose, through the mean and back to the first, eased in and out: `seconds` long. Of layers: from the

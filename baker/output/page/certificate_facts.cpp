@@ -264,6 +264,7 @@ CertificateFacts read_certificate_facts(const std::string& text, std::size_t pos
     if (!c.is_object()) return facts;
     facts.is_readable = true;
     facts.tolerance = number(c, "tolerance").value_or(0);
+    facts.tolerance_max = number(c, "tolerance_max").value_or(0);
     facts.meets_tolerance = flag(c, "meets_tolerance");
     facts.checks = checks_of(c, shape);
     if (has_layers) facts.mixtures = mixtures_of(c);
@@ -273,6 +274,7 @@ CertificateFacts read_certificate_facts(const std::string& text, std::size_t pos
         facts.largest_error = number(c, "measured/largest_error");
         facts.largest_distance = number(c, "measured/largest_distance");
     }
+    facts.largest_drift = number(c, "ties/drift_of_blends/largest");
     facts.places = places_of(c, shape);
     facts.roughest_vertex = vertex(c, "energy/roughest_vertex");
     facts.groups = { { "Elastic material", material_rows(c) },

@@ -33,12 +33,13 @@ struct NamedPlace {
 
 struct CertificateFacts {
     bool is_readable = false;
-    double tolerance = 0;
+    double tolerance = 0, tolerance_max = 0; // of the mean error; of the largest one, 0: no limit
     std::optional<bool> meets_tolerance;
     std::optional<double> mean_error, largest_error, largest_distance;
-    std::vector<CheckFact> checks;     // in the order of the file, those that make sense
-    std::vector<MixtureFact> mixtures; // of layers
-    std::vector<double> worst_weights; // of the largest error; empty: unknown
+    std::optional<double> largest_drift; // of a part from its attachment, over the diagonal
+    std::vector<CheckFact> checks;       // in the order of the file, those that make sense
+    std::vector<MixtureFact> mixtures;   // of layers
+    std::vector<double> worst_weights;   // of the largest error; empty: unknown
     std::vector<NamedPlace> places;
     std::optional<std::size_t> roughest_vertex; // as the pose files count
     std::vector<std::pair<std::string, std::vector<std::pair<std::string, std::string>>>>

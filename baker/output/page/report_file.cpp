@@ -113,8 +113,8 @@ ReportFile parse_report(const std::string& text, const std::string& path)
     ReportFile report;
     if (!json.contains("asset"))
         throw Failure(ExitCode::bad_input,
-                      error_at(5303, path, "does not name its asset",
-                               "bake again with this version, or give the asset itself: `pliant report hero.pliant`"));
+                      error_at(5303, path, "is not a report of `pliant bake --report`: it does not name its asset",
+                               "bake again with --report, or give the asset itself: `pliant report hero.pliant`"));
     report.asset = reader.text(json, "asset", "");
     if (report.asset.empty() || report.asset.find('\0') != std::string::npos) reader.refuse("asset", "the name of a file");
     report.stages = stages_of(json, reader);

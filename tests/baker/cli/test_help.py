@@ -35,8 +35,8 @@ def check_help():
         options[verb] = re.findall(r"^  (?:-\w, )?--([a-z-]+)", body, re.M)
         assert {"quiet", "verbose"} <= set(options[verb]) or verb == "help", verb
     groups = re.findall(r"^(\w[^:\n]*):$", run("help", "bake").stdout, re.M)
-    assert groups == ["Positionals", "Options", "Input", "Material", "Quality", "Method, for experiments", "Build systems",
-                      "Run", "Example"], groups
+    assert groups == ["Positionals", "Options", "Input", "Material", "Quality", "Build systems", "Run",
+                      "Method, for experiments", "Example"], groups
     assert run(code=2).stderr == first and run(code=2).stdout == "", "without a verb the tool explains itself"
     return options
 
@@ -80,6 +80,17 @@ def check_completions(folder):
     assert fish is None or (fish[0] == "layers" and "export" in fish), fish
 
 
+def check_names(folder):
+    """Poses of one name get that of their folder, or a number."""
+    files = []
+    for i, name in enumerate(("walk", "run", "run")):
+        (folder / name).mkdir(exist_ok=True)
+        write_obj(folder / name / "pose.obj", tube(0, 0.4 * i))
+        files.append(f"{name}/pose.obj")
+    told = json.loads(run("check", *files, "--json", cwd=folder).stdout)
+    assert [pose["name"] for pose in told["poses"]] == ["walk/pose", "run/pose", "run/pose (2)"], told["poses"]
+
+
 def check_talk(folder):
     for name, angles in (("rest", (0, 0)), ("bent", (0, 1.2))):
         write_obj(folder / f"{name}.obj", tube(*angles))
@@ -99,6 +110,14 @@ def check_talk(folder):
     short, whole = run("info", "tube.pliant", cwd=folder).stdout, run("info", "-v", "tube.pliant", cwd=folder).stdout
     assert re.match(r"tube\.pliant: (keeps|misses) its tolerance: blends at \d+ weights are off by ", short), short
     assert whole.startswith(short) and "  CERT " in whole and "  CERT " not in short, whole
+    again = run("info", "tube.pliant", "tube.pliant", cwd=folder).stdout
+    assert again == 2 * short, again
+    assert run(*bake, cwd=folder).stdout.splitlines()[0] == short.splitlines()[0], "bake and info have one verdict"
+    blend = ("blend", "tube.pliant", "--weights", "1,1", "-o", "tube.ply")
+    assert re.fullmatch(r"tube\.ply: \d+ vertices\n", run(*blend, cwd=folder).stdout)
+    assert re.search(r"vertices, \d+ iterations, \d+ evaluations$", run(*blend, "-v", cwd=folder).stdout.strip())
+    embedded = run("export", "tube.pliant", "--embed", "-o", "embedded.glb", "-q", cwd=folder)
+    assert not embedded.stderr and "valid" in run("validate", "embedded.glb", cwd=folder).stdout
     command = run("check", "rest.obj", "bent.obj", "--weld", "0", cwd=folder).stdout.splitlines()[-1]
     assert command == "to bake: pliant bake rest.obj bent.obj --weld 0 -o rest.pliant", command
 
@@ -107,5 +126,6 @@ with tempfile.TemporaryDirectory(prefix="pliant_help_") as temporary:
     work = pathlib.Path(temporary)
     check_manual(check_help())
     check_completions(work)
+    check_names(work)
     check_talk(work)
 print("passed")

@@ -65,7 +65,7 @@ with tempfile.TemporaryDirectory(prefix="pliant_layers_") as temporary:
 
     said = run("bake", "rest.obj", "twisted.obj", "bent.obj", "--blend", "layers", "--range", "bent=-0.5:1",
                "-o", "tube.pliant", "--report", "tube.json")
-    assert "tube.pliant: rest shape and 2 layers, " in said and "3 poses" not in said, said
+    assert "\n  rest shape and 2 layers, " in said and "3 poses" not in said, said
     assert "the linear sum keeps" not in said, said
     assert re.search(r"^  worst mixture: (twisted|bent)=", said, re.M), said
     report = json.loads((work / "tube.json").read_text(encoding="utf-8"))

@@ -169,7 +169,7 @@ TEST_CASE("P5201: what 32 bits cannot count is refused")
     }
 }
 
-TEST_CASE("warnings about what some engine may not do: P5202, P5205")
+TEST_CASE("warnings about what some engine may not do: P5202, P5205, P5208")
 {
     ExportReport report;
     report.has_stored_ranges = true;
@@ -179,6 +179,10 @@ TEST_CASE("warnings about what some engine may not do: P5202, P5205")
     CHECK(numbers_of(warnings_about(report)) == std::vector<int> { 5202 });
     report.has_stored_ranges = false;
     CHECK(numbers_of(warnings_about(report)) == std::vector<int> { 5202, 5205 });
+    report.table_largest = 0.009;
+    CHECK(warnings_about(report).size() == 2);
+    report.table_largest = 0.011;
+    CHECK(numbers_of(warnings_about(report)) == std::vector<int> { 5202, 5205, 5208 });
     report.target_count = 0; // without morph targets nothing of it matters
     CHECK(warnings_about(report).empty());
 }

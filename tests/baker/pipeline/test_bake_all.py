@@ -90,6 +90,8 @@ def test_twelve(folder):
     after = {path: (path.stat().st_ino, path.stat().st_mtime_ns) for path in (folder / "out").iterdir()}
     check(done(outcomes, "up to date") == TWELVE and result.returncode == 0 and before == after,
           "the second time does nothing")
+    check(TOOL.run("bake-all", manifest).stdout.count("hero03") == 1, "and prints one table")
+    check(TOOL.run("bake-all", manifest, "--quiet").stdout == "", "none with --quiet")
     os.utime(folder / "poses/hero03/bent.obj")
     check(done(run(manifest)[0], "up to date") == TWELVE, "a pose is touched: nothing is done")
     support.sheet(folder / "poses/hero03/bent.obj", 0.9)
@@ -142,6 +144,8 @@ def test_failures(folder):
     outcomes, result = run(manifest)
     check(result.returncode == 1 and outcomes == {"a": "baked", "b": "failed", "c": "misses tolerance", "d": "baked"},
           f"the others are baked {outcomes}")
+    error = json.loads(result.stdout)["bakes"][1]["error"]
+    check(error["number"] == 2105 and "poses/b/bent.obj:1: vertex 0 has the coordinate" in error["what"], f"why: {error}")
     check("b: error P2105" in result.stderr and "c: error P4405" in result.stderr, "the errors stand under the names")
     poses(folder / "poses/b")
     outcomes, result = run(manifest)
@@ -224,7 +228,7 @@ def test_memory(folder):
           f"no memory for one {outcomes}")
     dry = json.loads(TOOL.run("bake-all", manifest, "--dry-run", "--json").stdout)
     largest = max(bake["estimate"]["memory"] for bake in dry["bakes"])
-    outcomes, result = run(manifest, "--jobs", "3", "--memory", f"{int(1.5 * largest)}")
+    outcomes, result = run(manifest, "--jobs", "3", "--memory", f"{int(1.5 * largest)}B")
     steps = re.findall(r"(?m)^pliant bake-all: (?:(\w): started|\[\d/3\] (\w): baked)", result.stderr)
     check(done(outcomes, "baked") == names and [a + b for a, b in steps] == ["a", "a", "b", "b", "c", "c"],
           f"memory for one: one after the other {steps}")

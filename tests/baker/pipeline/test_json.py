@@ -32,8 +32,14 @@ def test_verbs(folder):
     dry = TOOL.run("bake", *pair, "-o", "b.pliant", "--dim", "3", "--dry-run", cwd=folder)
     check(json.loads(dry.stdout)["estimate"]["dimension"] == 3 and not (folder / "b.pliant").exists(),
           "bake --dry-run says the same, and bakes nothing")
-    check(figures(folder, "info", "a.pliant")["dimension"] == 3, "info: dimension")
+    info = figures(folder, "info", "a.pliant")
+    check(info["dimension"] == 3 and info["mean_error"] == info["certificate"]["measured"]["mean_error"]
+          and info["meets_tolerance"] is info["certificate"]["meets_tolerance"] and info["tolerance"] == 0.001,
+          "info: dimension, errors and verdict")
     check(figures(folder, "validate", "a.pliant")["valid"] is True, "validate: valid")
+    for verb in ("info", "validate"):
+        several = json.loads(TOOL.run(verb, "a.pliant", "a.pliant", "--json", cwd=folder).stdout)
+        check([one["asset"] for one in several] == ["a.pliant"] * 2, f"{verb}: several assets are an array")
     check(len(figures(folder, "measure", "a.pliant", *pair, "--samples", "2")["samples"]) == 2, "measure: a row a sample")
     blended = figures(folder, "blend", "a.pliant", "--weights", "1,2", "-o", "b.ply")
     check(blended["frames"][0]["output"] == "b.ply" and blended["frames"][0]["evaluations"] > 0,
@@ -50,13 +56,18 @@ def test_verbs(folder):
 def test_failures(folder):
     poses(folder)
     (folder / "no.pliant").write_text("nothing", encoding="utf-8")
-    for arguments in (["check", "rest.obj", "missing.obj"], ["info", "no.pliant"], ["validate", "no.pliant"],
+    for arguments in (["check", "rest.obj", "missing.obj"], ["info", "no.pliant"],
                       ["measure", "no.pliant", "rest.obj"],
                       ["blend", "no.pliant", "-w", "1,1", "-o", "b.ply"],
                       ["average", "rest.obj", "missing.obj", "-w", "1,1", "-o", "b.ply"]):
         result = TOOL.run(*arguments, "--json", cwd=folder)
         check(result.returncode == 3 and result.stdout == "" and "error P" in result.stderr,
               f"{arguments[0]} fails: its errors on standard error alone")
+    for name, number in (("no.pliant", 5102), ("missing.pliant", 2001)):
+        result = TOOL.run("validate", name, "--json", cwd=folder)
+        verdict = json.loads(result.stdout)
+        check(result.returncode == 3 and verdict["valid"] is False and verdict["number"] == number and verdict["what"]
+              and f"error P{number}" in result.stderr, f"validate: {name} is not valid, and why")
 
 
 def test_schema(report):

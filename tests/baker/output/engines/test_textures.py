@@ -12,6 +12,9 @@ import textured
 from support import HERE, SKIPPED, Glb, blender, blender_report, check, export, run_node
 from test_validator import remarks
 
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[3]))
+from asset_checksums import with_checksums  # noqa: E402
+
 KINDS = {"morph": [], "embed": ["--embed"], "skin": ["--skin", "6"], "integers": ["--quantize", "1e-4"],
          "all": ["--meshopt", "--embed", "--skin", "6"]}
 
@@ -68,7 +71,7 @@ def check_other_vertices(tool, asset, folder):
     check(blob.count(old) == 2, f"{blob.count(old)} parts of 17 vertices")
     at = blob.rindex(old)
     damaged = folder / "damaged.pliant"
-    damaged.write_bytes(blob[:at] + new + blob[at + len(old):])
+    damaged.write_bytes(with_checksums(blob[:at] + new + blob[at + len(old):]))
     said = export(tool, damaged, folder / "damaged.glb", code=3)
     check("error P4505" in said.stderr and not (folder / "damaged.glb").exists(), f"said: {said.stderr}")
 
