@@ -4,6 +4,7 @@
 #include "base/common/version.h"
 
 #include <cmath>
+#include <fmt/core.h>
 #include <nlohmann/json.hpp>
 
 namespace pliant {
@@ -278,11 +279,15 @@ EnergyOptions read_energy_options(const std::string& certificate, const std::str
     return options;
 }
 
-std::optional<std::size_t> read_start_pose(const std::string& certificate)
+std::optional<std::size_t> read_start_pose(const std::string& certificate, std::size_t pose_count, const std::string& path)
 {
     const Json json = Json::parse(certificate, nullptr, false);
     if (!json.is_object() || !json.contains("mean_from_pose") || !json["mean_from_pose"].is_number_unsigned()) return {};
-    return json["mean_from_pose"].get<std::size_t>();
+    const auto pose = json["mean_from_pose"].get<std::uint64_t>();
+    if (pose < pose_count) return std::size_t(pose);
+    throw Failure(ExitCode::bad_input,
+                  error_at(5103, path, fmt::format("its certificate starts from pose {} of {}", pose, pose_count),
+                           "bake it again with this version"));
 }
 
 namespace {

@@ -20,8 +20,8 @@ std::string write_certificate(const BakeReport& report, const BakeOptions& optio
 EnergyOptions read_energy_options(const std::string& certificate, const std::string& path);
 
 // The pose from which the average of all poses is reached, so that a measurement takes the same branch; empty if it does not
-// say.
-std::optional<std::size_t> read_start_pose(const std::string& certificate);
+// say. Throws Failure (bad_input, P5103) naming `path` if there is no such pose.
+std::optional<std::size_t> read_start_pose(const std::string& certificate, std::size_t pose_count, const std::string& path);
 
 // The report for people and build systems (`--report`): the certificate plus times, the name of the asset (relative to the
 // report's folder) and the warnings with the elements that they are about.

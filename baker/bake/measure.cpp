@@ -147,7 +147,8 @@ std::vector<Measurement> measure(RuntimeBlender& blender, const std::string& ass
     SolverPool pool(*model.energy, set, energy_options.solver);
     NewtonOptions newton;
     newton.step_floor = average_floor * mass_norm(set.shapes[0], set.masses);
-    AverageFamily family(pool, newton, &progress, read_start_pose(blender.certificate()), model.coarse.get());
+    AverageFamily family(pool, newton, &progress, read_start_pose(blender.certificate(), poses.pose_count(), asset_path),
+                         model.coarse.get());
     family.mean();
     std::vector<Measurement> samples = draw_samples(options, blender.domain());
     const std::vector<Shape> blends = time_blends(blender, poses, set, samples);

@@ -8,6 +8,7 @@
 #include <algorithm>
 #include <filesystem>
 #include <fmt/format.h>
+#include <map>
 
 namespace pliant {
 namespace {
@@ -67,6 +68,15 @@ std::string in_folder(const std::string& folder, const std::string& path)
     return fs::path(path).is_absolute() || folder.empty() ? path : (fs::path(folder) / path).string();
 }
 
+// It becomes a file's name and a line on a terminal.
+void check_name(const std::string& name, const std::string& where)
+{
+    const auto is_bad = [](char c) { return c == '/' || static_cast<unsigned char>(c) < ' ' || c == 127; };
+    if (name[0] == '.' || name[0] == '-' || std::any_of(name.begin(), name.end(), is_bad))
+        fail(2707, where, fmt::format("{} is no name", excerpt(name)),
+             "names have no '/' and no control characters, and begin with neither '.' nor '-'");
+}
+
 // Name and output, each from the other where one is missing.
 void name_job(BatchJob& job, Json& config, const Json& entry, const std::string& where, const std::string& folder)
 {
@@ -75,6 +85,7 @@ void name_job(BatchJob& job, Json& config, const Json& entry, const std::string&
     if (job.name.empty() && job.output.empty())
         fail(2707, where, "has neither a name nor an output", "add \"name\": \"...\": the asset is then NAME.pliant");
     if (job.name.empty()) job.name = fs::path(job.output).stem().string();
+    check_name(job.name, where);
     if (job.output.empty()) job.output = in_folder(folder, job.name + ".pliant");
     config["output"] = job.output;
 }
@@ -105,21 +116,36 @@ BatchJob read_entry(const Json& entry, const Json& defaults, const std::string& 
     return job;
 }
 
-void check_distinct(const std::vector<BatchJob>& jobs, const std::string& path)
+void check_names(const std::vector<BatchJob>& jobs, const std::string& path)
 {
-    const auto place = [](const std::string& file) {
+    std::map<std::string, std::size_t> places;
+    for (std::size_t i = 0; i < jobs.size(); ++i) {
+        const auto [other, is_new] = places.emplace(jobs[i].name, i);
+        if (!is_new)
+            fail(2708, path,
+                 fmt::format("bakes[{}] and bakes[{}] have the name {}", other->second, i, excerpt(jobs[i].name)),
+                 "give each bake its own name");
+    }
+}
+
+// No two files that bakes write may be one, nor the manifest.
+void check_outputs(const std::vector<BatchJob>& jobs, const std::string& manifest)
+{
+    std::map<fs::path, std::string> owners;
+    const auto take = [&](const std::string& file, const std::string& owner) {
         std::error_code ignored;
-        return fs::weakly_canonical(fs::absolute(file), ignored);
+        const auto [other, is_new] = owners.emplace(fs::weakly_canonical(fs::absolute(file), ignored), owner);
+        if (!is_new)
+            fail(2708, manifest, fmt::format("{} and {} have the output {}", other->second, owner, file),
+                 "give each bake its own outputs");
     };
-    for (std::size_t i = 0; i < jobs.size(); ++i)
-        for (std::size_t k = 0; k < i; ++k) {
-            if (jobs[i].name == jobs[k].name)
-                fail(2708, path, fmt::format("bakes[{}] and bakes[{}] have the name {}", k, i, excerpt(jobs[i].name)),
-                     "give each bake its own name");
-            if (place(jobs[i].output) == place(jobs[k].output))
-                fail(2708, path, fmt::format("bakes[{}] and bakes[{}] have the output {}", k, i, jobs[i].output),
-                     "give each bake its own output");
-        }
+    take(manifest, "the manifest");
+    for (std::size_t i = 0; i < jobs.size(); ++i) {
+        const std::string owner = fmt::format("bakes[{}]", i);
+        take(jobs[i].output, owner);
+        take(stamp_path(jobs[i].output), owner);
+        for (const std::string& file : jobs[i].extras) take(file, owner);
+    }
 }
 
 } // namespace
@@ -141,7 +167,8 @@ std::vector<BatchJob> read_manifest(const std::string& path, unsigned threads)
     std::vector<BatchJob> jobs;
     for (const Json& entry : manifest["bakes"])
         jobs.push_back(read_entry(entry, defaults, fmt::format("{}: bakes[{}]", path, jobs.size()), folder, threads));
-    check_distinct(jobs, path);
+    check_names(jobs, path);
+    check_outputs(jobs, path);
     return jobs;
 }
 

@@ -242,6 +242,8 @@ file_case("header_many_vertices", "many.ply", lambda: with_header(f"vertex {VERT
 file_case("header_many_faces", "many.off", lambda: off_text(bent()).replace(f" {FACE_COUNT} 0", " 100000000 0", 1))
 file_case("header_large_list", "list.ply", lambda: with_header("list uchar", "list uint"))
 file_case("ply_header_damaged", "header.ply", lambda: with_header("property float y", "propertx float y"))
+file_case("ply_header_long", "header.ply",
+          lambda: with_header("element face", "".join(f"element e{i} 0\n" for i in range(20000)) + "element face"))
 file_case("ply_without_z", "flat.ply", lambda: with_header("float z", "float w"))
 
 file_case("nan_text", "nan.obj", lambda: edited_vertex("v 0 nan 0"))
@@ -479,6 +481,8 @@ CASES["ghost_fin"] = CASES["three_faces_at_edge"]
 
 
 gltf_files.add_cases(good)
+for seams in ("gltf_seams_checked", "gltf_seams_baked"):
+    CASES[seams] = lambda folder: write(folder / "a.glb", gltf_files.blob(split(good())).glb())
 CASES.update(gltf_files.CASES)
 CASES.update(pose_scripts.CASES)
 CASES.update(command_lines.CASES)

@@ -127,6 +127,8 @@ def add_cases(good):
     case("gltf_not_gltf", write=lambda g: b"\x89PNG\r\n" + bytes(64))
     case("gltf_cut_off", write=lambda g: g.glb()[:-100])
     case("gltf_json_damaged", write=lambda g: g.glb().replace(b'"asset"', b'"asset,'))
+    case("gltf_number", file="a.gltf", write=lambda g: g.gltf().replace(b'"asset":', b'"extras":1e400,"asset":'))
+    case("gltf_objects", file="a.gltf", write=lambda g: b'{"extras":[' + b"{}," * 3000000 + b"{}]}")
     case("gltf_nesting", file="a.gltf", write=lambda g: b'{"asset":' + b"[" * 1000000)
     edited("gltf_version", "asset", "version", value="1.0")
     edited("gltf_extension", "extensionsRequired", value=["KHR_materials_unlit", "ACME_secret"])
@@ -202,6 +204,12 @@ def add_cases(good):
     def image(gltf):
         gltf.json["images"] = [{"uri": "skin.png"}]
     case("gltf_missing_image", image)
+
+    def private(folder):
+        gltf = blob(good())
+        gltf.json["images"] = [{"uri": "good.obj"}]
+        (folder / "a.gltf").write_bytes(gltf.gltf())
+    CASES["gltf_image_of_no_kind"] = private
 
     for name, uri in (("gltf_missing_buffer", "nowhere.bin"), ("gltf_outside_folder", "../../../../../../etc/passwd"),
                       ("gltf_absolute", "/etc/passwd"), ("gltf_url", "https://example.org/a.bin"),

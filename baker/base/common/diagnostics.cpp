@@ -80,13 +80,27 @@ Failure::Failure(ExitCode code, std::vector<Diagnostic> diagnostics)
 
 const char* Failure::what() const noexcept { return text_.c_str(); }
 
+std::string printable(std::string_view text)
+{
+    std::string out;
+    for (std::size_t i = 0; i < text.size(); ++i) {
+        const auto c = static_cast<unsigned char>(text[i]);
+        const auto next = static_cast<unsigned char>(i + 1 < text.size() ? text[i + 1] : 0);
+        if (c < ' ' || c == 127 || (c == 0xC2 && next >= 0x80 && next < 0xA0))
+            out += fmt::format("\\x{:02x}", c);
+        else
+            out += text[i];
+    }
+    return out;
+}
+
 std::string to_text(const Diagnostic& diagnostic)
 {
     std::string text = fmt::format("{} P{:04}: ", diagnostic.severity == Diagnostic::Severity::error ? "error" : "warning",
                                    diagnostic.number);
-    if (!diagnostic.where.empty()) text += diagnostic.where + ": ";
-    text += diagnostic.what;
-    if (!diagnostic.hint.empty()) text += "\n  hint: " + diagnostic.hint;
+    if (!diagnostic.where.empty()) text += printable(diagnostic.where) + ": ";
+    text += printable(diagnostic.what);
+    if (!diagnostic.hint.empty()) text += "\n  hint: " + printable(diagnostic.hint);
     return text;
 }
 

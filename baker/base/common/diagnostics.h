@@ -5,6 +5,7 @@
 #include <exception>
 #include <map>
 #include <string>
+#include <string_view>
 #include <vector>
 
 namespace pliant {
@@ -58,6 +59,9 @@ private:
     std::vector<Diagnostic> diagnostics_;
     std::string text_;
 };
+
+// For terminals: control characters, which names of files and poses may hold, as \x1b.
+std::string printable(std::string_view text);
 
 // "error P2103: run_04.obj:812: face 377 uses vertex 9001, the file has 6890\n  hint: ..." (no verb in front, no final
 // newline).

@@ -17,8 +17,10 @@ namespace {
 // Real files nest to about ten; what follows may go down once per level.
 constexpr int nesting_limit = 64;
 
-// A value takes 16 bytes in memory and two in the text, so the JSON takes at most eight times this.
 constexpr std::size_t json_size_limit = std::size_t(1) << 29;
+
+// Of the parsed JSON: real files take about twelve times their text, empty objects forty times.
+constexpr std::size_t json_memory_ratio = 16, json_memory_floor = std::size_t(1) << 26;
 
 // A mesh at the limits of the asset format has fewer.
 constexpr std::uint64_t buffer_size_limit = std::uint64_t(1) << 32;
@@ -37,10 +39,18 @@ bool is_known(const std::string& extension)
                        [&](std::string_view prefix) { return extension.compare(0, prefix.size(), prefix) == 0; });
 }
 
-// Deepest nesting of brackets outside of texts. No recursion: the parser's own limit would come too late.
-int nesting_of(std::string_view text)
+// Deepest nesting of brackets outside of texts, and about the bytes that the parsed values take: a map and its nodes, the
+// items of a list that grows by halves, texts. No recursion: the parser's own limit would come too late.
+struct JsonShape {
+    int nesting = 0;
+    std::size_t memory = 0;
+};
+
+JsonShape shape_of(std::string_view text)
 {
-    int depth = 0, deepest = 0;
+    JsonShape shape;
+    shape.memory = text.size();
+    int depth = 0;
     bool in_text = false;
     for (std::size_t i = 0; i < text.size(); ++i) {
         const char c = text[i];
@@ -49,13 +59,17 @@ int nesting_of(std::string_view text)
             in_text = c != '"';
         } else if (c == '"') {
             in_text = true;
+            shape.memory += 32;
         } else if (c == '{' || c == '[') {
-            deepest = std::max(deepest, ++depth);
+            shape.nesting = std::max(shape.nesting, ++depth);
+            shape.memory += 64;
         } else if (c == '}' || c == ']') {
             --depth;
+        } else if (c == ',' || c == ':') {
+            shape.memory += c == ':' ? 64 : 32;
         }
     }
-    return deepest;
+    return shape;
 }
 
 std::uint32_t u32_at(std::string_view bytes, std::size_t offset)
@@ -139,14 +153,22 @@ void GltfDocument::parse(std::string_view text)
     if (text.size() > json_size_limit)
         root().fail(2008, fmt::format("has {} bytes of JSON, the limit is {}", text.size(), json_size_limit),
                     "store the buffers in a separate file, or use .glb");
-    if (const int nesting = nesting_of(text); nesting > nesting_limit)
-        root().fail(2303, fmt::format("its JSON is nested {} deep, the limit is {}", nesting, nesting_limit),
+    const JsonShape shape = shape_of(text);
+    if (shape.nesting > nesting_limit)
+        root().fail(2303, fmt::format("its JSON is nested {} deep, the limit is {}", shape.nesting, nesting_limit),
                     "no known exporter writes such files");
+    if (shape.memory > json_memory_floor && shape.memory / json_memory_ratio > text.size())
+        root().fail(2332,
+                    fmt::format("its {} bytes of JSON would take {} MiB of memory, the limit is {} times the text",
+                                text.size(), shape.memory >> 20, json_memory_ratio),
+                    "leave out extras, or export it again: no known exporter writes such files");
     try {
         json_ = GltfJson::parse(text.begin(), text.end());
     } catch (const GltfJson::parse_error& error) {
         root().fail(2302, fmt::format("its JSON is not understood at byte {}", error.byte),
                     "the file is cut off or damaged: export or copy it again");
+    } catch (const GltfJson::out_of_range&) {
+        root().fail(2302, "its JSON holds a number beyond 1.8e308", "the file is damaged: export or copy it again");
     }
     if (!json_.is_object()) root().fail(2302, "its JSON is not an object", "export it as glTF 2.0 (.glb or .gltf)");
     const std::string version = (*this)["asset"]["version"].text_or("missing");

@@ -61,6 +61,14 @@ void put_parts(const GltfScene& scene, const Positions& normals, RenderScene& ou
     }
 }
 
+// By its first bytes: a uri may name any file beside the glTF file, which is not for everybody who gets the asset.
+bool is_image(const std::string& bytes)
+{
+    const auto begins = [&](std::string_view mark) { return bytes.compare(0, mark.size(), mark) == 0; };
+    return begins("\x89PNG\r\n\x1a\n") || begins("\xff\xd8\xff") || begins("\xabKTX 20\xbb") || begins("DDS ")
+        || (begins("RIFF") && bytes.compare(8, 4, "WEBP") == 0);
+}
+
 // Images without their places in the file; their bytes go to `out`. numbers[i]: the new number of image i, -1 if it is left
 // out.
 GltfJson take_images(const GltfDocument& document, RenderScene& out, std::vector<int>& numbers,
@@ -71,6 +79,10 @@ GltfJson take_images(const GltfDocument& document, RenderScene& out, std::vector
     for (std::size_t i = 0; i < list.size(); ++i) {
         std::string why = "it is empty";
         std::string bytes = document.image(i, why);
+        if (!bytes.empty() && !is_image(bytes)) {
+            why = "it is none of PNG, JPEG, WebP, KTX2 and DDS";
+            bytes.clear();
+        }
         numbers.push_back(bytes.empty() ? -1 : static_cast<int>(images.size()));
         if (bytes.empty()) {
             warnings.push_back(warning_at(2328, document.path(), fmt::format("image {} is left out: {}", i, why),

@@ -81,8 +81,17 @@ bool HeaderReader::not_understood() const
     return false;
 }
 
+// Files of scanners have some dozens; looking a name up takes a step for each.
+constexpr std::size_t header_line_limit = 10000;
+
 bool HeaderReader::read_line()
 {
+    if (lines_.number() > header_line_limit) {
+        file_.error(2102, file_.at_line(lines_.number()),
+                    fmt::format("the header has more than {} lines", header_line_limit),
+                    "export the file without properties that nobody reads");
+        return false;
+    }
     std::string_view words = lines_.line();
     const std::string_view keyword = next_word(words);
     if (keyword.empty() || keyword == "comment" || keyword == "obj_info") return true;

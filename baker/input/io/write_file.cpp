@@ -3,13 +3,16 @@
 #include "base/common/diagnostics.h"
 
 #include <cerrno>
-#include <charconv>
-#include <csignal>
 #include <cstring>
+#include <ctime>
 #include <fcntl.h>
 #include <filesystem>
 #include <fmt/format.h>
-#include <mutex>
+#include <map>
+#include <optional>
+#include <random>
+#include <set>
+#include <sys/file.h>
 #include <sys/stat.h>
 #include <unistd.h>
 #include <utility>
@@ -29,19 +32,23 @@ constexpr std::string_view temporary_infix = ".pliant-tmp-";
                   "free space or choose another folder; the old file, if any, is untouched"));
 }
 
+using FileId = std::pair<dev_t, ino_t>;
+
 // Where the bytes really go: the folder and the name in it, symbolic links followed.
 struct Target {
     std::string path; // as the user gave it, for messages
     fs::path folder;
     std::string name;
-    mode_t mode = 0; // permissions of the existing file; 0 if there is none
+    FileId folder_id {};
+    std::optional<FileId> file_id; // of the existing file
+    mode_t mode = 0;               // its permissions
 
     fs::path file() const { return folder / name; }
 };
 
 Target resolve(const std::string& path)
 {
-    Target target { path, {}, {}, 0 };
+    Target target { path, {}, {}, {}, {}, 0 };
     fs::path file = path;
     std::error_code error;
     if (fs::is_symlink(file, error)) {
@@ -57,10 +64,12 @@ Target resolve(const std::string& path)
         fail(error_at(4001, path, fmt::format("there is no folder {}", target.folder.string()), "create the folder first"));
     }
     struct stat status {};
+    if (::stat(target.folder.c_str(), &status) == 0) target.folder_id = { status.st_dev, status.st_ino };
     if (::stat(file.c_str(), &status) != 0) return target;
     if (S_ISDIR(status.st_mode)) fail(error_at(4003, path, "is a folder", "name a file in it"));
     // Renaming over a device or a pipe would replace it.
     if (!S_ISREG(status.st_mode)) fail(error_at(4006, path, "is not a regular file", "name another output"));
+    target.file_id = FileId { status.st_dev, status.st_ino };
     target.mode = status.st_mode & 07777;
     return target;
 }
@@ -72,8 +81,38 @@ std::string temporary_prefix(const std::string& name)
     return fmt::format(".{}{}", name.substr(0, room), temporary_infix);
 }
 
-// A writer that was killed leaves its temporary; whoever writes the same name next clears it away. A process that we may not
-// signal is alive.
+// Not that of any other process, on this machine or on another one that shares the folder.
+std::string random_name(const std::string& prefix)
+{
+    std::random_device device;
+    return fmt::format("{}{:08x}{:08x}", prefix, device(), device());
+}
+
+enum class Lock { ours, of_another, unknown };
+
+// Held until the descriptor is closed, also by the death of its process. Other machines see it on NFS; some file systems
+// know no locks.
+Lock try_lock(int descriptor)
+{
+    if (::flock(descriptor, LOCK_EX | LOCK_NB) == 0) return Lock::ours;
+    return errno == EWOULDBLOCK ? Lock::of_another : Lock::unknown;
+}
+
+bool is_older_than_a_day(const struct stat& status) { return std::time(nullptr) - status.st_mtime > 86400; }
+
+void remove_if_stale(const std::string& path)
+{
+    const int descriptor = ::open(path.c_str(), O_RDWR | O_NOFOLLOW | O_NONBLOCK | O_CLOEXEC);
+    if (descriptor < 0) return;
+    struct stat status {};
+    const Lock lock = try_lock(descriptor);
+    const bool is_file = ::fstat(descriptor, &status) == 0 && S_ISREG(status.st_mode);
+    if (is_file && (lock == Lock::ours || (lock == Lock::unknown && is_older_than_a_day(status)))) ::unlink(path.c_str());
+    ::close(descriptor);
+}
+
+// A writer that was killed leaves its temporary; whoever writes the same name next clears it away. Writers that live hold a
+// lock on theirs.
 void remove_stale_temporaries(const Target& target)
 {
     const std::string prefix = temporary_prefix(target.name);
@@ -81,11 +120,8 @@ void remove_stale_temporaries(const Target& target)
     for (fs::directory_iterator entry(target.folder, error), end; !error && entry != end; entry.increment(error)) {
         const std::string name = entry->path().filename().string();
         if (name.compare(0, prefix.size(), prefix) != 0) continue;
-        pid_t pid = 0;
-        const auto [last, failed] = std::from_chars(name.data() + prefix.size(), name.data() + name.size(), pid);
-        if (failed != std::errc() || last != name.data() + name.size() || pid <= 0) continue;
-        const bool is_dead = ::kill(pid, 0) != 0 && errno == ESRCH;
-        if (is_dead) ::unlink(entry->path().c_str());
+        if (name.find_first_not_of("0123456789abcdef", prefix.size()) == std::string::npos)
+            remove_if_stale(entry->path().string());
     }
 }
 
@@ -102,24 +138,43 @@ public:
     void take_name();
 
 private:
+    bool create();
+    bool is_there() const;
+
     const Target& target_;
     std::string path_;
     int descriptor_ = -1;
     bool is_named_ = false;
 };
 
+// The name is that of the open file, which nobody has removed or replaced.
+bool Temporary::is_there() const
+{
+    struct stat by_name {
+    }, by_descriptor {};
+    return ::lstat(path_.c_str(), &by_name) == 0 && ::fstat(descriptor_, &by_descriptor) == 0
+        && by_name.st_ino == by_descriptor.st_ino && by_name.st_dev == by_descriptor.st_dev;
+}
+
+// False if somebody was quicker: the name was taken, or the file removed before it was locked.
+bool Temporary::create()
+{
+    path_ = (target_.folder / random_name(temporary_prefix(target_.name))).string();
+    descriptor_ = ::open(path_.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
+    if (descriptor_ < 0) return false;
+    if (try_lock(descriptor_) != Lock::of_another && is_there()) return true;
+    ::close(std::exchange(descriptor_, -1));
+    errno = EEXIST;
+    return false;
+}
+
 Temporary::Temporary(const Target& target)
     : target_(target)
-    , path_((target.folder / fmt::format("{}{}", temporary_prefix(target.name), ::getpid())).string())
 {
-    const auto create = [&] { return ::open(path_.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666); };
-    descriptor_ = create();
-    if (descriptor_ < 0 && errno == EEXIST) {
-        // Our own process id, and this process writes one file at a time: left by a dead process of the same number.
-        ::unlink(path_.c_str());
-        descriptor_ = create();
+    for (int attempt = 0; attempt < 8; ++attempt) {
+        if (create()) return;
+        if (errno != EEXIST) break;
     }
-    if (descriptor_ >= 0) return;
     fail(error_at(4002, target.path,
                   fmt::format("cannot be created in the folder {}: {}", target.folder.string(), std::strerror(errno)),
                   "choose a folder that you may write to"));
@@ -127,8 +182,8 @@ Temporary::Temporary(const Target& target)
 
 Temporary::~Temporary()
 {
-    if (descriptor_ >= 0) ::close(descriptor_);
     if (!is_named_) ::unlink(path_.c_str());
+    ::close(descriptor_);
 }
 
 void Temporary::write(std::string_view bytes)
@@ -145,12 +200,12 @@ void Temporary::flush()
 {
     if (target_.mode != 0 && ::fchmod(descriptor_, target_.mode) != 0) fail_writing(target_.path, errno);
     if (::fsync(descriptor_) != 0) fail_writing(target_.path, errno);
-    const int descriptor = std::exchange(descriptor_, -1); // close may fail, but the descriptor is gone then, too
-    if (::close(descriptor) != 0) fail_writing(target_.path, errno);
 }
 
+// The file stays open and locked until it has its name.
 void Temporary::take_name()
 {
+    if (!is_there()) fail_writing(target_.path, ENOENT);
     if (::rename(path_.c_str(), target_.file().c_str()) != 0) fail_writing(target_.path, errno);
     is_named_ = true;
 }
@@ -164,14 +219,44 @@ void flush_folder(const fs::path& folder)
     ::close(descriptor);
 }
 
-// One temporary per process and name: threads take turns.
-std::mutex writing;
+std::optional<FileId> id_of(const std::string& path)
+{
+    struct stat status {};
+    if (::stat(path.c_str(), &status) != 0) return std::nullopt;
+    return FileId { status.st_dev, status.st_ino };
+}
+
+// Files that are spoken for, by whatever name: inputs, and outputs, which need not be there yet.
+class TakenFiles {
+public:
+    explicit TakenFiles(const std::vector<std::string>& inputs)
+    {
+        for (const std::string& input : inputs)
+            if (const std::optional<FileId> id = id_of(input)) files_.emplace(*id, "input " + input);
+    }
+
+    void take(const Target& target)
+    {
+        const std::string what = "output " + target.path;
+        if (target.file_id) refuse_taken(target, files_.emplace(*target.file_id, what));
+        refuse_taken(target, names_.emplace(std::pair(target.folder_id, target.name), what));
+    }
+
+private:
+    template <class Place> static void refuse_taken(const Target& target, const std::pair<Place, bool>& place)
+    {
+        if (place.second) return;
+        fail(error_at(4004, target.path, "is also the " + place.first->second, "give the output another name"));
+    }
+
+    std::map<FileId, std::string> files_;
+    std::map<std::pair<FileId, std::string>, std::string> names_;
+};
 
 } // namespace
 
 void write_file_atomically(const std::string& path, std::string_view bytes)
 {
-    const std::lock_guard<std::mutex> lock(writing);
     const Target target = resolve(path);
     remove_stale_temporaries(target);
     Temporary temporary(target);
@@ -181,17 +266,18 @@ void write_file_atomically(const std::string& path, std::string_view bytes)
     flush_folder(target.folder);
 }
 
-void probe_output(const std::string& path, const std::vector<std::string>& inputs)
+void probe_outputs(const std::vector<std::string>& paths, const std::vector<std::string>& inputs)
 {
-    const std::lock_guard<std::mutex> lock(writing);
-    const Target target = resolve(path);
-    for (const std::string& input : inputs) {
-        std::error_code error;
-        if (!fs::equivalent(target.file(), input, error) || error) continue;
-        fail(error_at(4004, path, fmt::format("is also the input {}", input), "give the output another name"));
+    TakenFiles taken(inputs);
+    std::set<FileId> folders;
+    for (const std::string& path : paths) {
+        if (path.empty()) continue;
+        const Target target = resolve(path);
+        taken.take(target);
+        if (!folders.insert(target.folder_id).second) continue; // tried already
+        remove_stale_temporaries(target);
+        const Temporary temporary(target); // created and, at the end of this scope, removed
     }
-    remove_stale_temporaries(target);
-    const Temporary temporary(target); // created and, at the end of this scope, removed
 }
 
 } // namespace pliant

@@ -444,7 +444,8 @@ TEST_CASE("a bake says what it measured, and the certificate holds it")
     CHECK(r.check.mean_error < 1e-3);
     CHECK(r.fit.surrogate.curvature.lowest > 0);
     CHECK(r.check.cell_ratio > 0.1);
-    CHECK(read_start_pose(r.certificate) == r.start_pose);
+    CHECK(read_start_pose(r.certificate, 99, "") == r.start_pose);
+    CHECK_THROWS_AS(read_start_pose(R"({"mean_from_pose": 1000000000000000000})", 2, "a.pliant"), Failure);
     CHECK(r.certificate.find("\"meets_tolerance\": true") != std::string::npos);
     options.tolerance_max = 1e-7; // below what single precision can do
     CHECK_FALSE(bake(tube_poses(3), options, silent).report.check.meets_tolerance);

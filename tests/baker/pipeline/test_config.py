@@ -86,6 +86,7 @@ def test_mistakes(folder):
     refused(folder, {"dim": 2.5}, "P2705", "without a decimal point", "half a dimension")
     refused(folder, {"no_align": 1}, "P2705", "true or false expected", "a number for a boolean")
     refused(folder, {"poses": "rest.obj"}, "P2705", "a list", "one pose for a list")
+    refused(folder, {"range": "0:1.3"}, "P2705", 'write ["0:1.3"]', "one range for a list")
     refused(folder, {"poses": ["rest.obj", 7]}, "P2705", "the name of a file", "a number among poses")
     refused(folder, {"output": ""}, "P2705", '"output" is empty', "an empty name")
     refused(folder, {"fix": "a\0b"}, "P2705", "the name of a file", "a name with a byte 0")

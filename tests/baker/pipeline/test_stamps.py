@@ -118,6 +118,14 @@ def test_manifests(folder):
     refused(folder, {"bakes": [good, good]}, "P2708", "bakes[0] and bakes[1] have the name 'a'", "a name twice")
     refused(folder, {"bakes": [good, {**good, "name": "b", "output": "x/../a.pliant"}]}, "P2708", "have the output",
             "an output twice")
+    other = {**good, "name": "b"}
+    refused(folder, {"bakes": [{**good, "report": "r.json"}, {**other, "report": "./r.json"}]}, "P2708",
+            "bakes[0] and bakes[1] have the output", "a report twice")
+    refused(folder, {"bakes": [{**good, "depfile": "b.pliant"}, other]}, "P2708", "have the output", "an asset as depfile")
+    refused(folder, {"bakes": [{**good, "report": "bad.json"}]}, "P2708", "the manifest and bakes[0] have the output",
+            "the manifest itself")
+    for name in ("../up", "/up", "--up", "a\0b", "a\nb", ".", "a\x1b[31m"):
+        refused(folder, {"bakes": [{**good, "name": name}]}, "P2707", "is no name", f"the name {name!r}")
     refused(folder, {"bakes": [good], "default": {}}, "P2704", 'did you mean "defaults"', "a key misspelt")
     refused(folder, {"bakes": [{**good, "tolerence": 1}]}, "P2704", 'bakes[0]: there is no key \'tolerence\'',
             "a key of a bake misspelt")

@@ -49,7 +49,7 @@ int main(int argc, char** argv)
 {
     const Arguments arguments = parse(argc, argv);
     try {
-        if (!arguments.output.empty()) pliant::probe_output(arguments.output, arguments.poses);
+        pliant::probe_outputs({ arguments.output }, arguments.poses);
         std::vector<pliant::Diagnostic> warnings;
         pliant::LoadOptions options;
         options.fixed_path = arguments.fixed;

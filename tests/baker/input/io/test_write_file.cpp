@@ -4,7 +4,8 @@
 #include "files.h"
 #include "input/io/write_file.h"
 
-#include <csignal>
+#include <fcntl.h>
+#include <sys/file.h>
 #include <sys/stat.h>
 #include <sys/wait.h>
 #include <thread>
@@ -21,17 +22,8 @@ namespace {
 int number_writing(const std::string& path)
 {
     const int while_writing = number_of([&] { write_file_atomically(path, "new"); });
-    CHECK(number_of([&] { probe_output(path, {}); }) == while_writing);
+    if (!path.empty()) CHECK(number_of([&] { probe_outputs({ path }, {}); }) == while_writing);
     return while_writing;
-}
-
-// A process id that no process has.
-pid_t dead_process()
-{
-    const pid_t child = ::fork();
-    if (child == 0) ::_exit(0);
-    ::waitpid(child, nullptr, 0);
-    return child;
 }
 
 } // namespace
@@ -127,28 +119,44 @@ TEST_CASE("an output that is an input, by whatever name")
     write_bytes(folder / "a", "old");
     std::filesystem::create_hard_link(folder / "a", folder / "b");
     std::filesystem::create_symlink("a", folder / "c");
-    CHECK(number_of([&] { probe_output(folder / "new", { folder / "a" }); }) == 0);
+    CHECK(number_of([&] { probe_outputs({ folder / "new" }, { folder / "a" }); }) == 0);
     for (const char* name : { "a", "./a", "b", "c" })
-        CHECK(number_of([&] { probe_output(folder / name, { folder / "other", folder / "a" }); }) == 4004);
+        CHECK(number_of([&] { probe_outputs({ folder / name }, { folder / "other", folder / "a" }); }) == 4004);
     CHECK(folder.file_count() == 3);
     CHECK(read_bytes(folder / "a") == "old");
 }
 
-TEST_CASE("temporaries of the dead are removed, those of the living and of other names are not")
+TEST_CASE("two outputs that are one file")
 {
     const TemporaryFolder folder;
-    const std::string dead = std::to_string(dead_process());
-    const std::string living = std::to_string(::getppid());
-    for (const std::string& name :
-         { ".a.pliant-tmp-" + dead, ".a.pliant-tmp-" + living, ".b.pliant-tmp-" + dead, std::string(".a.pliant-tmp-x"),
-           std::string(".a.pliant-tmp-0"), ".a.pliant-tmp-" + std::to_string(::getpid()) })
+    write_bytes(folder / "a", "old");
+    std::filesystem::create_directory(folder / "sub");
+    std::filesystem::create_symlink("a", folder / "c");
+    std::filesystem::create_symlink("sub", folder / "other");
+    CHECK(number_of([&] { probe_outputs({ folder / "new", folder / "newer", folder / "sub/new", "" }, {}); }) == 0);
+    CHECK(number_of([&] { probe_outputs({ folder / "new", folder / "./new" }, {}); }) == 4004);
+    CHECK(number_of([&] { probe_outputs({ folder / "a", folder / "b", folder / "c" }, {}); }) == 4004);
+    CHECK(number_of([&] { probe_outputs({ folder / "sub/new", folder / "other/new" }, {}); }) == 4004);
+    CHECK(folder.file_count() == 4);
+}
+
+TEST_CASE("temporaries that nobody holds are removed, those of writers and of other names are not")
+{
+    const TemporaryFolder folder;
+    for (const char* name : { ".a.pliant-tmp-0123456789abcdef", ".a.pliant-tmp-4711", ".a.pliant-tmp-aa", ".b.pliant-tmp-aa",
+                              ".a.pliant-tmp-x" })
         write_bytes(folder / name, "left over");
+    // As of a writer in another container: its process id means nothing here, its lock does.
+    const int held = ::open((folder / ".a.pliant-tmp-aa").c_str(), O_RDWR);
+    REQUIRE(::flock(held, LOCK_EX | LOCK_NB) == 0);
     write_file_atomically(folder / "a", "new");
-    CHECK(!std::filesystem::exists(folder / (".a.pliant-tmp-" + dead)));
-    CHECK(!std::filesystem::exists(folder / (".a.pliant-tmp-" + std::to_string(::getpid()))));
-    CHECK(std::filesystem::exists(folder / (".a.pliant-tmp-" + living)));
-    CHECK(std::filesystem::exists(folder / (".b.pliant-tmp-" + dead)));
-    CHECK(folder.file_count() == 5);
+    CHECK(!std::filesystem::exists(folder / ".a.pliant-tmp-0123456789abcdef"));
+    CHECK(!std::filesystem::exists(folder / ".a.pliant-tmp-4711"));
+    CHECK(std::filesystem::exists(folder / ".a.pliant-tmp-aa"));
+    CHECK(std::filesystem::exists(folder / ".b.pliant-tmp-aa"));
+    CHECK(std::filesystem::exists(folder / ".a.pliant-tmp-x"));
+    CHECK(folder.file_count() == 4);
+    ::close(held);
 }
 
 TEST_CASE("threads that write one name: one of the whole files stays")
