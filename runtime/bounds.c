@@ -51,10 +51,11 @@ typedef struct box {
     int is_empty;
 } box;
 
+/* What is not a number is left out, and replaced where it came first. */
 static void include(box* b, int c, double lowest, double highest)
 {
-    if (b->is_empty || lowest < b->lowest[c]) b->lowest[c] = lowest;
-    if (b->is_empty || highest > b->highest[c]) b->highest[c] = highest;
+    if (b->is_empty || lowest < b->lowest[c] || b->lowest[c] != b->lowest[c]) b->lowest[c] = lowest;
+    if (b->is_empty || highest > b->highest[c] || b->highest[c] != b->highest[c]) b->highest[c] = highest;
 }
 
 /* `row` has the cluster's 1 + d intervals. The sums that reconstruction rounds have at most d + 4 terms (bases, fields,
