@@ -93,6 +93,20 @@ const char* sniff(std::string_view bytes)
     return nullptr;
 }
 
+// What programs of artists write is named with the way in.
+std::string hint_for_unknown(const std::string& extension)
+{
+    const auto is_one_of = [&](std::initializer_list<const char*> known) {
+        return std::any_of(known.begin(), known.end(), [&](const char* one) { return extension == one; });
+    };
+    if (is_one_of({ ".usd", ".usda", ".usdc", ".usdz" }))
+        return "export it as glTF (.glb), or bake it from Python: pliant.load_poses reads USD";
+    if (is_one_of({ ".fbx", ".abc", ".blend", ".dae", ".3ds", ".max", ".ma", ".mb" }))
+        return "export it as glTF (.glb) from the program that made it, with shape keys or animations";
+    return "surfaces are read from .obj, .ply and .off, as poses also from .glb, .gltf and .vrm, solids from .msh, .mesh, "
+           ".veg and .vtk";
+}
+
 // The format to read with, or nothing after a P2003, P2004 or P2005.
 const Format* choose_format(const SourceFile& file)
 {
@@ -100,8 +114,7 @@ const Format* choose_format(const SourceFile& file)
     if (!format) {
         file.error(2003, file.path,
                    fmt::format("unknown kind of file {}", excerpt(std::filesystem::path(file.path).extension().string())),
-                   "surfaces are read from .obj, .ply and .off, as poses also from .glb and .gltf, solids from .msh, .mesh, "
-                   ".veg and .vtk");
+                   hint_for_unknown(std::filesystem::path(file.path).extension().string()));
         return nullptr;
     }
     if (file.bytes.empty()) {
