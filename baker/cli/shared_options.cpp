@@ -298,11 +298,27 @@ void require_suffix(const std::string& option, const std::string& path, const st
                  fmt::format("the file is written in that format: name it {}", name.replace_extension(suffix).string())));
 }
 
+namespace {
+
+// The "%04d" of a pattern.
+struct Conversion {
+    std::size_t start = std::string::npos, end = std::string::npos; // npos: there is none, or more than one
+};
+
+Conversion find_conversion(const std::string& pattern)
+{
+    const std::size_t percent = pattern.find('%');
+    if (percent == std::string::npos) return {};
+    const std::size_t end = pattern.find_first_not_of("0123456789", percent + 1);
+    if (end == std::string::npos || pattern[end] != 'd' || pattern.find('%', end) != std::string::npos) return {};
+    return { percent, end };
+}
+
+} // namespace
+
 void require_no_pattern(const std::string& path, const std::string& owner)
 {
-    const std::size_t percent = path.find('%');
-    const std::size_t end = percent == std::string::npos ? percent : path.find_first_not_of("0123456789", percent + 1);
-    if (end == std::string::npos || path[end] != 'd') return;
+    if (find_conversion(path).end == std::string::npos) return;
     throw Failure(ExitCode::usage,
                   error_at(1237, "", fmt::format("'{}' is a pattern, but one mesh is written", path),
                            "a pattern belongs to " + owner + ": name one file"));
@@ -311,9 +327,8 @@ void require_no_pattern(const std::string& path, const std::string& owner)
 // Not printf: the pattern comes from outside.
 std::string frame_name(const std::string& pattern, std::size_t frame)
 {
-    const std::size_t percent = pattern.find('%');
-    std::size_t end = percent == std::string::npos ? percent : pattern.find_first_not_of("0123456789", percent + 1);
-    if (end == std::string::npos || pattern[end] != 'd' || pattern.find('%', end) != std::string::npos)
+    const auto [percent, end] = find_conversion(pattern);
+    if (end == std::string::npos)
         throw Failure(ExitCode::usage,
                       error_at(1205, "", fmt::format("'{}' has no place for the frame number", pattern),
                                "write it as frame_%04d.ply, with one %d or %04d"));

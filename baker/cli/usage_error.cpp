@@ -117,25 +117,26 @@ Diagnostic wrong_count(const CLI::App& verb, const CLI::Option& option)
     return error_at(1101, "", fmt::format("{} is given {} times", option.get_name(), option.count()), "give it once");
 }
 
+// "'abc' is not a number", "2.5 is not a whole number", "300 is out of range".
+std::string fault_of_number(const CLI::Option& option, const std::string& text)
+{
+    double number = 0;
+    const char* const end = text.data() + text.size();
+    const auto [rest, error] = std::from_chars(text.data(), end, number);
+    if (text.empty() || rest != end || error == std::errc::invalid_argument) return excerpt(text) + " is not a number";
+    const bool is_fraction = takes_whole_numbers(option) && std::trunc(number) != number;
+    return text + (is_fraction ? " is not a whole number" : " is out of range");
+}
+
 Diagnostic wrong_value(const CLI::App& verb, const CLI::Option& option)
 {
-    const std::string name = option.get_name(), value = option.results().empty() ? "" : option.results().back();
+    const std::string value = option.results().empty() ? "" : option.results().back();
     const OptionValue takes = shown_value(option);
     if (takes.type.empty()) return missing_value(verb, option);
-    const std::string nearest = takes.choices.empty() ? "" : nearest_word(value, takes.choices);
-    std::string what = fmt::format("{}: {} is not one of its values", name, excerpt(value));
-    if (takes.choices.empty()) {
-        double number = 0;
-        const auto [rest, error] = std::from_chars(value.data(), value.data() + value.size(), number);
-        const bool is_number = !value.empty() && rest == value.data() + value.size() && error != std::errc::invalid_argument;
-        const bool is_whole = is_number && std::trunc(number) == number;
-        if (!is_number)
-            what = fmt::format("{}: {} is not a number", name, excerpt(value));
-        else
-            what = fmt::format("{}: {} is {}", name, value,
-                               is_whole || !takes_whole_numbers(option) ? "out of range" : "not a whole number");
-    }
-    return error_at(1101, "", what,
+    const std::string fault
+        = takes.choices.empty() ? fault_of_number(option, value) : excerpt(value) + " is not one of its values";
+    const std::string nearest = nearest_word(value, takes.choices);
+    return error_at(1101, "", option.get_name() + ": " + fault,
                     nearest.empty() ? fmt::format("it takes {}", allowed_values(option))
                                     : fmt::format("did you mean {}?", nearest));
 }

@@ -12,7 +12,7 @@
 #include "pipeline/json_file.h"
 
 #include <cmath>
-#include <fmt/core.h>
+#include <fmt/format.h>
 #include <memory>
 
 namespace pliant {
@@ -93,17 +93,28 @@ std::vector<Weights> grid_points(const AverageArguments& a, std::size_t pose_cou
     return a.energy.blend == Blend::layers ? box_grid(pose_count - 1, a.grid) : simplex_grid(pose_count, a.grid);
 }
 
-Weights checked_weights(const AverageArguments& a, const std::vector<double>& values, std::size_t pose_count)
+using Names = std::vector<std::string>;
+
+// A wrong number of weights (P1203) is answered with the names of the poses or layers.
+Weights checked_weights(const AverageArguments& a, const std::vector<double>& values, const Names& poses)
 {
-    return a.energy.blend == Blend::layers ? layer_weights(values, pose_count - 1) : normalized_weights(values, pose_count);
+    const bool has_layers = a.energy.blend == Blend::layers;
+    try {
+        return has_layers ? layer_weights(values, poses.size() - 1) : normalized_weights(values, poses.size());
+    } catch (const Failure& failure) {
+        Diagnostic diagnostic = failure.diagnostics()[0];
+        if (diagnostic.number == 1203)
+            diagnostic.hint += fmt::format(": {}", fmt::join(poses.begin() + has_layers, poses.end(), ", "));
+        throw Failure(failure.code(), diagnostic);
+    }
 }
 
-std::vector<Weights> path_points(const AverageArguments& a, std::size_t pose_count)
+std::vector<Weights> path_points(const AverageArguments& a, const Names& poses)
 {
     std::vector<Weights> points;
     for (const std::vector<double>& row : read_weight_rows(a.path)) {
         try {
-            points.push_back(checked_weights(a, row, pose_count));
+            points.push_back(checked_weights(a, row, poses));
         } catch (const Failure& failure) {
             throw Failure(ExitCode::bad_input,
                           error_at(1222, a.path, fmt::format("frame {}: {}", points.size(), failure.diagnostics()[0].what),
@@ -138,10 +149,10 @@ void check_usage(const AverageArguments& a)
     require_suffix("--list", a.list, ".csv");
 }
 
-std::vector<Wanted> wanted_averages(const AverageArguments& a, std::size_t pose_count)
+std::vector<Wanted> wanted_averages(const AverageArguments& a, const Names& poses)
 {
-    if (!a.weights.empty()) return { { checked_weights(a, parse_weights(a.weights), pose_count), "", a.output } };
-    const std::vector<Weights> points = a.grid > 0 ? grid_points(a, pose_count) : path_points(a, pose_count);
+    if (!a.weights.empty()) return { { checked_weights(a, parse_weights(a.weights), poses), "", a.output } };
+    const std::vector<Weights> points = a.grid > 0 ? grid_points(a, poses.size()) : path_points(a, poses);
     std::vector<Wanted> wanted;
     for (std::size_t i = 0; i < points.size(); ++i)
         wanted.push_back({ points[i], fmt::format("frame {}: ", i), frame_name(a.output, i) });
@@ -207,7 +218,7 @@ ExitCode run_average(AverageArguments a, const CLI::App& verb)
     const PoseSet poses = load_with_warnings("average", a.poses, a.energy, &warnings);
     a.energy.blend = poses.blend;
     warn_of_idle_options(verb, a.energy, poses.is_solid(), warnings);
-    const std::vector<Wanted> wanted = wanted_averages(a, poses.pose_count()); // one glTF file may give many poses
+    const std::vector<Wanted> wanted = wanted_averages(a, poses.names); // one glTF file may give many poses
     const std::vector<std::string> inputs = all_inputs(a);
     std::vector<std::string> outputs = { a.list };
     for (const Wanted& one : wanted) outputs.push_back(one.output);

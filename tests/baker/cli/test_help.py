@@ -9,6 +9,8 @@ import sys
 import tempfile
 
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[2]))
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[2] / "bad_input"))
+import generate  # noqa: E402
 from layered_tube import tube, write_obj  # noqa: E402
 
 TOOL = sys.argv[1]
@@ -91,6 +93,22 @@ def check_names(folder):
     assert [pose["name"] for pose in told["poses"]] == ["walk/pose", "run/pose", "run/pose (2)"], told["poses"]
 
 
+def check_gltf(folder):
+    """Animations are listed for a bare file, and with -v."""
+    generate.generate("gltf_animation_unknown", folder)
+    chosen = ("check", "a.glb#rest", "a.glb#target=bent")
+    assert "animation Run" in run("check", "a.glb", cwd=folder).stdout
+    assert "animation" not in run(*chosen, cwd=folder).stdout and "animation Run" in run(*chosen, "-v", cwd=folder).stdout
+
+
+def check_parts(folder):
+    """Bake and info say how far parts drift."""
+    generate.generate("two_components", folder)
+    baked = run("bake", "parts.obj", "parts_bent.obj", "-o", "parts.pliant", "--preview", cwd=folder).stdout
+    found = re.search(r"^  parts drift by at most \d+\.\d\d % of the diagonal$", baked, re.M)
+    assert found and found[0] in run("info", "parts.pliant", cwd=folder).stdout, baked
+
+
 def check_talk(folder):
     for name, angles in (("rest", (0, 0)), ("bent", (0, 1.2))):
         write_obj(folder / f"{name}.obj", tube(*angles))
@@ -127,5 +145,7 @@ with tempfile.TemporaryDirectory(prefix="pliant_help_") as temporary:
     check_manual(check_help())
     check_completions(work)
     check_names(work)
+    check_gltf(work)
+    check_parts(work)
     check_talk(work)
 print("passed")

@@ -105,6 +105,7 @@ def case_all_errors(folder):
     _, err = run(rest, script, "-o", out, expected=3)
     for text in ("wrong.txt:1: region 'cube'", "wrong.txt:4: sphere has 1 of 4", "bar.msh:10: "):
         assert text in err, err
+    assert err.index("bar.msh:10: ") < err.index("wrong.txt:1: "), "the mesh is judged first"
     assert not out.exists()
 
 
