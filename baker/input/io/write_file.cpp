@@ -53,7 +53,7 @@ Target resolve(const std::string& path)
     std::error_code error;
     if (fs::is_symlink(file, error)) {
         file = fs::canonical(file, error);
-        if (error) fail(error_at(4006, path, "is a link that leads nowhere", "remove the link or name another output"));
+        if (error) fail(error_at(4006, path, "is a link that leads to no file", "outputs are files: name another output"));
     }
     target.folder = file.has_parent_path() ? file.parent_path() : fs::path(".");
     target.name = file.filename().string();

@@ -8,8 +8,8 @@
 namespace pliant {
 
 // Replaces or creates the file, whole or not at all: the bytes go to .NAME.pliant-tmp-RANDOM in the same folder, are flushed
-// to the disk, and only then take the name. Whatever happens before (full disk, exception, kill -9) leaves the old file as it
-// was. Writers of other processes, containers and machines may write the same name: one of the whole files stays. A
+// to the disk, and only then take the name. Whatever happens before (full disk, exception, kill -9) leaves the old file as
+// it was. Writers of other processes, containers and machines may write the same name: one of the whole files stays. A
 // temporary of the same NAME that nobody has locked is removed (without locks: one of yesterday). Permissions of an existing
 // file are kept, also those that forbid to write it: the folder's count. A symbolic link is followed. Throws Failure
 // (failed), P40xx.

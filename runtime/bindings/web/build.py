@@ -59,8 +59,8 @@ def main(folder):
     with ThreadPoolExecutor(2) as pool:
         compiled = list(pool.map(lambda source: compile_one(python, source, objects / f"{source.stem}.o"), sources))
     exports = [f"-Wl,--export={name}" for name in ("malloc", "free", *functions())]
-    subprocess.run([python, *COMPILE, "-O2", "-s", "-mexec-model=reactor", *compiled, *exports, "-o", str(folder / "pliant.wasm")],
-                   check=True)
+    link = [python, *COMPILE, "-O2", "-s", "-mexec-model=reactor", *compiled, *exports, "-o", str(folder / "pliant.wasm")]
+    subprocess.run(link, check=True)
     shutil.rmtree(objects)
     for name in FILES:
         shutil.copy(HERE / name, folder)
