@@ -108,7 +108,6 @@ BakedAsset bake(const PoseSet& poses, const BakeOptions& given, Progress& listen
     const TimeBudget budget(options.time_limit);
     progress.update("poses", 0);
     const NormalizedPoses set = normalize(poses, options.energy.keeps_placement());
-    warn_of_turns(set, poses, progress);
     const WeightDomain domain = domain_of(options, poses);
     const ElasticModel model = make_model(set, options.energy, &progress);
     const Energy& energy = *model.energy;

@@ -177,6 +177,7 @@ BakeOptions resolve_options(const BakeOptions& given, const PoseSet& poses)
     BakeOptions options = given;
     options.energy.blend = given.energy.blend.value_or(poses.blend);
     options.energy.material = material_of(given.energy, poses.is_solid());
+    options.energy.keep_placement = given.energy.keep_placement || poses.share_frame;
     check_surrogate(options, poses);
     check_blend(options, poses);
     return options;

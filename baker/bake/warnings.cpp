@@ -1,6 +1,5 @@
 #include "bake/warnings.h"
 
-#include "base/mesh/align.h"
 #include "base/weights/weights.h"
 
 #include <fmt/core.h>
@@ -145,22 +144,6 @@ void warn_of_memory(double needed, double available, Progress& progress)
     progress.warn(4411,
                   fmt::format("needs about {:.1f} GiB of memory, there are {:.1f}", needed / gibibyte, available / gibibyte),
                   "lower --threads, bake a coarser mesh, or use a machine with more memory");
-}
-
-void warn_of_turns(const NormalizedPoses& set, const PoseSet& poses, Progress& progress)
-{
-    constexpr double far = 30; // degrees
-    std::size_t most = 0, count = 0;
-    for (std::size_t k = 1; k < poses.pose_count(); ++k) {
-        if (turned_degrees(set, k) > turned_degrees(set, most)) most = k;
-        count += turned_degrees(set, k) > far;
-    }
-    if (count == 0) return;
-    progress.warn(4413,
-                  fmt::format("{} is turned by {:.0f} degrees to align it with {}{}", poses.names[most],
-                              turned_degrees(set, most), poses.names[0],
-                              count > 1 ? fmt::format(", {} more poses by more than {:.0f}", count - 1, far) : ""),
-                  "--no-align keeps all poses where their files put them");
 }
 
 void warn_of_foldover(const InputReport& input, const EnergyOptions& energy, Progress& progress)

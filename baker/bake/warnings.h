@@ -44,9 +44,6 @@ void warn_of_jumps(const FamilyPoint& point, const PoseSet& poses, Material mate
 // P4411 where a bake needs more bytes than there are.
 void warn_of_memory(double needed, double available, Progress& progress);
 
-// P4413: poses that alignment turns far, so that blends face elsewhere than their files.
-void warn_of_turns(const NormalizedPoses& set, const PoseSet& poses, Progress& progress);
-
 // P4403: hinges whose bending is damped.
 void warn_of_foldover(const InputReport& input, const EnergyOptions& energy, Progress& progress);
 

@@ -118,7 +118,8 @@ void add_energy_options(CLI::App& verb, EnergyOptions& options)
     add_choice(verb, "--solver", options.solver, solvers,
                "Sparse factorisation: cholmod (fast) or eigen (portable, bit-stable)");
     verb.add_flag("--no-align", options.keep_placement,
-                  "Keep the poses where they are instead of aligning them rigidly with the first");
+                  "Keep the poses where they are instead of aligning them rigidly with the first; those of one glTF file "
+                  "always stay where it puts them");
     verb.add_option(
             "--weld", options.weld_tolerance,
             "Weld surface vertices that are closer than this in all poses, as a fraction of the bounding-box diagonal, so "

@@ -4,7 +4,6 @@
 
 #include "bake/certificate.h"
 #include "bake/make_energy.h"
-#include "bake/warnings.h"
 #include "base/common/print.h"
 #include "cli/idle_options.h"
 #include "elastic/energy/contradictions.h"
@@ -152,8 +151,6 @@ ExitCode run_check(CheckArguments a, const CLI::App& verb)
         return ExitCode::done;
     }
     const Material material = material_of(a.bake.energy, poses.is_solid());
-    ConsoleProgress progress("check", a.talk);
-    warn_of_turns(set, poses, progress);
     if (poses.is_solid())
         print_to(stdout, "{} poses of {} vertices, {} tetrahedra, {} of the vertices on the boundary: ready to bake\n",
                  poses.pose_count(), poses.vertex_count(), poses.tets.size(), poses.boundary_vertex_count);

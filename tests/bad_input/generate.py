@@ -185,11 +185,6 @@ def layers_contradict(folder):
 
 
 @case
-def pose_turned(folder):
-    write_mesh(folder / "turned.obj", bent().moved(lambda x, y, z: (z, y, -x)))
-
-
-@case
 def unreadable_file(folder):
     write_mesh(folder / "locked.obj", bent())
     os.chmod(folder / "locked.obj", 0)

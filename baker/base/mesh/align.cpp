@@ -78,7 +78,7 @@ NormalizedPoses normalize(const PoseSet& poses, bool keep_placement)
     set.regions = poses.regions;
     set.source_vertices = poses.source_vertices;
     set.fixed_vertices = poses.fixed_vertices;
-    keep_placement = keep_placement || !set.is_free();
+    keep_placement = keep_placement || poses.share_frame || !set.is_free();
     const Eigen::Index n = Eigen::Index(poses.vertex_count());
 
     // Shapes relative to the middle of pose 0, so that a far-away origin costs no digits in what follows.

@@ -86,6 +86,7 @@ struct PoseSet {
     std::vector<std::string> paths;
     std::vector<std::string> names;      // file names without folder and extension, or what glTF calls the pose; for people
     Blend blend = Blend::average;        // what the poses are to each other
+    bool share_frame = false;            // they stand where one glTF file puts them, and are not aligned
     std::vector<double> initial_weights; // per pose; of layers what they start with
     std::vector<Positions> positions;    // per pose
     Polygons polygons; // as pose 0 gave them, by the files' numbers, for writing; of a solid: the triangles

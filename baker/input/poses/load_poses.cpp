@@ -216,7 +216,11 @@ PoseSet load_poses(const std::vector<std::string>& paths, const LoadOptions& opt
 {
     DiagnosticList diagnostics(options.lines_per_number);
     PoseSources read = read_pose_sources(paths, options.blend, diagnostics);
-    return finish(std::move(read.meshes), read.has_first, read.blend, options, diagnostics, warnings);
+    LoadOptions placed = options;
+    placed.align = options.align && !read.share_frame;
+    PoseSet poses = finish(std::move(read.meshes), read.has_first, read.blend, placed, diagnostics, warnings);
+    poses.share_frame = read.share_frame;
+    return poses;
 }
 
 PoseSet check_poses(std::vector<MeshFile> meshes, const LoadOptions& options, std::vector<Diagnostic>* warnings)

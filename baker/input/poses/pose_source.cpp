@@ -381,6 +381,9 @@ PoseSources read_pose_sources(const std::vector<std::string>& arguments, std::op
     out.blend = blend.value_or(has_targets ? Blend::layers : Blend::average);
     if (out.count < 2) check_lone_pose(sources, reader, diagnostics);
     if (diagnostics.has_errors() && out.count < 2) return out;
+    out.share_frame = std::all_of(sources.begin(), sources.end(), [&](const Source& source) {
+        return source.file && source.argument.path == sources[0].argument.path;
+    });
     check_pose_limit(sources, out.count, pose_limit(out.blend));
     for (const Source& source : sources) {
         reader.read(source, out.meshes);

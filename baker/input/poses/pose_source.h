@@ -22,6 +22,7 @@ struct PoseSources {
     Blend blend = Blend::average;
     std::vector<MeshFile> meshes; // those that could be read
     bool has_first = false;       // the first argument is among them
+    bool share_frame = false;     // all are of one glTF file
     std::size_t count = 0;        // poses asked for; of an unreadable glTF file one
 };
 

@@ -39,6 +39,7 @@ class Job:
             shapes.write_ply(self.folder / files[-1], shape)
         words = ["bake", "-o", "baked.pliant", "--report", "report.json", "--blend"]
         words += ["layers" if self.shapes.layers else "average"]
+        words += [] if self.shapes.layers else ["--no-align"]  # shapes stand where the scene has them
         words += ["--preview"] if self.options.preview else ["--best-effort", "--tolerance", f"{self.options.tolerance:.6g}"]
         for (low, high), file in zip(self.shapes.ranges, files[1:]) if self.shapes.layers else ():
             words += ["--range", f"{file[:-len('.ply')]}={low:.6g}:{high:.6g}"]

@@ -118,6 +118,8 @@ TEST_CASE("a miss of layers names the layers of the worst mixture, and no pose i
     CHECK(miss().hint.find("pose") == std::string::npos);
     CHECK(miss().hint.find("--range") != std::string::npos);
     report.fit.subspace_error.mean = 1;
+    CHECK(miss().hint.find("--dim") == std::string::npos); // it was not given
+    options.dimension = 4;
     CHECK(miss().hint.find("--dim") != std::string::npos);
     report.branches.push_back({ Branch::Kind::jump, report.check.worst_weights, 3, 0.1, 7 });
     CHECK(miss().hint.find("sums of layers jump (P4406): use --material arap") == 0);
