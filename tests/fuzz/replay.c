@@ -1,35 +1,65 @@
 /* Runs the fuzz target on every file named: the corpus as an ordinary test, without libFuzzer. Each file also comes cut in
-   half and with each of its first 512 bytes flipped. */
+   half, with each of its first 512 bytes flipped, and mutated MUTATIONS times by its structure, with chunks of the file
+   before it: the same bytes in every run. */
 #include <stdint.h>
 #include <stdio.h>
 #include <stdlib.h>
+#include <string.h>
+
+#define MUTATIONS 400u
+#define LARGEST ((size_t)1 << 17)
 
 int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size);
 size_t LLVMFuzzerMutate(uint8_t* data, size_t size, size_t max_size);
+size_t LLVMFuzzerCustomMutator(uint8_t* data, size_t size, size_t max_size, unsigned int seed);
+size_t LLVMFuzzerCustomCrossOver(const uint8_t* data1, size_t size1, const uint8_t* data2, size_t size2, uint8_t* out,
+                                 size_t max_size, unsigned int seed);
 
-/* libFuzzer's mutator, which nothing calls here. */
+/* In the place of libFuzzer's mutator: another byte somewhere. */
 size_t LLVMFuzzerMutate(uint8_t* data, size_t size, size_t max_size)
 {
-    (void)data;
+    static uint32_t random = 1;
+    random = random * 1664525u + 1013904223u;
+    if (size > 0) data[(random >> 8) % size] ^= (uint8_t)(1u + (random >> 24) % 255u);
     return size < max_size ? size : max_size;
+}
+
+/* Mutations of mutations, four in a row, so that some are far from the file. */
+static void mutate(const uint8_t* data, size_t size, const uint8_t* other, size_t other_size)
+{
+    static uint8_t work[LARGEST];
+    size_t made = 0;
+    for (unsigned int i = 0; i < MUTATIONS; ++i) {
+        if (i % 4 == 0 && i % 16 != 12) {
+            memcpy(work, data, size);
+            made = size;
+        } else if (i % 4 == 0) {
+            made = LLVMFuzzerCustomCrossOver(data, size, other, other_size, work, sizeof work, i);
+        }
+        made = LLVMFuzzerCustomMutator(work, made, sizeof work, i);
+        LLVMFuzzerTestOneInput(work, made);
+    }
 }
 
 static int replay(const char* path)
 {
+    static uint8_t data[LARGEST], before[LARGEST];
+    static size_t before_size = 0;
     FILE* file = fopen(path, "rb");
-    long size;
-    if (!file || fseek(file, 0, SEEK_END) != 0 || (size = ftell(file)) <= 0 || fseek(file, 0, SEEK_SET) != 0) return 0;
-    uint8_t* data = malloc((size_t)size);
-    if (!data || fread(data, 1, (size_t)size, file) != (size_t)size) return 0;
+    if (!file) return 0;
+    const size_t size = fread(data, 1, sizeof data, file);
     fclose(file);
-    LLVMFuzzerTestOneInput(data, (size_t)size);
-    LLVMFuzzerTestOneInput(data, (size_t)size / 2);
-    for (long at = 0; at < size && at < 512; ++at) {
+    if (size == 0 || size == sizeof data) return 0;
+    LLVMFuzzerTestOneInput(data, size);
+    LLVMFuzzerTestOneInput(data, size / 2);
+    for (size_t at = 0; at < size && at < 512; ++at) {
         data[at] ^= 0xFF;
-        LLVMFuzzerTestOneInput(data, (size_t)size);
+        LLVMFuzzerTestOneInput(data, size);
         data[at] ^= 0xFF;
     }
-    free(data);
+    mutate(data, size, before, before_size);
+    memcpy(before, data, size);
+    before_size = size;
     return 1;
 }
 
@@ -41,6 +71,6 @@ int main(int argc, char** argv)
             fprintf(stderr, "cannot read %s\n", argv[i]);
             failed = 1;
         }
-    printf("%d inputs replayed\n", argc - 1);
+    printf("%d inputs replayed, each with %u mutations\n", argc - 1, MUTATIONS);
     return failed || argc < 2;
 }

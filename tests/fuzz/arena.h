@@ -1,0 +1,42 @@
+/* Memory of an exact size without an allocator: a static area, of which all other bytes are poisoned for AddressSanitizer.
+   Without it an area is only memory. */
+#ifndef PLIANT_FUZZ_ARENA_H
+#define PLIANT_FUZZ_ARENA_H
+
+#include <stddef.h>
+#include <stdlib.h>
+
+#if defined(__has_feature)
+#if __has_feature(address_sanitizer)
+#define PLIANT_FUZZ_POISON
+#endif
+#elif defined(__SANITIZE_ADDRESS__)
+#define PLIANT_FUZZ_POISON
+#endif
+#ifdef PLIANT_FUZZ_POISON
+void __asan_poison_memory_region(const volatile void* address, size_t size);
+void __asan_unpoison_memory_region(const volatile void* address, size_t size);
+#else
+#define __asan_poison_memory_region(address, size) ((void)0)
+#define __asan_unpoison_memory_region(address, size) ((void)0)
+#endif
+
+/* Of `capacity` bytes at `bytes`, a multiple of 64. `end`: behind what is not poisoned. Starts as { bytes, capacity, 0 }. */
+typedef struct fuzz_area {
+    unsigned char* bytes;
+    size_t capacity, end;
+} fuzz_area;
+
+/* `size` bytes at a multiple of 64; what was reserved in the area before is gone. At most capacity - 128. */
+static inline void* fuzz_reserve(fuzz_area* area, size_t size)
+{
+    const size_t end = 64 + size;
+    if (size > area->capacity - 128) abort();
+    if (area->end == 0) __asan_poison_memory_region(area->bytes, area->capacity);
+    if (area->end > end) __asan_poison_memory_region(area->bytes + end, area->end - end);
+    __asan_unpoison_memory_region(area->bytes + 64, size);
+    area->end = end;
+    return area->bytes + 64;
+}
+
+#endif
