@@ -87,7 +87,8 @@ def gltf():
 def configurations():
     bake = {"poses": ["rest.obj", "run.obj"], "dim": 3, "tolerance": 0.5, "best_effort": True, "range": ["a=0:1"]}
     yield "json", "config", json.dumps(bake, indent=1)
-    yield "json", "manifest", json.dumps({"defaults": {"dim": 8}, "bakes": [{"name": "a\u00e9", "config": "a.json", **bake}]})
+    manifest = {"defaults": {"dim": 8}, "bakes": [{"name": "a\u00e9", "config": "a.json", **bake}]}
+    yield "json", "manifest", json.dumps(manifest)
 
 
 def main(corpus, *further):

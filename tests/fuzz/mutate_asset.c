@@ -110,8 +110,8 @@ static int take_apart(draft* d, const uint8_t* source, size_t size)
     return d->count > 0;
 }
 
-/* In the order of the draft, aligned as the format demands. Chunk i has `available[i]` bytes at `contents[i]` and goes on with
-   zeros. 0 if it does not fit. */
+/* In the order of the draft, aligned as the format demands. Chunk i has `available[i]` bytes at `contents[i]`; behind them
+   come zeros. 0 if it does not fit. */
 static size_t put_together(draft* d, const size_t* available, uint8_t* out, size_t max_size)
 {
     d->header.chunk_count = d->count;
