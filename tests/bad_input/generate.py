@@ -237,6 +237,7 @@ file_case("header_many_vertices", "many.ply", lambda: with_header(f"vertex {VERT
 file_case("header_many_faces", "many.off", lambda: off_text(bent()).replace(f" {FACE_COUNT} 0", " 100000000 0", 1))
 file_case("header_large_list", "list.ply", lambda: with_header("list uchar", "list uint"))
 file_case("ply_header_damaged", "header.ply", lambda: with_header("property float y", "propertx float y"))
+file_case("off_blank", "blank.off", lambda: "\n# nothing\n")
 file_case("ply_header_long", "header.ply",
           lambda: with_header("element face", "".join(f"element e{i} 0\n" for i in range(20000)) + "element face"))
 file_case("ply_without_z", "flat.ply", lambda: with_header("float z", "float w"))

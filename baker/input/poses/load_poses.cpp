@@ -185,7 +185,7 @@ Checked check_all(std::vector<MeshFile>& meshes, Blend blend, const LoadOptions&
                              vertex_count - checked.surface.repairs.welded_count, meshes, diagnostics);
     if (is_comparable && meshes.size() > 1)
         check_distinct(meshes, is_solid ? checked.triangulation : checked.surface.triangulation,
-                       blend == Blend::average && options.align && !has_fixed, diagnostics);
+                       blend == Blend::average && options.align && !options.share_frame && !has_fixed, diagnostics);
     return checked;
 }
 
@@ -202,6 +202,7 @@ PoseSet finish(std::vector<MeshFile> meshes, bool has_first, Blend blend, const 
     }
     PoseSet poses = to_pose_set(std::move(meshes), std::move(checked));
     poses.blend = blend;
+    poses.share_frame = options.share_frame;
     return poses;
 }
 
@@ -217,10 +218,8 @@ PoseSet load_poses(const std::vector<std::string>& paths, const LoadOptions& opt
     DiagnosticList diagnostics(options.lines_per_number);
     PoseSources read = read_pose_sources(paths, options.blend, diagnostics);
     LoadOptions placed = options;
-    placed.align = options.align && !read.share_frame;
-    PoseSet poses = finish(std::move(read.meshes), read.has_first, read.blend, placed, diagnostics, warnings);
-    poses.share_frame = read.share_frame;
-    return poses;
+    placed.share_frame = read.share_frame;
+    return finish(std::move(read.meshes), read.has_first, read.blend, placed, diagnostics, warnings);
 }
 
 PoseSet check_poses(std::vector<MeshFile> meshes, const LoadOptions& options, std::vector<Diagnostic>* warnings)

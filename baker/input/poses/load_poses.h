@@ -11,8 +11,10 @@ namespace pliant {
 
 struct LoadOptions {
     std::optional<Blend> blend; // none: what the files are (read_pose_sources)
-    bool align
-        = true; // averages of more than one file will be aligned rigidly: poses that differ by a motion only are the same
+    // Averages will be aligned rigidly: poses that differ by a motion only are the same.
+    bool align = true;
+    // Unless they are of one glTF file and stay where it puts them; found by load_poses().
+    bool share_frame = false;
     std::size_t lines_per_number = 10; // diagnostics of one kind that are told one by one
     std::string fixed_path;            // a text file of fixed vertices; then nothing is aligned. Empty: none is fixed
     std::vector<std::uint32_t> fixed_vertices; // the same by the files' numbers; those past the last one are left out

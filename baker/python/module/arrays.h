@@ -20,6 +20,7 @@ template <class T, int dimensions> using Array = nb::ndarray<const T, nb::ndim<d
 struct SourcePoses {
     std::vector<MeshFile> meshes;
     Blend blend = Blend::average; // what the source means
+    bool share_frame = false;     // of one glTF file
 };
 
 // positions (m, n, 3) with names for each pose; the cells are faces (f, k) with k >= 3, or tets (t, 4). What messages call

@@ -11,7 +11,9 @@ void report_warnings(const std::vector<Diagnostic>& warnings, Progress& progress
 
 PoseSet check(const SourcePoses& poses, const EnergyOptions& options, std::vector<Diagnostic>& warnings, Progress& progress)
 {
-    PoseSet out = check_poses(poses.meshes, load_options(options), &warnings);
+    LoadOptions load = load_options(options);
+    load.share_frame = poses.share_frame;
+    PoseSet out = check_poses(poses.meshes, load, &warnings);
     report_warnings(warnings, progress);
     return out;
 }

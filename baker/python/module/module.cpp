@@ -53,7 +53,7 @@ SourcePoses load_sources(const std::vector<std::string>& paths, std::optional<Bl
     work_interruptibly(listener, 0, [&](Progress& progress) {
         DiagnosticList diagnostics;
         PoseSources sources = read_pose_sources(paths, blend, diagnostics);
-        out = { std::move(sources.meshes), sources.blend };
+        out = { std::move(sources.meshes), sources.blend, sources.share_frame };
         if (diagnostics.has_errors()) throw Failure(ExitCode::bad_input, diagnostics.diagnostics());
         report_warnings(diagnostics.diagnostics(), progress);
     });

@@ -31,7 +31,7 @@ class Request:
         """Arguments of the tool. `share`: number of bakes that share the cores of a machine;
         `memory`: limit for the estimate, in bytes."""
         words = ["bake-all", self.manifest, "--json", "--quiet", "--jobs", str(min(share, _MOST_JOBS)), "--memory",
-                 str(int(memory))]
+                 f"{int(memory)}b"]
         words += ["--force"] if self.force else []
         for name in names:
             words += ["--only", name]
