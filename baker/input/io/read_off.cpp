@@ -49,7 +49,10 @@ bool OffReader::next_line()
 
 bool OffReader::read_header()
 {
-    if (!next_line()) return false; // the caller has seen the keyword
+    if (!next_line()) {
+        report_truncated(file_, "the header");
+        return false;
+    }
     const std::string_view keyword = next_word(line_, '#');
     constexpr std::array<std::string_view, 8> known {
         "OFF", "COFF", "NOFF", "CNOFF", "STOFF", "STCOFF", "STNOFF", "STCNOFF"
