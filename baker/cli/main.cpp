@@ -19,8 +19,15 @@ namespace {
 
 using namespace pliant;
 
-// Runs the work of a verb, or of the parser before there is one, and turns everything that can go wrong into messages and an
-// exit code. `name` is read when it ends.
+// Also where there is none for a thread.
+bool is_out_of_memory(const std::exception& e)
+{
+    const auto* const system = dynamic_cast<const std::system_error*>(&e);
+    return dynamic_cast<const std::bad_alloc*>(&e)
+        || (system && system->code() == std::errc::resource_unavailable_try_again);
+}
+
+// Turns everything that can go wrong in `work` into messages and an exit code. `name` is that of the verb, once it is known.
 ExitCode guarded(const std::string& name, const Verb& work)
 {
     try {
@@ -30,16 +37,13 @@ ExitCode guarded(const std::string& name, const Verb& work)
         return failure.code();
     } catch (const Interrupted&) {
         return ExitCode::interrupted;
-    } catch (const std::bad_alloc&) {
-        print_out_of_memory();
     } catch (const std::exception& e) {
-        const auto* const system = dynamic_cast<const std::system_error*>(&e);
-        if (system && system->code() == std::errc::resource_unavailable_try_again) { // no memory for a thread
+        if (is_out_of_memory(e))
             print_out_of_memory();
-            return ExitCode::failed;
-        }
-        print_finding(
-            name, error_at(4902, "", fmt::format("unexpected: {}", e.what()), "please report this with the command line"));
+        else
+            print_finding(
+                name,
+                error_at(4902, "", fmt::format("unexpected: {}", e.what()), "please report this with the command line"));
     }
     return ExitCode::failed;
 }
@@ -102,7 +106,7 @@ ExitCode run_tool(int argc, char** argv, std::string& verb)
     }
     verb = chosen_verb(app)->get_name();
     name_interrupts(verb);
-    return guarded(verb, verbs.at(verb));
+    return verbs.at(verb)();
 }
 
 } // namespace

@@ -72,7 +72,7 @@ std::string in_folder(const std::string& folder, const std::string& path)
 void check_name(const std::string& name, const std::string& where)
 {
     const auto is_bad = [](char c) { return c == '/' || static_cast<unsigned char>(c) < ' ' || c == 127; };
-    if (name[0] == '.' || name[0] == '-' || std::any_of(name.begin(), name.end(), is_bad))
+    if (name.empty() || name[0] == '.' || name[0] == '-' || std::any_of(name.begin(), name.end(), is_bad))
         fail(2707, where, fmt::format("{} is no name", excerpt(name)),
              "names have no '/' and no control characters, and begin with neither '.' nor '-'");
 }

@@ -24,7 +24,6 @@ import tempfile
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[2]
-ZIG = "ziglang==0.17.0"
 
 
 class Failure(Exception):
@@ -67,13 +66,6 @@ def make_source(clone, out, version):
     (out / f"{name}-source.tar.gz").write_bytes(gzip.compress(tar, 9, mtime=0))
 
 
-def python_with(folder, *packages):
-    """A virtual environment's interpreter with packages."""
-    run(sys.executable, "-m", "venv", folder)
-    run(folder / "bin/pip", "install", "--quiet", "--disable-pip-version-check", *packages)
-    return folder / "bin/python"
-
-
 def make_sdist(clone, out, _version):
     run(sys.executable, "-B", "baker/python/build_wheels.py", out, "--sdist", cwd=clone)
 
@@ -91,9 +83,8 @@ def make_blender(clone, out, version):
 
 
 def make_npm(clone, out, version):
-    python = python_with(clone.parent / "zig", ZIG)
     package = clone.parent / "npm"
-    run(python, "-B", clone / "runtime/bindings/web/build.py", package)
+    run(sys.executable, "-B", clone / "runtime/bindings/web/build.py", package)
     run("npm", "pack", "--offline", "--silent", "--pack-destination", clone.parent, cwd=package)
     shutil.copy(clone.parent / f"pliant-{version}.tgz", out / f"pliant-{version}-npm.tgz")
 

@@ -4,10 +4,8 @@ Assets come from tests/runtime/tiny_asset.py: small, but solved by the real runt
 """
 import os
 import shutil
-import struct
 import subprocess
 import sys
-import zlib
 from pathlib import Path
 
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # small matrices: threads of their own only wait for each other
@@ -15,7 +13,8 @@ import numpy as np  # noqa: E402
 from PIL import Image, features  # noqa: E402
 
 ROOT = Path(__file__).resolve().parents[2]
-sys.path.insert(0, str(ROOT / "formats" / "reference"))
+sys.path[:0] = [str(ROOT / "formats" / "reference"), str(ROOT / "tests")]
+from asset_checksums import with_checksums  # noqa: E402,F401: for the tests of the player
 PLAYER = str(Path(sys.argv[2]).resolve())
 # Graphics drivers leak a little, which sanitizer builds would report as ours. What does not draw is still watched.
 if sys.argv[1] not in ("help", "usage", "bad_asset", "benchmark"):
@@ -108,18 +107,6 @@ def write_path(folder, rows, name="weights.csv"):
     path = folder / name
     path.write_text("# weights\n" + "".join(",".join(map(str, row)) + "\n" for row in rows))
     return path
-
-
-def with_checksums(blob):
-    """The asset with the checksums that its bytes have."""
-    blob = bytearray(blob)
-    count, = struct.unpack_from("<I", blob, 24)
-    for i in range(count):
-        _, _, offset, size = struct.unpack_from("<4sIQQ", blob, 64 + 32 * i)
-        struct.pack_into("<I", blob, 64 + 32 * i + 24, zlib.crc32(blob[offset:offset + size]))
-    struct.pack_into("<I", blob, 28, 0)
-    struct.pack_into("<I", blob, 28, zlib.crc32(blob[:64 + 32 * count]))
-    return bytes(blob)
 
 
 def warm(image):

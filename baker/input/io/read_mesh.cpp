@@ -151,9 +151,8 @@ std::optional<MeshFile> read_mesh(const std::string& path, DiagnosticList& diagn
     MeshFile mesh;
     mesh.path = path;
     try {
-        const bool is_read = format->read(file, mesh);
+        if (!format->read(file, mesh) && diagnostics.error_count() == errors_before) report_truncated(file, "the file");
         if (diagnostics.error_count() == errors_before) check_not_empty(file, mesh);
-        if (!is_read && diagnostics.error_count() == errors_before) report_truncated(file, "the file");
     } catch (const std::bad_alloc&) {
         file.error(2008, path, "does not fit into memory", "use a machine with more memory or a coarser mesh");
     }

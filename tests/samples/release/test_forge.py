@@ -8,7 +8,7 @@ import tempfile
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[3]
-CHECK = ROOT / ".github/runtime_check"
+CHECK = ROOT / "tests/platforms/systems"
 sys.path.insert(0, str(CHECK))
 import run  # noqa: E402
 
@@ -35,7 +35,7 @@ def main(program):
     with tempfile.TemporaryDirectory() as folder:
         found = subprocess.run([program, run.golden_assets(Path(folder))], capture_output=True, text=True, check=True)
     expected = (CHECK / "bits.txt").read_text()
-    assert found.stdout == expected, f"{found.stdout.strip()}, .github/runtime_check/bits.txt says {expected.strip()}"
+    assert found.stdout == expected, f"{found.stdout.strip()}, tests/platforms/systems/bits.txt says {expected.strip()}"
     print(f"{len(workflows)} workflow, {expected.strip()}")
     return 0
 

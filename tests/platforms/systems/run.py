@@ -9,7 +9,7 @@ import sys
 from pathlib import Path
 
 HERE = Path(__file__).resolve().parent
-ROOT = HERE.parents[1]
+ROOT = HERE.parents[2]
 SPOILED = ["strip_neo", "strip_load", "beam_mooney", "beam_quartic", "tube_compact_fine", "strip_tied", "beam_ranges",
            "strip_factored", "layers_mixed"]
 
