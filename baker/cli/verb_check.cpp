@@ -93,7 +93,8 @@ void warn_of_contradictions(const std::vector<Contradiction>& pairs, const PoseS
 void print_names(const PoseSet& poses)
 {
     for (std::size_t k = 0; k < poses.pose_count(); ++k)
-        print_to(stdout, "  {} {}: {}\n", poses.blend == Blend::layers && k > 0 ? "layer" : "pose", k, poses.names[k]);
+        print_to(stdout, "  {} {}: {}\n", poses.blend == Blend::layers && k > 0 ? "layer" : "pose", k,
+                 printable(poses.names[k]));
 }
 
 // The animations of all glTF files that are named without a choice, or of all, each with an argument to copy.

@@ -166,13 +166,13 @@ void print_file(const Json& info)
 void print_weights(const Json& info, const CertificateFacts& facts)
 {
     if (!info.contains("layers")) {
-        for (const Json& pose : info["poses"]) print_to(stdout, "  pose {}\n", pose.get<std::string>());
+        for (const Json& pose : info["poses"]) print_to(stdout, "  pose {}\n", printable(pose.get<std::string>()));
         return;
     }
-    print_to(stdout, "  rest shape {}\n", info["poses"][0].get<std::string>());
+    print_to(stdout, "  rest shape {}\n", printable(info["poses"][0].get<std::string>()));
     for (const Json& layer : info["layers"])
-        print_to(stdout, "  layer {}, weights {:g} .. {:g}\n", layer["name"].get<std::string>(), layer["low"].get<float>(),
-                 layer["high"].get<float>());
+        print_to(stdout, "  layer {}, weights {:g} .. {:g}\n", printable(layer["name"].get<std::string>()),
+                 layer["low"].get<float>(), layer["high"].get<float>());
     for (const MixtureFact& m : facts.mixtures)
         print_to(stdout, "  {}\n",
                  kind_line({ m.kind, m.count, m.lost_count, m.mean, m.largest, m.linear_mean, m.linear_largest }));
