@@ -1,10 +1,8 @@
-// libFuzzer target: any bytes through one of the seven readers of meshes, which PLIANT_FUZZ_READER names, from memory. What
-// a reader accepts must hold what its callers rely on.
-#include "input/io/tet_builder.h"
+// libFuzzer target: any bytes as a mesh file of the extension of PLIANT_FUZZ_PATH, from memory. A mesh that is accepted must
+// hold what its callers rely on.
+#include "input/io/read_mesh.h"
 
-#include <cmath>
 #include <cstdlib>
-#include <new>
 
 using namespace pliant;
 
@@ -36,20 +34,14 @@ void check_tets(const MeshFile& mesh, std::size_t vertex_count)
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size)
 {
-    if (size == 0) return 0; // read_mesh refuses it before
     DiagnosticList diagnostics;
-    const SourceFile file { "fuzz", std::string(data, data + size), &diagnostics };
-    MeshFile mesh;
-    try {
-        if (!PLIANT_FUZZ_READER(file, mesh)) require(diagnostics.has_errors());
-    } catch (const std::bad_alloc&) { // as read_mesh has it
-        return 0;
-    }
+    const std::optional<MeshFile> mesh = parse_mesh(PLIANT_FUZZ_PATH, std::string(data, data + size), diagnostics);
     for (const Diagnostic& diagnostic : diagnostics.diagnostics()) require(!to_text(diagnostic).empty());
-    if (diagnostics.has_errors()) return 0;
-    const std::size_t vertex_count = static_cast<std::size_t>(mesh.positions.rows());
-    require(mesh.positions.allFinite());
-    check_faces(mesh.faces, vertex_count);
-    check_tets(mesh, vertex_count);
+    require(mesh.has_value() != diagnostics.has_errors());
+    if (!mesh) return 0;
+    const std::size_t vertex_count = static_cast<std::size_t>(mesh->positions.rows());
+    require(vertex_count > 0 && mesh->positions.allFinite());
+    check_faces(mesh->faces, vertex_count);
+    check_tets(*mesh, vertex_count);
     return 0;
 }

@@ -1,5 +1,5 @@
-"""Writes the seeds of the mesh readers, of glTF and of JSON into corpus/: small good files, made as tests/bad_input makes
-its own.
+"""Writes the seeds of the mesh readers, of glTF and of configurations into corpus/: small good files, made as
+tests/bad_input makes its own.
 
     make_seeds.py CORPUS [GLB ...]
 
@@ -42,8 +42,8 @@ def all_solids():
     yield "msh", "2", solids.msh_text(mesh)
     yield "msh", "4", solids.msh4_text(mesh)
     yield "msh", "4_binary", solids.msh4_bytes(mesh)
-    yield "medit", "mesh", solids.medit_text(mesh)
-    yield "vega", "mesh", solids.vega_text(mesh)
+    yield "mesh", "mesh", solids.medit_text(mesh)
+    yield "veg", "mesh", solids.vega_text(mesh)
     yield "vtk", "text", solids.vtk_text(mesh)
     head = "# vtk DataFile Version {}\nsolid\nBINARY\nDATASET UNSTRUCTURED_GRID\nPOINTS 5 double\n"
     body = b"".join(struct.pack(">3d", *p) for p in points)
@@ -86,9 +86,9 @@ def gltf():
 
 def configurations():
     bake = {"poses": ["rest.obj", "run.obj"], "dim": 3, "tolerance": 0.5, "best_effort": True, "range": ["a=0:1"]}
-    yield "json", "config", json.dumps(bake, indent=1)
+    yield "config", "config", json.dumps(bake, indent=1)
     manifest = {"defaults": {"dim": 8}, "bakes": [{"name": "a\u00e9", "config": "a.json", **bake}]}
-    yield "json", "manifest", json.dumps(manifest)
+    yield "config", "manifest", json.dumps(manifest)
 
 
 def main(corpus, *further):

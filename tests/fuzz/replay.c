@@ -10,19 +10,9 @@
 #define LARGEST ((size_t)1 << 17)
 
 int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size);
-size_t LLVMFuzzerMutate(uint8_t* data, size_t size, size_t max_size);
 size_t LLVMFuzzerCustomMutator(uint8_t* data, size_t size, size_t max_size, unsigned int seed);
 size_t LLVMFuzzerCustomCrossOver(const uint8_t* data1, size_t size1, const uint8_t* data2, size_t size2, uint8_t* out,
                                  size_t max_size, unsigned int seed);
-
-/* In the place of libFuzzer's mutator: another byte somewhere. */
-size_t LLVMFuzzerMutate(uint8_t* data, size_t size, size_t max_size)
-{
-    static uint32_t random = 1;
-    random = random * 1664525u + 1013904223u;
-    if (size > 0) data[(random >> 8) % size] ^= (uint8_t)(1u + (random >> 24) % 255u);
-    return size < max_size ? size : max_size;
-}
 
 /* Mutations of mutations, four in a row, so that some are far from the file. */
 static void mutate(const uint8_t* data, size_t size, const uint8_t* other, size_t other_size)

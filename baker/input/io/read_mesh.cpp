@@ -138,12 +138,10 @@ void check_not_empty(const SourceFile& file, const MeshFile& mesh)
 
 } // namespace
 
-std::optional<MeshFile> read_mesh(const std::string& path, DiagnosticList& diagnostics)
+std::optional<MeshFile> parse_mesh(const std::string& path, std::string bytes, DiagnosticList& diagnostics)
 {
-    std::optional<std::string> bytes = read_bytes(path, diagnostics);
-    if (!bytes) return std::nullopt;
-    if (starts_with(*bytes, "\xef\xbb\xbf")) bytes->erase(0, 3);
-    const SourceFile file { path, std::move(*bytes), &diagnostics };
+    if (starts_with(bytes, "\xef\xbb\xbf")) bytes.erase(0, 3);
+    const SourceFile file { path, std::move(bytes), &diagnostics };
 
     const std::size_t errors_before = diagnostics.error_count();
     const Format* format = choose_format(file);
@@ -158,6 +156,12 @@ std::optional<MeshFile> read_mesh(const std::string& path, DiagnosticList& diagn
     }
     if (diagnostics.error_count() != errors_before) return std::nullopt;
     return mesh;
+}
+
+std::optional<MeshFile> read_mesh(const std::string& path, DiagnosticList& diagnostics)
+{
+    std::optional<std::string> bytes = read_bytes(path, diagnostics);
+    return bytes ? parse_mesh(path, std::move(*bytes), diagnostics) : std::nullopt;
 }
 
 MeshFile read_mesh(const std::string& path)

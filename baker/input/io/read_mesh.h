@@ -27,4 +27,7 @@ MeshFile read_mesh(const std::string& path);
 // The same for many files: diagnostics are added to the list, and the result is empty if there was an error among them.
 std::optional<MeshFile> read_mesh(const std::string& path, DiagnosticList& diagnostics);
 
+// The same for bytes in memory; `path` is the name of messages, and its extension says the format.
+std::optional<MeshFile> parse_mesh(const std::string& path, std::string bytes, DiagnosticList& diagnostics);
+
 } // namespace pliant
