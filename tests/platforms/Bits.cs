@@ -1,18 +1,22 @@
-// Bits.exe ASSETS MUSEUM: the C# file on the small assets of tests/runtime and on the museum of bad files. Prints the hash
-// that test_bits.c prints, of the same blends. Exit code 1, and a message, where something is wrong.
+// Bits.exe ASSETS GOLDEN MUSEUM: the C# file on the small assets of tests/runtime, on those of tests/golden and on the museum
+// of bad files. Prints the hashes that test_bits.c prints, of the same blends. Exit code 1, and a message, where something is
+// wrong.
 using System;
+using System.Globalization;
 using System.IO;
 using System.Linq;
 using Pliant;
 
 static class Bits
 {
-    static ulong hash = 14695981039346656037ul, state;
+    const ulong Start = 14695981039346656037ul;
+    static ulong state;
 
-    static void Add(float[] values, int count)
+    static ulong Hashed(ulong hash, float[] values, int count)
     {
         for (int i = 0; i < count; ++i)
             hash = unchecked((hash ^ BitConverter.ToUInt32(BitConverter.GetBytes(values[i]), 0)) * 1099511628211ul);
+        return hash;
     }
 
     // As tests/runtime/support.h makes them.
@@ -38,26 +42,56 @@ static class Bits
         return weights;
     }
 
-    static void AddAsset(string path)
+    static void PrintBlend(string name, Asset asset, Character character, params float[] first)
     {
+        int count = Math.Min(first.Length, asset.Weights.Length);
+        float[] positions = new float[3 * asset.VertexCount], normals = new float[3 * asset.SurfaceVertexCount];
+        var weights = new float[asset.Weights.Length];
+        Array.Copy(first, weights, count);
+        character.Reset();
+        character.Solve(weights);
+        character.Reconstruct(positions);
+        character.ComputeNormals(positions, normals);
+        string text = string.Join(",", first.Take(count).Select(w => w.ToString(CultureInfo.InvariantCulture)));
+        Console.WriteLine("{0} {1} {2:x16} {3:x16}", name, text, Hashed(Start, positions, normals.Length),
+                          Hashed(Start, normals, normals.Length));
+    }
+
+    static void PrintWalk(string name, Asset asset, Character character)
+    {
+        float[] positions = new float[3 * asset.VertexCount], normals = new float[3 * asset.SurfaceVertexCount];
+        float[] weights = null;
+        ulong hash = Start;
         state = 61;
-        using (var asset = new Asset(File.ReadAllBytes(path)))
-        using (var character = new Character(asset))
+        character.Reset();
+        for (int frame = 0; frame < 30; ++frame)
         {
-            float[] positions = new float[3 * asset.VertexCount], normals = new float[3 * asset.SurfaceVertexCount];
-            float[] weights = null;
-            for (int frame = 0; frame < 30; ++frame)
+            if (frame % 6 == 0) weights = RandomBlend(asset);
+            int k = frame % weights.Length;
+            weights[k] = (float)(weights[k] + 0.03f);
+            SolveInfo info = character.Solve(weights);
+            character.Reconstruct(positions);
+            character.ComputeNormals(positions, normals);
+            hash = Hashed(hash, character.Coordinates, asset.Dimension);
+            hash = Hashed(hash, new[] { info.Energy }, 1);
+            hash = Hashed(hash, positions.Concat(normals).ToArray(), 24);
+            hash = Hashed(hash, normals, normals.Length);
+        }
+        Console.WriteLine("{0} walk {1:x16}", name, hash);
+    }
+
+    static void PrintFolder(string folder)
+    {
+        string list = File.ReadAllText(Path.Combine(folder, "assets.txt"));
+        foreach (string name in list.Split((char[])null, StringSplitOptions.RemoveEmptyEntries))
+        {
+            using (var asset = new Asset(File.ReadAllBytes(Path.Combine(folder, name + ".pliant"))))
+            using (var character = new Character(asset))
             {
-                if (frame % 6 == 0) weights = RandomBlend(asset);
-                int k = frame % weights.Length;
-                weights[k] = (float)(weights[k] + 0.03f);
-                SolveInfo info = character.Solve(weights);
-                character.Reconstruct(positions);
-                character.ComputeNormals(positions, normals);
-                Add(character.Coordinates, asset.Dimension);
-                Add(new[] { info.Energy }, 1);
-                Add(positions.Concat(normals).ToArray(), 24);
-                Add(normals, normals.Length);
+                PrintBlend(name, asset, character, 1f);
+                PrintBlend(name, asset, character, 0.5f, 0.5f, 0.5f);
+                PrintBlend(name, asset, character, 0.25f, 0.5f, 0.75f);
+                PrintWalk(name, asset, character);
             }
         }
     }
@@ -117,11 +151,10 @@ static class Bits
 
     static int Main(string[] arguments)
     {
-        foreach (string name in File.ReadAllText(Path.Combine(arguments[0], "assets.txt")).Split((char[])null, StringSplitOptions.RemoveEmptyEntries))
-            AddAsset(Path.Combine(arguments[0], name + ".pliant"));
-        Console.WriteLine("bits {0:x16}", hash);
+        PrintFolder(arguments[0]);
+        PrintFolder(arguments[1]);
         CheckErrors(arguments[0]);
-        CheckMuseum(arguments[1]);
+        CheckMuseum(arguments[2]);
         return 0;
     }
 }

@@ -1,6 +1,6 @@
 """csharp.py ASSETS MUSEUM PROGRAM COMPILER: the C# file by Mono, on the one-file form of the runtime as a shared library.
-Its blends have the bits of PROGRAM, which is test_bits of this machine (Bits.cs). Exit code 77, and the reason, without
-Mono."""
+Its blends have the bits of PROGRAM, which is test_bits of this machine, and those in tests/golden/blends.txt (Bits.cs). Exit
+code 77, and the reason, without Mono."""
 import os
 import pathlib
 import shutil
@@ -10,6 +10,9 @@ import tempfile
 
 HERE = pathlib.Path(__file__).resolve().parent
 ROOT = HERE.parents[1]
+sys.path.insert(0, str(ROOT / "tests/runtime"))
+import compare_bits  # noqa: E402
+
 FLAGS = ["-shared", "-fPIC", "-O3", "-std=c99", "-ffp-contract=off", "-fno-math-errno", "-fno-trapping-math"]
 SOURCES = [ROOT / "runtime/bindings/csharp/Runtime/Pliant.cs", HERE / "Bits.cs"]
 
@@ -32,10 +35,12 @@ def main():
         run(compiler, *FLAGS, folder / "pliant.c", "-o", folder / "libpliant.so", "-lm")
         # The language of .NET Standard 2.0.
         run("mcs", "-langversion:7.2", "-warnaserror+", f"-out:{folder / 'Bits.exe'}", *SOURCES)
-        here = run(program, assets)
-        there = run("mono", folder / "Bits.exe", assets, museum, env={**os.environ, "LD_LIBRARY_PATH": name})
-    print(f"here {here}, C# {there}")
-    return 0 if here == there else 1
+        here = run(program, assets) + "\n" + compare_bits.blends()
+        there = run("mono", folder / "Bits.exe", assets, compare_bits.GOLDEN, museum,
+                    env={**os.environ, "LD_LIBRARY_PATH": name})
+    wrong = compare_bits.first_difference(here, there)
+    print(wrong or f"{len(there.splitlines())} lines, the same")
+    return 1 if wrong else 0
 
 
 if __name__ == "__main__":

@@ -1,14 +1,14 @@
-// node package.mjs PACKAGE ASSETS MUSEUM: the npm package on the small assets of tests/runtime and on the museum of bad
-// files. Prints the hash that test_bits.c prints, of the same blends; fails with a message where something is wrong.
+// node package.mjs PACKAGE ASSETS GOLDEN MUSEUM: the npm package on the small assets of tests/runtime, on those of
+// tests/golden and on the museum of bad files. Prints the hashes that test_bits.c prints, of the same blends; fails with a
+// message where something is wrong.
 import assert from "node:assert/strict";
 import { readdirSync, readFileSync } from "node:fs";
 import { join } from "node:path";
 import { pathToFileURL } from "node:url";
 
-const [folder, assets, museum] = process.argv.slice(2);
+const [folder, assets, golden, museum] = process.argv.slice(2);
 const { load, PliantError } = await import(pathToFileURL(join(folder, "pliant.js")));
 const pliant = await load();
-const names = readFileSync(join(assets, "assets.txt"), "utf8").split(/\s+/).filter((name) => name);
 const bytesOf = (name) => readFileSync(join(assets, `${name}.pliant`));
 
 // -- the bits of test_bits.c: random numbers and weights as tests/runtime/support.h makes them
@@ -37,28 +37,42 @@ function randomBlend(state, asset) {
   return weights;
 }
 
-let hash = 14695981039346656037n;
+const START = 14695981039346656037n, words = (hash) => hash.toString(16).padStart(16, "0");
 
-function add(floats) {
-  for (const word of new Uint32Array(Float32Array.from(floats).buffer)) hash = ((hash ^ BigInt(word)) * 1099511628211n) & mask;
+const hashed = (hash, floats) => new Uint32Array(Float32Array.from(floats).buffer)
+  .reduce((sum, word) => ((sum ^ BigInt(word)) * 1099511628211n) & mask, hash);
+
+function printBlend(name, asset, character, first) {
+  const listed = first.slice(0, asset.weights.length);
+  character.reset();
+  character.solve(asset.weights.map((_, k) => listed[k] ?? 0));
+  const { positions, normals } = character;
+  console.log(`${name} ${listed} ${words(hashed(START, positions.slice(0, normals.length)))} ${words(hashed(START, normals))}`);
 }
 
-function addAsset(name) {
-  const asset = pliant.open(bytesOf(name)), character = asset.character(), state = { bits: 61n };
-  character.reset(); // it has solved its initial weights
-  let weights;
+function printWalk(name, asset, character) {
+  const state = { bits: 61n };
+  let weights, hash = START;
+  character.reset();
   for (let frame = 0; frame < 30; ++frame) {
     if (frame % 6 === 0) weights = randomBlend(state, asset);
     const k = frame % weights.length;
     weights[k] = f(weights[k] + f(0.03));
-    const info = character.solve(weights);
-    add(character.coordinates);
-    add([info.energy]);
-    add([...character.positions, ...character.normals].slice(0, 24));
-    add(character.normals);
+    const info = character.solve(weights), { coordinates, positions, normals } = character;
+    for (const floats of [coordinates, [info.energy], [...positions, ...normals].slice(0, 24), normals])
+      hash = hashed(hash, floats);
   }
-  character.dispose();
-  asset.dispose();
+  console.log(`${name} walk ${words(hash)}`);
+}
+
+function printFolder(folder) {
+  for (const name of readFileSync(join(folder, "assets.txt"), "utf8").split(/\s+/).filter((text) => text)) {
+    const asset = pliant.open(readFileSync(join(folder, `${name}.pliant`))), character = asset.character();
+    for (const first of [[1], [0.5, 0.5, 0.5], [0.25, 0.5, 0.75]]) printBlend(name, asset, character, first);
+    printWalk(name, asset, character);
+    character.dispose();
+    asset.dispose();
+  }
 }
 
 // -- errors
@@ -121,8 +135,7 @@ function checkMemory() {
   for (let i = 0; i < 2000; ++i) assert.equal(cycle(), first);
 }
 
-names.forEach(addAsset);
-console.log(`bits ${hash.toString(16).padStart(16, "0")}`);
+[assets, golden].forEach(printFolder);
 checkErrors();
 checkMuseum();
 checkMemory();

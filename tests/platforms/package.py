@@ -1,7 +1,7 @@
 """package.py FOLDER ENVIRONMENT ASSETS MUSEUM PROGRAM: the npm package. Its blends have the bits of PROGRAM, which is
-test_bits of this machine; it survives the museum; its module has at most LARGEST bytes, compressed. `npm pack` makes an
-archive that installs offline, and against which types.ts type-checks. Exit code 77, and the reason, without node, and for
-the last part without the npm registry."""
+test_bits of this machine, and those in tests/golden/blends.txt; it survives the museum; its module has at most LARGEST
+bytes, compressed. `npm pack` makes an archive that installs offline, and against which types.ts type-checks. Exit code 77,
+and the reason, without node, and for the last part without the npm registry."""
 import gzip
 import pathlib
 import shutil
@@ -10,7 +10,8 @@ import sys
 
 HERE = pathlib.Path(__file__).resolve().parent
 ROOT = HERE.parents[1]
-sys.path.insert(0, str(ROOT / "tests/baker/output/engines"))
+sys.path[:0] = [str(ROOT / "tests" / part) for part in ("baker/output/engines", "runtime")]
+import compare_bits  # noqa: E402
 import support  # noqa: E402: installs node's packages
 
 LARGEST = 40000  # bytes, compressed
@@ -52,8 +53,10 @@ def main():
     size = len(gzip.compress((package / "pliant.wasm").read_bytes(), 9))
     print(f"pliant.wasm: {size} bytes compressed")
     support.check(size <= LARGEST, f"more than {LARGEST}")
-    here, there = run(program, assets), run("node", HERE / "package.mjs", package, assets, museum)
-    support.check(here == there, f"here {here}, in node {there}")
+    here = run(program, assets) + "\n" + compare_bits.blends()
+    there = run("node", HERE / "package.mjs", package, assets, compare_bits.GOLDEN, museum)
+    wrong = compare_bits.first_difference(here, there)
+    support.check(not wrong, wrong)
     folder.mkdir(parents=True, exist_ok=True)
     check_types(folder, package, support.node_modules(folder, HERE))
     return 0

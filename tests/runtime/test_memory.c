@@ -1,41 +1,7 @@
 /* The solver's memory: exactly what pliant_solver_memory says, at any alignment, nothing outside it, and no allocation in
    10,000 frames. Linked with --wrap for malloc, calloc, realloc and free. */
+#include "allocations.h"
 #include "support.h"
-
-void* __real_malloc(size_t size);
-void* __real_calloc(size_t count, size_t size);
-void* __real_realloc(void* block, size_t size);
-void __real_free(void* block);
-void* __wrap_malloc(size_t size);
-void* __wrap_calloc(size_t count, size_t size);
-void* __wrap_realloc(void* block, size_t size);
-void __wrap_free(void* block);
-
-static long allocation_count;
-
-void* __wrap_malloc(size_t size)
-{
-    ++allocation_count;
-    return __real_malloc(size);
-}
-
-void* __wrap_calloc(size_t count, size_t size)
-{
-    ++allocation_count;
-    return __real_calloc(count, size);
-}
-
-void* __wrap_realloc(void* block, size_t size)
-{
-    ++allocation_count;
-    return __real_realloc(block, size);
-}
-
-void __wrap_free(void* block)
-{
-    ++allocation_count;
-    __real_free(block);
-}
 
 enum { GUARD = 256, GUARD_BYTE = 0xA5 };
 
