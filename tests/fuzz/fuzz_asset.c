@@ -82,6 +82,7 @@ static void reconstruct(const pliant_asset* asset, const float* q, uint32_t colu
     else
         pliant_reconstruct_columns(asset, q, columns, first, VERTICES, (float*)(void*)out, stride);
     for (uint32_t i = 0; i < VERTICES; ++i) {
+        __msan_check_mem_is_initialized(out + i * stride, 12);
         for (size_t b = i < left ? 12 : 0; b < (i + 1 < VERTICES ? stride : 12); ++b) require(out[i * stride + b] == GAP);
     }
 }
@@ -91,6 +92,8 @@ static void find_box(const pliant_asset* asset, const float* q)
 {
     float low[3], high[3], point[3];
     require(pliant_bounds(asset, q, low, high) == PLIANT_OK);
+    __msan_check_mem_is_initialized(low, sizeof low);
+    __msan_check_mem_is_initialized(high, sizeof high);
     if (asset->bounds) return;
     pliant_reconstruct(asset, q, asset->vertex_count / 2, 1, point, 12);
     if (!(point[0] - point[0] == 0.0f && point[1] - point[1] == 0.0f && point[2] - point[2] == 0.0f)) return;
@@ -102,6 +105,7 @@ static void use_coordinates(const pliant_asset* asset, const float* q, uint32_t 
     float morphs[256];
     const size_t stride = 12 + 4 * (seed % 8);
     require(pliant_morph_weights(asset, q, morphs) == (asset->morph_ranges ? PLIANT_OK : PLIANT_ERROR_ABSENT));
+    if (asset->morph_ranges) __msan_check_mem_is_initialized(morphs, asset->dimension * sizeof *morphs);
     reconstruct(asset, q, UINT32_MAX, seed % 3 ? 0 : seed % asset->vertex_count, stride);
     reconstruct(asset, q, UINT32_MAX, asset->vertex_count - 1, 12);
     const uint32_t needed = pliant_columns_needed(asset, q, 1e-2f);

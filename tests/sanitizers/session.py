@@ -15,6 +15,7 @@ import io
 import json
 import pathlib
 import re
+import shutil
 import signal
 import subprocess
 import sys
@@ -206,6 +207,9 @@ def main():
     parser.add_argument("kinds", nargs="*")
     options = parser.parse_args()
     options.tool = str(pathlib.Path(options.tool).resolve())
+    if options.valgrind and not shutil.which("valgrind"):
+        print("skipped: there is no valgrind (bash samples/install_packages.sh tests)")
+        return 77
     failures, steps, start = 0, 0, time.monotonic()
     for kind in options.kinds or KINDS:
         with tempfile.TemporaryDirectory(prefix="pliant_session_") as folder:
