@@ -63,9 +63,9 @@ END
 }
 
 run_thread() {
-    build tsan pliant_tool runtime_threads baker_io_write_file
+    build tsan pliant_tool runtime_threads runtime_endurance baker_io_write_file
     planted_race
-    ctest --preset tsan -R '^(runtime_threads|baker_io_write_file)$'
+    ctest --preset tsan -R '^(runtime_threads|runtime_endurance|baker_io_write_file)$'
     "$python" -B "$here/session.py" --rings 300 --threads 4 build/tsan/baker/pliant
 }
 
