@@ -76,10 +76,12 @@ run_python() {
     local folder=$PWD/build/tsan/tests/baker/python flags="-fsanitize=thread -g1" library
     mkdir -p "$folder"
     CFLAGS=$flags CXXFLAGS=$flags LDFLAGS=-fsanitize=thread SKBUILD_INSTALL_STRIP=false \
-        "$python" -B tests/baker/python/package.py "$PWD" "$folder" build "$PWD/build/tsan" c++
+        SKBUILD_CMAKE_BUILD_TYPE=RelWithDebInfo "$python" -B tests/baker/python/package.py "$PWD" "$folder" build \
+        "$PWD/build/tsan" c++
     library=$(cc -print-file-name=libtsan.so)
-    LD_PRELOAD=$(readlink -f "$library") OPENBLAS_NUM_THREADS=1 "$folder/environment/bin/python" -B \
-        tests/baker/python/test_threads.py
+    # A shell ignores interrupts of what it starts in the background, and the tests send some.
+    env --default-signal=INT LD_PRELOAD="$(readlink -f "$library")" OPENBLAS_NUM_THREADS=1 \
+        "$folder/environment/bin/python" -B tests/baker/python/test_threads.py
 }
 
 planted_read() {
