@@ -10,14 +10,28 @@ namespace pliant {
 
 namespace {
 
+// Beyond it a layer is another shape than the artist's, and averages do not converge.
+constexpr double weight_limit = 1000;
+
 void check_range(const NamedRange& named)
 {
     const auto& [low, high, initial] = named.range;
-    if (low < high && low <= 0 && high >= 0 && std::isfinite(high - low)) return;
+    if (low < high && low <= 0 && high >= 0 && low >= -weight_limit && high <= weight_limit) return;
     const std::string name = named.layer.empty() ? "" : named.layer + "=";
     throw Failure(ExitCode::usage,
-                  error_at(1231, "", fmt::format("--range {}{:.6g}:{:.6g} is empty or does not hold 0", name, low, high),
+                  error_at(1231, "",
+                           fmt::format("--range {}{:.6g}:{:.6g} is empty, does not hold 0 or leaves -{}:{}", name, low, high,
+                                       weight_limit, weight_limit),
                            "write LO:HI with LO < HI, LO at most 0 and HI at least 0: 0 is the rest shape"));
+}
+
+void check_initial(double weight, const std::string& layer)
+{
+    if (std::abs(weight) <= weight_limit) return;
+    throw Failure(ExitCode::bad_input,
+                  error_at(1231, "",
+                           fmt::format("layer '{}' begins with the weight {:g}, beyond {}", layer, weight, weight_limit),
+                           "repair the weights in the file, or bake without its layer"));
 }
 
 } // namespace
@@ -49,6 +63,7 @@ WeightDomain domain_of(const BakeOptions& options, const PoseSet& poses)
     for (std::size_t k = 0; k < ranges.size() && k + 1 < poses.initial_weights.size(); ++k) {
         WeightRange& range = ranges[k];
         range.initial = poses.initial_weights[k + 1];
+        check_initial(range.initial, pose_names[k + 1]);
         range.low = std::min(range.low, range.initial);
         range.high = std::max(range.high, range.initial);
     }

@@ -247,7 +247,7 @@ std::vector<double> parse_weights(const std::string& text)
         const auto [rest, error] = std::from_chars(word.data(), word.data() + word.size(), value);
         if (error != std::errc() || rest != word.data() + word.size())
             throw Failure(ExitCode::usage,
-                          error_at(1201, "", fmt::format("weight '{}' in '{}' is not a number", word, text),
+                          error_at(1201, "", fmt::format("weight {} is not a number", excerpt(word)),
                                    word.find('=') == std::string::npos
                                        ? "write weights as 0.5,0.25,0.25 with a decimal point"
                                        : "`pliant blend` takes weights by name, one each: --set " + word));

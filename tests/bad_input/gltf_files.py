@@ -130,6 +130,7 @@ def add_cases(good):
     case("gltf_number", file="a.gltf", write=lambda g: g.gltf().replace(b'"asset":', b'"extras":1e400,"asset":'))
     case("gltf_objects", file="a.gltf", write=lambda g: b'{"extras":[' + b"{}," * 3000000 + b"{}]}")
     case("gltf_nesting", file="a.gltf", write=lambda g: b'{"asset":' + b"[" * 1000000)
+    edited("gltf_initial_weight", "meshes", 0, "weights", value=[1e8])
     edited("gltf_version", "asset", "version", value="1.0")
     edited("gltf_extension", "extensionsRequired", value=["KHR_materials_unlit", "ACME_secret"])
     edited("gltf_wrong_type", "accessors", 0, "count", value="many")
@@ -223,6 +224,24 @@ def add_cases(good):
         (folder / "parts/my mesh.bin").write_bytes(gltf.bytes[:size])
         (folder / "a.gltf").write_bytes(gltf.gltf("parts/my%20mesh.bin"))
     CASES["gltf_buffer_beside"] = lambda folder: beside(folder, None)
+
+    def many_buffers(folder):
+        gltf = blob(good())
+        with open(folder / "large.bin", "wb") as file:
+            file.truncate(8 << 20)
+        gltf.json["buffers"] += [{"byteLength": 0, "uri": "./" * (i % 3) + "large.bin"} for i in range(200)]
+        (folder / "a.gltf").write_bytes(gltf.gltf())
+    CASES["gltf_many_buffers"] = many_buffers
+
+    def many_images(folder):
+        gltf = blob(good())
+        view = gltf.view(b"\x89PNG\r\n\x1a\n" + bytes(4 << 20))
+        gltf.json["bufferViews"] += [{**gltf.json["bufferViews"][view], "byteLength": 4 << 20} for _ in range(2)]
+        gltf.json["images"] = [{"bufferView": view, "mimeType": "image/png"}] * 200 + [{"bufferView": view + 1}]
+        gltf.json["images"] += [{"bufferView": view + 2}, {"bufferView": view + 1}]
+        gltf.json["textures"] = [{"source": i} for i in range(203)]
+        (folder / "a.glb").write_bytes(gltf.glb())
+    CASES["gltf_many_images"] = many_images
 
     def inputs(folder):
         gltf = blob(good())

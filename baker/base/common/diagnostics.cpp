@@ -82,6 +82,8 @@ const char* Failure::what() const noexcept { return text_.c_str(); }
 
 std::string printable(std::string_view text)
 {
+    constexpr std::size_t limit = 5000; // a path has at most 4,096 bytes
+    if (text.size() > limit) return fmt::format("{}... ({} bytes)", printable(text.substr(0, limit)), text.size());
     std::string out;
     for (std::size_t i = 0; i < text.size(); ++i) {
         const auto c = static_cast<unsigned char>(text[i]);

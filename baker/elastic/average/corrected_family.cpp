@@ -49,6 +49,7 @@ void CorrectedFamily::learn(const std::vector<CheckPoint>& points)
         learned_.push_back(point.weights);
     }
     corrections_.conservativeResize(Eigen::NoChange, count);
+    if (learned_.empty()) return; // no average converged: guesses are sums
     Eigen::MatrixXd values = Eigen::MatrixXd::Zero(count, Eigen::Index(learned_.size()));
     values.rightCols(count).setIdentity();
     const bool has_layers = family_.pool().energy().blend() == Blend::layers;

@@ -188,7 +188,7 @@ void GltfDocument::check_extensions() const
     }
 }
 
-std::string GltfDocument::read_beside(const GltfValue& uri_value, const std::string& uri) const
+std::string GltfDocument::path_beside(const GltfValue& uri_value, const std::string& uri) const
 {
     const std::optional<std::string> name = decode_file_uri(uri);
     const std::filesystem::path folder = std::filesystem::absolute(path_).parent_path();
@@ -206,14 +206,19 @@ std::string GltfDocument::read_beside(const GltfValue& uri_value, const std::str
             2309, fmt::format("{} leads out of the folder of this one", excerpt(uri)),
             "only files in the folder of the .gltf or below it are opened: put the file there, or pack everything into "
             "one .glb");
+    return place.string();
+}
+
+std::string GltfDocument::read_beside(const GltfValue& uri_value, const std::string& uri, const std::string& path) const
+{
     DiagnosticList diagnostics;
-    std::optional<std::string> bytes = read_bytes(place.string(), diagnostics);
+    std::optional<std::string> bytes = read_bytes(path, diagnostics);
     if (!bytes)
         uri_value.fail(2310, fmt::format("{} {}", excerpt(uri), diagnostics.diagnostics().at(0).what), "put the file there");
     return std::move(*bytes);
 }
 
-std::string GltfDocument::read_buffer(const GltfValue& buffer, std::size_t length) const
+std::string_view GltfDocument::read_buffer(const GltfValue& buffer)
 {
     const GltfValue uri = buffer["uri"];
     if (!uri.exists()) {
@@ -222,12 +227,14 @@ std::string GltfDocument::read_buffer(const GltfValue& buffer, std::size_t lengt
         buffer.fail(2310, "has neither a uri nor a binary part in the file", "export the file again");
     }
     const std::string text = uri.text();
-    if (!is_data_uri(text)) return read_beside(uri, text);
+    if (!is_data_uri(text)) {
+        const std::string path = path_beside(uri, text);
+        const auto known = files_.find(path);
+        return known != files_.end() ? known->second : files_[path] = read_beside(uri, text, path);
+    }
     std::optional<std::string> bytes = decode_data_uri(text);
     if (!bytes) uri.fail(2310, fmt::format("{} is not base64 data", excerpt(text)), "export the file again, or as .glb");
-    if (bytes->size() < length)
-        uri.fail(2310, fmt::format("holds {} bytes, {} declared", bytes->size(), length), "export the file again");
-    return std::move(*bytes);
+    return decoded_.emplace_back(std::move(*bytes));
 }
 
 void GltfDocument::read_buffers()
@@ -243,19 +250,17 @@ void GltfDocument::read_buffers()
             buffers_.emplace_back();
             continue;
         }
-        std::string bytes = read_buffer(buffer, static_cast<std::size_t>(length));
+        const std::string_view bytes = read_buffer(buffer);
         if (bytes.size() < length)
             buffer.fail(2310, fmt::format("holds {} bytes, {} declared", bytes.size(), length),
                         "the file is cut off: export or copy it again");
-        bytes.resize(static_cast<std::size_t>(length)); // a BIN part is padded
         total += length;
         if (total > buffer_size_limit)
             buffer.fail(2008, fmt::format("makes the buffers {} bytes, the limit is {}", total, buffer_size_limit),
                         "simplify the mesh");
-        buffers_.push_back(std::move(bytes));
+        buffers_.push_back(bytes.substr(0, static_cast<std::size_t>(length))); // a BIN part is padded
     }
     byte_count_ += static_cast<std::size_t>(total);
-    binary_ = {};
 }
 
 // Without bytes: its views are all compressed.
@@ -287,11 +292,11 @@ std::string_view GltfDocument::view(std::size_t index) const
 {
     if (const auto unpacked = unpacked_.find(index); unpacked != unpacked_.end()) return unpacked->second;
     const GltfValue view = (*this)["bufferViews"].at(index);
-    const std::string& buffer = buffers_[view["buffer"].index(buffers_.size(), "buffers")];
+    const std::string_view buffer = buffers_[view["buffer"].index(buffers_.size(), "buffers")];
     const std::uint64_t offset = view["byteOffset"].whole_or(0), length = view["byteLength"].whole();
     if (offset > buffer.size() || length > buffer.size() - offset)
         view.fail(2308, fmt::format("bytes {} to {} of a buffer of {}", offset, offset + length, buffer.size()));
-    return std::string_view(buffer).substr(static_cast<std::size_t>(offset), static_cast<std::size_t>(length));
+    return buffer.substr(static_cast<std::size_t>(offset), static_cast<std::size_t>(length));
 }
 
 std::string GltfDocument::image(std::size_t index, std::string& why) const
@@ -301,13 +306,25 @@ std::string GltfDocument::image(std::size_t index, std::string& why) const
         if (const GltfValue place = image["bufferView"]; place.exists())
             return std::string(view(place.index((*this)["bufferViews"].size(), "buffer views")));
         const std::string uri = image["uri"].text();
-        if (!is_data_uri(uri)) return read_beside(image["uri"], uri);
+        if (!is_data_uri(uri)) return read_beside(image["uri"], uri, path_beside(image["uri"], uri));
         if (std::optional<std::string> bytes = decode_data_uri(uri)) return std::move(*bytes);
         why = "it is not base64 data";
     } catch (const Failure& failure) {
         why = failure.diagnostics().at(0).what;
     }
     return {};
+}
+
+std::string GltfDocument::image_source(std::size_t index) const
+{
+    const GltfValue image = (*this)["images"].at(index);
+    try {
+        if (const GltfValue place = image["bufferView"]; place.exists()) return fmt::format("view {}", place.whole());
+        const std::string uri = image["uri"].text();
+        return is_data_uri(uri) ? std::string() : path_beside(image["uri"], uri);
+    } catch (const Failure&) {
+        return {};
+    }
 }
 
 std::vector<std::string> GltfDocument::named_files() const

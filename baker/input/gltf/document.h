@@ -3,6 +3,7 @@
 
 #include "input/gltf/value.h"
 
+#include <deque>
 #include <map>
 #include <string_view>
 
@@ -28,6 +29,8 @@ public:
     std::string_view view(std::size_t index) const;
     // Bytes of an image, wherever they are; empty if it cannot be had (then `why` says so).
     std::string image(std::size_t index, std::string& why) const;
+    // The same for images of the same bytes: a buffer view or the path of a file. Empty for others.
+    std::string image_source(std::size_t index) const;
     // The files that it names for buffers and images, as paths; whether they are there is not asked.
     std::vector<std::string> named_files() const;
     // Of the file and all its buffers.
@@ -41,14 +44,17 @@ private:
     void read_buffers();
     void unpack_views();
     bool is_placeholder(const GltfValue& buffer) const;
-    std::string read_buffer(const GltfValue& buffer, std::size_t length) const;
-    std::string read_beside(const GltfValue& uri_value, const std::string& uri) const;
+    std::string_view read_buffer(const GltfValue& buffer);
+    std::string path_beside(const GltfValue& uri_value, const std::string& uri) const;
+    std::string read_beside(const GltfValue& uri_value, const std::string& uri, const std::string& path) const;
 
     std::string path_;
     GltfJson json_;
     std::string binary_; // the BIN chunk of a .glb
     bool has_binary_ = false, is_alone_ = false;
-    std::vector<std::string> buffers_;
+    std::map<std::string, std::string> files_;    // by path: many buffers may name one file
+    std::deque<std::string> decoded_;             // buffers in the JSON itself
+    std::vector<std::string_view> buffers_;       // of binary_, files_, decoded_
     std::map<std::size_t, std::string> unpacked_; // by the numbers of their views
     std::size_t byte_count_ = 0;
 };

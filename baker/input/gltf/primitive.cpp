@@ -1,6 +1,7 @@
 #include "input/gltf/primitive.h"
 
 #include "input/gltf/draco.h"
+#include "input/gltf/render_scene.h"
 
 #include <algorithm>
 #include <fmt/format.h>
@@ -55,12 +56,7 @@ void read_plain(const GltfDocument& document, const GltfValue& primitive, std::u
     out.triangles = assemble(corners, primitive["mode"].whole_or(triangles));
 }
 
-// What is wanted of the attributes, and how many numbers it has.
-bool is_wanted(const std::string& name)
-{
-    return name == "NORMAL" || name.compare(0, 9, "TEXCOORD_") == 0 || name.compare(0, 6, "COLOR_") == 0;
-}
-
+// How many numbers it has.
 GltfNumbers read_attribute(const GltfDocument& document, const GltfValue& attribute, std::uint64_t count)
 {
     const std::string& place = attribute.place();
@@ -152,7 +148,7 @@ GltfPrimitive read_primitive(const GltfDocument& document, const GltfValue& prim
         read_plain(document, primitive, count_limit, out);
     }
     for (const auto& item : attributes.json().items()) {
-        if (!is_wanted(item.key())) continue;
+        if (!is_drawn_attribute(item.key())) continue;
         const auto decoded = draco.attributes.find(item.key());
         out.attributes.emplace(item.key(),
                                decoded != draco.attributes.end()

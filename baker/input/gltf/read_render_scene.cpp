@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <fmt/format.h>
+#include <map>
 
 namespace pliant {
 namespace {
@@ -76,14 +77,27 @@ GltfJson take_images(const GltfDocument& document, RenderScene& out, std::vector
 {
     GltfJson images = GltfJson::array();
     const GltfValue list = document["images"];
+    std::map<std::string, int> known;         // an image may stand in the list many times
+    std::size_t left = document.byte_count(); // of views, which may overlap
     for (std::size_t i = 0; i < list.size(); ++i) {
+        const std::string source = document.image_source(i);
+        if (const auto found = known.find(source); found != known.end()) {
+            numbers.push_back(found->second);
+            continue;
+        }
         std::string why = "it is empty";
         std::string bytes = document.image(i, why);
+        const bool is_view = source.compare(0, 5, "view ") == 0;
         if (!bytes.empty() && !is_image(bytes)) {
             why = "it is none of PNG, JPEG, WebP, KTX2 and DDS";
             bytes.clear();
+        } else if (is_view && bytes.size() > left) {
+            why = "it shares its bytes with other images";
+            bytes.clear();
         }
+        if (is_view) left -= bytes.size();
         numbers.push_back(bytes.empty() ? -1 : static_cast<int>(images.size()));
+        if (!source.empty()) known[source] = numbers.back();
         if (bytes.empty()) {
             warnings.push_back(warning_at(2328, document.path(), fmt::format("image {} is left out: {}", i, why),
                                           "put the file there, or pack everything into one .glb"));

@@ -5,6 +5,7 @@
 #include <array>
 #include <cstdint>
 #include <string>
+#include <string_view>
 #include <vector>
 
 namespace pliant {
@@ -19,12 +20,20 @@ struct ScenePart {
 };
 
 // Numbers of all vertices: n rows of `components`; zero in parts that do not have them. By glTF's names: NORMAL (3, length
-// 1, of the file's first pose), TEXCOORD_k (2), COLOR_k (3 or 4, linear).
+// 1, of the file's first pose), TEXCOORD_k (2), COLOR_k (3 or 4, linear), k below 8.
 struct VertexAttribute {
     std::string name;
     std::uint32_t components = 0;
     std::vector<float> values;
 };
+
+// Eight sets are more than any engine draws, and each takes memory for all vertices.
+inline bool is_drawn_attribute(std::string_view name)
+{
+    if (name == "NORMAL") return true;
+    const std::string_view set = name.substr(0, name.empty() ? 0 : name.size() - 1);
+    return (set == "TEXCOORD_" || set == "COLOR_") && name.back() >= '0' && name.back() <= '7';
+}
 
 struct RenderScene {
     std::string path;

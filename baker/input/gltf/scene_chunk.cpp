@@ -162,10 +162,8 @@ void decode_faces(const GltfDocument& document, const GltfValue& primitive, Scen
 }
 
 // Vertices of parts follow each other without gaps.
-std::vector<ScenePart> decode_parts(const GltfDocument& document, const GltfValue& primitives)
+std::vector<ScenePart> decode_parts(const GltfDocument& document, const GltfValue& primitives, std::uint64_t limit)
 {
-    // Vertices without attributes take no bytes: this many are believed.
-    const std::uint64_t limit = std::min<std::uint64_t>(1000000 + 4 * document.byte_count(), vertex_count_limit);
     std::vector<ScenePart> parts;
     std::uint64_t vertex = 0;
     for (std::size_t i = 0; i < primitives.size(); ++i) {
@@ -195,9 +193,12 @@ std::string take_materials(const GltfDocument& document, std::vector<std::string
         if (used.empty()) materials.erase("extensionsUsed");
     }
     const GltfValue list = document["images"];
+    std::size_t left = document.byte_count(); // each has its own
     for (std::size_t i = 0; i < list.size(); ++i) {
         std::string why;
         images.push_back(document.image(i, why));
+        if (images.back().size() > left) list.at(i).fail(2308, "shares its bytes with other images");
+        left -= images.back().size();
         GltfJson image = list.at(i).json();
         image.erase("bufferView");
         materials["images"].push_back(std::move(image));
@@ -235,13 +236,13 @@ std::vector<std::uint8_t> encode_scene_chunk(const RenderScene& scene)
     return join(glb.json.dump(-1, ' ', false, GltfJson::error_handler_t::replace), glb.bytes);
 }
 
-RenderScene decode_scene_chunk(std::string_view bytes, const std::string& path)
+RenderScene decode_scene_chunk(std::string_view bytes, const std::string& path, std::size_t vertex_limit)
 {
     const GltfDocument document(path, std::string(bytes));
     const GltfValue primitives = document["meshes"].at(0)["primitives"];
     RenderScene scene;
     scene.path = path;
-    scene.parts = decode_parts(document, primitives);
+    scene.parts = decode_parts(document, primitives, vertex_limit);
     if (!scene.parts.empty()) scene.vertex_count = scene.parts.back().first_vertex + scene.parts.back().vertex_count;
     for (std::size_t i = 0; i < scene.parts.size(); ++i) {
         ScenePart& part = scene.parts[i];
@@ -249,6 +250,7 @@ RenderScene decode_scene_chunk(std::string_view bytes, const std::string& path)
         const GltfValue attributes = primitives.at(i)["attributes"];
         if (!attributes.exists() || !attributes.json().is_object()) attributes.fail(2306, "an object expected");
         for (const auto& item : attributes.json().items()) {
+            if (!is_drawn_attribute(item.key())) continue;
             part.attributes.push_back(item.key());
             decode_attribute(document, attributes[item.key().c_str()], item.key(), part, scene);
         }

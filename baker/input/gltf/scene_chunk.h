@@ -16,7 +16,7 @@ namespace pliant {
 std::vector<std::uint8_t> encode_scene_chunk(const RenderScene& scene);
 
 // The way back. `path` is for messages. Normals come back within 3e-5 of what they were, all else as it was. Hostile bytes
-// are refused as those of any glTF file: throws Failure (bad_input): P2301 to P2317.
-RenderScene decode_scene_chunk(std::string_view bytes, const std::string& path);
+// are refused as those of any glTF file, and more vertices than `vertex_limit`: throws Failure (bad_input): P2301 to P2317.
+RenderScene decode_scene_chunk(std::string_view bytes, const std::string& path, std::size_t vertex_limit);
 
 } // namespace pliant

@@ -10,6 +10,8 @@ import bpy
 from . import drive, morphs, shapes, tool
 from .properties import BakeOptions, copy_options
 
+FILE_NAMES = {ord("/"): "\u2215", ord("#"): "\uff03"}  # a '#' would ask for a part of a glTF file
+
 
 class Job:
     """A bake from the shapes of an object to an asset, in a temporary folder that close() removes."""
@@ -34,15 +36,17 @@ class Job:
 
     def bake_command(self):
         files = []
-        for shape in self.shapes.shapes:
-            files.append(shape.name.replace("/", "\u2215") + ".ply")  # the tool names poses by their files
+        for number, shape in enumerate(self.shapes.shapes):
+            # The tool names poses by their files; names that are equal to the file system are in different folders.
+            files.append(f"{number}/{shape.name.translate(FILE_NAMES)}.ply")
+            (self.folder / str(number)).mkdir()
             shapes.write_ply(self.folder / files[-1], shape)
         words = ["bake", "-o", "baked.pliant", "--report", "report.json", "--blend"]
         words += ["layers" if self.shapes.layers else "average"]
         words += [] if self.shapes.layers else ["--no-align"]  # shapes stand where the scene has them
         words += ["--preview"] if self.options.preview else ["--best-effort", "--tolerance", f"{self.options.tolerance:.6g}"]
         for (low, high), file in zip(self.shapes.ranges, files[1:]) if self.shapes.layers else ():
-            words += ["--range", f"{file[:-len('.ply')]}={low:.6g}:{high:.6g}"]
+            words += ["--range", f"{pathlib.PurePosixPath(file).name[:-len('.ply')]}={low:.6g}:{high:.6g}"]
         return [*words, "--", *files]
 
     def asset(self):

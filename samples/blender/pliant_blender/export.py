@@ -55,7 +55,7 @@ def write_asset(path, content):
 def write_glb(path, content, options):
     with tempfile.TemporaryDirectory(prefix="pliant_") as folder:
         pathlib.Path(folder, f"{path.stem}.pliant").write_bytes(content)  # the GLB's node gets the name
-        run = tool.Run([["export", f"{path.stem}.pliant", *options, "-o", str(path)]], folder)
+        run = tool.Run([["export", *options, "-o", str(path), "--", f"{path.stem}.pliant"]], folder)
         code = run.wait()
         run.stop()
     if code != 0:

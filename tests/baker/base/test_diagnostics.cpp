@@ -80,3 +80,11 @@ TEST_CASE("the silent progress")
     progress.update("stage", 0.5);
     progress.warn(1, "nothing");
 }
+
+TEST_CASE("A message from a file of zeros stays short")
+{
+    const std::string text = to_text(error_at(2601, "weights.csv:1", std::string(10'000'000, '\0'), ""));
+    CHECK(text.size() < 30'000);
+    CHECK(text.find("(10000000 bytes)") != std::string::npos);
+    CHECK(printable("a\x1b[0m") == "a\\x1b[0m");
+}

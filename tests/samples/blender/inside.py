@@ -14,8 +14,9 @@ import numpy as np
 CASE, ZIP, TOOL, FOLDER = sys.argv[sys.argv.index("--") + 1:]
 FOLDER = pathlib.Path(FOLDER)
 RINGS, SIDES = 18, 12
-NAMES = ["bend", "twist/turn", "\u0431\u0443\u043b\u0430=1"]  # a slash, an equals sign, letters beyond ASCII
-FILES = [name.replace("/", "\u2215") for name in NAMES]
+# As of a part of a glTF file; with a slash, an equals sign, letters beyond ASCII.
+NAMES = ["x.glb#bend", "twist/turn", "\u0431\u0443\u043b\u0430=1"]
+FILES = [name.replace("/", "\u2215").replace("#", "\uff03") for name in NAMES]
 
 
 def check(condition, text):

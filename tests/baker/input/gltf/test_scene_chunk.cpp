@@ -41,7 +41,7 @@ std::string bytes_of(const RenderScene& scene)
 
 TEST_CASE("a scene comes back from its chunk")
 {
-    const RenderScene before = sample(), after = decode_scene_chunk(bytes_of(before), "asset");
+    const RenderScene before = sample(), after = decode_scene_chunk(bytes_of(before), "asset", 100);
     CHECK(after.vertex_count == 7);
     CHECK(after.triangles == before.triangles);
     CHECK(after.images == before.images);
@@ -79,7 +79,7 @@ TEST_CASE("a scene without attributes, materials or images")
     scene.images.clear();
     scene.materials = "{}";
     for (ScenePart& part : scene.parts) part.attributes.clear(), part.material = -1;
-    const RenderScene after = decode_scene_chunk(bytes_of(scene), "asset");
+    const RenderScene after = decode_scene_chunk(bytes_of(scene), "asset", 100);
     CHECK(after.vertex_count == 7);
     CHECK(after.triangles == scene.triangles);
     CHECK(after.attributes.empty());
@@ -91,7 +91,7 @@ TEST_CASE("no other file is opened")
     const std::size_t place = bytes.find("\"bufferView\":0,\"mimeType\"");
     REQUIRE(place != std::string::npos);
     bytes.replace(place, 14, "\"uri\":\"//etc\" "); // as long as what it replaces
-    const RenderScene scene = decode_scene_chunk(bytes, "asset");
+    const RenderScene scene = decode_scene_chunk(bytes, "asset", 100);
     CHECK(scene.images == std::vector<std::string> { "" });
 }
 
@@ -104,7 +104,7 @@ TEST_CASE("damaged chunks are refused or read, never worse")
         std::string bytes = good;
         for (std::size_t k = 0, count = 1 + any(4); k < count; ++k) bytes[any(bytes.size())] = static_cast<char>(any(256));
         try {
-            const RenderScene scene = decode_scene_chunk(bytes, "asset");
+            const RenderScene scene = decode_scene_chunk(bytes, "asset", 100);
             for (const auto& triangle : scene.triangles)
                 for (const std::uint32_t v : triangle) REQUIRE(v < scene.vertex_count);
         } catch (const Failure& failure) {

@@ -1,0 +1,213 @@
+"""limits.py TOOL ASSET: the table of limits in .github/SECURITY.md is true. Of each row, an input one step beyond the value
+is refused with the message of the row, and one at the value is not refused with it. Rows of cost: good and hostile files of
+every format stay below. ASSET: any good asset, of which the header is changed."""
+import math
+import os
+import re
+import struct
+import subprocess
+import sys
+import tempfile
+from pathlib import Path
+
+sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
+import solids  # noqa: E402
+from asset_checksums import with_checksums  # noqa: E402
+
+DOCUMENT = Path(__file__).resolve().parents[2] / ".github/SECURITY.md"
+OBJ = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nf 1 2 3\nf 1 3 4\n"
+SOLID = solids.Solid([(0, 0, 0), (1, 0, 0), (0, 1, 0), (0, 0, 1)], [(0, 1, 2, 3)], [])
+
+
+def table():
+    """Limit: (value, message). Of rows of cost the message is empty."""
+    rows = re.findall(r"^\| ([^|]+) \| `([0-9.e+]+)` \| (?:(P\d{4})[^|]*)?\|", DOCUMENT.read_text(), re.M)
+    return {name: (float(value) if re.search(r"[.e]", value) else int(value), message) for name, value, message in rows}
+
+
+# -- one input of the limited kind: (words of the command, file names and contents)
+
+def check(name, content, *more):
+    return ["check", name, name, *more], {name: content}
+
+
+def sparse_file(size):
+    return ["check", "large.ply", "large.ply"], {"large.ply": size}
+
+
+def ply(element):
+    return lambda count: check("a.ply", f"ply\nformat ascii 1.0\nelement {element} {count}\nproperty float x\n"
+                                        "property float y\nproperty float z\nend_header\n0 0 0\n")
+
+
+def ply_faces(count):
+    return check("a.ply", "ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\nproperty float y\nproperty float z\n"
+                          f"element face {count}\nproperty list uchar int vertex_indices\nend_header\n0 0 0\n")
+
+
+def ply_header(lines):
+    comments = "comment none\n" * (lines - 6)
+    return check("a.ply", f"ply\nformat ascii 1.0\n{comments}element vertex 1\nproperty float x\nproperty float y\n"
+                          "property float z\nend_header\n0 0 0\n")
+
+
+def coordinate(size):
+    return check("a.obj", OBJ.replace("v 1 1", f"v {size!r} 1"))
+
+
+def poses(count):
+    names = [f"{i}.obj" for i in range(count)]
+    return ["check", *names], {name: OBJ.replace("1 1 0", f"1 1 {i / count}") for i, name in enumerate(names)}
+
+
+def nested(depth):
+    return "[" * depth + "]" * depth
+
+
+def gltf_depth(depth):
+    return check("a.gltf", '{"asset": {"version": "2.0"}, "extras": ' + nested(depth - 1) + "}")
+
+
+def config_depth(depth):
+    return ["bake", "--config", "a.json"], {"a.json": '{"poses": ' + nested(depth - 1) + "}"}
+
+
+def json_memory(factor):
+    """Objects that take forty times their text, beyond the limit; numbers, at the limit."""
+    items = "{}," * 1000000 if factor != int(factor) else "1," * 1500000
+    return check("a.gltf", '{"asset": {"version": "2.0"}, "extras": [' + items + "0]}")
+
+
+def grid(points):
+    """Of three poses, along whose edges the grid has `steps` steps."""
+    steps = int(math.sqrt(2 * points))
+    return ["average", "a.obj", "b.obj", "c.obj", "--grid", str(steps), "-o", "a_%d.ply"], \
+        {f"{name}.obj": OBJ.replace("1 1 0", f"1 1 {z}") for name, z in (("a", 0), ("b", 0.5), ("c", 0.7))}
+
+
+def turn(degrees):
+    return ["pose", "a.msh", "script.txt", "-o", "bent.msh"], \
+        {"a.msh": solids.msh_text(SOLID), "script.txt": f"box -9 -9 -9 9 9 9 turn 0 0 0 0 0 1 {degrees}\n"}
+
+
+def header_field(offset, asset):
+    def make(value):
+        blob = bytearray(asset)
+        struct.pack_into("<I", blob, offset, value)
+        return ["validate", "a.pliant"], {"a.pliant": with_checksums(blob)}
+    return make
+
+
+def makers(asset):
+    return {
+        "bytes of a file that the baker reads": sparse_file,
+        "vertices of a mesh": ply("vertex"),
+        "faces of a mesh": ply_faces,
+        "magnitude of a coordinate": coordinate,
+        "lines of a PLY header": ply_header,
+        "depth of the JSON of glTF": gltf_depth,
+        "memory of the JSON of glTF, in its bytes": json_memory,
+        "depth of configurations and manifests": config_depth,
+        "poses": poses,
+        "points of `average --grid`": grid,
+        "degrees of a turn of `pliant pose`": turn,
+        "vertices of an asset": header_field(32, asset),
+        "triangles of an asset": header_field(36, asset),
+        "dimension of an asset": header_field(40, asset),
+        "poses of an asset (of layers: one more)": header_field(44, asset),
+    }
+
+
+# -- the tool
+
+def run(tool, words, files, folder):
+    for name, content in files.items():
+        if isinstance(content, int):
+            with open(folder / name, "wb") as file:
+                file.truncate(content)
+        else:
+            (folder / name).write_bytes(content.encode() if isinstance(content, str) else content)
+    return subprocess.run([tool, *words], cwd=folder, capture_output=True, text=True, timeout=120, stdin=subprocess.DEVNULL)
+
+
+def refuses(tool, make, value, message):
+    with tempfile.TemporaryDirectory(prefix="pliant-limits-") as folder:
+        done = run(tool, *make(value), Path(folder))
+    # Of an asset, whose one number stands for every rule, the rule as well.
+    pattern = rf"\b{message}\b" + (r".*a count in the asset" if message == "P5102" else "")
+    return re.search(pattern, done.stderr) is not None, done
+
+
+def check_limit(tool, name, make, value, message):
+    beyond = value * 1.01 if isinstance(value, float) else value + 1
+    is_refused, done = refuses(tool, make, beyond, message)
+    if not is_refused:
+        yield f"{name}: {beyond} is not refused with {message}: {done.returncode} {done.stderr[:300]}"
+    if name in ("bytes of a file that the baker reads", "points of `average --grid`"):
+        return  # the value itself takes minutes
+    is_refused, done = refuses(tool, make, value, message)
+    if is_refused:
+        yield f"{name}: {value} is refused: {done.stderr[:300]}"
+
+
+# -- what reading costs
+
+LINES = 100000
+
+
+def costly_files():
+    """Of every format, one element again and again, which is no good, or of which there are too many."""
+    vertices = "0 0 0\n1 0 0\n1 1 0\n0 1 0\n"
+    yield "a.obj", OBJ + "f 1 1 1\n" * LINES
+    yield "a.obj", OBJ + "v nan 0 0\n" * LINES
+    yield "a.obj", OBJ + "f 9 1 2\n" * LINES
+    yield "a.obj", OBJ + "o part\n" * LINES
+    yield "a.off", f"OFF {4} {LINES} 0\n" + vertices + "3 0 0 0\n" * LINES
+    yield "a.ply", "ply\nformat ascii 1.0\nelement vertex 4\nproperty float x\nproperty float y\nproperty float z\n" \
+        f"element face {LINES}\nproperty list uchar int vertex_indices\nend_header\n" + vertices + "3 0 1 2\n" * LINES
+    many = solids.Solid(SOLID.vertices, SOLID.tets * (LINES // 4), [])
+    yield "a.msh", solids.msh_text(many)
+    yield "a.msh", solids.msh4_text(many)
+    yield "a.mesh", solids.medit_text(many)
+    yield "a.veg", solids.vega_text(many)
+    yield "a.vtk", solids.vtk_text(many)
+    yield "a.gltf", '{"asset": {"version": "2.0"}, "nodes": [' + "{}," * LINES + "{}]}"
+    grid = "".join(f"v {x} {y} {math.sin(x + y)}\n" for x in range(200) for y in range(200))
+    faces = "".join(f"f {i} {i + 1} {i + 201} {i + 200}\n" for i in range(1, 39800) if i % 200)
+    yield "a.obj", grid + faces
+
+
+def check_cost(tool, name, content, costs):
+    with tempfile.TemporaryDirectory(prefix="pliant-limits-") as folder:
+        (Path(folder) / name).write_text(content)
+        nothing = {stream: subprocess.DEVNULL for stream in ("stdin", "stdout", "stderr")}
+        child = subprocess.Popen([tool, "check", name, name], cwd=folder, **nothing)
+        _, status, usage = os.wait4(child.pid, 0)
+    size = 2 * len(content)  # it is read twice
+    allowed = {"processor seconds": 3 + costs["processor seconds for a MiB of meshes"] * size / 2**20,
+               "bytes": (128 << 20) + costs["bytes of memory for a byte of meshes"] * size}
+    taken = {"processor seconds": usage.ru_utime + usage.ru_stime, "bytes": usage.ru_maxrss * 1024}
+    print(f"{name} of {size / 2**20:.1f} MiB: {taken['processor seconds']:.2f} s, {taken['bytes'] >> 20} MiB")
+    if os.waitstatus_to_exitcode(status) not in (0, 3):
+        yield f"{name}: exit code {os.waitstatus_to_exitcode(status)}"
+    for what, most in allowed.items():
+        if taken[what] > most:
+            yield f"{name}: {taken[what]:.3g} {what}, allowed {most:.3g}"
+
+
+def main(tool, asset):
+    limits = table()
+    costs = {name: limits.pop(name)[0] for name in [*limits] if not limits[name][1]}
+    made = makers(Path(asset).read_bytes())
+    problems = [f"the table and this test name different limits: {sorted(set(limits) ^ set(made))}"] \
+        if set(limits) != set(made) else []
+    for name in sorted(set(limits) & set(made)):
+        problems += check_limit(tool, name, made[name], *limits[name])
+    for name, content in costly_files():
+        problems += check_cost(tool, name, content, costs)
+    print(*problems, f"{len(made)} limits", sep="\n")
+    return 1 if problems else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main(*sys.argv[1:]))
