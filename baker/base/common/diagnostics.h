@@ -60,7 +60,8 @@ private:
     std::string text_;
 };
 
-// For terminals: control characters, which names of files and poses may hold, as \x1b; of more than 5,000 bytes the beginning.
+// For terminals: control characters, which names of files and poses may hold, as \x1b; of more than 5,000 bytes the
+// beginning.
 std::string printable(std::string_view text);
 
 // "error P2103: run_04.obj:812: face 377 uses vertex 9001, the file has 6890\n  hint: ..." (no verb in front, no final
