@@ -29,6 +29,7 @@ for name in "${targets[@]}"; do [[ " ${all[*]} " == *" $name "* ]] || usage; don
 readonly build=build/fuzz corpus=tests/fuzz/corpus
 cores=$(nproc)
 readonly cores
+mkdir -p $build
 cmake -S . -B $build -G Ninja -DCMAKE_C_COMPILER=clang -DCMAKE_CXX_COMPILER=clang++ -DPLIANT_BUILD_FUZZERS=ON \
     -DCMAKE_BUILD_TYPE=RelWithDebInfo -DPLIANT_BUILD_SAMPLES=OFF > $build.configure.log 2>&1 || {
     cat $build.configure.log >&2; exit 1; }

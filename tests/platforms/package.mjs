@@ -93,6 +93,7 @@ function checkErrors() {
   refuses(() => asset.poseCoordinates(-1), 10, "there is no pose -1");
   assert.deepEqual(Float32Array.from(character.positions), before);
   assert.throws(() => pliant.open("a name"), TypeError);
+  for (const weights of [5, null, "abc"]) assert.throws(() => character.solve(weights), TypeError);
   refuses(() => pliant.open(new ArrayBuffer(0)), 20, "");
   character.dispose();
   character.dispose();

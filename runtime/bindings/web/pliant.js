@@ -159,6 +159,7 @@ export class PliantAsset {
       if (weights.length === this.weights.length) return Float32Array.from(weights);
       throw new PliantError(`${weights.length} weights given, the asset has ${this.weights.length}`, ERROR_ARGUMENT);
     }
+    if (typeof weights !== "object" || weights === null) throw new TypeError("weights are numbers in order, or by name");
     const out = new Float32Array(this.weights.length);
     for (const [name, value] of Object.entries(weights)) {
       const index = this.weights.findIndex((weight) => weight.name === name);
