@@ -39,8 +39,8 @@ TARGETS = {
                           needs="/usr/arm-linux-gnueabihf"),
     "linux_x86": Target("x86-linux-gnu", ["qemu-i386"], options=("-msse2", "-mfpmath=sse"), needs="/lib/ld-linux.so.2"),
     "wasm32": Target("wasm32-wasi", ["node", "--no-warnings", str(WASI)], options=("-msimd128",)),
-    "macos_arm64": Target("aarch64-macos", link=("-shared",)),
-    "macos_x64": Target("x86_64-macos", link=("-shared",)),
+    "macos_arm64": Target("aarch64-macos", link=("-shared", "-nostdlib", "-lSystem")),
+    "macos_x64": Target("x86_64-macos", link=("-shared", "-nostdlib", "-lSystem")),
 }
 
 

@@ -37,13 +37,13 @@ def players_picture(player, asset, weights, picture):
     return str(picture)
 
 
-def drive(browser, folder, script, *arguments):
+def drive(browser, folder, script, *arguments, timeout=250):
     """Runs one of the scripts for node beside this file on the page in `folder`."""
     modules = support.node_modules(folder, HERE)
     for name in (script, "tab.mjs"):
         shutil.copy(HERE / name, modules)
     return subprocess.run([*BROWSERS[browser], "node", modules / script, shutil.which(browser), folder / "page", *arguments],
-                          timeout=250, env={**os.environ, "HOME": str(folder)}).returncode
+                          timeout=timeout, env={**os.environ, "HOME": str(folder)}).returncode
 
 
 def main():
