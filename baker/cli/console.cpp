@@ -120,11 +120,6 @@ void print_finding(const std::string& verb, const Diagnostic& diagnostic)
     print_to(stderr, "pliant{}{}: {}\n", verb.empty() ? "" : " ", verb, to_text(diagnostic));
 }
 
-void print_out_of_memory()
-{
-    std::fputs("pliant: error P4901: memory ran out\n  hint: `pliant check` estimates the memory of a bake\n", stderr);
-}
-
 // Opened the wrong way round, so that reading and writing fail.
 void open_closed_streams()
 {

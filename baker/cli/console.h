@@ -45,9 +45,6 @@ std::string duration_text(double seconds);
 // "pliant bake: error P2103: ..." with its hint, to stderr.
 void print_finding(const std::string& verb, const Diagnostic& diagnostic);
 
-// P4901, without asking for memory.
-void print_out_of_memory();
-
 // Gives the descriptors 0, 1 and 2 to nothing where they are closed, so that no file or pipe that is opened later gets them.
 // What is written there is lost, and flush_output() says so. Call first.
 void open_closed_streams();

@@ -1,5 +1,6 @@
 // The `pliant` tool: one program, one verb per task.
 #include "cli/help_format.h"
+#include "cli/out_of_memory.h"
 #include "cli/usage_error.h"
 #include "cli/verbs.h"
 
@@ -24,7 +25,9 @@ bool is_out_of_memory(const std::exception& e)
 {
     const auto* const system = dynamic_cast<const std::system_error*>(&e);
     return dynamic_cast<const std::bad_alloc*>(&e)
-        || (system && system->code() == std::errc::resource_unavailable_try_again);
+        || (system
+            && (system->code() == std::errc::not_enough_memory
+                || system->code() == std::errc::resource_unavailable_try_again));
 }
 
 // Turns everything that can go wrong in `work` into messages and an exit code. `name` is that of the verb, once it is known.
@@ -115,6 +118,7 @@ int main(int argc, char** argv)
 {
     open_closed_streams();
     start_with_fixed_blas(argv);
+    const ExitWatch watch;
     std::string verb;
     const ExitCode code = guarded(verb, [&] { return run_tool(argc, argv, verb); });
     if (flush_output()) return int(code);

@@ -1,5 +1,6 @@
 #include "input/io/source_file.h"
 
+#include "base/common/memory.h"
 #include "input/io/read_log.h"
 
 #include <algorithm>
@@ -10,7 +11,6 @@
 #include <fcntl.h>
 #include <fmt/format.h>
 #include <limits>
-#include <new>
 #include <sys/stat.h>
 #include <unistd.h>
 
@@ -97,15 +97,16 @@ std::optional<std::string> read_whole(const std::string& path, DiagnosticList& d
                                  "simplify the mesh or use a binary format"));
         return std::nullopt;
     }
-    try {
-        std::string bytes(static_cast<std::size_t>(status.st_size), '\0');
-        if (read_all(file.value, bytes)) return bytes;
-        diagnostics.add(error_at(2001, path, fmt::format("cannot be read: {}", std::strerror(errno)),
-                                 "check the disk or network drive that holds the file"));
-    } catch (const std::bad_alloc&) {
-        diagnostics.add(error_at(2008, path, fmt::format("does not fit into memory: {} bytes", status.st_size),
+    const auto size = static_cast<std::size_t>(status.st_size);
+    if (size > 0 && !has_room(size)) {
+        diagnostics.add(error_at(2008, path, fmt::format("does not fit into memory: {} bytes", size),
                                  "use a machine with more memory or a coarser mesh"));
+        return std::nullopt;
     }
+    std::string bytes(size, '\0');
+    if (read_all(file.value, bytes)) return bytes;
+    diagnostics.add(error_at(2001, path, fmt::format("cannot be read: {}", std::strerror(errno)),
+                             "check the disk or network drive that holds the file"));
     return std::nullopt;
 }
 
