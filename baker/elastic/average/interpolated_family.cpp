@@ -109,7 +109,8 @@ InterpolatedFamily::Known InterpolatedFamily::with_derivatives(const Weights& w,
     keep_aligned(set(), set().shapes[0], y, moves);
     const Eigen::VectorXd value = coordinates_.coordinates(y);
     Known known { w, y, Eigen::MatrixXf(value.size(), 1 + moves.cols()) };
-    known.coordinates << value.cast<float>(), coordinates_.derivatives(y, value, moves).cast<float>();
+    known.coordinates.col(0) = value.cast<float>();
+    known.coordinates.rightCols(moves.cols()) = coordinates_.derivatives(y, value, moves).cast<float>();
     return known;
 }
 

@@ -1,21 +1,26 @@
 #include "elastic/average/sparse_cholesky.h"
 
 #include "base/common/diagnostics.h"
+#include "base/common/memory.h"
 #include "base/common/parallel.h"
 
 #include <Eigen/SparseCholesky>
 #include <algorithm>
+#include <cstdlib>
 #include <cstring>
 #include <fmt/core.h>
 #include <mutex>
 #include <new>
 #include <sstream>
-#include <sys/mman.h>
 #include <sys/resource.h>
 #include <vector>
 
 #ifdef PLIANT_WITH_CHOLMOD
 #include <suitesparse/cholmod.h>
+#pragma weak cholmod_l_metis // CHOLMOD may have been built without
+#if CHOLMOD_MAIN_VERSION < 4
+#pragma weak SuiteSparse_config // of a library below CHOLMOD
+#endif
 // Present when the BLAS behind CHOLMOD is OpenBLAS; its thread count changes the last bits of a factorisation.
 extern "C" void openblas_set_num_threads(int) __attribute__((weak));
 extern "C" int openblas_get_parallel() __attribute__((weak)); // 0: built without threads
@@ -97,12 +102,6 @@ private:
 
 constexpr std::size_t blas_buffer_size = std::size_t(128) << 20; // of OpenBLAS, a thread that computes: address space
 
-bool has_room(std::size_t size)
-{
-    void* const room = ::mmap(nullptr, size, PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS | MAP_NORESERVE, -1, 0);
-    return room != MAP_FAILED && ::munmap(room, size) == 0;
-}
-
 // OpenBLAS tries for ever to map a buffer where the address space is limited (ulimit -v) and used up. So it maps one for
 // each thread now, after we have seen that there is room; it keeps them.
 void map_blas_buffers(std::size_t thread_count)
@@ -126,6 +125,31 @@ void map_blas_buffers(std::size_t thread_count)
                                  blas_buffer_size >> 20, thread_count),
                      "raise the limit, or use fewer --threads or --solver eigen"));
 }
+
+#if CHOLMOD_MAIN_VERSION < 4
+// CHOLMOD does not ask whether METIS ran out of memory: it would take what lies in the array for the ordering. Zeros are
+// none, which it sees.
+thread_local bool is_analysing = false;
+
+void* allocate(std::size_t size) { return is_analysing ? std::calloc(1, size) : std::malloc(size); }
+
+class Analysis {
+public:
+    Analysis() { is_analysing = true; }
+    ~Analysis() { is_analysing = false; }
+};
+
+void install_allocator()
+{
+    if (&SuiteSparse_config != nullptr) SuiteSparse_config.malloc_func = allocate;
+}
+#else
+struct Analysis {
+    ~Analysis() {}
+};
+
+void install_allocator() {}
+#endif
 
 } // namespace
 #endif
@@ -160,6 +184,7 @@ struct SparseCholesky::Backend {
         // Once, before any factorisation: it may not be called while another thread is inside.
         static std::once_flag once;
         std::call_once(once, [] {
+            install_allocator();
             if (openblas_set_num_threads) openblas_set_num_threads(1);
             map_blas_buffers(worker_count());
         });
@@ -177,18 +202,30 @@ struct SparseCholesky::Backend {
         if (omp_set_max_active_levels) omp_set_max_active_levels(0);
     }
 
+    bool has_metis()
+    {
+        if (!cholmod_l_metis) return false;
+        cholmod_l_metis(nullptr, nullptr, 0, 0, nullptr, &common); // an error in any case
+        return common.status != CHOLMOD_NOT_INSTALLED;
+    }
+
+    // CHOLMOD takes another ordering if METIS runs out of memory: the asset would have other bits.
+    void analyze(cholmod_sparse& a)
+    {
+        // METIS draws from one generator of the process: two analyses at a time would order by chance.
+        static std::mutex mutex;
+        const std::lock_guard<std::mutex> one_at_a_time(mutex);
+        const Analysis analysis;
+        factor = cholmod_l_analyze(&a, &common);
+        if (!factor || (factor->ordering != CHOLMOD_METIS && has_metis())) throw_out_of_memory(Eigen::Index(a.ncol));
+    }
+
     bool factorize_cholmod(const SparseLower& lower)
     {
         use_one_thread();
         const BlasLock lock;
         cholmod_sparse a = view(lower);
-        if (!factor) {
-            // METIS draws from one generator of the process: two analyses at a time would order by chance.
-            static std::mutex mutex;
-            const std::lock_guard<std::mutex> one_at_a_time(mutex);
-            factor = cholmod_l_analyze(&a, &common);
-        }
-        if (!factor) throw_out_of_memory(lower.cols());
+        if (!factor) analyze(a);
         cholmod_l_factorize(&a, factor, &common);
         if (common.status == CHOLMOD_NOT_POSDEF) return false;
         if (common.status < CHOLMOD_OK) throw_out_of_memory(lower.cols());
@@ -206,8 +243,16 @@ struct SparseCholesky::Backend {
         b.x = const_cast<double*>(right.data());
         b.xtype = CHOLMOD_REAL;
         b.dtype = CHOLMOD_DOUBLE;
-        cholmod_dense* x = cholmod_l_solve(CHOLMOD_A, factor, &b, &common);
-        if (!x) throw_out_of_memory(right.rows());
+        cholmod_dense* x = nullptr;
+        // CHOLMOD before 4 overlooks that there is no memory for the first of its two working arrays.
+        cholmod_dense* work[2] = { nullptr, nullptr };
+        const bool is_solved = cholmod_l_ensure_dense(&work[0], b.nrow, b.ncol, b.nrow, CHOLMOD_REAL, &common)
+            && cholmod_l_solve2(CHOLMOD_A, factor, &b, nullptr, &x, nullptr, &work[0], &work[1], &common);
+        for (cholmod_dense*& array : work) cholmod_l_free_dense(&array, &common);
+        if (!is_solved) {
+            cholmod_l_free_dense(&x, &common);
+            throw_out_of_memory(right.rows());
+        }
         Eigen::MatrixXd out = Eigen::Map<Eigen::MatrixXd>(static_cast<double*>(x->x), right.rows(), right.cols());
         cholmod_l_free_dense(&x, &common);
         return out;
