@@ -4,6 +4,8 @@
 #include <atomic>
 #include <exception>
 #include <mutex>
+#include <new>
+#include <system_error>
 #include <thread>
 #include <vector>
 
@@ -24,6 +26,20 @@ unsigned thread_count()
     return wanted_threads ? wanted_threads.load() : std::max(1u, std::thread::hardware_concurrency());
 }
 
+// Up to `count`, numbered from 1, beside the calling thread. A system that is short of threads gives fewer; the results are
+// the same.
+template <class Work> std::vector<std::thread> start_threads(std::size_t count, const Work& work)
+{
+    std::vector<std::thread> threads;
+    threads.reserve(count);
+    try {
+        while (threads.size() < count) threads.emplace_back(work, threads.size() + 1);
+    } catch (const std::system_error&) {
+    } catch (const std::bad_alloc&) {
+    }
+    return threads;
+}
+
 } // namespace
 
 void set_thread_count(unsigned count) { wanted_threads = count; }
@@ -36,8 +52,8 @@ void for_each_piece(std::size_t count, const std::function<void(std::size_t, std
             work(piece, count * piece / piece_count, count * (piece + 1) / piece_count);
     };
     const unsigned threads = count < serial_limit || is_inside_task ? 1 : thread_count();
-    std::vector<std::thread> others;
-    for (unsigned i = 1; i < std::min<unsigned>(threads, piece_count); ++i) others.emplace_back(take_pieces);
+    std::vector<std::thread> others
+        = start_threads(std::min<std::size_t>(threads, piece_count) - 1, [&](std::size_t) { take_pieces(); });
     take_pieces();
     for (std::thread& other : others) other.join();
 }
@@ -65,8 +81,7 @@ void for_each_task(std::size_t count, const std::function<void(std::size_t, std:
         }
         is_inside_task = was_inside_task;
     };
-    std::vector<std::thread> others;
-    for (std::size_t i = 1; i < workers; ++i) others.emplace_back(take_tasks, i);
+    std::vector<std::thread> others = start_threads(std::max<std::size_t>(workers, 1) - 1, take_tasks);
     take_tasks(0);
     for (std::thread& other : others) other.join();
     if (failure) std::rethrow_exception(failure);
