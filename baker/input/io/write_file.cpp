@@ -46,6 +46,13 @@ struct Target {
     fs::path file() const { return folder / name; }
 };
 
+[[noreturn]] void fail_creating(const Target& target, int system_error)
+{
+    fail(error_at(4002, target.path,
+                  fmt::format("cannot be created in the folder {}: {}", target.folder.string(), std::strerror(system_error)),
+                  system_error == ENAMETOOLONG ? "choose a shorter name" : "choose a folder that you may write to"));
+}
+
 Target resolve(const std::string& path)
 {
     Target target { path, {}, {}, {}, {}, 0 };
@@ -65,7 +72,10 @@ Target resolve(const std::string& path)
     }
     struct stat status {};
     if (::stat(target.folder.c_str(), &status) == 0) target.folder_id = { status.st_dev, status.st_ino };
-    if (::stat(file.c_str(), &status) != 0) return target;
+    if (::stat(file.c_str(), &status) != 0) {
+        if (errno == ENAMETOOLONG) fail_creating(target, errno); // the name of the temporary is cut
+        return target;
+    }
     if (S_ISDIR(status.st_mode)) fail(error_at(4003, path, "is a folder", "name a file in it"));
     // Renaming over a device or a pipe would replace it.
     if (!S_ISREG(status.st_mode)) fail(error_at(4006, path, "is not a regular file", "name another output"));
@@ -125,6 +135,13 @@ void remove_stale_temporaries(const Target& target)
     }
 }
 
+bool is_flushed(int descriptor)
+{
+    while (::fsync(descriptor) != 0)
+        if (errno != EINTR) return false;
+    return true;
+}
+
 // A file that is gone again unless it was given its name.
 class Temporary {
 public:
@@ -142,6 +159,7 @@ private:
     bool is_there() const;
 
     const Target& target_;
+    const std::string wanted_path_; // now: no memory is asked for while the file is there
     std::string path_;
     int descriptor_ = -1;
     bool is_named_ = false;
@@ -156,13 +174,15 @@ bool Temporary::is_there() const
         && by_name.st_ino == by_descriptor.st_ino && by_name.st_dev == by_descriptor.st_dev;
 }
 
-// False if somebody was quicker: the name was taken, or the file removed before it was locked.
+// False if somebody was quicker: the name was taken, or the file removed before it was locked. No other process takes the
+// name of one that was there.
 bool Temporary::create()
 {
     path_ = (target_.folder / random_name(temporary_prefix(target_.name))).string();
     descriptor_ = ::open(path_.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
     if (descriptor_ < 0) return false;
     if (try_lock(descriptor_) != Lock::of_another && is_there()) return true;
+    ::unlink(path_.c_str());
     ::close(std::exchange(descriptor_, -1));
     errno = EEXIST;
     return false;
@@ -170,14 +190,13 @@ bool Temporary::create()
 
 Temporary::Temporary(const Target& target)
     : target_(target)
+    , wanted_path_(target.file().string())
 {
     for (int attempt = 0; attempt < 8; ++attempt) {
         if (create()) return;
         if (errno != EEXIST) break;
     }
-    fail(error_at(4002, target.path,
-                  fmt::format("cannot be created in the folder {}: {}", target.folder.string(), std::strerror(errno)),
-                  "choose a folder that you may write to"));
+    fail_creating(target, errno);
 }
 
 Temporary::~Temporary()
@@ -199,25 +218,47 @@ void Temporary::write(std::string_view bytes)
 void Temporary::flush()
 {
     if (target_.mode != 0 && ::fchmod(descriptor_, target_.mode) != 0) fail_writing(target_.path, errno);
-    if (::fsync(descriptor_) != 0) fail_writing(target_.path, errno);
+    if (!is_flushed(descriptor_)) fail_writing(target_.path, errno);
 }
 
 // The file stays open and locked until it has its name.
 void Temporary::take_name()
 {
     if (!is_there()) fail_writing(target_.path, ENOENT);
-    if (::rename(path_.c_str(), target_.file().c_str()) != 0) fail_writing(target_.path, errno);
+    if (::rename(path_.c_str(), wanted_path_.c_str()) != 0) fail_writing(target_.path, errno);
     is_named_ = true;
 }
 
-// Makes the new name itself durable. Some file systems cannot, and the content is safe by then: not an error.
-void flush_folder(const fs::path& folder)
-{
-    const int descriptor = ::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
-    if (descriptor < 0) return;
-    ::fsync(descriptor);
-    ::close(descriptor);
-}
+// The folder of an output, open before anything is written: a process may have too many files open.
+class Folder {
+public:
+    explicit Folder(const Target& target)
+        : target_(target)
+        , descriptor_(::open(target.folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC))
+    {
+        if (descriptor_ < 0 && errno != EACCES) fail_creating(target, errno); // folders may be writable and not readable
+    }
+    ~Folder()
+    {
+        if (descriptor_ >= 0) ::close(descriptor_);
+    }
+    Folder(const Folder&) = delete;
+    Folder& operator=(const Folder&) = delete;
+
+    // Makes the new name itself durable. Some file systems cannot, and the content is safe by then: not an error.
+    void flush() const
+    {
+        if (descriptor_ < 0 || is_flushed(descriptor_)) return;
+        if (errno == EINVAL || errno == EBADF || errno == EROFS || errno == ENOSYS || errno == ENOTSUP) return;
+        fail(error_at(4005, target_.path,
+                      fmt::format("is there, but its folder cannot be flushed to the disk: {}", std::strerror(errno)),
+                      "look after the disk: if power fails now, the old file may be back"));
+    }
+
+private:
+    const Target& target_;
+    int descriptor_;
+};
 
 std::optional<FileId> id_of(const std::string& path)
 {
@@ -259,11 +300,12 @@ void write_file_atomically(const std::string& path, std::string_view bytes)
 {
     const Target target = resolve(path);
     remove_stale_temporaries(target);
+    const Folder folder(target);
     Temporary temporary(target);
     temporary.write(bytes);
     temporary.flush();
     temporary.take_name();
-    flush_folder(target.folder);
+    folder.flush();
 }
 
 void probe_outputs(const std::vector<std::string>& paths, const std::vector<std::string>& inputs)
