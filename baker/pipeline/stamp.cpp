@@ -16,18 +16,19 @@ namespace fs = std::filesystem;
 
 constexpr int stamp_version = 1;
 
-fs::path folder_of(const std::string& file)
-{
-    std::error_code ignored;
-    return fs::weakly_canonical(fs::absolute(file), ignored).parent_path();
-}
-
-// Links are followed first, else ".." behind one would lead elsewhere.
-std::string seen_from(const fs::path& folder, const std::string& path)
+// Links are followed first, else ".." behind one would lead elsewhere; unless the file system fails.
+fs::path place_of(const std::string& file)
 {
     std::error_code error;
-    const fs::path place = fs::weakly_canonical(fs::absolute(path), error);
-    return error ? path : place.lexically_relative(folder).string();
+    const fs::path place = fs::weakly_canonical(fs::absolute(file), error);
+    return error ? fs::absolute(file).lexically_normal() : place;
+}
+
+fs::path folder_of(const std::string& file) { return place_of(file).parent_path(); }
+
+std::string seen_from(const fs::path& folder, const std::string& path)
+{
+    return place_of(path).lexically_relative(folder).string();
 }
 
 // Of a pose from glTF the file alone is a path.
