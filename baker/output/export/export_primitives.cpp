@@ -127,7 +127,8 @@ RenderScene exported_scene(const RuntimeBlender& blender, const DrawnSpace& spac
     std::size_t size = 0;
     const void* chunk = pliant_asset_chunk(&blender.asset(), PLIANT_CHUNK_SCENE, &size);
     if (!chunk) return plain_scene(space);
-    RenderScene scene = decode_scene_chunk({ static_cast<const char*>(chunk), size }, path, space.vertex_count());
+    const std::size_t limit = 2 * space.vertex_count(); // a wrong scene is told below; a hostile one takes no memory
+    RenderScene scene = decode_scene_chunk({ static_cast<const char*>(chunk), size }, path, limit);
     const auto is_empty = [](const ScenePart& part) { return part.face_count == 0; };
     scene.parts.erase(std::remove_if(scene.parts.begin(), scene.parts.end(), is_empty), scene.parts.end());
     if (scene.vertex_count != space.vertex_count() || scene.parts.empty())

@@ -311,7 +311,7 @@ def errors():
     broken = tube(bend=1)
     broken[7, 1] = np.nan
     make_tube(("good", tube(twist=1)), ("bad", broken))
-    check_error("error P2105: bad.ply: vertex 7 has the coordinate nan\n"
+    check_error("error P2105: 2/bad.ply: vertex 7 has the coordinate nan\n"
                 "  hint: the program that made the pose failed there: repair the pose")
     make_tube()
     check_error("error P3001: tube.001.ply: 1 pose given")
