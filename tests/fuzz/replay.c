@@ -6,7 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#define MUTATIONS 400u
+#define MUTATIONS 100u
 #define LARGEST ((size_t)1 << 17)
 
 int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size);

@@ -68,7 +68,7 @@ class Interrupting(unittest.TestCase):
         delay = float(words[words.index("at") + 1]) - sent
         print(f"{stage}: KeyboardInterrupt {delay:.2f} s after SIGINT")
         self.assertLess(delay, 20)
-        self.assertEqual(words[words.index("threads") + 1], "0", "the work goes on")
+        self.assertLessEqual(int(words[words.index("threads") + 1]), 0, "the work goes on")
         self.assertIn("after", words)  # the next bake is as good as any
         self.assertEqual(child.process.returncode, 0)
 

@@ -314,10 +314,10 @@ def errors():
     check_error("error P2105: 2/bad.ply: vertex 7 has the coordinate nan\n"
                 "  hint: the program that made the pose failed there: repair the pose")
     make_tube()
-    check_error("error P3001: tube.001.ply: 1 pose given")
+    check_error("error P3001: 0/tube.001.ply: 1 pose given")
     thing = make_tube(("twist", tube(twist=1)))
     thing.modifiers.new("build", "BUILD").frame_duration = 20
-    check_error("error P3003: frame 20.ply: has", source="FRAMES", frames="10, 20")
+    check_error("error P3003: 1/frame 20.ply: has", source="FRAMES", frames="10, 20")
     check_error("frames '1, x': write whole numbers", source="FRAMES", frames="1, x")
     thing.data.shape_keys.use_relative = False
     check_error("tube.002: its shape keys are absolute")
