@@ -52,15 +52,22 @@ void check_job(BatchJob& job, bool is_forced)
     job.outcome = verdict.exit_code == int(ExitCode::misses_tolerance) ? Outcome::misses_tolerance : Outcome::up_to_date;
 }
 
+// A failure that nobody has explained: the program could not be started in the child (127), or its messages were lost.
+void record_failure(BatchJob& job, const ChildEnd& end)
+{
+    job.outcome = Outcome::failed;
+    if (end.has_error) return;
+    print_line(
+        to_text(error_at(4605, job.name, fmt::format("the bake ended with exit code {} and said nothing", end.exit_code),
+                         "lower --jobs, or close other programs")));
+}
+
 // Everything in a child's standard output that is not what it should be counts as a failure of the child: nothing is known
 // then.
 void take_estimate(BatchJob& job, const ChildEnd& end, double memory)
 {
     const Json json = Json::parse(end.output, nullptr, false);
-    if (!json.is_object() || !json.contains("estimate")) {
-        job.outcome = Outcome::failed;
-        return;
-    }
+    if (!json.is_object() || !json.contains("estimate")) return record_failure(job, end);
     const Json& estimate = json["estimate"];
     job.estimated_dimension = estimate.value("dimension", 0L);
     job.estimated_seconds = estimate.value("seconds", 0.0);
@@ -89,7 +96,7 @@ void record_end(BatchJob& job, const ChildEnd& end)
     } else if (end.exit_code == int(ExitCode::interrupted)) {
         job.outcome = Outcome::interrupted;
     } else if (end.exit_code != 0) {
-        job.outcome = Outcome::failed;
+        record_failure(job, end);
     }
 }
 

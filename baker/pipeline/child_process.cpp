@@ -130,6 +130,12 @@ void ChildGroup::read_output(Child& child)
     child.output = -1;
 }
 
+void ChildGroup::take_line(Child& child)
+{
+    child.has_error |= child.line.find("error P") != std::string::npos;
+    sink_(child.id, child.line);
+}
+
 void ChildGroup::read_errors(Child& child)
 {
     const bool goes_on = drain(child.errors, [&](std::string_view bytes) {
@@ -138,12 +144,12 @@ void ChildGroup::read_errors(Child& child)
                 child.line += c;
                 continue;
             }
-            sink_(child.id, child.line);
+            take_line(child);
             child.line = c == '\n' ? "" : std::string(1, c);
         }
     });
     if (goes_on) return;
-    if (!child.line.empty()) sink_(child.id, child.line);
+    if (!child.line.empty()) take_line(child);
     ::close(child.errors);
     child.errors = -1;
 }
@@ -181,6 +187,7 @@ std::vector<ChildEnd> ChildGroup::collect_ended()
         end.id = child.id;
         end.exit_code = WIFEXITED(status) ? WEXITSTATUS(status) : 0;
         end.signal = WIFSIGNALED(status) ? WTERMSIG(status) : 0;
+        end.has_error = child.has_error;
         end.output = std::move(child.collected);
         end.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - child.start).count();
         end.peak_memory = double(usage.ru_maxrss) * 1024;

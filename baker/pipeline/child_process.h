@@ -15,6 +15,7 @@ struct ChildEnd {
     std::size_t id = 0;
     int exit_code = 0;      // if signal is 0
     int signal = 0;         // that killed it
+    bool has_error = false; // it wrote a numbered error to standard error
     std::string output;     // what it wrote to standard output, the first MiB of it
     double seconds = 0;     // from start to end
     double peak_memory = 0; // bytes: the most that was resident
@@ -53,11 +54,13 @@ private:
         int output, errors; // descriptors to read from; -1: at its end
         std::string collected, line;
         std::chrono::steady_clock::time_point start;
+        bool has_error = false;
     };
 
     bool read_all_ready(int wake, int timeout_ms);
     void read_output(Child& child);
     void read_errors(Child& child);
+    void take_line(Child& child);
     std::vector<ChildEnd> collect_ended();
 
     int wake_;

@@ -39,7 +39,7 @@ class Findings:
     def add(self, where, number, texts, messages=""):
         self.runs += 1
         for text in texts:
-            self.wrong.setdefault((where, text), []).append((number, messages.strip()[-300:]))
+            self.wrong.setdefault((where, text), []).append((number, "\n".join(messages.strip().splitlines()[-2:])[-300:]))
 
     def merge(self, other):
         self.runs += other.runs
@@ -175,20 +175,17 @@ def make_asset(tool, library):
     return Judge(Runner(tool, library), job).new["a.pliant"]
 
 
-def campaign(options):
-    runner = Runner(options.tool, options.library, make_asset(options.tool, options.library))
-    total, rows = Findings(), {}
-    with concurrent.futures.ThreadPoolExecutor(options.workers) as pool:
-        futures = {}
-        for job in JOBS:
-            if not options.job or job.name in options.job:
-                for kind, task in all_tasks(Judge(runner, job), options):
-                    futures[pool.submit(task, runner)] = (job.name, kind)
-        for future, (name, kind) in futures.items():
-            total.merge(future.result())
-            row = rows.setdefault(name, {})
-            row[kind] = row.get(kind, 0) + future.result().runs
-    return total, rows
+def disturb(runner, job, options, pool):
+    """All faults of one job; prints how many there were of each kind, and what went wrong."""
+    total, row, begin = Findings(), {}, time.monotonic()
+    tasks = [(kind, pool.submit(task, runner)) for kind, task in all_tasks(Judge(runner, job), options)]
+    for kind, future in tasks:
+        total.merge(future.result())
+        row[kind] = row.get(kind, 0) + future.result().runs
+    print(f"{job.name:12} {time.monotonic() - begin:5.0f} s  " + ", ".join(f"{kind} {runs}" for kind, runs in row.items()))
+    total.print()
+    sys.stdout.flush()
+    return total
 
 
 def main():
@@ -204,10 +201,11 @@ def main():
     if options.slice:
         options.job, options.every, options.workers = ["bake", "blend"], 211, 1
     begin = time.monotonic()
-    findings, rows = campaign(options)
-    for name, row in rows.items():
-        print(f"{name:13} " + ", ".join(f"{kind} {runs}" for kind, runs in row.items()))
-    findings.print()
+    runner, findings = Runner(options.tool, options.library, make_asset(options.tool, options.library)), Findings()
+    with concurrent.futures.ThreadPoolExecutor(options.workers) as pool:
+        for job in JOBS:
+            if not options.job or job.name in options.job:
+                findings.merge(disturb(runner, job, options, pool))
     print(f"{findings.runs} faults in {time.monotonic() - begin:.0f} s, {len(findings.wrong)} findings")
     return 1 if findings.wrong else 0
 
