@@ -26,8 +26,8 @@ pliant_packages() {
             ;;
         engines)
             # Programs that draw what `pliant export` writes, ffmpeg for the comparison clip, browsers for the page, other
-            # processors with their C libraries and a Windows; the tests that ask them are skipped without. Large: 1.2 GB with
-            # what they need.
+            # processors with their C libraries and a Windows; the tests that ask them are skipped without. Large: 1.2 GB
+            # with what they need.
             printf '%s\n' chromium firefox-esr godot3-server blender ffmpeg qemu-user libc6-arm64-cross \
                 libc6-armhf-cross libc6-i386 wine wine64 mono-runtime mono-mcs
             # Node of other packagers brings npm along, and Debian's npm cannot be installed beside it.

@@ -79,8 +79,8 @@ smaller() { # the corpus of one target that reaches what its corpus and the work
     local name=$1 folder=$corpus/$1 merged=$build/merged/$1 file
     rm -rf "$merged" && mkdir -p "$merged"
     # shellcheck disable=SC2046
-    $build/tests/fuzz/pliant_fuzz_"$name" $(options_of "$name") -use_counters=0 -merge=1 "$merged" "$folder" "$build/work/$name" \
-        > "$build/$name.merge.log" 2>&1
+    $build/tests/fuzz/pliant_fuzz_"$name" $(options_of "$name") -use_counters=0 -merge=1 "$merged" "$folder" \
+        "$build/work/$name" > "$build/$name.merge.log" 2>&1
     find "$folder" -name 'found_*' -delete
     for file in "$merged"/*; do
         file_is_seed=no
