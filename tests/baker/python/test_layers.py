@@ -136,7 +136,7 @@ class Layers(unittest.TestCase):
                 (TypeError, "range: expected names of layers as keys, got 1", {"range": {1: (0, 1)}}),
                 (pliant.Error, "P1232: there is no layer 'top' for range\n  hint: the layers are left, right",
                  {"range": {"top": (0, 1)}}),
-                (pliant.Error, "P1231: range left=1:2 is empty or does not hold 0", {"range": {"left": (1, 2)}}),
+                (pliant.Error, "P1231: range left=1:2 is empty, does not hold 0", {"range": {"left": (1, 2)}}),
                 (pliant.Error, "P1233: range belongs to blend layers", {"range": (0, 1), "blend": "average"})):
             self.refuse(kind, text, lambda options=options: pliant.bake(POSES, FACES, **{**bake, **options}))
 
