@@ -18,6 +18,8 @@
 #include <filesystem>
 #include <fmt/core.h>
 #include <memory>
+#include <new>
+#include <system_error>
 
 namespace pliant {
 
@@ -120,9 +122,13 @@ void probe_all_outputs(const BakeRequest& a)
 std::string asset_seen_from_report(const BakeRequest& a)
 {
     std::error_code error;
-    const std::filesystem::path folder = std::filesystem::absolute(a.report, error).parent_path();
-    const std::filesystem::path asset
-        = std::filesystem::proximate(std::filesystem::absolute(a.output, error), folder, error);
+    const auto looked_up = [&error](std::filesystem::path path) {
+        if (error == std::errc::not_enough_memory) throw std::bad_alloc();
+        return path;
+    };
+    const std::filesystem::path folder = looked_up(std::filesystem::absolute(a.report, error)).parent_path();
+    const std::filesystem::path output = looked_up(std::filesystem::absolute(a.output, error));
+    const std::filesystem::path asset = looked_up(std::filesystem::proximate(output, folder, error));
     return asset.empty() ? a.output : asset.generic_string();
 }
 

@@ -8,6 +8,8 @@
 
 #include <filesystem>
 #include <fmt/format.h>
+#include <new>
+#include <system_error>
 
 namespace pliant {
 namespace {
@@ -21,6 +23,7 @@ fs::path place_of(const std::string& file)
 {
     std::error_code error;
     const fs::path place = fs::weakly_canonical(fs::absolute(file), error);
+    if (error == std::errc::not_enough_memory) throw std::bad_alloc();
     return error ? fs::absolute(file).lexically_normal() : place;
 }
 

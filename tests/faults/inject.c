@@ -8,7 +8,7 @@
    FAULTS_ERROR   errno of the failure; or one of the enumeration below
    FAULTS_TRACE   file that gets a line for every change of a file (see trace)
    FAULTS_FORK    K: at every K-th allocation the program forks, and the child alone sees the fault (see fork_fault)
-   FAULTS_FOLDER  where such a child goes on; its standard output and error go to the files output and messages above it
+                  whose standard output and error go to the files output and messages above the folder of the run
    FAULTS_CONTROL two descriptors, "READ,WRITE", by which run.py is told of children
 
    Nothing reaches the disk when a program asks for it (fsync): the runs would take hours. */
@@ -150,7 +150,6 @@ static void become_child(void)
     first_fault = own[ALLOC];
     fork_step = 0;
     alarm(60);
-    if (chdir(getenv("FAULTS_FOLDER")) != 0) abort();
     const int output = real(open)("../output", O_WRONLY | O_CREAT | O_TRUNC | O_APPEND, 0666);
     const int messages = real(open)("../messages", O_WRONLY | O_CREAT | O_TRUNC | O_APPEND, 0666);
     if (dup2(output, STDOUT_FILENO) < 0 || dup2(messages, STDERR_FILENO) < 0) abort();
@@ -158,8 +157,9 @@ static void become_child(void)
     real(close)(messages);
 }
 
-/* True in the child. Some allocations are for a run of their own: a child would share the temporary file that its parent has
-   open, would not see the outputs that its parent has written, and has one thread only. */
+/* True in the child, which goes on in the same folder: run.py makes it what it was before the parent goes on. Some
+   allocations are for a run of their own: a child would share the temporary file that its parent has open, would find the
+   outputs that its parent has written, and has one thread only. */
 static int fork_fault(void)
 {
     const uint64_t number = ++counts[ALLOC];
@@ -178,6 +178,7 @@ static int fork_fault(void)
     int status = 0;
     if (child < 0 || waitpid(child, &status, 0) != child) abort();
     tell(number, 2 + (uint64_t)status);
+    if (real(read)(control_in, &answer, 1) != 1) abort(); /* the folder is what it was */
     return 0;
 }
 

@@ -72,8 +72,8 @@ def fail_allocations(runner, judge, fault, has_old, step=1):
     if not judge.job.forks:
         return fail_each(runner, judge, fault, has_old, max(step, 97))
     findings, afresh, where = Findings(), [], where_of(judge, fault, has_old)
-    with Place(judge.job, runner.asset, has_old) as place, Place(judge.job, runner.asset, has_old) as parent:
-        for number, status in fork_each(runner, judge.job, fault, place, parent, step):
+    with Place(judge.job, runner.asset, has_old) as place:
+        for number, status in fork_each(runner, judge.job, fault, place, step):
             if status is None:
                 afresh.append(number)
                 continue
@@ -81,6 +81,7 @@ def fail_allocations(runner, judge, fault, has_old, step=1):
                       (place.base / "messages").read_text(errors="replace"), {})
             findings.add(where, number, judge.faults(place, end, fault), end.messages)
             place.reset()
+        place.reset()
         for number in afresh:
             end = runner.run(judge.job, place, fault, number)
             findings.add(where, number, judge.faults(place, end, fault), end.messages)
@@ -88,12 +89,12 @@ def fail_allocations(runner, judge, fault, has_old, step=1):
     return findings
 
 
-def fork_each(runner, job, fault, place, parent, step):
+def fork_each(runner, job, fault, place, step):
     """Yields the number of each allocation with the status of the child that saw it fail, or None if it cannot be forked."""
     to_tool, from_tool = os.pipe(), os.pipe()
-    environment = runner.environment(parent, fault, step // 2 + 1, FAULTS_FORK=str(step), FAULTS_FOLDER=str(place.folder),
+    environment = runner.environment(place, fault, step // 2 + 1, FAULTS_FORK=str(step),
                                      FAULTS_CONTROL=f"{to_tool[0]},{from_tool[1]}")
-    process = subprocess.Popen([runner.tool, *job.words], cwd=parent.folder, env=environment, stdin=subprocess.DEVNULL,
+    process = subprocess.Popen([runner.tool, *job.words], cwd=place.folder, env=environment, stdin=subprocess.DEVNULL,
                                stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL, pass_fds=(to_tool[0], from_tool[1]))
     os.close(to_tool[0])
     os.close(from_tool[1])
@@ -103,6 +104,8 @@ def fork_each(runner, job, fault, place, parent, step):
             os.write(to_tool[1], b"f")
         else:
             yield number, None if what == 1 else what - 2
+            if what > 1:
+                os.write(to_tool[1], b"g")
     os.close(to_tool[1])
     os.close(from_tool[0])
     if process.wait() != job.code:
