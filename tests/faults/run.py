@@ -94,8 +94,9 @@ def fork_each(runner, job, fault, place, step):
     to_tool, from_tool = os.pipe(), os.pipe()
     environment = runner.environment(place, fault, step // 2 + 1, FAULTS_FORK=str(step),
                                      FAULTS_CONTROL=f"{to_tool[0]},{from_tool[1]}")
-    process = subprocess.Popen([runner.tool, *job.words], cwd=place.folder, env=environment, stdin=subprocess.DEVNULL,
-                               stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL, pass_fds=(to_tool[0], from_tool[1]))
+    with open(place.base / "parent", "wb") as messages:
+        process = subprocess.Popen([runner.tool, *job.words], cwd=place.folder, env=environment, stdin=subprocess.DEVNULL,
+                                   stdout=messages, stderr=messages, pass_fds=(to_tool[0], from_tool[1]))
     os.close(to_tool[0])
     os.close(from_tool[1])
     while message := os.read(from_tool[0], 16):
@@ -109,7 +110,8 @@ def fork_each(runner, job, fault, place, step):
     os.close(to_tool[1])
     os.close(from_tool[0])
     if process.wait() != job.code:
-        raise SystemExit(f"{job.name}: the parent of the forks ends with {process.returncode}")
+        messages = (place.base / "parent").read_text(errors="replace")
+        raise SystemExit(f"{job.name}: the parent of the forks ends with {process.returncode}\n{messages}")
 
 
 def kill_each(runner, judge, fault, has_old):

@@ -50,11 +50,14 @@ class Place:
 
     def __init__(self, job, asset, has_old):
         self.base = pathlib.Path(tempfile.mkdtemp(prefix="pliant_faults_"))
-        self.folder = self.base / "run"
+        self.folder, self.kept = self.base / "run", self.base / "kept"
         self.folder.mkdir()
+        self.kept.mkdir()
         self.initial = {name: asset if name == "a.pliant" else FILES[name] for name in job.inputs}
         if has_old:
             self.initial.update({name: OLD for name in job.outputs})
+        for name, content in self.initial.items():
+            (self.kept / name).write_bytes(content)
         self.reset()
 
     def __enter__(self):
@@ -67,12 +70,16 @@ class Place:
         return {entry.name: pathlib.Path(entry.path).read_bytes() for entry in os.scandir(self.folder)}
 
     def reset(self):
+        """The very same files: a program that forks has taken note of their inodes."""
         now = self.contents()
         for name in now.keys() - self.initial.keys():
             (self.folder / name).unlink()
         for name, content in self.initial.items():
-            if now.get(name) != content:
-                (self.folder / name).write_bytes(content)
+            if name not in now or not (self.folder / name).samefile(self.kept / name):
+                (self.folder / name).unlink(missing_ok=True)
+                os.link(self.kept / name, self.folder / name)
+            if (self.kept / name).stat().st_size != len(content) or now.get(name) not in (content, None):
+                (self.kept / name).write_bytes(content)
 
 
 def normal(name, content):
