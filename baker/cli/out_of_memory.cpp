@@ -39,7 +39,7 @@ ExitWatch::~ExitWatch() { is_watching = false; }
 
 } // namespace pliant
 
-#ifdef PLIANT_WRAPS_MALLOC // the linker leads the calls of the tool's objects here, so those of Eigen; see CMakeLists.txt
+#ifdef PLIANT_WRAPS_MALLOC // the linker leads the calls of the tool's objects here, so those of Eigen
 extern "C" {
 void* __real_malloc(std::size_t size);
 void* __real_realloc(void* old, std::size_t size);

@@ -3,6 +3,7 @@ with."""
 import base64
 import copy
 import json
+import math
 import struct
 
 CASES = {}
@@ -75,6 +76,12 @@ def blob(mesh):
     out = Gltf()
     out.mesh(mesh.vertices, mesh.faces, [[bend(v) for v in mesh.vertices]], ["bent"])
     return out
+
+
+def grid(side):
+    vertices = [(x, y, 0.3 * math.sin(x + y)) for x in range(side) for y in range(side)]
+    corners = [side * x + y for x in range(side - 1) for y in range(side - 1)]
+    return vertices, [face for i in corners for face in ((i, i + side, i + 1), (i + 1, i + side, i + side + 1))]
 
 
 def add_cases(good):
@@ -242,6 +249,16 @@ def add_cases(good):
         gltf.json["textures"] = [{"source": i} for i in range(203)]
         (folder / "a.glb").write_bytes(gltf.glb())
     CASES["gltf_many_images"] = many_images
+
+    def many_attributes(folder):
+        gltf = Gltf()
+        large = gltf.mesh(*grid(150), [[(0, 0, 0.1)] * 22500], ["up"])
+        small = gltf.mesh([(0, 0, 1), (1, 0, 1), (0, 1, 1)], [(0, 1, 2)], [[(0, 0, 0.1)] * 3])
+        colour = gltf.accessor([(0.0, 0.0, 0.0, 1.0)] * 3)
+        small["attributes"].update({f"COLOR_{i}": colour for i in range(400)})
+        gltf.json["meshes"] = [{"primitives": [large, small]}]
+        (folder / "a.glb").write_bytes(gltf.glb())
+    CASES["gltf_many_attributes"] = many_attributes
 
     def inputs(folder):
         gltf = blob(good())

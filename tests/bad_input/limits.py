@@ -78,6 +78,11 @@ def json_memory(factor):
     return check("a.gltf", '{"asset": {"version": "2.0"}, "extras": [' + items + "0]}")
 
 
+def layer_range(weight):
+    return ["bake", "a.obj", "b.obj", "--blend", "layers", f"--range=0:{weight}", "-o", "a.pliant", "--preview"], \
+        {"a.obj": OBJ, "b.obj": OBJ.replace("1 1 0", "1 1 0.5")}
+
+
 def grid(points):
     """Of three poses, along whose edges the grid has `steps` steps."""
     steps = int(math.sqrt(2 * points))
@@ -109,6 +114,7 @@ def makers(asset):
         "memory of the JSON of glTF, in its bytes": json_memory,
         "depth of configurations and manifests": config_depth,
         "poses": poses,
+        "magnitude of a layer's weight, in its range": layer_range,
         "points of `average --grid`": grid,
         "degrees of a turn of `pliant pose`": turn,
         "vertices of an asset": header_field(32, asset),

@@ -22,7 +22,7 @@ struct MeshTraits : OpenMesh::DefaultTraits {
 };
 using HalfEdgeMesh = OpenMesh::TriMesh_ArrayKernelT<MeshTraits>;
 
-// The decimater looks round the whole of a vertex for each edge that it would collapse there: 4,000 faces take minutes.
+// The decimater looks round the whole of a vertex for each edge that it would collapse there.
 constexpr std::uint32_t largest_valence = 1000;
 
 // The face by which a vertex has too many, or none.

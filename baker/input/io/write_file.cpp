@@ -41,7 +41,7 @@ struct Target {
     std::string name;
     FileId folder_id {};
     std::optional<FileId> file_id; // of the existing file
-    mode_t mode = 0;               // its permissions
+    mode_t mode = 0;               // its permissions; without setuid, setgid and sticky bit: the content is another
 
     fs::path file() const { return folder / name; }
 };
@@ -80,7 +80,7 @@ Target resolve(const std::string& path)
     // Renaming over a device or a pipe would replace it.
     if (!S_ISREG(status.st_mode)) fail(error_at(4006, path, "is not a regular file", "name another output"));
     target.file_id = FileId { status.st_dev, status.st_ino };
-    target.mode = status.st_mode & 07777;
+    target.mode = status.st_mode & 0777;
     return target;
 }
 
@@ -217,7 +217,7 @@ void Temporary::write(std::string_view bytes)
 
 void Temporary::flush()
 {
-    if (target_.mode != 0 && ::fchmod(descriptor_, target_.mode) != 0) fail_writing(target_.path, errno);
+    if (target_.file_id && ::fchmod(descriptor_, target_.mode) != 0) fail_writing(target_.path, errno);
     if (!is_flushed(descriptor_)) fail_writing(target_.path, errno);
 }
 

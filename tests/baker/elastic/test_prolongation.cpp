@@ -34,6 +34,20 @@ TEST_CASE("every pose of the coarse mesh has rows of the full one")
     CHECK(coarse.set.masses.sum() == doctest::Approx(set.masses.sum()).epsilon(0.02));
 }
 
+TEST_CASE("a vertex of too many faces is told before it costs time")
+{
+    const std::uint32_t count = 4000;
+    PoseSet poses;
+    poses.names = { "fan" };
+    poses.positions.emplace_back(Positions::Zero(count + 1, 3));
+    for (std::uint32_t v = 0; v < count; ++v) {
+        const double angle = 2 * 3.14159265358979323846 * v / count;
+        poses.positions[0].row(v) << std::cos(angle), std::sin(angle), 0.1 * std::sin(9 * angle);
+        poses.triangles.push_back({ count, v, (v + 1) % count });
+    }
+    CHECK(decimate(normalize(poses), 100).failed_face == std::size_t(1000));
+}
+
 TEST_CASE("flat parts keep sound triangles")
 {
     // Each triangle of a rough surface is cut into 64, rounded as in a file.

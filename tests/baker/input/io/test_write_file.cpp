@@ -74,6 +74,13 @@ TEST_CASE("permissions stay, links are followed")
     struct stat status {};
     ::stat((folder / "a").c_str(), &status);
     CHECK((status.st_mode & 07777) == 0640);
+    for (const ::mode_t mode : { ::mode_t(04750), ::mode_t(0) }) {
+        ::chmod((folder / "a").c_str(), mode);
+        write_file_atomically(folder / "a", "newer");
+        REQUIRE(::stat((folder / "a").c_str(), &status) == 0);
+        CHECK((status.st_mode & 07777) == (mode & 0777));
+    }
+    ::chmod((folder / "a").c_str(), 0640);
 }
 
 TEST_CASE("what cannot be written is refused, before and while writing")
