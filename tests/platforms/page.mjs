@@ -124,6 +124,18 @@ async function checkLinks(tab) {
   await tab.waitForFunction(() => window.page.name === "averages.pliant" && !window.page.needsBlend, { timeout: 20000 });
 }
 
+// Whatever a fault might let into the page, only scripts of its own run, and it asks no other server.
+async function checkPolicy(tab, port) {
+  await open(tab, port, "#file=averages.pliant");
+  const [hasRun, hasAsked] = await tab.evaluate(async (other) => {
+    const script = Object.assign(document.createElement("script"), { textContent: "window.foreign = true" });
+    document.body.append(script);
+    return [window.foreign === true, await fetch(other, { mode: "no-cors" }).then(() => true, () => false)];
+  }, `http://localhost:${port}/style.css`);
+  assert.ok(!hasRun, "a script runs that is not of the page");
+  assert.ok(!hasAsked, "the page asks another server");
+}
+
 async function checkKeyboard(tab) {
   const before = await tab.evaluate(() => window.page.weights.slice());
   await tab.focus("#sliders input");
@@ -237,6 +249,7 @@ try {
   await checkFiles(tab);
   await checkExample(tab, port);
   assert.deepEqual(problems, []);
+  await checkPolicy(tab, port); // a refusal is a problem in Firefox
   const foreign = asked.filter((path) => !/^\/([\w-]+\.(html|js|css|pliant)|pliant\/[\w.]+|three\/[\w.]+)$/.test(path));
   assert.deepEqual(foreign, [], "the page asked for other files than its own");
 } finally {
