@@ -56,16 +56,6 @@ void read_plain(const GltfDocument& document, const GltfValue& primitive, std::u
     out.triangles = assemble(corners, primitive["mode"].whole_or(triangles));
 }
 
-// How many numbers it has.
-GltfNumbers read_attribute(const GltfDocument& document, const GltfValue& attribute, std::uint64_t count)
-{
-    const std::string& place = attribute.place();
-    const std::string name = place.substr(place.rfind('.') + 1);
-    if (name == "NORMAL") return read_numbers(document, attribute, { 3 }, count);
-    if (name[0] == 'T') return read_numbers(document, attribute, { 2 }, count);
-    return read_numbers(document, attribute, { 3, 4 }, count);
-}
-
 // An attribute by its name, from the Draco data if it is there.
 GltfNumbers named(const GltfDocument& document, const GltfValue& attributes, const std::string& name, const DracoMesh& draco,
                   std::initializer_list<int> components, std::uint64_t count)
@@ -77,6 +67,14 @@ GltfNumbers named(const GltfDocument& document, const GltfValue& attributes, con
         attributes[name.c_str()].fail(2311,
                                       fmt::format("has elements of {} numbers, which does not fit here", numbers.cols()));
     return numbers;
+}
+
+GltfNumbers read_drawn_attribute(const GltfDocument& document, const GltfValue& attributes, const std::string& name,
+                                 const DracoMesh& draco, std::uint64_t count)
+{
+    if (name == "NORMAL") return named(document, attributes, name, draco, { 3 }, count);
+    if (name[0] == 'T') return named(document, attributes, name, draco, { 2 }, count);
+    return named(document, attributes, name, draco, { 3, 4 }, count);
 }
 
 void read_influences(const GltfDocument& document, const GltfValue& attributes, const DracoMesh& draco, GltfPrimitive& out)
@@ -147,14 +145,10 @@ GltfPrimitive read_primitive(const GltfDocument& document, const GltfValue& prim
     } else {
         read_plain(document, primitive, count_limit, out);
     }
-    for (const auto& item : attributes.json().items()) {
-        if (!is_drawn_attribute(item.key())) continue;
-        const auto decoded = draco.attributes.find(item.key());
-        out.attributes.emplace(item.key(),
-                               decoded != draco.attributes.end()
-                                   ? decoded->second
-                                   : read_attribute(document, attributes[item.key().c_str()], out.vertex_count()));
-    }
+    for (const auto& item : attributes.json().items())
+        if (is_drawn_attribute(item.key()))
+            out.attributes.emplace(item.key(),
+                                   read_drawn_attribute(document, attributes, item.key(), draco, out.vertex_count()));
     read_influences(document, attributes, draco, out);
     out.stored_count = out.vertex_count();
     leave_out_box(primitive, out);

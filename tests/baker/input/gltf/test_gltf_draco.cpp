@@ -96,6 +96,22 @@ TEST_CASE("an attribute that the data do not have")
     CHECK(diagnostics.diagnostics().at(0).number == 2318);
 }
 
+TEST_CASE("an attribute whose elements have a width in the data that its name does not")
+{
+    const pliant_test::TemporaryFolder folder;
+    std::string glb = pliant_test::draco_glb(pliant_test::encode_draco(draco::MESH_SEQUENTIAL_ENCODING), 49, 49);
+    const std::string places = "\"TEXCOORD_0\":", normals = "\"NORMAL\"    :";
+    std::size_t count = 0;
+    for (std::size_t at = 0; (at = glb.find(places, at)) != std::string::npos; ++count)
+        glb.replace(at, places.size(), normals);
+    REQUIRE(count == 2);
+    pliant_test::write_bytes(folder / "a.glb", glb);
+    DiagnosticList diagnostics;
+    read(folder / "a.glb", diagnostics);
+    REQUIRE(diagnostics.has_errors());
+    CHECK(diagnostics.diagnostics().at(0).number == 2311);
+}
+
 TEST_CASE("real files of others' making")
 {
     const std::string data = pliant_test::data_folder();
