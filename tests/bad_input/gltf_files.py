@@ -157,9 +157,38 @@ def add_cases(good):
     edited("gltf_target_count", *primitive, "targets", 0, "POSITION", value=1)
 
     def instances(gltf):
-        gltf.json.update(scenes=[], nodes=[{"mesh": 0}] * 30000)
+        gltf.json.update(scenes=[], nodes=[{"mesh": 0}] * 60000)
         del gltf.json["scene"]
     case("gltf_instances", instances)
+
+    def corners(gltf):
+        mesh = gltf.json["meshes"][0]
+        mesh["primitives"][0]["indices"] = gltf.accessor([0, 1, 2] * 10000, 5121)
+        mesh["primitives"] *= 1000
+    case("gltf_shared_corners", corners)
+    edited("gltf_shared_names", "meshes", 0, "name", value="n" * 257)
+
+    def weights(gltf):
+        gltf.json["nodes"] += [{"mesh": 0}] * 3000
+        gltf.json["meshes"][0]["primitives"][0]["targets"] += [{}] * 3000
+    case("gltf_many_weights", weights)
+
+    def skins(gltf):
+        matrices = gltf.accessor([(0,) * 16] * 10000)
+        gltf.json["skins"] = [{"joints": [0], "inverseBindMatrices": matrices}] * 1000
+    case("gltf_shared_skins", skins)
+
+    def keys(gltf):
+        times = gltf.accessor(range(30000))
+        gltf.json["animations"] = [{"channels": [], "samplers": [{"input": times, "output": times}] * 1000}]
+    case("gltf_shared_keys", keys)
+
+    def deltas(gltf):
+        primitive = gltf.json["meshes"][0]["primitives"][0]
+        primitive["attributes"]["POSITION"] = shape = gltf.accessor([(i, i % 7, i % 3) for i in range(3000)])
+        primitive["targets"] = [{"POSITION": shape}] * 3000
+        gltf.animation("all", (0, "weights", "STEP", [0], [1] * 3000))
+    case("gltf_shared_deltas", deltas)
 
     def lines(gltf):
         first = gltf.json["meshes"][0]["primitives"][0]

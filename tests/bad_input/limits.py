@@ -11,6 +11,7 @@ import tempfile
 from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
+import gltf_files  # noqa: E402
 import solids  # noqa: E402
 from asset_checksums import with_checksums  # noqa: E402
 
@@ -78,6 +79,43 @@ def json_memory(factor):
     return check("a.gltf", '{"asset": {"version": "2.0"}, "extras": [' + items + "0]}")
 
 
+def gltf(fill):
+    """A maker: fill(gltf, limit) reads as many numbers of the file as `limit` says, which depends on the file's size."""
+    def make(free_count, per_byte, *choice):
+        size = 0
+        for _ in range(8):
+            file = gltf_files.Gltf()
+            fill(file, free_count + per_byte * size)
+            blob = file.glb()
+            if size == len(blob) + len(file.bytes):
+                return ["check", "a.glb" + "".join(choice), "b.obj"], {"a.glb": blob, "b.obj": OBJ}
+            size = len(blob) + len(file.bytes)
+        raise AssertionError("the file's size does not settle")
+    return make
+
+
+def shared(gltf, limit, numbers, component, cost):
+    """Accessors that share bytes and take `limit` together; each costs something besides."""
+    size = 50000
+    count = (limit - cost - 10000) // (30000 + cost)
+    last = limit - cost - count * (30000 + cost)
+    whole = gltf.json["accessors"][gltf.accessor(numbers * (size // len(numbers)), component)]
+    gltf.json["accessors"] += [{**whole, "count": 30000}, {**whole, "count": last}]
+    first = len(gltf.json["accessors"]) - 2
+    return [first] * count + [first + 1]
+
+
+def drawn(gltf, limit):
+    primitive = gltf.mesh([(0, 0, 0), (1, 0, 0), (0, 1, 0)], [(0, 1, 2)])
+    gltf.json["meshes"][0]["primitives"] = [{**primitive, "indices": i} for i in shared(gltf, limit, [0, 1], 5121, 9 + 64)]
+
+
+def reread(gltf, limit):
+    gltf.mesh([(0, 0, 0), (1, 0, 0), (0, 1, 0)], [(0, 1, 2)])
+    times = shared(gltf, limit, list(range(50000)), 5126, 0)
+    gltf.json["animations"] = [{"channels": [], "samplers": [{"input": i, "output": i} for i in times]}]
+
+
 def layer_range(weight):
     return ["bake", "a.obj", "b.obj", "--blend", "layers", f"--range=0:{weight}", "-o", "a.pliant", "--preview"], \
         {"a.obj": OBJ, "b.obj": OBJ.replace("1 1 0", "1 1 0.5")}
@@ -112,6 +150,12 @@ def makers(asset):
         "lines of a PLY header": ply_header,
         "depth of the JSON of glTF": gltf_depth,
         "memory of the JSON of glTF, in its bytes": json_memory,
+        "numbers that a glTF scene draws, beside 8 for each byte": lambda count: gltf(drawn)(count, 8),
+        "numbers that a pose of a glTF file reads, beside 32 for each byte":
+            lambda count: gltf(reread)(count, 32, "#animation=0@0"),
+        "bytes of the name of a glTF mesh":
+            lambda size: check("a.gltf", '{"asset": {"version": "2.0"}, "nodes": [{"mesh": 0}], "meshes": [{"name": "'
+                               + "n" * size + '"}]}'),
         "depth of configurations and manifests": config_depth,
         "poses": poses,
         "magnitude of a layer's weight, in its range": layer_range,

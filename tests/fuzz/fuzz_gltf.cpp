@@ -42,8 +42,9 @@ void use_document(const std::shared_ptr<const GltfDocument>& document)
     for (std::vector<double>& weights : all.weights) weights.assign(weights.size(), 1);
     use_state(scene, all, vertex_count);
     const std::size_t animation_count = animation_names(*document).size();
+    GltfAllowance allowance(*document);
     for (std::size_t i = 0; i < animation_count && i < 4; ++i)
-        use_state(scene, animated_state(scene, i, animation_end(*document, i) / 2), vertex_count);
+        use_state(scene, animated_state(scene, i, animation_end(*document, i, allowance) / 2), vertex_count);
 }
 
 } // namespace

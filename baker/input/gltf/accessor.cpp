@@ -156,6 +156,29 @@ AccessorShape accessor_shape(const GltfDocument& document, const GltfValue& refe
     return shape;
 }
 
+GltfAllowance::GltfAllowance(const GltfDocument& document, std::uint64_t free_count, std::uint64_t per_byte)
+    : document_(document)
+    , limit_(free_count + per_byte * document.byte_count())
+    , left_(limit_)
+{
+}
+
+void GltfAllowance::take(const GltfValue& place, std::uint64_t count, std::uint64_t width)
+{
+    if (count > left_ / width)
+        place.fail(2333,
+                   fmt::format("with its {} x {} numbers more than {} are read, the limit for a file of {} bytes", count,
+                               width, limit_, document_.byte_count()),
+                   "simplify the mesh, or let fewer nodes, primitives, targets, skins and channels share data");
+    left_ -= count * width;
+}
+
+void GltfAllowance::take_all_of(const GltfValue& reference)
+{
+    const AccessorShape shape = accessor_shape(document_, reference);
+    take(reference, shape.count, static_cast<std::uint64_t>(shape.components));
+}
+
 GltfNumbers read_numbers(const GltfDocument& document, const GltfValue& reference, std::initializer_list<int> components,
                          std::uint64_t count)
 {

@@ -34,6 +34,23 @@ struct AccessorShape {
 // `reference` is the value that names the accessor, as primitive["indices"]; errors are told there. P2306, P2307, P2311.
 AccessorShape accessor_shape(const GltfDocument& document, const GltfValue& reference);
 
+// How many numbers may be read of a file for one purpose. Users share accessors, and accessors share bytes: without a limit
+// a small file takes hours and gigabytes.
+class GltfAllowance {
+public:
+    // Some for any file, and more for each byte of this one, with its buffers.
+    explicit GltfAllowance(const GltfDocument& document, std::uint64_t free_count = 10000000, std::uint64_t per_byte = 32);
+
+    // P2333, told at `place`, if `count` elements of `width` numbers are too many.
+    void take(const GltfValue& place, std::uint64_t count, std::uint64_t width = 1);
+    // The same for all elements of the accessor that `reference` names.
+    void take_all_of(const GltfValue& reference);
+
+private:
+    const GltfDocument& document_;
+    std::uint64_t limit_, left_;
+};
+
 // The elements as doubles; normalized integers as what they stand for. Without a buffer view they are zero, apart from
 // sparse ones.
 // `components`: those allowed, else P2311. `count`: how many there must be, else P2317; an accessor without bytes cannot

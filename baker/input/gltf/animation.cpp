@@ -25,8 +25,9 @@ struct Sampler {
     const double* out_tangent(std::size_t i) const { return key(i) + width; }
 };
 
-std::vector<double> read_times(const GltfDocument& document, const GltfValue& input)
+std::vector<double> read_times(const GltfDocument& document, const GltfValue& input, GltfAllowance& allowance)
 {
+    allowance.take_all_of(input);
     const GltfNumbers numbers = read_numbers(document, input, { 1 });
     if (numbers.rows() == 0) input.fail(2326, "has no keys");
     for (Eigen::Index i = 0; i < numbers.rows(); ++i)
@@ -36,17 +37,19 @@ std::vector<double> read_times(const GltfDocument& document, const GltfValue& in
 }
 
 // `width`: numbers of a value; `components`: of an element of the accessor.
-Sampler read_sampler(const GltfDocument& document, const GltfValue& sampler, std::size_t width, int components)
+Sampler read_sampler(const GltfDocument& document, const GltfValue& sampler, std::size_t width, int components,
+                     GltfAllowance& allowance)
 {
     Sampler out;
     out.width = width;
-    out.times = read_times(document, sampler["input"]);
+    out.times = read_times(document, sampler["input"], allowance);
     const std::string name = sampler["interpolation"].text_or("LINEAR");
     if (name != "LINEAR" && name != "STEP" && name != "CUBICSPLINE")
         sampler["interpolation"].fail(2326, "STEP, LINEAR or CUBICSPLINE expected");
     out.interpolation = name == "STEP" ? Interpolation::step
         : name == "LINEAR"             ? Interpolation::linear
                                        : Interpolation::cubic;
+    allowance.take_all_of(sampler["output"]);
     out.values = read_numbers(document, sampler["output"], { components });
     const std::size_t per_key = out.interpolation == Interpolation::cubic ? 3 * width : width;
     if (static_cast<std::size_t>(out.values.size()) != out.times.size() * per_key)
@@ -102,7 +105,7 @@ std::vector<double> sample(const Sampler& s, double seconds, bool is_rotation)
 }
 
 void apply_channel(const GltfScene& scene, const GltfValue& animation, const GltfValue& channel, double seconds,
-                   GltfState& state)
+                   GltfAllowance& allowance, GltfState& state)
 {
     const GltfDocument& document = *scene.document;
     const GltfValue target = channel["target"];
@@ -113,14 +116,15 @@ void apply_channel(const GltfScene& scene, const GltfValue& animation, const Glt
     const GltfValue sampler = samplers.at(channel["sampler"].index(samplers.size(), "samplers"));
     if (path == "weights") {
         std::vector<double>& weights = state.weights[node];
-        if (!weights.empty()) weights = sample(read_sampler(document, sampler, weights.size(), 1), seconds, false);
+        if (!weights.empty())
+            weights = sample(read_sampler(document, sampler, weights.size(), 1, allowance), seconds, false);
         return; // without a mesh that is drawn there is nothing to do
     }
     if (path != "translation" && path != "rotation" && path != "scale") return; // an extension's
     if (scene.nodes[node].has_matrix)
         target.fail(2326, fmt::format("moves node {}, which has a matrix", node), "export with separate rotations");
     const bool is_rotation = path == "rotation";
-    const Sampler keys = read_sampler(document, sampler, is_rotation ? 4 : 3, is_rotation ? 4 : 3);
+    const Sampler keys = read_sampler(document, sampler, is_rotation ? 4 : 3, is_rotation ? 4 : 3, allowance);
     const std::vector<double> value = sample(keys, seconds, is_rotation);
     GltfTransform& transform = state.transforms[node];
     if (path == "translation") transform.translation = { value[0], value[1], value[2] };
@@ -146,16 +150,17 @@ GltfState animated_state(const GltfScene& scene, std::size_t animation, double s
     GltfState state = scene.rest;
     const GltfValue value = (*scene.document)["animations"].at(animation);
     const GltfValue channels = value["channels"];
-    for (std::size_t i = 0; i < channels.size(); ++i) apply_channel(scene, value, channels.at(i), seconds, state);
+    GltfAllowance allowance(*scene.document);
+    for (std::size_t i = 0; i < channels.size(); ++i) apply_channel(scene, value, channels.at(i), seconds, allowance, state);
     return state;
 }
 
-double animation_end(const GltfDocument& document, std::size_t animation)
+double animation_end(const GltfDocument& document, std::size_t animation, GltfAllowance& allowance)
 {
     const GltfValue samplers = document["animations"].at(animation)["samplers"];
     double end = 0;
     for (std::size_t i = 0; i < samplers.size(); ++i)
-        end = std::max(end, read_times(document, samplers.at(i)["input"]).back());
+        end = std::max(end, read_times(document, samplers.at(i)["input"], allowance).back());
     return end;
 }
 

@@ -10,10 +10,10 @@ std::vector<std::string> animation_names(const GltfDocument& document);
 
 // The state of the scene at a time in seconds, from the state at rest: step, linear (the shorter way round for rotations)
 // and cubic spline. Before the first key and after the last the value stays. Throws Failure: P2326 (channels or samplers
-// that make no sense), P2306 to P2311.
+// that make no sense), P2306 to P2311, P2333.
 GltfState animated_state(const GltfScene& scene, std::size_t animation, double seconds);
 
-// Seconds of the last key.
-double animation_end(const GltfDocument& document, std::size_t animation);
+// Seconds of the last key. Takes the times that it reads from `allowance`.
+double animation_end(const GltfDocument& document, std::size_t animation, GltfAllowance& allowance);
 
 } // namespace pliant

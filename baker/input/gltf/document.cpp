@@ -239,14 +239,16 @@ std::string_view GltfDocument::read_buffer(const GltfValue& buffer)
 
 void GltfDocument::read_buffers()
 {
-    const GltfValue buffers = (*this)["buffers"];
+    const GltfValue buffers = (*this)["buffers"], required = (*this)["extensionsRequired"];
+    bool needs_meshopt = false;
+    for (std::size_t i = 0; i < required.size(); ++i) needs_meshopt |= required.at(i).text() == meshopt_extension;
     std::uint64_t total = 0;
     for (std::size_t i = 0; i < buffers.size(); ++i) {
         const GltfValue buffer = buffers.at(i);
         const std::uint64_t length = buffer["byteLength"].whole();
         if (length > buffer_size_limit)
             buffer.fail(2008, fmt::format("has {} bytes, the limit is {}", length, buffer_size_limit), "simplify the mesh");
-        if (is_placeholder(buffer)) {
+        if (is_placeholder(buffer, needs_meshopt)) {
             buffers_.emplace_back();
             continue;
         }
@@ -264,13 +266,10 @@ void GltfDocument::read_buffers()
 }
 
 // Without bytes: its views are all compressed.
-bool GltfDocument::is_placeholder(const GltfValue& buffer) const
+bool GltfDocument::is_placeholder(const GltfValue& buffer, bool needs_meshopt) const
 {
     if (buffer["uri"].exists() || (buffer.place() == "buffers[0]" && has_binary_)) return false;
-    const GltfValue required = (*this)["extensionsRequired"];
-    for (std::size_t i = 0; i < required.size(); ++i)
-        if (required.at(i).text() == meshopt_extension) return true;
-    return buffer["extensions"][meshopt_extension]["fallback"].reference_or(false);
+    return needs_meshopt || buffer["extensions"][meshopt_extension]["fallback"].reference_or(false);
 }
 
 void GltfDocument::unpack_views()

@@ -43,7 +43,7 @@ private:
     void check_extensions() const;
     void read_buffers();
     void unpack_views();
-    bool is_placeholder(const GltfValue& buffer) const;
+    bool is_placeholder(const GltfValue& buffer, bool needs_meshopt) const;
     std::string_view read_buffer(const GltfValue& buffer);
     std::string path_beside(const GltfValue& uri_value, const std::string& uri) const;
     std::string read_beside(const GltfValue& uri_value, const std::string& uri, const std::string& path) const;

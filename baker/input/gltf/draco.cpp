@@ -1,5 +1,6 @@
 #include "input/gltf/draco.h"
 
+#include "input/gltf/render_scene.h"
 #include "input/io/source_file.h"
 
 #include <draco/compression/decode.h>
@@ -62,20 +63,24 @@ bool is_sound(const draco::Mesh& mesh, const draco::PointAttribute& attribute)
     return true;
 }
 
+bool is_read_attribute(std::string_view name)
+{
+    const std::string_view set = name.substr(0, name.empty() ? 0 : name.size() - 1);
+    const bool is_influence
+        = (set == "JOINTS_" || set == "WEIGHTS_") && name.back() >= '0' && name.back() < '0' + influence_set_count;
+    return name == "POSITION" || is_influence || is_drawn_attribute(name);
+}
+
 } // namespace
 
 DracoMesh decode_draco(const GltfDocument& document, const GltfValue& extension, const GltfValue& attributes,
-                       std::uint64_t count_limit)
+                       GltfAllowance& allowance)
 {
     const std::size_t view = extension["bufferView"].index(document["bufferViews"].size(), "buffer views");
     const std::unique_ptr<draco::Mesh> mesh = decode(extension, document.view(view));
     DracoMesh out;
     out.vertex_count = mesh->num_points();
-    if (mesh->num_points() > count_limit || mesh->num_faces() > 3 * count_limit)
-        extension.fail(2007,
-                       fmt::format("has {} vertices and {} triangles, the limit for this file is {}", mesh->num_points(),
-                                   mesh->num_faces(), count_limit),
-                       "simplify the mesh");
+    allowance.take(extension, mesh->num_faces(), 3);
     out.triangles.reserve(mesh->num_faces());
     for (draco::FaceIndex f(0); f < mesh->num_faces(); ++f) {
         const draco::Mesh::Face& face = mesh->face(f);
@@ -87,11 +92,13 @@ DracoMesh decode_draco(const GltfDocument& document, const GltfValue& extension,
     const GltfValue ids = extension["attributes"];
     if (!ids.exists() || !ids.json().is_object()) ids.fail(2306, "an object expected");
     for (const auto& [name, id_json] : ids.json().items()) {
+        if (!is_read_attribute(name)) continue;
         const GltfValue id = ids[name.c_str()];
         const draco::PointAttribute* attribute = mesh->GetAttributeByUniqueId(static_cast<std::uint32_t>(
             id.index(std::size_t(1) << 31, "attributes"))); // unique ids have no count; what is not there is found out next
         if (!attribute || !is_sound(*mesh, *attribute))
             id.fail(2318, fmt::format("its Draco data do not hold the attribute {}", excerpt(name)), damaged);
+        allowance.take(id, out.vertex_count, static_cast<std::uint64_t>(attribute->num_components()));
         const GltfValue accessor = attributes[name.c_str()];
         const bool is_normalised = accessor.exists() && accessor_shape(document, accessor).is_normalised;
         out.attributes.emplace(name, numbers_of(*mesh, *attribute, is_normalised));

@@ -7,14 +7,15 @@ namespace {
 
 // Positions or normals in the mesh's own space.
 GltfNumbers morphed(const GltfDocument& document, const GltfPrimitive& primitive, const std::vector<double>& weights,
-                    const GltfNumbers& base, const char* attribute)
+                    const GltfNumbers& base, const char* attribute, GltfAllowance& allowance)
 {
     GltfNumbers out = base;
     for (std::size_t k = 0; k < primitive.targets.size() && k < weights.size(); ++k) {
         if (weights[k] == 0) continue;
         const GltfValue deltas = primitive.targets[k][attribute];
-        if (deltas.exists())
-            out += weights[k] * read_numbers(document, deltas, { 3 }, primitive.stored_count).topRows(out.rows());
+        if (!deltas.exists()) continue;
+        allowance.take_all_of(deltas);
+        out += weights[k] * read_numbers(document, deltas, { 3 }, primitive.stored_count).topRows(out.rows());
     }
     return out;
 }
@@ -63,6 +64,18 @@ void put_primitive(const GltfPrimitive& primitive, const std::vector<Eigen::Matr
     }
 }
 
+// Of each joint of each skin. Nodes share skins, and a skin may have many more joints than a mesh uses.
+std::vector<std::vector<Eigen::Matrix4d>> skin_matrices(const GltfScene& scene, const std::vector<Eigen::Matrix4d>& world)
+{
+    std::vector<std::vector<Eigen::Matrix4d>> out;
+    for (const GltfSkin& skin : scene.skins) {
+        out.emplace_back();
+        for (std::size_t j = 0; j < skin.joints.size(); ++j)
+            out.back().push_back(world[skin.joints[j]] * skin.inverse_bind[j]);
+    }
+    return out;
+}
+
 } // namespace
 
 Positions evaluate(const GltfScene& scene, const GltfState& state, Positions* normals)
@@ -71,22 +84,20 @@ Positions evaluate(const GltfScene& scene, const GltfState& state, Positions* no
     Positions positions(count, 3);
     if (normals) *normals = Positions::Zero(count, 3);
     const std::vector<Eigen::Matrix4d> world = world_matrices(scene, state);
+    const std::vector<std::vector<Eigen::Matrix4d>> of_skins = skin_matrices(scene, world);
+    GltfAllowance allowance(*scene.document);
     Eigen::Index first = 0;
     for (const GltfInstance& instance : scene.instances) {
-        std::vector<Eigen::Matrix4d> matrices = { world[instance.node] };
-        if (instance.skin >= 0) {
-            const GltfSkin& skin = scene.skins[static_cast<std::size_t>(instance.skin)];
-            matrices.clear();
-            for (std::size_t j = 0; j < skin.joints.size(); ++j)
-                matrices.push_back(world[skin.joints[j]] * skin.inverse_bind[j]);
-        }
+        const std::vector<Eigen::Matrix4d> own = { world[instance.node] };
+        const auto& matrices = instance.skin < 0 ? own : of_skins[static_cast<std::size_t>(instance.skin)];
         for (const GltfPrimitive& primitive : scene.meshes[instance.mesh].primitives) {
             const std::vector<double>& weights = state.weights[instance.node];
-            const GltfNumbers p = morphed(*scene.document, primitive, weights, primitive.positions, "POSITION");
-            const auto own = primitive.attributes.find("NORMAL");
-            const bool has_normals = normals && own != primitive.attributes.end();
-            const GltfNumbers n
-                = has_normals ? morphed(*scene.document, primitive, weights, own->second, "NORMAL") : GltfNumbers();
+            const GltfNumbers p = morphed(*scene.document, primitive, weights, primitive.positions, "POSITION", allowance);
+            const auto normal = primitive.attributes.find("NORMAL");
+            const bool has_normals = normals && normal != primitive.attributes.end();
+            const GltfNumbers n = has_normals
+                ? morphed(*scene.document, primitive, weights, normal->second, "NORMAL", allowance)
+                : GltfNumbers();
             put_primitive(primitive, matrices, instance.skin >= 0, p, has_normals ? &n : nullptr,
                           { positions, normals, first });
             first += p.rows();

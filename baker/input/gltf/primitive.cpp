@@ -31,17 +31,15 @@ std::vector<Triangle> assemble(const std::vector<std::uint32_t>& corners, std::u
     return out;
 }
 
-void read_plain(const GltfDocument& document, const GltfValue& primitive, std::uint64_t count_limit, GltfPrimitive& out)
+void read_plain(const GltfDocument& document, const GltfValue& primitive, GltfAllowance& allowance, GltfPrimitive& out)
 {
     const GltfValue position = primitive["attributes"]["POSITION"];
     const AccessorShape shape = accessor_shape(document, position);
     const GltfValue index_value = primitive["indices"];
     const std::uint64_t corner_count = index_value.exists() ? accessor_shape(document, index_value).count : shape.count;
-    if (shape.count > count_limit || corner_count / 3 > count_limit)
-        primitive.fail(2007,
-                       fmt::format("makes {} vertices and {} corners, the limit for this file is {} vertices", shape.count,
-                                   corner_count, count_limit),
-                       "simplify the mesh, or use fewer instances of it");
+    const std::uint64_t mode = primitive["mode"].whole_or(triangles);
+    allowance.take_all_of(position);
+    allowance.take(index_value.exists() ? index_value : position, corner_count, mode == triangles ? 1 : 3);
     out.positions = read_numbers(document, position, { 3 });
     std::vector<std::uint32_t> corners;
     if (index_value.exists()) {
@@ -53,38 +51,44 @@ void read_plain(const GltfDocument& document, const GltfValue& primitive, std::u
     for (std::size_t i = 0; i < corners.size(); ++i)
         if (corners[i] >= shape.count)
             index_value.fail(2315, fmt::format("corner {} is vertex {}, there are {}", i, corners[i], shape.count));
-    out.triangles = assemble(corners, primitive["mode"].whole_or(triangles));
+    out.triangles = assemble(corners, mode);
 }
 
-// An attribute by its name, from the Draco data if it is there.
-GltfNumbers named(const GltfDocument& document, const GltfValue& attributes, const std::string& name, const DracoMesh& draco,
-                  std::initializer_list<int> components, std::uint64_t count)
-{
-    const auto decoded = draco.attributes.find(name);
-    if (decoded == draco.attributes.end()) return read_numbers(document, attributes[name.c_str()], components, count);
-    const GltfNumbers& numbers = decoded->second;
-    if (std::find(components.begin(), components.end(), static_cast<int>(numbers.cols())) == components.end())
-        attributes[name.c_str()].fail(2311,
-                                      fmt::format("has elements of {} numbers, which does not fit here", numbers.cols()));
-    return numbers;
-}
+// The attributes of a primitive, from its Draco data if they are there.
+struct AttributeReader {
+    const GltfDocument& document;
+    const GltfValue& attributes;
+    const DracoMesh& draco;
+    std::uint64_t vertex_count;
+    GltfAllowance& allowance;
 
-GltfNumbers read_drawn_attribute(const GltfDocument& document, const GltfValue& attributes, const std::string& name,
-                                 const DracoMesh& draco, std::uint64_t count)
-{
-    if (name == "NORMAL") return named(document, attributes, name, draco, { 3 }, count);
-    if (name[0] == 'T') return named(document, attributes, name, draco, { 2 }, count);
-    return named(document, attributes, name, draco, { 3, 4 }, count);
-}
+    GltfNumbers read(const std::string& name, std::initializer_list<int> components) const
+    {
+        const auto decoded = draco.attributes.find(name);
+        const GltfValue attribute = attributes[name.c_str()];
+        if (decoded == draco.attributes.end()) {
+            allowance.take_all_of(attribute);
+            return read_numbers(document, attribute, components, vertex_count);
+        }
+        const GltfNumbers& numbers = decoded->second;
+        if (std::find(components.begin(), components.end(), static_cast<int>(numbers.cols())) == components.end())
+            attribute.fail(2311, fmt::format("has elements of {} numbers, which does not fit here", numbers.cols()));
+        return numbers;
+    }
 
-void read_influences(const GltfDocument& document, const GltfValue& attributes, const DracoMesh& draco, GltfPrimitive& out)
+    GltfNumbers read_drawn(const std::string& name) const
+    {
+        if (name == "NORMAL") return read(name, { 3 });
+        return name[0] == 'T' ? read(name, { 2 }) : read(name, { 3, 4 });
+    }
+};
+
+void read_influences(const AttributeReader& reader, GltfPrimitive& out)
 {
-    const std::uint64_t n = out.vertex_count();
     std::vector<GltfNumbers> joints, weights;
-    // Four sets are more than any engine takes.
-    for (int k = 0; k < 4 && attributes[fmt::format("JOINTS_{}", k).c_str()].exists(); ++k) {
-        joints.push_back(named(document, attributes, fmt::format("JOINTS_{}", k), draco, { 4 }, n));
-        weights.push_back(named(document, attributes, fmt::format("WEIGHTS_{}", k), draco, { 4 }, n));
+    for (int k = 0; k < influence_set_count && reader.attributes[fmt::format("JOINTS_{}", k).c_str()].exists(); ++k) {
+        joints.push_back(reader.read(fmt::format("JOINTS_{}", k), { 4 }));
+        weights.push_back(reader.read(fmt::format("WEIGHTS_{}", k), { 4 }));
     }
     const Eigen::Index columns = 4 * static_cast<Eigen::Index>(joints.size());
     out.weights.resize(out.positions.rows(), columns);
@@ -126,7 +130,14 @@ bool has_triangles(const GltfValue& primitive)
     return mode >= triangles;
 }
 
-GltfPrimitive read_primitive(const GltfDocument& document, const GltfValue& primitive, std::uint64_t count_limit)
+std::uint64_t GltfPrimitive::number_count() const
+{
+    std::uint64_t width = 3;
+    for (const auto& attribute : attributes) width += static_cast<std::uint64_t>(attribute.second.cols());
+    return width * vertex_count() + 3 * triangles.size();
+}
+
+GltfPrimitive read_primitive(const GltfDocument& document, const GltfValue& primitive, GltfAllowance& allowance)
 {
     GltfPrimitive out;
     const GltfValue attributes = primitive["attributes"];
@@ -135,7 +146,7 @@ GltfPrimitive read_primitive(const GltfDocument& document, const GltfValue& prim
     const GltfValue extension = primitive["extensions"]["KHR_draco_mesh_compression"];
     DracoMesh draco;
     if (extension.exists()) {
-        draco = decode_draco(document, extension, attributes, count_limit);
+        draco = decode_draco(document, extension, attributes, allowance);
         out.triangles = std::move(draco.triangles);
         const auto positions = draco.attributes.find("POSITION");
         if (positions == draco.attributes.end() || positions->second.cols() != 3)
@@ -143,13 +154,12 @@ GltfPrimitive read_primitive(const GltfDocument& document, const GltfValue& prim
         out.positions = std::move(positions->second);
         draco.attributes.erase(positions);
     } else {
-        read_plain(document, primitive, count_limit, out);
+        read_plain(document, primitive, allowance, out);
     }
+    const AttributeReader reader { document, attributes, draco, out.vertex_count(), allowance };
     for (const auto& item : attributes.json().items())
-        if (is_drawn_attribute(item.key()))
-            out.attributes.emplace(item.key(),
-                                   read_drawn_attribute(document, attributes, item.key(), draco, out.vertex_count()));
-    read_influences(document, attributes, draco, out);
+        if (is_drawn_attribute(item.key())) out.attributes.emplace(item.key(), reader.read_drawn(item.key()));
+    read_influences(reader, out);
     out.stored_count = out.vertex_count();
     leave_out_box(primitive, out);
     const GltfValue targets = primitive["targets"];

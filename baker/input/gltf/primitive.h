@@ -23,13 +23,14 @@ struct GltfPrimitive {
     std::uint64_t stored_count = 0; // vertices in the file, of which the first vertex_count() are the mesh
 
     std::uint64_t vertex_count() const { return static_cast<std::uint64_t>(positions.rows()); }
+    std::uint64_t number_count() const; // of what every node that shows it draws: positions, attributes and triangles
 };
 
 // Reads primitives with mode TRIANGLES, TRIANGLE_STRIP or TRIANGLE_FAN. Without indices corners are vertices 0, 1, 2, ...
 // Strips and fans become triangles, in order. What `pliant export` adds for the bounds of engines (behind
-// extras.pliant.vertex_count) is left out. `count_limit` bounds the vertices and a third of the corners (P2007). Throws
-// Failure: P2007, P2306 to P2308, P2311, P2315 (corner out of range), P2317, P2318.
-GltfPrimitive read_primitive(const GltfDocument& document, const GltfValue& primitive, std::uint64_t count_limit);
+// extras.pliant.vertex_count) is left out. What is read is taken from `allowance`. Throws Failure: P2306 to P2308, P2311,
+// P2315 (corner out of range), P2317, P2318, P2333.
+GltfPrimitive read_primitive(const GltfDocument& document, const GltfValue& primitive, GltfAllowance& allowance);
 
 // Whether a primitive is of triangles at all. P2306 for a mode that there is not.
 bool has_triangles(const GltfValue& primitive);

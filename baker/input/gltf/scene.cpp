@@ -10,8 +10,12 @@
 namespace pliant {
 namespace {
 
-// A small file may draw one mesh many times, or unpack a little Draco into much: this much more than its size is believed.
-constexpr std::uint64_t free_vertices = 1000000, vertices_per_byte = 4;
+// A small file may draw one mesh many times, or unpack a little Draco into much: numbers that are believed of any file, and
+// of each of its bytes. A drawn primitive counts for some numbers itself.
+constexpr std::uint64_t free_numbers = 4000000, numbers_per_byte = 8, numbers_of_part = 64;
+
+// Every node that shows a mesh repeats its name.
+constexpr std::size_t name_size_limit = 256;
 
 Eigen::Matrix4d matrix_of(const GltfNode& node, const GltfTransform& transform)
 {
@@ -131,10 +135,12 @@ struct LeftOut {
     std::string first; // its place
 };
 
-GltfMesh read_gltf_mesh(const GltfDocument& document, const GltfValue& value, std::uint64_t limit, LeftOut& left_out)
+GltfMesh read_gltf_mesh(const GltfDocument& document, const GltfValue& value, GltfAllowance& allowance, LeftOut& left_out)
 {
     GltfMesh mesh;
     mesh.name = value["name"].text_or("");
+    if (mesh.name.size() > name_size_limit)
+        value["name"].fail(2306, fmt::format("has {} bytes, the limit is {}", mesh.name.size(), name_size_limit));
     const GltfValue primitives = value["primitives"];
     std::size_t target_count = 0;
     for (std::size_t i = 0; i < primitives.size(); ++i) {
@@ -143,8 +149,7 @@ GltfMesh read_gltf_mesh(const GltfDocument& document, const GltfValue& value, st
             if (left_out.primitives++ == 0) left_out.first = primitive.place();
             continue;
         }
-        mesh.primitives.push_back(read_primitive(document, primitive, limit));
-        limit -= std::min(limit, mesh.primitives.back().vertex_count());
+        mesh.primitives.push_back(read_primitive(document, primitive, allowance));
         target_count = std::max(target_count, mesh.primitives.back().targets.size());
     }
     mesh.target_names = target_names_of(value, target_count);
@@ -158,26 +163,35 @@ std::uint64_t vertex_count_of(const GltfMesh& mesh)
     return count;
 }
 
-void read_instances(GltfScene& scene, std::vector<Diagnostic>& warnings)
+std::uint64_t number_count_of(const GltfMesh& mesh)
+{
+    std::uint64_t count = 0;
+    for (const GltfPrimitive& primitive : mesh.primitives) count += primitive.number_count();
+    return count;
+}
+
+void read_instances(GltfScene& scene, GltfAllowance& allowance, std::vector<Diagnostic>& warnings)
 {
     const GltfDocument& document = *scene.document;
     const GltfValue meshes = document["meshes"];
     scene.meshes.resize(meshes.size());
     std::vector<bool> is_read(meshes.size(), false);
-    std::uint64_t limit
-        = std::min<std::uint64_t>(free_vertices + vertices_per_byte * document.byte_count(), vertex_count_limit);
+    std::uint64_t vertex_count = 0;
     LeftOut left_out;
     for (const std::size_t node : shown_nodes(scene)) {
         if (scene.nodes[node].mesh < 0) continue;
         const std::size_t mesh = static_cast<std::size_t>(scene.nodes[node].mesh);
-        if (!is_read[mesh]) scene.meshes[mesh] = read_gltf_mesh(document, meshes.at(mesh), limit, left_out);
+        const GltfValue place = document["nodes"].at(node);
+        if (is_read[mesh])
+            allowance.take(place, number_count_of(scene.meshes[mesh]));
+        else
+            scene.meshes[mesh] = read_gltf_mesh(document, meshes.at(mesh), allowance, left_out);
         is_read[mesh] = true;
-        const std::uint64_t count = vertex_count_of(scene.meshes[mesh]);
-        if (count > limit)
-            document["nodes"].at(node).fail(
-                2007, fmt::format("with its mesh, the scene has more than the {} vertices allowed", limit),
-                "simplify the mesh, or use fewer instances of it");
-        limit -= count;
+        allowance.take(place, scene.meshes[mesh].primitives.size(), numbers_of_part);
+        vertex_count += vertex_count_of(scene.meshes[mesh]);
+        if (vertex_count > vertex_count_limit)
+            place.fail(2007, fmt::format("makes {} vertices, the limit is {}", vertex_count, vertex_count_limit),
+                       "simplify the mesh");
         scene.instances.push_back({ node, mesh, scene.nodes[node].skin, false });
     }
     if (left_out.primitives != 0)
@@ -191,6 +205,7 @@ void read_skins(GltfScene& scene)
 {
     const GltfDocument& document = *scene.document;
     const GltfValue skins = document["skins"];
+    GltfAllowance allowance(document);
     for (std::size_t s = 0; s < skins.size(); ++s) {
         GltfSkin skin;
         const GltfValue joints = skins.at(s)["joints"];
@@ -198,6 +213,7 @@ void read_skins(GltfScene& scene)
             skin.joints.push_back(joints.at(i).index(scene.nodes.size(), "nodes"));
         skin.inverse_bind.assign(skin.joints.size(), Eigen::Matrix4d::Identity());
         if (const GltfValue matrices = skins.at(s)["inverseBindMatrices"]; matrices.exists()) {
+            allowance.take_all_of(matrices);
             const GltfNumbers numbers = read_numbers(document, matrices, { 16 });
             if (static_cast<std::size_t>(numbers.rows()) < skin.joints.size())
                 matrices.fail(2324, fmt::format("has {} matrices for {} joints", numbers.rows(), skin.joints.size()));
@@ -263,6 +279,21 @@ void check_skins(GltfScene& scene, std::vector<Diagnostic>& warnings)
                                       "harmless if the program that renders them does the same"));
 }
 
+// Of all nodes, at rest. A mesh that is not drawn has not been read: it has none.
+void read_weights(GltfScene& scene, GltfAllowance& allowance)
+{
+    const GltfDocument& document = *scene.document;
+    for (std::size_t i = 0; i < scene.nodes.size(); ++i) {
+        const std::ptrdiff_t mesh = scene.nodes[i].mesh;
+        const std::size_t count = mesh < 0 ? 0 : scene.meshes[static_cast<std::size_t>(mesh)].target_names.size();
+        const GltfValue node = document["nodes"].at(i), own = node["weights"];
+        const GltfValue weights
+            = own.exists() || mesh < 0 ? own : document["meshes"].at(static_cast<std::size_t>(mesh))["weights"];
+        allowance.take(node, count);
+        scene.rest.weights.push_back(count == 0 ? std::vector<double>() : weights_of(weights, count));
+    }
+}
+
 void name_targets(GltfScene& scene)
 {
     std::set<std::string> known;
@@ -297,7 +328,8 @@ GltfScene read_scene(std::shared_ptr<const GltfDocument> document, std::vector<D
     scene.document = std::move(document);
     read_nodes(scene);
     read_skins(scene);
-    read_instances(scene, warnings);
+    GltfAllowance drawn(*scene.document, free_numbers, numbers_per_byte);
+    read_instances(scene, drawn, warnings);
     std::size_t triangle_count = 0;
     for (const GltfInstance& instance : scene.instances)
         for (const GltfPrimitive& primitive : scene.meshes[instance.mesh].primitives)
@@ -305,19 +337,11 @@ GltfScene read_scene(std::shared_ptr<const GltfDocument> document, std::vector<D
     if (triangle_count == 0)
         scene.document->root().fail(2312, "its scene has no mesh with triangles", "export the mesh along with the scene");
     check_skins(scene, warnings);
+    read_weights(scene, drawn);
     name_targets(scene);
     const std::vector<Eigen::Matrix4d> world = world_matrices(scene, scene.rest);
     for (GltfInstance& instance : scene.instances)
         instance.is_mirrored = instance.skin < 0 && world[instance.node].topLeftCorner<3, 3>().determinant() < 0;
-    for (std::size_t i = 0; i < scene.nodes.size(); ++i) {
-        const std::ptrdiff_t mesh = scene.nodes[i].mesh;
-        const std::size_t count = mesh < 0 ? 0 : scene.meshes[static_cast<std::size_t>(mesh)].target_names.size();
-        const GltfValue own = (*scene.document)["nodes"].at(i)["weights"];
-        const GltfValue weights
-            = own.exists() || mesh < 0 ? own : (*scene.document)["meshes"].at(static_cast<std::size_t>(mesh))["weights"];
-        // A mesh that is not drawn has not been read.
-        scene.rest.weights.push_back(count == 0 ? std::vector<double>() : weights_of(weights, count));
-    }
     return scene;
 }
 

@@ -129,8 +129,9 @@ std::vector<std::uint8_t> join(std::string text, const std::string& bytes)
 
 // Numbers of one part, at its rows.
 void decode_attribute(const GltfDocument& document, const GltfValue& value, const std::string& name, const ScenePart& part,
-                      RenderScene& scene)
+                      GltfAllowance& allowance, RenderScene& scene)
 {
+    allowance.take_all_of(value);
     const GltfNumbers numbers = read_numbers(document, value, { 2, 3, 4 }, part.vertex_count);
     const std::uint32_t width = static_cast<std::uint32_t>(numbers.cols());
     const auto is_it = [&](const VertexAttribute& attribute) { return attribute.name == name; };
@@ -144,10 +145,12 @@ void decode_attribute(const GltfDocument& document, const GltfValue& value, cons
             = static_cast<float>(numbers.data()[i]);
 }
 
-void decode_faces(const GltfDocument& document, const GltfValue& primitive, ScenePart& part, RenderScene& scene)
+void decode_faces(const GltfDocument& document, const GltfValue& primitive, ScenePart& part, GltfAllowance& allowance,
+                  RenderScene& scene)
 {
     part.first_face = static_cast<std::uint32_t>(scene.triangles.size());
     if (!primitive["indices"].exists()) return;
+    allowance.take_all_of(primitive["indices"]);
     const std::vector<std::uint32_t> corners = read_indices(document, primitive["indices"], 1);
     if (corners.size() % 3 != 0) primitive["indices"].fail(2317, fmt::format("has {} corners of triangles", corners.size()));
     for (std::size_t i = 0; i < corners.size(); i += 3) {
@@ -244,15 +247,16 @@ RenderScene decode_scene_chunk(std::string_view bytes, const std::string& path, 
     scene.path = path;
     scene.parts = decode_parts(document, primitives, vertex_limit);
     if (!scene.parts.empty()) scene.vertex_count = scene.parts.back().first_vertex + scene.parts.back().vertex_count;
+    GltfAllowance allowance(document, 1000000, 2); // each number is stored once, in a byte or more
     for (std::size_t i = 0; i < scene.parts.size(); ++i) {
         ScenePart& part = scene.parts[i];
-        decode_faces(document, primitives.at(i), part, scene);
+        decode_faces(document, primitives.at(i), part, allowance, scene);
         const GltfValue attributes = primitives.at(i)["attributes"];
         if (!attributes.exists() || !attributes.json().is_object()) attributes.fail(2306, "an object expected");
         for (const auto& item : attributes.json().items()) {
             if (!is_drawn_attribute(item.key())) continue;
             part.attributes.push_back(item.key());
-            decode_attribute(document, attributes[item.key().c_str()], item.key(), part, scene);
+            decode_attribute(document, attributes[item.key().c_str()], item.key(), part, allowance, scene);
         }
     }
     scene.materials = take_materials(document, scene.images);

@@ -127,7 +127,8 @@ std::vector<Plan> plan_animation(const GltfScene& scene, const std::string& want
                        "write #animation=NAME@0,0.3,0.6 with the times of the poses in seconds"));
     const std::string name = wanted.substr(0, at);
     const std::size_t animation = find_animation(document, name);
-    const double end = animation_end(document, animation);
+    GltfAllowance allowance(document);
+    const double end = animation_end(document, animation, allowance);
     std::vector<Plan> plans;
     for (const std::string& word : split(wanted.substr(at + 1), ',')) {
         const double seconds = parse_seconds(document.path(), word);
@@ -303,8 +304,10 @@ private:
 std::vector<AnimationChoice> choices_of(const GltfDocument& document)
 {
     std::vector<AnimationChoice> choices;
+    GltfAllowance allowance(document);
     for (const std::string& name : animation_names(document))
-        choices.push_back({ name.empty() ? std::to_string(choices.size()) : name, animation_end(document, choices.size()) });
+        choices.push_back(
+            { name.empty() ? std::to_string(choices.size()) : name, animation_end(document, choices.size(), allowance) });
     return choices;
 }
 
