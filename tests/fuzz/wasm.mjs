@@ -106,10 +106,24 @@ function take(bytes, count) {
   if (sizes.size > 0) throw new Error(`${sizes.size} blocks are left`);
 }
 
+// Numbers that dispose of the character while it reads them.
+function disposeWithin(character, name, weights) {
+  let before;
+  const number = { valueOf() {
+    character.dispose();
+    before = new Uint8Array(memory.buffer).slice();
+    return 1;
+  } };
+  const hasAnswered = attempt(() => (character[name]([number, ...weights.slice(1)]), true));
+  if (hasAnswered || Buffer.compare(before, new Uint8Array(memory.buffer)) !== 0)
+    throw new Error(`${name}() goes on with a character that its weights disposed of`);
+}
+
 // Nothing that a disposed character is asked for writes into memory, which may be another's by then.
 function useDisposed() {
   const assets = inputs.map((bytes) => attempt(() => pliant.open(bytes))).filter((one) => one), asset = assets[0];
   const character = asset.character(), weights = asset.weights.map(() => 1);
+  for (const name of ["solve", "solveLinear"]) disposeWithin(asset.character(), name, weights);
   character.dispose();
   const before = new Uint8Array(memory.buffer).slice();
   const calls = ["solve", "solveLinear", "bounds", "reset"].map((name) => () => character[name](weights));

@@ -121,6 +121,7 @@ export class PliantAsset {
     this.poseCount = exports.pliant_asset_get_pose_count(at);
     this.hasLayers = exports.pliant_asset_get_has_layers(at) === 1;
     this.weights = weightsOf(this.#module, this.#view);
+    Object.freeze(this); // blocks of characters have these sizes
   }
 
   /** @internal */
@@ -228,8 +229,9 @@ export class PliantCharacter {
 
   solve(weights) {
     const exports = this.#module.exports, { info, coordinates } = this.#blocks, given = this.#blocks.weights;
+    const numbers = this.#asset.weightsFrom(weights); // may run code of the caller, which may dispose of us
     this.#view.check();
-    given.floats().set(this.#asset.weightsFrom(weights));
+    given.floats().set(numbers);
     require(this.#module, exports.pliant_solve(this.#solver, given.at, coordinates.at, info.at));
     this.#rebuild();
     const fields = info.view();
@@ -259,6 +261,7 @@ export class PliantCharacter {
   }
 
   #rebuild() {
+    this.#view.check();
     const exports = this.#module.exports, { coordinates, positions, normals, normalsView } = this.#blocks;
     exports.pliant_reconstruct(this.#view.at, coordinates.at, 0, this.#asset.vertexCount, positions.at, 12);
     exports.pliant_normals_compute(normalsView.at, positions.at, 12, 0, this.#asset.surfaceVertexCount, normals.at, 12);
