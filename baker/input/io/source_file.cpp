@@ -79,6 +79,10 @@ std::string_view without_plus(std::string_view word)
 
 std::optional<std::string> read_whole(const std::string& path, DiagnosticList& diagnostics)
 {
+    if (path.find('\0') != std::string::npos) { // the system would open the file of the name before it
+        diagnostics.add(error_at(2001, path, "cannot be read: its name has a zero character", "name the file itself"));
+        return std::nullopt;
+    }
     // Without O_NONBLOCK opening a pipe would wait for a writer before we can see that it is one.
     FileDescriptor file { ::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK) };
     struct stat status {};

@@ -56,6 +56,8 @@ struct Target {
 Target resolve(const std::string& path)
 {
     Target target { path, {}, {}, {}, {}, 0 };
+    if (path.find('\0') != std::string::npos) // the system would write the file of the name before it
+        fail(error_at(4002, path, "cannot be created: its name has a zero character", "choose another name"));
     fs::path file = path;
     std::error_code error;
     if (fs::is_symlink(file, error)) {

@@ -8,6 +8,9 @@
 #include <exception>
 #include <mutex>
 #include <nanobind/stl/string.h>
+#include <new>
+#include <pthread.h>
+#include <stdexcept>
 #include <thread>
 #include <vector>
 
@@ -106,26 +109,47 @@ private:
     sigset_t held_, before_;
 };
 
-// The one work of the process that goes on.
+// Who works: one thread of the process at a time, in turns.
+struct Turns {
+    std::mutex mutex;
+    std::condition_variable freed;
+    std::thread::id worker; // none: nobody
+};
+
+Turns& turns()
+{
+    // A child that is forked during a work has neither the worker nor the threads that wait.
+    static Turns instance;
+    [[maybe_unused]] static const int is_set = ::pthread_atfork(nullptr, nullptr, [] { new (&instance) Turns; });
+    return instance;
+}
+
 class Turn {
 public:
     Turn()
     {
-        for (bool has_turn = false; !has_turn; check_signals()) {
-            const nb::gil_scoped_release unlocked;
-            has_turn = mutex().try_lock_for(look_interval);
-            if (has_turn) break;
-        }
+        while (!take()) check_signals();
     }
-    ~Turn() { mutex().unlock(); }
+    ~Turn()
+    {
+        const std::lock_guard<std::mutex> lock(turns().mutex);
+        turns().worker = {};
+        turns().freed.notify_one();
+    }
     Turn(const Turn&) = delete;
     Turn& operator=(const Turn&) = delete;
 
 private:
-    static std::timed_mutex& mutex()
+    // Waits for a moment.
+    static bool take()
     {
-        static std::timed_mutex instance;
-        return instance;
+        const nb::gil_scoped_release unlocked;
+        std::unique_lock<std::mutex> lock(turns().mutex);
+        if (turns().worker == std::this_thread::get_id())
+            throw std::runtime_error("this thread is at work already: what it calls back cannot start another work");
+        if (!turns().freed.wait_for(lock, look_interval, [] { return turns().worker == std::thread::id(); })) return false;
+        turns().worker = std::this_thread::get_id();
+        return true;
     }
 };
 

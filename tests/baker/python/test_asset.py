@@ -68,6 +68,10 @@ class OpeningAssets(unittest.TestCase):
             pliant.Asset.open("nowhere.pliant")
         self.assertEqual((raised.exception.number, raised.exception.exit_code), ("P2001", 3))
         self.assertIn("nowhere.pliant", str(raised.exception))
+        for number, action in (("P2001", pliant.Asset.open), ("P4002", BAKED.save)):
+            with self.assertRaises(pliant.Error) as raised:
+                action("no\0where.pliant")
+            self.assertEqual(raised.exception.number, number)
 
     def test_hostile_bytes(self):
         random = np.random.default_rng(1)

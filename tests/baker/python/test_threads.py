@@ -112,8 +112,33 @@ class Interrupting(unittest.TestCase):
         with self.assertRaises(LookupError):
             pliant.average(*LONG, [1, 1, 1, 1], progress=progress)
 
+    # It would wait for itself.
+    def test_work_within_progress(self):
+        def progress(stage, done, total):
+            pliant.average(POSES, FACES, [1, 1])
+
+        with self.assertRaisesRegex(RuntimeError, "at work already"):
+            pliant.bake(POSES, FACES, progress=progress, **QUICK)
+        self.assertGreater(len(pliant.bake(POSES, FACES, **QUICK)), 0)
+
 
 class Sharing(unittest.TestCase):
+    def test_child_forked_during_a_bake(self):
+        def progress(stage, done, total):
+            if stage != "check" or children:
+                return
+            children.append(os.fork())
+            if children[0] == 0:
+                try:
+                    pliant.average(POSES, FACES, [1, 1])
+                    os._exit(0)
+                finally:
+                    os._exit(1)
+
+        children = []
+        pliant.bake(POSES, FACES, progress=progress, **QUICK)
+        self.assertEqual(os.waitpid(children[0], 0)[1], 0)
+
     def test_others_work_during_a_bake(self):
         counts, is_over = [0], threading.Event()
 
