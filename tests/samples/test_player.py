@@ -267,6 +267,23 @@ def saturated(image, channel):
     return (image[..., channel] > 1.6 * others[0] + 12) & (image[..., channel] > 1.6 * others[1] + 12)
 
 
+def shared_triangles(blob):
+    """The asset with a scene of two parts that name the same triangles, which are all bytes of the scene."""
+    start = blob.index(b"glTF")
+    size = struct.unpack_from("<I", blob, start + 8)[0]
+    parts = [{"attributes": {}, "material": 0, "indices": 0, "extras": {"name": "", "first_vertex": v, "vertex_count": n}}
+             for v, n in ((0, 1), (1, struct.unpack_from("<I", blob, 32)[0] - 1))]
+    for count in range(size // 2, 0, -1):
+        text = json.dumps({"meshes": [{"primitives": parts}], "materials": [{}], "bufferViews": [{"byteLength": 2 * count}],
+                           "accessors": [{"bufferView": 0, "componentType": 5123, "count": count}]}).encode()
+        text += b" " * (-len(text) % 4)
+        if count % 6 == 0 and len(text) + 2 * count + 28 <= size:
+            binary = bytes(size - 28 - len(text))
+            return blob[:start + 12] + struct.pack("<II", len(text), 0x4E4F534A) + text \
+                + struct.pack("<II", len(binary), 0x004E4942) + binary + blob[start + size:]
+    raise AssertionError("no room for the scene")
+
+
 def case_materials(folder):
     """Texture and vertex colours are drawn, masked parts are not; --plain omits materials, heat replaces them."""
     asset = make_asset(folder, "--scene")
@@ -289,6 +306,12 @@ def case_materials(folder):
     assert not saturated(heat, 0).any() and not saturated(heat, 1).any(), "colours by distance do not go before materials"
 
     blob = asset.read_bytes()
+    at = blob.index(b"IHDR")
+    for damaged, what in ((blob[:at + 4] + struct.pack(">II", 16384, 16384) + blob[at + 12:], "more pixels"),
+                          (shared_triangles(blob), "share their triangles")):
+        asset.write_bytes(with_checksums(damaged))
+        line = refused(asset, "--screenshot", folder / "x.png", "--size", "64x64", code=3, number=5912)
+        assert what in line, line
     for old, new in ((b'"material": 0', b'"material": 7'), (b'"byteOffset": 0,', b'"byteOffset":-4,'),
                      (b'"componentType": 5123', b'"componentType": 5121'),
                      (b'"first_vertex": 0', b'"first_vertex": 1'), (b'"mesh": 0}', b'"mesh": 0)'), (b'"VEC4"', b'"VEC2"'),

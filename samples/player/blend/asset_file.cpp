@@ -42,6 +42,16 @@ pliant_result find_asset(const std::byte* bytes, std::size_t size, std::size_t& 
     return pliant_glb_find(bytes, size, &offset, &asset_size);
 }
 
+// A name may fill a file; the panels measure each letter.
+std::string cut(std::string name)
+{
+    constexpr std::size_t size_limit = 200;
+    if (name.size() <= size_limit) return name;
+    std::size_t end = size_limit;
+    while (end > 0 && (static_cast<unsigned char>(name[end]) & 0xC0) == 0x80) --end; // inside a letter of UTF-8
+    return name.substr(0, end) + "…";
+}
+
 } // namespace
 
 void AssetFile::AlignedDelete::operator()(std::byte* bytes) const { ::operator delete[](bytes, blob_alignment); }
@@ -73,7 +83,7 @@ AssetFile::AssetFile(const std::string& path)
                     hint_for(result));
     }
     for (std::uint32_t k = 0; k < asset_.pose_count; ++k) {
-        const std::string name = pliant_asset_pose_name(&asset_, k);
+        const std::string name = cut(pliant_asset_pose_name(&asset_, k));
         pose_names_.push_back(name.empty() ? "pose " + std::to_string(k) : name);
     }
     short_names_ = without_common_prefix(pose_names_);

@@ -1,5 +1,19 @@
 #include "draw/image_reader.h"
 
+#include <climits>
+#include <cstdlib>
+
+namespace {
+
+constexpr std::size_t allocation_limit = std::size_t(1) << 30; // the pixels of the largest image
+
+void* limited_allocation(void* pointer, std::size_t size)
+{
+    return size > allocation_limit ? nullptr : std::realloc(pointer, size);
+}
+
+} // namespace
+
 // The one file that compiles stb's image reader; its warnings are not ours.
 #if defined(__GNUC__)
 #pragma GCC diagnostic push
@@ -13,14 +27,23 @@
 #define STBI_ONLY_PNG
 #define STBI_ONLY_JPEG
 #define STBI_MAX_DIMENSIONS 16384 // what graphics drivers take at most
+// A file of a few kilobytes can unpack to gigabytes that no pixel needs.
+#define STBI_MALLOC(size) limited_allocation(nullptr, size)
+#define STBI_REALLOC(pointer, size) limited_allocation(pointer, size)
+#define STBI_FREE(pointer) std::free(pointer)
 #include <stb_image.h>
 #if defined(__GNUC__)
 #pragma GCC diagnostic pop
 #endif
 
-#include <climits>
-
 namespace pliant::player {
+
+std::size_t pixel_size(const std::uint8_t* bytes, std::size_t size)
+{
+    int width = 0, height = 0, channels = 0;
+    if (size > INT_MAX || !stbi_info_from_memory(bytes, static_cast<int>(size), &width, &height, &channels)) return 0;
+    return 4 * static_cast<std::size_t>(width) * static_cast<std::size_t>(height);
+}
 
 Image read_image(const std::uint8_t* bytes, std::size_t size)
 {

@@ -8,6 +8,7 @@
 
 #include <cmath>
 #include <cstring>
+#include <map>
 #include <stdexcept>
 
 namespace pliant::player {
@@ -17,6 +18,12 @@ using Json = nlohmann::json;
 
 enum ComponentType { uint16 = 5123, uint32 = 5125, float32 = 5126 };
 enum Setting { nearest = 9728, clamp_to_edge = 33071, mirrored_repeat = 33648 };
+constexpr std::uint64_t json_size_limit = std::uint64_t(1) << 24; // parsed it takes up to forty times as much
+constexpr std::uint64_t none_view = UINT64_MAX;
+
+// RGBA of all images that are believed of any file, and for each of its bytes: JPEG makes 60 of one at best.
+constexpr std::size_t free_pixel_size = std::size_t(1) << 28, pixel_size_per_byte = 64;
+
 constexpr std::uint32_t json_tag = 0x4e4f534a, binary_tag = 0x004e4942;
 
 [[noreturn]] void refuse(const std::string& what) { throw std::runtime_error(what); }
@@ -96,6 +103,7 @@ struct Document {
         if (chunk.at<std::uint32_t>(4) != json_tag || text % 4 != 0 || text > chunk.size - 28) refuse("not binary glTF");
         const std::uint64_t size = chunk.at<std::uint32_t>(5 + text / 4);
         if (chunk.at<std::uint32_t>(6 + text / 4) != binary_tag || size > chunk.size - 28 - text) refuse("not binary glTF");
+        if (text > json_size_limit) refuse("more JSON than any file has");
         json = Json::parse(chunk.data + 20, chunk.data + 20 + text);
         binary = { chunk.data + 28 + text, size };
     }
@@ -119,16 +127,24 @@ struct Document {
     }
 };
 
-void read_images(const Document& document, Painting& painting)
+// Numbers of `painting.images`, one for each image of the file; images of the same bytes are one.
+std::vector<std::size_t> read_images(const Document& document, Painting& painting)
 {
+    std::map<std::uint64_t, std::size_t> known; // by view
+    std::size_t left = free_pixel_size + pixel_size_per_byte * static_cast<std::size_t>(document.binary.size);
+    std::vector<std::size_t> numbers;
     for (const Json& image : member(document.json, "images")) {
-        if (member(image, "bufferView").is_null()) {
-            painting.images.emplace_back();
-            continue;
-        }
-        const Bytes bytes = document.view(whole(image, "bufferView"));
-        painting.images.push_back(read_image(bytes.data, bytes.size));
+        const Json& view = member(image, "bufferView");
+        const auto [place, is_new] = known.emplace(view.is_null() ? none_view : whole(image, "bufferView"), known.size());
+        numbers.push_back(place->second);
+        if (!is_new) continue;
+        const Bytes bytes = view.is_null() ? Bytes {} : document.view(place->first);
+        const std::size_t size = pixel_size(bytes.data, static_cast<std::size_t>(bytes.size));
+        if (size > left) refuse("its images have more pixels than files of their size should");
+        left -= size;
+        painting.images.push_back(size == 0 ? Image {} : read_image(bytes.data, static_cast<std::size_t>(bytes.size)));
     }
+    return numbers;
 }
 
 Wrap wrap_of(const Json& sampler, const char* name)
@@ -143,13 +159,15 @@ Wrap wrap_of(const Json& sampler, const char* name)
 // One for each texture of the file. A texture without a readable image gets the number of images as its index.
 void read_textures(const Document& document, Painting& painting)
 {
+    const std::vector<std::size_t> numbers = read_images(document, painting);
     for (const Json& texture : member(document.json, "textures")) {
         Texture result;
         result.image = painting.images.size();
         if (!member(texture, "source").is_null()) {
             const std::uint64_t source = whole(texture, "source");
-            if (source >= painting.images.size()) refuse("there is no such image");
-            if (!painting.images[source].pixels.empty()) result.image = source;
+            if (source >= numbers.size()) refuse("there is no such image");
+            const std::size_t image = numbers[static_cast<std::size_t>(source)];
+            if (!painting.images[image].pixels.empty()) result.image = image;
         }
         if (!member(texture, "sampler").is_null()) {
             const Json& sampler = element(member(document.json, "samplers"), whole(texture, "sampler"), "sampler");
@@ -235,6 +253,7 @@ void read_indices(const Document& document, const Json& primitive, std::uint32_t
     const std::uint64_t type = whole(accessor, "componentType"), corners = whole(accessor, "count");
     if ((type != uint16 && type != uint32) || corners % 3 != 0) refuse("the indices are not triangles");
     const Bytes values = document.numbers(accessor, corners, 1, type == uint16 ? 2 : 4);
+    if (painting.indices.size() + corners > document.binary.size / 2) refuse("parts share their triangles");
     for (std::uint64_t i = 0; i < corners; ++i) {
         const std::uint32_t vertex = type == uint16 ? values.at<std::uint16_t>(i) : values.at<std::uint32_t>(i);
         if (vertex >= count) refuse("an index is outside its part");
@@ -267,7 +286,6 @@ std::optional<Painting> read_painting(Bytes chunk, std::uint32_t vertex_count, s
     const Document document(chunk);
     Painting painting;
     painting.vertices.resize(vertex_count);
-    read_images(document, painting);
     read_textures(document, painting);
     std::uint64_t first = 0;
     bool is_painted = false;
