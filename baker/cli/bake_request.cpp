@@ -46,11 +46,11 @@ void add_bake_options(CLI::App& verb, BakeRequest& r)
             "surrogate energy. A bake that misses the one you set writes no asset and has exit code 4, unless "
             "--best-effort or a limit of time is given; without the option it is an aim, and missing it is a warning")
         ->each([&r](const std::string&) { r.has_tolerance = true; })
-        ->check(CLI::Range(1e-8, 1.0))
+        ->check(number_in(1e-8, 1.0))
         ->capture_default_str();
     verb.add_option("--tolerance-max", r.bake.tolerance_max,
                     "Allowed largest error over the check weights (default: no limit)")
-        ->check(CLI::Range(1e-8, 1.0));
+        ->check(number_in(1e-8, 1.0));
     verb.add_flag("--best-effort", r.is_best_effort,
                   "Write the asset even if it misses the tolerance that you set; the exit code is 4 then, too");
     verb.add_option("--ritz", r.bake.ritz_count, "krylov: Ritz vectors per tangent")
@@ -94,7 +94,7 @@ void add_bake_options(CLI::App& verb, BakeRequest& r)
             "--position-error", [&r](double error) { r.bake.position_error = error; },
             "Allowed displacement of a vertex by the compact storage of the basis, as a fraction of the bounding-box "
             "diagonal; 0 stores single precision")
-        ->check(CLI::Range(0.0, 1e-2))
+        ->check(number_in(0.0, 1e-2))
         ->default_str("5e-5 or a twentieth of --tolerance")
         ->type_name("FLOAT");
     verb.add_option_function<double>(
@@ -102,7 +102,7 @@ void add_bake_options(CLI::App& verb, BakeRequest& r)
             "Stop refining after so many seconds and write the best asset so far, as with --best-effort. The shortest bake "
             "is "
             "that of --preview. The asset depends on the speed of the machine, except with 0")
-        ->check(CLI::Range(0.0, 1e6))
+        ->check(number_in(0.0, 1e6))
         ->type_name("FLOAT");
     verb.add_flag(
             "--preview", r.is_preview,

@@ -59,7 +59,7 @@ void add_material(CLI::App& verb, EnergyOptions& options)
             "--poisson", options.poisson,
             "Poisson's ratio of a solid (default: 0.4 for stvk, 0.45 for mooney-rivlin; above 0.45 tetrahedra lock). "
             "The materials of a .veg file take precedence")
-        ->check(CLI::Range(0.0, 0.499));
+        ->check(number_in(0.0, 0.499));
 }
 
 void add_shell_options(CLI::App& verb, EnergyOptions& options)
@@ -70,12 +70,12 @@ void add_shell_options(CLI::App& verb, EnergyOptions& options)
                     "Thickness of thin shells relative to the square root of the surface area; a thicker shell bends less "
                     "sharply")
         ->capture_default_str()
-        ->check(CLI::Range(1e-6, 1.0));
+        ->check(number_in(1e-6, 1.0));
     verb.add_option("--foldover-damping", options.shell.foldover_damping,
                     "Factor on the bending energy of hinges that are folded over in some pose; 1 = off. Applies with "
                     "--continuity off")
         ->capture_default_str()
-        ->check(CLI::Range(0.0, 1.0));
+        ->check(number_in(0.0, 1.0));
 }
 
 // The files that a glTF file refers to are inputs, too. One that cannot be read is reported where it is loaded.
@@ -124,7 +124,7 @@ void add_energy_options(CLI::App& verb, EnergyOptions& options)
             "--weld", options.weld_tolerance,
             "Weld surface vertices that are closer than this in all poses, as a fraction of the bounding-box diagonal, so "
             "that seams in a file are not cuts; 0 welds none")
-        ->check(CLI::Range(0.0, 1e-3))
+        ->check(number_in(0.0, 1e-3))
         ->capture_default_str();
     verb.add_option(
             "--fix", options.fixed_path,
@@ -132,6 +132,17 @@ void add_energy_options(CLI::App& verb, EnergyOptions& options)
             "Implies --no-align")
         ->type_name("FILE")
         ->each([&options](const std::string&) { options.keep_placement = true; });
+}
+
+CLI::Validator number_in(double least, double most)
+{
+    const CLI::Range range(least, most);
+    const auto check = [=](std::string& text) {
+        double number = 0;
+        const bool is_nan = CLI::detail::lexical_cast(text, number) && std::isnan(number);
+        return is_nan ? fmt::format("Value {} not in range {} to {}", text, least, most) : range(text);
+    };
+    return CLI::Validator(check, range.get_description(), range.get_name());
 }
 
 void add_blend_kind(CLI::App& verb, EnergyOptions& options)

@@ -175,7 +175,7 @@ Verb add_export(CLI::App& app)
     verb->add_option("--quantize", a->quantisation_error,
                      "Store positions and targets as integers (KHR_mesh_quantization), every vertex of a blend within E of "
                      "the diagonal (1e-4 is not seen), and normals as bytes")
-        ->check(CLI::Range(1e-9, 0.1))
+        ->check(number_in(1e-9, 0.1))
         ->type_name("E");
     verb->add_flag("--meshopt", a->with_compression,
                    "Compress all of it (EXT_meshopt_compression); with --quantize 1e-4, unless another E is given");
@@ -187,7 +187,7 @@ Verb add_export(CLI::App& app)
             "their average; of layers a second for each, up to full strength and back, then for all of them)")
         ->type_name("FILE.csv");
     verb->add_option("--fps", a->frames_per_second, "Frames per second of the animation")
-        ->check(CLI::Range(1.0, 1000.0))
+        ->check(number_in(1.0, 1000.0))
         ->capture_default_str();
     add_json(*verb, a->is_json);
     add_talk(*verb, a->talk);

@@ -89,7 +89,7 @@ void add_material(CLI::App& verb, SolidOptions& material)
     verb.add_option("--poisson", material.poisson,
                     "Poisson's ratio (default: 0.45 for mooney-rivlin, 0.4 for stvk); the materials of a .veg file "
                     "take precedence")
-        ->check(CLI::Range(0.0, 0.499));
+        ->check(number_in(0.0, 0.499));
 }
 
 } // namespace

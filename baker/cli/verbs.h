@@ -28,6 +28,8 @@ Verb add_report(CLI::App& app);
 Verb add_help(CLI::App& app);
 
 // Options that several verbs share.
+// As CLI::Range, which takes nan.
+CLI::Validator number_in(double least, double most);
 CLI::Option* add_pose_arguments(CLI::App& verb, std::vector<std::string>& poses);
 void add_energy_options(CLI::App& verb, EnergyOptions& options);
 void add_blend_kind(CLI::App& verb, EnergyOptions& options);

@@ -46,6 +46,9 @@ def case_usage(folder):
     refused(asset, "--size", "1e9x10", code=2, number=5901)
     refused(asset, "--view", "1", code=2, number=5901)
     refused(asset, "--up", "w", code=2, number=5901)
+    refused(asset, "--exit-after", "nan", code=2, number=5901)
+    for option in ("--screenshot", "--sheet"):
+        refused(asset, option, asset, code=2, number=5901)
     refused(asset, "--frames", "0", code=2, number=5901)
     refused(asset, "--screenshot", out, "--frames", "3", code=2, number=5901)
     for weights in ("1,x,0", "-1,1,1", "nan,1,1", "0,0,0", "1,,1", "1,1,1,"):
@@ -395,14 +398,16 @@ def case_key(folder):
 def case_whole_or_nothing(folder):
     asset = make_asset(folder)
     refused(asset, "--screenshot", folder / "missing" / "x.png", "--size", "64x64", code=1, number=5931)
-    place = folder / "place"
+    place = folder / "place.png"
     place.mkdir()
     refused(asset, "--screenshot", place, "--size", "64x64", code=1, number=5931)
-    pipe = folder / "pipe"
+    pipe = folder / "pipe.png"
     os.mkfifo(pipe)
+    refused(pipe, "--frames", "1", code=3, number=5911)
+    refused(asset, "--frames", "1", "--path", pipe, code=3, number=5913)
     refused(asset, "--screenshot", pipe, "--size", "64x64", code=1, number=5931)
     assert pipe.is_fifo(), "the pipe was replaced by a file"
-    assert sorted(p.name for p in folder.iterdir()) == ["pipe", "place", "tube.pliant"], "something was left behind"
+    assert sorted(p.name for p in folder.iterdir()) == ["pipe.png", "place.png", "tube.pliant"], "something was left behind"
 
 
 def case_benchmark(folder):

@@ -1,5 +1,7 @@
 #include "base/common/diagnostics.h"
 
+#include "base/common/utf8.h"
+
 #include <algorithm>
 #include <fmt/format.h>
 #include <utility>
@@ -80,18 +82,34 @@ Failure::Failure(ExitCode code, std::vector<Diagnostic> diagnostics)
 
 const char* Failure::what() const noexcept { return text_.c_str(); }
 
+namespace {
+
+// What moves a terminal's cursor, colours it, breaks a line, or turns the direction of what follows.
+bool is_control(std::string_view character)
+{
+    const auto c = static_cast<unsigned char>(character[0]);
+    if (character.size() == 1) return c < ' ' || c == 127;
+    if (character.size() == 2) return c == 0xC2 && static_cast<unsigned char>(character[1]) < 0xA0;
+    const auto is_between
+        = [&](std::string_view first, std::string_view last) { return first <= character && character <= last; };
+    return is_between("\u200E", "\u200F") || is_between("\u2028", "\u202E") || is_between("\u2066", "\u2069");
+}
+
+} // namespace
+
 std::string printable(std::string_view text)
 {
     constexpr std::size_t limit = 5000; // a path has at most 4,096 bytes
     if (text.size() > limit) return fmt::format("{}... ({} bytes)", printable(text.substr(0, limit)), text.size());
     std::string out;
-    for (std::size_t i = 0; i < text.size(); ++i) {
-        const auto c = static_cast<unsigned char>(text[i]);
-        const auto next = static_cast<unsigned char>(i + 1 < text.size() ? text[i + 1] : 0);
-        if (c < ' ' || c == 127 || (c == 0xC2 && next >= 0x80 && next < 0xA0))
-            out += fmt::format("\\x{:02x}", c);
-        else
-            out += text[i];
+    while (!text.empty()) {
+        const std::string_view character = text.substr(0, std::max<std::size_t>(character_length(text), 1));
+        text.remove_prefix(character.size());
+        if (character_length(character) != 0 && !is_control(character)) {
+            out += character;
+            continue;
+        }
+        for (const char byte : character) out += fmt::format("\\x{:02x}", static_cast<unsigned char>(byte));
     }
     return out;
 }

@@ -77,7 +77,9 @@ DracoMesh decode_draco(const GltfDocument& document, const GltfValue& extension,
                        GltfAllowance& allowance)
 {
     const std::size_t view = extension["bufferView"].index(document["bufferViews"].size(), "buffer views");
-    const std::unique_ptr<draco::Mesh> mesh = decode(extension, document.view(view));
+    const std::string_view bytes = document.view(view);
+    allowance.take(extension, bytes.size()); // also of what is decoded and not read
+    const std::unique_ptr<draco::Mesh> mesh = decode(extension, bytes);
     DracoMesh out;
     out.vertex_count = mesh->num_points();
     allowance.take(extension, mesh->num_faces(), 3);

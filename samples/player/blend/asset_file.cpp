@@ -60,7 +60,8 @@ AssetFile::AssetFile(const std::string& path)
     : path_(path)
 {
     std::error_code error;
-    if (std::filesystem::is_directory(path, error)) refuse_file(path, "is a folder, not an asset");
+    if (std::filesystem::exists(path, error) && !std::filesystem::is_regular_file(path, error)) // a pipe would never end
+        refuse_file(path, "is a folder or a device, not an asset");
     const std::unique_ptr<std::FILE, int (*)(std::FILE*)> file(std::fopen(path.c_str(), "rb"), std::fclose);
     if (!file) refuse_file(path, std::strerror(errno));
     const auto size = std::filesystem::file_size(path, error);

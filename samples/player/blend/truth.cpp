@@ -25,7 +25,8 @@ constexpr std::size_t vertex_bytes = 12;
 std::string read_file(const std::string& path)
 {
     std::error_code error;
-    if (std::filesystem::is_directory(path, error)) refuse_mesh(path, "is a folder, not a mesh");
+    if (std::filesystem::exists(path, error) && !std::filesystem::is_regular_file(path, error))
+        refuse_mesh(path, "is a folder or a device, not a mesh");
     std::ifstream stream(path, std::ios::binary);
     if (!stream) refuse_mesh(path, "cannot be opened");
     std::ostringstream bytes;

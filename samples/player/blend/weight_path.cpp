@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
+#include <filesystem>
 #include <fstream>
 
 namespace pliant::player {
@@ -77,6 +78,9 @@ std::string count_of_weights(std::size_t given, std::uint32_t weight_count, bool
 
 WeightPath::WeightPath(const std::string& file, std::uint32_t weight_count, bool of_layers)
 {
+    std::error_code error;
+    if (std::filesystem::exists(file, error) && !std::filesystem::is_regular_file(file, error))
+        refuse_path(file, "is a folder or a device, not a list of weights");
     std::ifstream stream(file);
     std::string line;
     for (std::size_t number = 1; std::getline(stream, line); ++number) {

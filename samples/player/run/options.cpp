@@ -5,7 +5,10 @@
 
 #include <CLI/CLI.hpp>
 
+#include <algorithm>
+#include <cctype>
 #include <cmath>
+#include <filesystem>
 #include <iostream>
 
 namespace pliant::player {
@@ -77,6 +80,22 @@ void parse_view(const std::string& text, Options& options)
     options.view = glm::vec2(angles[0], angles[1]);
 }
 
+// CLI::Range and CLI::PositiveNumber take nan.
+std::string is_number(const std::string& text)
+{
+    double number = 0;
+    return CLI::detail::lexical_cast(text, number) && std::isnan(number) ? "Value " + text + " is not a number" : "";
+}
+
+// What is written is a picture by its name, so no asset, path or mesh is lost by a wrong word.
+void check_picture(const std::string& option, const std::string& path)
+{
+    std::string suffix = std::filesystem::path(path).extension().string();
+    std::transform(suffix.begin(), suffix.end(), suffix.begin(), [](unsigned char c) { return std::tolower(c); });
+    if (!path.empty() && suffix != ".png")
+        refuse(option + ": '" + path + "' does not end in .png", "pictures are PNG files");
+}
+
 [[noreturn]] void refuse_together(const std::string& what, const std::string& hint)
 {
     throw Error(ErrorNumber::modes_exclude, ExitCode::usage, what, hint);
@@ -127,6 +146,9 @@ void check_combination(const Options& options, bool fps_given)
         = !options.screenshot.empty() + !options.sheet.empty() + !options.sequence.empty() + (options.benchmark_frames > 0);
     if (modes > 1)
         refuse("--screenshot, --sheet, --sequence and --frames exclude each other", "run the player once for each");
+    check_picture("--screenshot", options.screenshot);
+    check_picture("--sheet", options.sheet);
+    check_picture("--sequence", options.sequence);
     if (options.json && options.benchmark_frames == 0) refuse("--json belongs to --frames", "add --frames 1000");
     if (options.linear && options.both)
         refuse("--linear and --both exclude each other", "--both shows linear next to elastic");
@@ -183,7 +205,8 @@ ParsedLine parse_command_line(int argc, char** argv)
         ->type_name("WEIGHTS.csv");
     CLI::Option* fps = app.add_option("--fps", options.fps, "with --path: lines per second in the window (default: 30)")
                            ->type_name("N")
-                           ->check(CLI::Range(0.001, 1000.0));
+                           ->check(CLI::Range(0.001, 1000.0))
+                           ->check(is_number);
     app.add_option("--crowd", options.crowd, "show N characters, each with its own solver, and a graph of the frame times")
         ->type_name("N")
         ->check(CLI::Range(1, 10000));
@@ -214,7 +237,8 @@ ParsedLine parse_command_line(int argc, char** argv)
     app.add_flag("--no-hud", no_hud, "with --screenshot: draw the character only (default)")->excludes(hud);
     app.add_option("--exit-after", options.exit_after, "close the window after this many seconds")
         ->type_name("SECONDS")
-        ->check(CLI::PositiveNumber);
+        ->check(CLI::PositiveNumber)
+        ->check(is_number);
     try {
         app.parse(argc, argv);
     } catch (const CLI::Success& success) {

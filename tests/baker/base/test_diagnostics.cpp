@@ -86,5 +86,17 @@ TEST_CASE("A message from a file of zeros stays short")
     const std::string text = to_text(error_at(2601, "weights.csv:1", std::string(10'000'000, '\0'), ""));
     CHECK(text.size() < 30'000);
     CHECK(text.find("(10000000 bytes)") != std::string::npos);
+}
+
+TEST_CASE("Names of strangers move no cursor")
+{
     CHECK(printable("a\x1b[0m") == "a\\x1b[0m");
+    CHECK(printable("a\xC2\x9B"
+                    "31m")
+          == "a\\xc2\\x9b31m");
+    CHECK(printable("a\x9B"
+                    "31m\xFF")
+          == "a\\x9b31m\\xff");
+    CHECK(printable("a\u202Eb\u2028\u2066") == "a\\xe2\\x80\\xaeb\\xe2\\x80\\xa8\\xe2\\x81\\xa6");
+    CHECK(printable("Größe 身長 – \u00A0") == "Größe 身長 – \u00A0");
 }
