@@ -176,7 +176,8 @@ inline std::string encode_draco(int method)
 }
 
 // Around Draco data with attributes 0 (positions) and 1 (texture coordinates); one morph target of as many vertices, plain.
-inline std::string draco_glb(const std::string& data, std::size_t vertex_count, std::size_t target_count)
+inline std::string draco_glb(const std::string& data, std::size_t vertex_count, std::size_t target_count,
+                             std::size_t primitive_count = 1)
 {
     GlbBuilder glb;
     Json primitive = Json::object();
@@ -192,7 +193,7 @@ inline std::string draco_glb(const std::string& data, std::size_t vertex_count, 
     target["POSITION"] = glb.add(moved, 5126, 3, "VEC3");
     primitive["targets"].push_back(std::move(target));
     Json mesh = Json::object();
-    mesh["primitives"].push_back(std::move(primitive));
+    for (std::size_t i = 0; i < primitive_count; ++i) mesh["primitives"].push_back(primitive);
     glb.json["meshes"].push_back(std::move(mesh));
     glb.json["extensionsRequired"].push_back("KHR_draco_mesh_compression");
     return glb.glb();

@@ -112,6 +112,18 @@ TEST_CASE("an attribute whose elements have a width in the data that its name do
     CHECK(diagnostics.diagnostics().at(0).number == 2311);
 }
 
+TEST_CASE("data that many primitives share are decoded for each, within a limit of their bytes")
+{
+    const pliant_test::TemporaryFolder folder;
+    const std::string data = pliant_test::encode_draco(draco::MESH_SEQUENTIAL_ENCODING) + std::string(100000, '\0');
+    pliant_test::write_bytes(folder / "a.glb", pliant_test::draco_glb(data, 49, 49, 100));
+    DiagnosticList diagnostics;
+    read(folder / "a.glb", diagnostics);
+    REQUIRE(diagnostics.has_errors());
+    CHECK(diagnostics.diagnostics().at(0).number == 2333);
+    CHECK(diagnostics.diagnostics().at(0).what.find("KHR_draco_mesh_compression") != std::string::npos);
+}
+
 TEST_CASE("real files of others' making")
 {
     const std::string data = pliant_test::data_folder();
