@@ -21,8 +21,7 @@ trap 'rm -rf "$work"' EXIT
 
 export UBSAN_OPTIONS=print_stacktrace=1
 export ASAN_OPTIONS=detect_stack_use_after_return=1:check_initialization_order=1:strict_init_order=1:strict_string_checks=1
-# After a fork in a process of several threads TSan wants no new ones; the Python module makes some there.
-export TSAN_OPTIONS='history_size=4 second_deadlock_stack=1 die_after_fork=0'
+export TSAN_OPTIONS='history_size=4 second_deadlock_stack=1'
 
 need() {
     command -v "$1" > /dev/null || { echo "skipped: there is no $1 (bash samples/install_packages.sh tests)"; exit 77; }

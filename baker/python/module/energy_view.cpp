@@ -74,7 +74,8 @@ double EnergyView::value(const Array<double, 2>& x, const Array<double, 1>& weig
     const Weights w = to_weights(weights);
     const Shape y = to_shape(x);
     const nb::gil_scoped_release unlocked;
-    return energy_value(*energy_, w, y);
+    const double value = energy_value(*energy_, w, y);
+    return std::isnan(value) ? std::numeric_limits<double>::infinity() : value; // collapsed, or beyond all doubles
 }
 
 nb::object EnergyView::gradient(const Array<double, 2>& x, const Array<double, 1>& weights) const

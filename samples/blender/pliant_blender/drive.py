@@ -70,15 +70,16 @@ def blend(state, weights):
     return shapes.z_up(assets[state.identity].blend(weights))
 
 
-def drive(thing, weights):
+def drive(thing, graph):
     mesh = thing.data
-    if applied.get(mesh.name_full) == (mesh.pliant.identity, weights):
-        return
-    applied[mesh.name_full] = mesh.pliant.identity, weights
-    messages.pop(mesh.name_full, None)
     try:
+        weights = weights_of(thing, graph)
+        if applied.get(mesh.name_full) == (mesh.pliant.identity, weights):
+            return
+        applied[mesh.name_full] = mesh.pliant.identity, weights
+        messages.pop(mesh.name_full, None)
         positions = blend(mesh.pliant, weights)
-    except package().Error as error:
+    except (package().Error, TypeError, ValueError) as error:  # of a file of somebody else: properties that are no numbers
         messages[mesh.name_full] = str(error)
         return
     if len(positions) != len(mesh.vertices):
@@ -99,7 +100,7 @@ def refresh(scene, graph=None):
         return
     graph = graph or bpy.context.evaluated_depsgraph_get()
     for thing in driven.values():
-        drive(thing, weights_of(thing, graph))
+        drive(thing, graph)
 
 
 @persistent

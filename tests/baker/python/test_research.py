@@ -227,6 +227,7 @@ class UnreducedEnergy(unittest.TestCase):
         energy = pliant.energy(SOLID, tets=TETS, material="mooney-rivlin")
         flat = SOLID[0] * [1, 1, 0]
         self.assertEqual(energy.value(flat), np.inf)
+        self.assertEqual([ENERGY.value(POSES[0] * size) for size in (0, 1e200)], [np.inf, np.inf])
         self.assertTrue(np.isnan(energy.gradient(flat)).all())
         self.assertTrue(np.isnan(matrix(energy.hessian(flat), flat.size)).any())
 

@@ -123,6 +123,7 @@ class Interrupting(unittest.TestCase):
 
 
 class Sharing(unittest.TestCase):
+    @unittest.skipIf("libtsan" in os.environ.get("LD_PRELOAD", ""), "ThreadSanitizer takes no threads in a forked child")
     def test_child_forked_during_a_bake(self):
         def progress(stage, done, total):
             if stage != "check" or children:

@@ -253,6 +253,12 @@ def check_reload():
     thing = bpy.data.objects[name]
     set_weights(thing, 0.3, 0.6, 0.9)
     check_shape(thing, asset, (0.3, 0.6, 0.9))
+    weight = thing.data.pliant.weights[0].name
+    thing[weight] = "much"
+    thing.update_tag()
+    bpy.context.view_layer.update()
+    check("much" in addon("drive").messages[thing.data.name_full], "a weight that is a text is told")
+    thing[weight] = 0.3
 
 
 def reopen(thing):
