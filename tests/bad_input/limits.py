@@ -1,6 +1,7 @@
-"""limits.py TOOL ASSET: the table of limits in .github/SECURITY.md is true. Of each row, an input one step beyond the value
+"""limits.py TOOL ASSET [SCALE]: the table of limits in .github/SECURITY.md is true. Of each row, an input one step beyond the value
 is refused with the message of the row, and one at the value is not refused with it. Rows of cost: good and hostile files of
-every format stay below. ASSET: any good asset, of which the header is changed."""
+every format stay below. ASSET: any good asset, of which the header is changed. SCALE: how many times larger the costly files
+are, by default 1, which says little of memory; 40 takes minutes."""
 import math
 import os
 import re
@@ -202,11 +203,12 @@ def check_limit(tool, name, make, value, message):
 
 # -- what reading costs
 
-LINES = 100000
+LINES = 100000 * int(sys.argv[3] if len(sys.argv) > 3 else 1)
 
 
 def costly_files():
-    """Of every format, one element again and again, which is no good, or of which there are too many."""
+    """Of every format, one element again and again, which is no good, or of which there are too many: name and content; of
+    files with short elements also how many vertices and corners."""
     vertices = "0 0 0\n1 0 0\n1 1 0\n0 1 0\n"
     yield "a.obj", OBJ + "f 1 1 1\n" * LINES
     yield "a.obj", OBJ + "v nan 0 0\n" * LINES
@@ -222,20 +224,32 @@ def costly_files():
     yield "a.veg", solids.vega_text(many)
     yield "a.vtk", solids.vtk_text(many)
     yield "a.gltf", '{"asset": {"version": "2.0"}, "nodes": [' + "{}," * LINES + "{}]}"
+    set_rows = solids.vega_text(SOLID) + "*SET s\n" + "1," * LINES + "1\n*REGION\n" + "s,m\n" * LINES
+    yield "a.veg", set_rows
+    yield "a.msh", solids.msh_text(SOLID) + "$" + "$End" * LINES + "Z\n" + "$End" * LINES
+    short = "ply\nformat binary_little_endian 1.0\n" + "element vertex {}\nproperty char x\nproperty char y\n" \
+        "property char z\nelement face {}\nproperty list uchar uchar vertex_indices\nend_header\n"
+    corners = [bytes([0, 0, 0, 1, 0, 0, 0, 1, 0]), bytes([3, 0, 1, 2])]
+    yield "a.ply", short.format(3 * LINES, 1).encode() + corners[0] * LINES + corners[1], 3 * LINES, 3
+    yield "a.ply", short.format(3, LINES).encode() + corners[0] + corners[1] * LINES, 3, 3 * LINES
+    yield "a.obj", OBJ + "f" + " 1 2 3" * LINES + "\n", 4, 3 * LINES
     grid = "".join(f"v {x} {y} {math.sin(x + y)}\n" for x in range(200) for y in range(200))
     faces = "".join(f"f {i} {i + 1} {i + 201} {i + 200}\n" for i in range(1, 39800) if i % 200)
     yield "a.obj", grid + faces
 
 
-def check_cost(tool, name, content, costs):
+def check_cost(tool, costs, name, content, vertices=0, corners=0):
+    content = content.encode() if isinstance(content, str) else content
     with tempfile.TemporaryDirectory(prefix="pliant-limits-") as folder:
-        (Path(folder) / name).write_text(content)
+        (Path(folder) / name).write_bytes(content)
         nothing = {stream: subprocess.DEVNULL for stream in ("stdin", "stdout", "stderr")}
         child = subprocess.Popen([tool, "check", name, name], cwd=folder, **nothing)
         _, status, usage = os.wait4(child.pid, 0)
     size = 2 * len(content)  # it is read twice
     allowed = {"processor seconds": 3 + costs["processor seconds for a MiB of meshes"] * size / 2**20,
-               "bytes": (128 << 20) + costs["bytes of memory for a byte of meshes"] * size}
+               "bytes": (128 << 20) + costs["bytes of memory for a byte of meshes"] * size
+                        + 2 * costs["bytes for a vertex, beside these"] * vertices
+                        + 2 * costs["bytes for a corner of a face, beside these"] * corners}
     taken = {"processor seconds": usage.ru_utime + usage.ru_stime, "bytes": usage.ru_maxrss * 1024}
     print(f"{name} of {size / 2**20:.1f} MiB: {taken['processor seconds']:.2f} s, {taken['bytes'] >> 20} MiB")
     if os.waitstatus_to_exitcode(status) not in (0, 3):
@@ -253,11 +267,11 @@ def main(tool, asset):
         if set(limits) != set(made) else []
     for name in sorted(set(limits) & set(made)):
         problems += check_limit(tool, name, made[name], *limits[name])
-    for name, content in costly_files():
-        problems += check_cost(tool, name, content, costs)
+    for file in costly_files():
+        problems += check_cost(tool, costs, *file)
     print(*problems, f"{len(made)} limits", sep="\n")
     return 1 if problems else 0
 
 
 if __name__ == "__main__":
-    sys.exit(main(*sys.argv[1:]))
+    sys.exit(main(*sys.argv[1:3]))

@@ -188,7 +188,13 @@ bool MshReader::read_section(std::string_view name)
         return begin_section("Elements", has_elements_) && (is_version_4_ ? read_elements_4() : read_elements_2())
             && end_section(name);
     }
-    // Names, geometry, data: nothing of ours.
+    // Names, geometry, data: nothing of ours. A long name could be almost found at every byte.
+    constexpr std::size_t name_size_limit = 256;
+    if (name.size() > name_size_limit) {
+        file_.error(2112, file_.at_line(numbers_.line()), fmt::format("unknown section ${}", excerpt(name)),
+                    "the file is damaged: export it again");
+        return false;
+    }
     const std::string end = fmt::format("$End{}", name);
     if (numbers_.skip_behind(end)) return true;
     report_truncated(file_, fmt::format("section ${}", excerpt(name)));

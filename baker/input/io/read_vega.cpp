@@ -28,16 +28,23 @@ std::string_view next_cell(std::string_view& line)
     return word;
 }
 
-// All parts of a list, commas with or without blanks.
-std::vector<std::string_view> split(std::string_view line)
+// The next part of a list, commas with or without blanks; empty at the end of the line.
+std::string_view next_part(std::string_view& line)
+{
+    const std::size_t begin = std::min(line.find_first_not_of(", \t"), line.size());
+    const std::size_t end = std::min(line.find_first_of(", \t#", begin), line.size());
+    const std::string_view part = line.substr(begin, end - begin);
+    line.remove_prefix(end);
+    if (part.empty()) line = {}; // a comment
+    return part;
+}
+
+// The parts of a list of known length: at most one more.
+template <std::size_t size> std::vector<std::string_view> parts_of(std::string_view line)
 {
     std::vector<std::string_view> parts;
-    line = line.substr(0, line.find('#'));
-    for (std::size_t begin = 0; begin < line.size();) {
-        const std::size_t end = std::min(line.find_first_of(", \t", begin), line.size());
-        if (end != begin) parts.push_back(line.substr(begin, end - begin));
-        begin = end + 1;
-    }
+    for (std::string_view part = next_part(line); !part.empty() && parts.size() <= size; part = next_part(line))
+        parts.push_back(part);
     return parts;
 }
 
@@ -51,7 +58,7 @@ struct Set {
 
 struct Region {
     std::size_t line = 0;
-    std::string set, material;
+    std::string_view set, material; // of the file
 };
 
 class VegaReader {
@@ -91,8 +98,8 @@ private:
     bool is_kept_ = false; // the line was read and belongs to what comes next
     bool has_vertices_ = false, has_elements_ = false;
     std::int64_t first_vertex_ = 1, first_tet_ = 1; // numbers of the first
-    std::map<std::string, Set> sets_;
-    std::map<std::string, std::uint32_t> materials_;
+    std::map<std::string, Set, std::less<>> sets_;
+    std::map<std::string, std::uint32_t, std::less<>> materials_;
     std::vector<Region> regions_;
 };
 
@@ -265,7 +272,7 @@ bool VegaReader::read_material(const std::string& name)
         report_truncated(file_, fmt::format("material {}", excerpt(name)));
         return false;
     }
-    const std::vector<std::string_view> parts = split(line_);
+    const std::vector<std::string_view> parts = parts_of<4>(line_);
     if (parts.empty() || upper(parts[0]) != "ENU")
         return fail(2119, fmt::format("material {} is {}", excerpt(name), parts.empty() ? "empty" : excerpt(parts[0])),
                     "only ENU materials are read: ENU, density, Young's modulus, Poisson's ratio");
@@ -293,7 +300,7 @@ bool VegaReader::read_set(const std::string& name)
         return fail(2119, fmt::format("set {} comes twice", excerpt(name)), "give each its own name");
     set.line = lines_.number();
     while (next_row()) {
-        for (const std::string_view part : split(line_)) {
+        for (std::string_view part = next_part(line_); !part.empty(); part = next_part(line_)) {
             const std::optional<std::int64_t> tet = parse_integer(part);
             if (!tet) return fail(2106, fmt::format("set {}: number {} not understood", excerpt(name), excerpt(part)));
             set.tets.push_back(*tet);
@@ -305,11 +312,11 @@ bool VegaReader::read_set(const std::string& name)
 bool VegaReader::read_regions()
 {
     while (next_row()) {
-        const std::vector<std::string_view> parts = split(line_);
+        const std::vector<std::string_view> parts = parts_of<2>(line_);
         if (parts.size() != 2)
             return fail(2119, fmt::format("region not understood: {}", excerpt(line_)),
                         "write the set, a comma, the material");
-        regions_.push_back({ lines_.number(), std::string(parts[0]), std::string(parts[1]) });
+        regions_.push_back({ lines_.number(), parts[0], parts[1] });
     }
     return true;
 }
