@@ -1,7 +1,7 @@
-"""limits.py TOOL ASSET [SCALE]: the table of limits in .github/SECURITY.md is true. Of each row, an input one step beyond the
-value is refused with the message of the row, and one at the value is not refused with it. Rows of cost: good and hostile files
-of every format stay below. ASSET: any good asset, of which the header is changed. SCALE: how many times larger the costly
-files are (default: 1, which says little of memory; 20 takes half a minute)."""
+"""limits.py TOOL ASSET [SCALE]: the table of limits in .github/SECURITY.md is true. Of each row, an input one step beyond
+the value is refused with the message of the row, and one at the value is not refused with it. Rows of cost: good and
+hostile files of every format stay below. ASSET: any good asset, of which the header is changed. SCALE: how many times
+larger the costly files are (default: 1, which says little of memory; 20 takes half a minute)."""
 import math
 import os
 import re
