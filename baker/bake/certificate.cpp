@@ -312,6 +312,14 @@ Json warnings_of(const std::vector<Diagnostic>& warnings)
 
 } // namespace
 
+double read_position_error(const std::string& certificate)
+{
+    const Json json = Json::parse(certificate, nullptr, false);
+    const Json::json_pointer place("/basis/position_error");
+    const bool is_there = json.is_object() && json.contains(place) && json.at(place).is_number();
+    return is_there ? std::clamp(json.at(place).get<double>(), 0.0, 1e-2) : 0.0; // what --position-error takes
+}
+
 std::string write_report(const BakeReport& report, const std::string& asset, const std::vector<Diagnostic>& warnings)
 {
     Json json = Json::parse(report.certificate);

@@ -23,6 +23,9 @@ EnergyOptions read_energy_options(const std::string& certificate, const std::str
 // say. Throws Failure (bad_input, P5103) naming `path` if there is no such pose.
 std::optional<std::size_t> read_start_pose(const std::string& certificate, std::size_t pose_count, const std::string& path);
 
+// How far the stored basis may move a vertex, as a fraction of the diagonal; 0 if the certificate does not say.
+double read_position_error(const std::string& certificate);
+
 // The report for people and build systems (`--report`): the certificate plus times, the name of the asset (relative to the
 // report's folder) and the warnings with the elements that they are about.
 std::string write_report(const BakeReport& report, const std::string& asset = {},

@@ -99,6 +99,11 @@ with tempfile.TemporaryDirectory(prefix="pliant_layers_") as temporary:
     samples = json.loads(run("measure", "tube.pliant", "rest.obj", "twisted.obj", "bent.obj", "--samples", "12", "--json"))
     errors = [sample["relative_l2"] for sample in samples["samples"]]
     assert max(errors) < 2 * report["measured"]["largest_error"], errors
+    # A basis in few bits moves the poses, which are the same still.
+    run("bake", "rest.obj", "twisted.obj", "bent.obj", "--dim", "6", "--check-samples", "2", "--fresh-samples", "1",
+        "--best-effort", "--position-error", "2e-3", "-o", "coarse.pliant")
+    run("measure", "coarse.pliant", "rest.obj", "twisted.obj", "bent.obj", "--samples", "2")
+    run("measure", "coarse.pliant", "rest.obj", "bent.obj", "twisted.obj", "--samples", "2", expected=3)
     help_text = subprocess.run([TOOL, "average", "--help"], capture_output=True, text=True, check=True).stdout
     assert "--blend" in help_text and "layer" in help_text and "rest shape" in " ".join(help_text.split())
 print("layers: bake, sum, exaggeration, path, grid, many layers, help")
