@@ -40,7 +40,7 @@ class OpenedAsset {
 public:
     OpenedAsset(const AssetModel& asset, const TrainingSet& training)
         : asset_(asset)
-        , blender_(encode_asset(asset, provisional_record(asset, training)), "the asset just baked")
+        , blender_(opened(encode_asset(asset, provisional_record(asset, training))))
     {
     }
 
@@ -52,6 +52,18 @@ public:
     }
 
 private:
+    static RuntimeBlender opened(const std::vector<std::uint8_t>& bytes)
+    {
+        try {
+            return RuntimeBlender(bytes, "the asset just baked");
+        } catch (const Failure& failure) {
+            Diagnostic diagnostic = failure.diagnostics().at(0);
+            diagnostic.hint
+                = "single precision does not hold its numbers: leave out the pose that is stretched or pressed most";
+            throw Failure(ExitCode::failed, diagnostic);
+        }
+    }
+
     // The format wants an answer; nothing here asks for it.
     static AssetRecord provisional_record(const AssetModel& asset, const TrainingSet& training)
     {

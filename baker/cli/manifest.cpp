@@ -3,6 +3,7 @@
 #include "cli/bake_request.h"
 #include "cli/config_options.h"
 #include "input/io/source_file.h"
+#include "input/poses/pose_source.h"
 #include "pipeline/stamp.h"
 
 #include <algorithm>
@@ -110,6 +111,10 @@ BatchJob read_entry(const Json& entry, const Json& defaults, const std::string& 
     job.options = stamped_options(effective_config(bake.app), job.output);
     for (const char* key : { "report", "depfile" })
         if (config.contains(key)) job.extras.push_back(config[key].get<std::string>());
+    for (const Json& pose : config["poses"]) job.inputs.push_back(split_pose_argument(pose.get<std::string>()).path);
+    for (const char* key : { "fix", "surface" })
+        if (config.contains(key)) job.inputs.push_back(config[key].get<std::string>());
+    if (entry.contains("config")) job.inputs.push_back(in_folder(folder, entry["config"].get<std::string>()));
     config["stamp"] = stamp_path(job.output);
     if (!config.contains("threads")) config["threads"] = threads;
     job.arguments = to_arguments(config);
@@ -128,13 +133,16 @@ void check_names(const std::vector<BatchJob>& jobs, const std::string& path)
     }
 }
 
-// No two files that bakes write may be one, nor the manifest.
+// No two files that bakes write may be one, nor the manifest, nor what a bake reads.
 void check_outputs(const std::vector<BatchJob>& jobs, const std::string& manifest)
 {
     std::map<fs::path, std::string> owners;
-    const auto take = [&](const std::string& file, const std::string& owner) {
+    const auto place_of = [](const std::string& file) {
         std::error_code ignored;
-        const auto [other, is_new] = owners.emplace(fs::weakly_canonical(fs::absolute(file), ignored), owner);
+        return fs::weakly_canonical(fs::absolute(file), ignored);
+    };
+    const auto take = [&](const std::string& file, const std::string& owner) {
+        const auto [other, is_new] = owners.emplace(place_of(file), owner);
         if (!is_new)
             fail(2708, manifest, fmt::format("{} and {} have the output {}", other->second, owner, file),
                  "give each bake its own outputs");
@@ -146,6 +154,11 @@ void check_outputs(const std::vector<BatchJob>& jobs, const std::string& manifes
         take(stamp_path(jobs[i].output), owner);
         for (const std::string& file : jobs[i].extras) take(file, owner);
     }
+    for (std::size_t i = 0; i < jobs.size(); ++i)
+        for (const std::string& file : jobs[i].inputs)
+            if (const auto owner = owners.find(place_of(file)); owner != owners.end())
+                fail(2708, manifest, fmt::format("bakes[{}] reads {}, which is written for {}", i, file, owner->second),
+                     "give each bake its own outputs");
 }
 
 } // namespace

@@ -114,6 +114,7 @@ void probe_all_outputs(const BakeRequest& a)
     if (!a.surface.empty()) inputs.push_back(a.surface);
     if (!a.config.empty()) inputs.push_back(a.config);
     probe_outputs({ a.output, a.report, a.depfile, a.stamp }, inputs);
+    if (!a.depfile.empty()) write_depfile(a.output, inputs); // throws at names that it cannot hold
     require_suffix("--output", a.output, ".pliant");
     require_suffix("--report", a.report, ".json");
 }

@@ -26,6 +26,7 @@ struct BatchJob {
     std::vector<std::string> arguments; // of the tool, behind "bake"
     Json options;                       // of its stamp
     std::vector<std::string> extras;    // further outputs, which must be there
+    std::vector<std::string> inputs;    // files that the manifest names
 
     std::string reason;   // why it is not up to date
     std::string error;    // the first that its process has named: "poses/run.ply:812: face 377 uses ..."

@@ -8,16 +8,26 @@
 namespace pliant {
 namespace {
 
+// What Make takes for something else wherever it stands, and nothing escapes for Make and Ninja alike: a recipe, an order, a
+// target, a variable, a pattern. Such a name in a stranger's glTF file could run a command in the build.
+void check_name(const std::string& path)
+{
+    const std::size_t at = path.find_first_of("\r\n;|:=%*?[]");
+    if (at == std::string::npos && path[0] != '~' && path.back() != '\\') return;
+    const std::string what = at == std::string::npos ? path[0] == '~' ? "begins with '~'" : "ends with a backslash"
+        : path[at] < ' '                             ? "contains a line break"
+                                                     : fmt::format("contains '{}'", path[at]);
+    throw Failure(ExitCode::failed,
+                  error_at(4604, "",
+                           fmt::format("the name {} {}, which a dependency file cannot express", excerpt(path), what),
+                           "rename it, or leave --depfile out"));
+}
+
 // GCC's rules, which Make, Ninja and CMake follow: a space or '#' takes a backslash, backslashes in front of it are doubled,
 // others stand for themselves; '$' is doubled.
 std::string escaped(const std::string& path)
 {
-    if (path.find_first_of("\r\n") != std::string::npos)
-        throw Failure(
-            ExitCode::failed,
-            error_at(4604, "",
-                     fmt::format("the name {} contains a line break, which a dependency file cannot express", excerpt(path)),
-                     "rename it, or leave --depfile out"));
+    check_name(path);
     std::string text;
     std::size_t backslashes = 0;
     for (const char c : path) {

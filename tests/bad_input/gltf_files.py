@@ -142,6 +142,7 @@ def add_cases(good):
     edited("gltf_extension", "extensionsRequired", value=["KHR_materials_unlit", "ACME_secret"])
     edited("gltf_wrong_type", "accessors", 0, "count", value="many")
     edited("gltf_index", *primitive, "indices", value=99)
+    edited("gltf_texture", "materials", value=[{"pbrMetallicRoughness": {"baseColorTexture": {"index": 7}}}])
     edited("gltf_negative", *primitive, "indices", value=-1)
     edited("gltf_accessor_outside", "accessors", 0, "byteOffset", value=64)
     edited("gltf_view_outside", "bufferViews", 0, "byteLength", value=1000000)

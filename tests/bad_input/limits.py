@@ -233,6 +233,9 @@ def costly_files():
     yield "a.ply", short.format(3 * LINES, 1).encode() + corners[0] * LINES + corners[1], 3 * LINES, 3
     yield "a.ply", short.format(3, LINES).encode() + corners[0] + corners[1] * LINES, 3, 3 * LINES
     yield "a.obj", OBJ + "f" + " 1 2 3" * LINES + "\n", 4, 3 * LINES
+    # A plane at one height of a direction by which vertices were sorted once.
+    tilted = "".join(f"v {0.7930 * x + 0.2837 * y} {-0.5392 * y} {-0.5392 * x}\n" for x in range(300) for y in range(300))
+    yield "a.obj", tilted + "f 1 2 302\n"
     grid = "".join(f"v {x} {y} {math.sin(x + y)}\n" for x in range(200) for y in range(200))
     faces = "".join(f"f {i} {i + 1} {i + 201} {i + 200}\n" for i in range(1, 39800) if i % 200)
     yield "a.obj", grid + faces

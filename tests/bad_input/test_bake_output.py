@@ -98,16 +98,34 @@ def run(*arguments):
                           timeout=300)
 
 
-def change_first_answer(blob):
-    """The asset with another number as its first stored answer, checksums made right again: only solving finds out."""
+def change_number(blob, wanted, place, value):
+    """The asset with another number in a chunk, checksums made right again."""
     blob = bytearray(blob)
     (count,) = struct.unpack_from("<I", blob, 24)
-    (pose_count,) = struct.unpack_from("<I", blob, 44)
     for entry in range(64, 64 + 32 * count, 32):
         tag, _, offset = struct.unpack_from("<4sIQ", blob, entry)
-        if tag == b"ANSW":
-            struct.pack_into("<f", blob, offset + 64 + 4 * pose_count, 1e3)
-    return with_checksums(blob)
+        if tag == wanted:
+            struct.pack_into("<f", blob, offset + place, value)
+            return with_checksums(blob)
+    raise AssertionError(f"no chunk {wanted}")
+
+
+def change_first_answer(blob):
+    """Only solving finds out."""
+    return change_number(blob, b"ANSW", 64 + 4 * struct.unpack_from("<I", blob, 44)[0], 1e3)
+
+
+def test_no_shape(folder, poses):
+    """The format takes any numbers; an export needs a shape."""
+    asset, changed = folder / "plain.pliant", folder / "changed.pliant"
+    check(run("bake", *poses, "-o", asset, "--quiet", "--position-error", "0").returncode == 0, "a good bake")
+    for value in (float("inf"), float("nan"), 3e38):
+        changed.write_bytes(change_number(asset.read_bytes(), b"REST", 0, value))
+        check(run("validate", changed).returncode == 0, f"{value} keeps the rules of the format")
+        for options in ([], ["--quantize", "1e-3"], ["--meshopt"], ["--skin", "2"]):
+            result = run("export", changed, "-o", folder / "changed.glb", *options)
+            check(result.returncode == 3 and "error P5102" in result.stderr,
+                  f"{value} exported with {options}: {result.returncode} {result.stderr}")
 
 
 def test_wrong_partners(folder, poses):
@@ -167,6 +185,7 @@ def main():
         test_interrupt_of_many(folder, small)
         test_cut_short(folder, small)
         test_wrong_partners(folder, small)
+        test_no_shape(folder, small)
         test_drawn_surface(folder)
         test_two_bakes(folder, small)
     return 1 if failures else 0

@@ -49,6 +49,7 @@ std::string nearest_word(const std::string& word, const std::vector<std::string>
     std::string nearest;
     std::size_t least = longest;
     for (const std::string& candidate : words) {
+        if (candidate.size() > 2 * longest) continue;
         const std::size_t distance = edit_distance(plain(word), plain(candidate));
         if (distance >= least || 3 * distance > std::max(word.size(), candidate.size())) continue;
         least = distance;

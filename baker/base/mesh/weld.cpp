@@ -1,13 +1,29 @@
 #include "base/mesh/weld.h"
 
+#include "base/common/random.h"
+
 #include <Eigen/Geometry>
 #include <algorithm>
+#include <cstring>
 #include <numeric>
 
 namespace pliant {
 namespace {
 
 using Index = std::uint32_t;
+
+std::uint64_t hash_of(const std::vector<const Positions*>& poses)
+{
+    std::uint64_t hash = 0;
+    for (const Positions* pose : poses)
+        for (Eigen::Index i = 0; i < pose->size(); ++i) {
+            std::uint64_t bits = 0;
+            std::memcpy(&bits, pose->data() + i, sizeof bits);
+            hash = (hash ^ bits) * 0x9E3779B97F4A7C15u;
+            hash ^= hash >> 29;
+        }
+    return hash;
+}
 
 class Welder {
 public:
@@ -16,14 +32,15 @@ public:
         , window_(tolerance * double(poses.size()))
         , heights_(Eigen::VectorXd::Zero(poses[0]->rows()))
     {
-        // Along no symmetry that meshes have, and another one for each pose, so that few vertices lie at equal heights.
-        Eigen::RowVector3d up = Eigen::RowVector3d(0.5392, 0.2837, 0.7930).normalized();
+        // Along a direction that depends on all coordinates, and another one for each pose: nobody can make a mesh with many
+        // vertices at equal heights, which would take quadratic time.
+        Random random(hash_of(poses));
         for (const Positions* pose : poses) {
             const Eigen::RowVector3d low = pose->colwise().minCoeff(), high = pose->colwise().maxCoeff();
             const double diagonal = (high - low).norm();
             reach_.push_back(tolerance * diagonal);
-            if (diagonal > 0) heights_ += (pose->rowwise() - low) / diagonal * up.transpose();
-            up = Eigen::RowVector3d(up[1], up[2], -up[0]);
+            const Eigen::Vector3d up = Eigen::Vector3d(random.normal(), random.normal(), random.normal()).normalized();
+            if (diagonal > 0) heights_ += (pose->rowwise() - low) / diagonal * up;
         }
     }
 

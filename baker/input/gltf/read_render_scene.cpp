@@ -151,10 +151,27 @@ GltfJson painting_extensions(const GltfDocument& document)
     return out;
 }
 
-// Every index in the lists that are kept points into them, or the file is wrong.
+// Textures that a material or one of its extensions names.
+void check_textures(const GltfValue& value, std::size_t texture_count)
+{
+    if (!value.exists() || !value.json().is_object()) return;
+    constexpr std::string_view ending = "Texture";
+    for (const auto& item : value.json().items()) {
+        const std::string& key = item.key();
+        if (key == "extras") continue;
+        const GltfValue member = value[key.c_str()];
+        const bool is_texture
+            = key.size() > ending.size() && key.compare(key.size() - ending.size(), ending.size(), ending) == 0;
+        if (is_texture) member["index"].index(texture_count, "textures");
+        check_textures(member, texture_count);
+    }
+}
+
+} // namespace
+
 void check_materials(const GltfDocument& document)
 {
-    const GltfValue textures = document["textures"];
+    const GltfValue textures = document["textures"], materials = document["materials"];
     for (std::size_t i = 0; i < textures.size(); ++i) {
         textures.at(i)["source"].index_or_none(document["images"].size(), "images");
         textures.at(i)["sampler"].index_or_none(document["samplers"].size(), "samplers");
@@ -162,9 +179,12 @@ void check_materials(const GltfDocument& document)
     for (const char* key : { "materials", "samplers", "textures" })
         for (std::size_t i = 0; i < document[key].size(); ++i)
             if (!document[key].at(i).json().is_object()) document[key].at(i).fail(2306, "an object expected");
+    for (std::size_t i = 0; i < materials.size(); ++i) {
+        check_textures(materials.at(i), textures.size());
+        const GltfValue factor = materials.at(i)["pbrMetallicRoughness"]["baseColorFactor"];
+        if (factor.exists()) factor.numbers(4);
+    }
 }
-
-} // namespace
 
 RenderScene render_scene(const GltfScene& scene, const Positions& normals, std::vector<Diagnostic>& warnings)
 {

@@ -11,4 +11,7 @@ namespace pliant {
 // (P2306, P2307).
 RenderScene render_scene(const GltfScene& scene, const Positions& normals, std::vector<Diagnostic>& warnings);
 
+// Every index in the lists that are kept (materials, textures, samplers) points into them. Throws Failure: P2306, P2307.
+void check_materials(const GltfDocument& document);
+
 } // namespace pliant

@@ -1,6 +1,7 @@
 #include "input/gltf/scene_chunk.h"
 
 #include "input/gltf/accessor.h"
+#include "input/gltf/read_render_scene.h"
 #include "input/io/source_file.h"
 
 #include <algorithm>
@@ -187,6 +188,7 @@ std::vector<ScenePart> decode_parts(const GltfDocument& document, const GltfValu
 
 std::string take_materials(const GltfDocument& document, std::vector<std::string>& images)
 {
+    check_materials(document);
     GltfJson materials = GltfJson::object();
     for (const char* key : { "materials", "textures", "samplers", "extensionsUsed" })
         if (document[key].size() != 0) materials[key] = document[key].json();
@@ -200,10 +202,12 @@ std::string take_materials(const GltfDocument& document, std::vector<std::string
     for (std::size_t i = 0; i < list.size(); ++i) {
         std::string why;
         images.push_back(document.image(i, why));
+        if (images.back().empty()) list.at(i).fail(2308, "has no bytes in the asset");
         if (images.back().size() > left) list.at(i).fail(2308, "shares its bytes with other images");
         left -= images.back().size();
-        GltfJson image = list.at(i).json();
-        image.erase("bufferView");
+        GltfJson image = GltfJson::object(); // and no address, which whoever opens the export would ask
+        for (const char* key : { "name", "mimeType" })
+            if (list.at(i)[key].exists()) image[key] = list.at(i)[key].text();
         materials["images"].push_back(std::move(image));
     }
     return materials.dump(-1, ' ', false, GltfJson::error_handler_t::replace);

@@ -309,7 +309,7 @@ template <class Source> bool BodyReader<Source>::read_corners(const Property& pr
 {
     const std::optional<std::int64_t> size = read_list_size(property);
     if (!size) return false;
-    const std::uint64_t vertex_count = header_.find("vertex")->count;
+    const auto vertex_count = static_cast<std::uint64_t>(mesh_.positions.rows());
     for (std::int64_t corner = 0; corner < *size; ++corner) {
         const std::optional<std::int64_t> index = source_.integer(property.type);
         if (!index) return false;

@@ -140,7 +140,7 @@ std::vector<std::vector<float>> default_path(const WeightDomain& domain, double 
 ExportedFile export_asset(RuntimeBlender& blender, const ExportOptions& options)
 {
     const pliant_asset& asset = blender.asset();
-    const DrawnSpace space = drawn_space(blender);
+    const DrawnSpace space = drawn_space(blender, options.source);
     const RenderScene scene = exported_scene(blender, space, options.source);
     ExportedFile file;
     ExportReport& report = file.report;

@@ -101,11 +101,11 @@ GridMesh make_grid_mesh(const MorphMesh& mesh, const DrawnSpace& space, double e
     box.include(mesh.base.cast<double>());
     GridMesh out;
     out.grid = { double(float(2 * allowed)), middle_of(box) };
-    for (;;) { // the error falls with the step, so that this ends here or in refuse()
+    for (int round = 0;; ++round) { // the error falls with the step, so that this ends here or in refuse()
         const Eigen::MatrixXd steps
             = beside(mesh.deltas.cast<double>() / out.grid.step, out.grid.steps_of(mesh.base.cast<double>()));
         const double most = std::max(most_of(steps), most_of(out.grid.steps_of(mesh.reachable.corners())));
-        if (!(most < most_steps - 1)) refuse(error, most, 4);
+        if (!(most < most_steps - 1) || round == 100) refuse(error, most, 4);
         out.positions = rounding.round(steps, steps.rightCols<1>(), most_steps);
         const double found = out.grid.step * largest_distance(steps - out.positions.cast<double>(), features);
         out.error = found / mesh.reachable.diagonal();

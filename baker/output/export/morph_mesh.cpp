@@ -68,6 +68,21 @@ NormalFit::Result fit_normals(const DrawnSpace& space, const MorphMesh& mesh)
     return fit.solve();
 }
 
+// The format takes any numbers. A file of glTF that an engine can draw does not.
+void check_drawable(const RuntimeBlender& blender, const DrawnSpace& space, const std::string& path)
+{
+    constexpr float largest = 1e18f; // of the coordinates of meshes
+    const auto is_good = [](const auto& numbers) { return (numbers.array().abs() <= largest).all(); }; // false for nan
+    bool is_drawable = is_good(space.at_zero) && is_good(space.columns);
+    for (std::uint32_t k = 0; is_drawable && k < blender.asset().pose_count; ++k)
+        is_drawable = is_good(boundary_positions(blender, blender.pose_coordinates(k)));
+    if (!is_drawable)
+        throw Failure(ExitCode::bad_input,
+                      error_at(5102, path,
+                               "not a usable asset: its shapes have coordinates that are not finite or beyond 1e18",
+                               "the file is damaged: copy or bake it again"));
+}
+
 } // namespace
 
 void Box::include(const Eigen::VectorXd& positions)
@@ -77,7 +92,7 @@ void Box::include(const Eigen::VectorXd& positions)
     high = high.cwiseMax(points.rowwise().maxCoeff());
 }
 
-DrawnSpace drawn_space(const RuntimeBlender& blender)
+DrawnSpace drawn_space(const RuntimeBlender& blender, const std::string& path)
 {
     const pliant_asset& asset = blender.asset();
     DrawnSpace space;
@@ -88,6 +103,7 @@ DrawnSpace drawn_space(const RuntimeBlender& blender)
     space.first_pose = Eigen::Map<const Eigen::VectorXf>(pliant_asset_pose_coordinates(&asset, 0), asset.dimension);
     space.columns.resize(space.at_zero.size(), asset.dimension);
     for (std::uint32_t j = 0; j < asset.dimension; ++j) space.columns.col(j) = column_of(blender, j, space.at_zero);
+    check_drawable(blender, space, path);
     return space;
 }
 

@@ -6,6 +6,7 @@
 
 #include <Eigen/Core>
 #include <cstdint>
+#include <string>
 #include <vector>
 
 namespace pliant {
@@ -24,8 +25,8 @@ struct DrawnSpace {
 };
 
 // Asks the runtime for the shapes of unit coordinates, whatever the asset's encoding of the basis. Cost: d + 1
-// reconstructions.
-DrawnSpace drawn_space(const RuntimeBlender& blender);
+// reconstructions. `path` is for the message. Throws Failure (bad_input, P5102) where a shape is not finite or beyond 1e18.
+DrawnSpace drawn_space(const RuntimeBlender& blender, const std::string& path);
 
 // Unit normals (3n) of a shape (3n).
 Eigen::VectorXd drawn_normals(const DrawnSpace& space, const Eigen::VectorXd& shape);

@@ -2,6 +2,7 @@
 
 #include "output/asset/asset_facts.h"
 #include "output/page/certificate_facts.h"
+#include "output/page/html.h"
 #include "output/page/page_charts.h"
 #include "output/page/page_pictures.h"
 
@@ -209,7 +210,7 @@ void add_facts(const RuntimeBlender& blender, PageData& data)
     const pliant_solver_desc desc = pliant_solver_desc_default();
     data.format = format_version(asset);
     data.pose_count = asset.pose_count;
-    for (std::uint32_t k = 0; k < asset.pose_count; ++k) data.poses.push_back(blender.pose_name(k));
+    for (std::uint32_t k = 0; k < asset.pose_count; ++k) data.poses.push_back(shortened(blender.pose_name(k)));
     const std::vector<WeightRange> ranges = blender.domain().ranges();
     for (std::size_t k = 0; k < ranges.size(); ++k)
         data.layers.push_back({ data.poses[k + 1], ranges[k].low, ranges[k].high, ranges[k].initial });

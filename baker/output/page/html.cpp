@@ -14,6 +14,14 @@ constexpr const char* replacement = "\xEF\xBF\xBD";
 
 } // namespace
 
+std::string shortened(const std::string& name)
+{
+    constexpr std::size_t longest = 200;
+    std::size_t end = std::min(name.size(), longest);
+    while (end > 0 && end < name.size() && (std::uint8_t(name[end]) & 0xC0u) == 0x80) --end;
+    return end == name.size() ? name : name.substr(0, end) + "…";
+}
+
 std::string escape_html(std::string_view text)
 {
     std::string out;

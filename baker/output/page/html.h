@@ -11,6 +11,9 @@ namespace pliant {
 // that are not UTF-8 as U+FFFD.
 std::string escape_html(std::string_view text);
 
+// A name of at most some 200 bytes, by whole characters: pages repeat it at every picture.
+std::string shortened(const std::string& name);
+
 // 0.00051 as "0.051 %", with two digits that count; "unknown" if it is not a number.
 std::string percent_text(double part);
 

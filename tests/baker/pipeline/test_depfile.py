@@ -136,6 +136,13 @@ def test_never_half(folder):
           "a bake that fails leaves the old one")
     same = TOOL.run("bake", "rest.obj", "bent.obj", "-o", "x.pliant", "--depfile", "rest.obj", cwd=folder)
     check(same.returncode == 1 and "error P4004" in same.stderr, f"it may not replace an input {same.stderr}")
+    write_gltf(folder / "hero.gltf", folder)
+    text = (folder / "hero.gltf").read_text(encoding="utf-8")
+    (folder / "hero.gltf").write_text(text.replace("skin.png", "x;touch$%7BIFS%7DPWNED;.png"), encoding="utf-8")
+    stranger = TOOL.run("bake", "rest.obj", "hero.gltf#rest", "-o", "x.pliant", "--depfile", "x.d", *QUICK_OPTIONS,
+                        cwd=folder)
+    check(stranger.returncode == 1 and "error P4604" in stranger.stderr and "contains ';'" in stranger.stderr,
+          f"a name that Make would run is refused {stranger.stderr}")
     folder = folder / "line\nbreak"
     support.poses(folder)
     broken = TOOL.run("bake", folder / "rest.obj", folder / "bent.obj", "-o", "x.pliant", "--depfile", "x.d", *QUICK_OPTIONS,

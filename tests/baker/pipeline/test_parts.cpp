@@ -62,7 +62,8 @@ TEST_CASE("dependency files escape what Make and Ninja take for something else")
     CHECK(write_depfile("o", { "my pose.ply", "a#b.obj", "c$d.obj" })
           == "o: \\\n  my\\ pose.ply \\\n  a\\#b.obj \\\n  c$$d.obj\n");
     CHECK(write_depfile("o", { "a\\b", "a\\ b" }) == "o: \\\n  a\\b \\\n  a\\\\\\ b\n");
-    CHECK_THROWS_AS(write_depfile("o", { "a\nb" }), Failure); // P4604
+    for (const char* name : { "a\nb", "x;touch PWNED;.png", "a|b", "SHELL=b", "a:b", "a%b", "a*", "a?", "[a]", "~a", "a\\" })
+        CHECK_THROWS_AS(write_depfile("o", { name }), Failure); // P4604
 }
 
 TEST_CASE("the nearest word")
@@ -71,7 +72,8 @@ TEST_CASE("the nearest word")
     CHECK(nearest_word("tolerence", words) == "tolerance");
     CHECK(nearest_word("tolerance-max", words) == "tolerance_max");
     CHECK(nearest_word("Dim", words) == "dim");
-    CHECK(nearest_word("sede", words) == "seed"); // two letters swapped
+    CHECK(nearest_word("tolerence", { std::string(5000000, 'e'), "tolerance" }) == "tolerance"); // no table of its size
+    CHECK(nearest_word("sede", words) == "seed");                                                // two letters swapped
     CHECK(nearest_word("noalign", words) == "no_align");
     CHECK(nearest_word("banana", words).empty());
     CHECK(nearest_word(std::string(1000000, 'x'), words).empty());

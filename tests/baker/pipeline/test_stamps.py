@@ -124,6 +124,8 @@ def test_manifests(folder):
     refused(folder, {"bakes": [{**good, "depfile": "b.pliant"}, other]}, "P2708", "have the output", "an asset as depfile")
     refused(folder, {"bakes": [{**good, "report": "bad.json"}]}, "P2708", "the manifest and bakes[0] have the output",
             "the manifest itself")
+    refused(folder, {"bakes": [{**good, "depfile": "c.obj"}, {**other, "poses": ["a.obj", "c.obj"]}]}, "P2708",
+            "c.obj, which is written for bakes[0]", "a pose as depfile")
     for name in ("../up", "/up", "--up", "a\0b", "a\nb", ".", "a\x1b[31m"):
         refused(folder, {"bakes": [{**good, "name": name}]}, "P2707", "is no name", f"the name {name!r}")
     refused(folder, {"bakes": [good], "default": {}}, "P2704", 'did you mean "defaults"', "a key misspelt")

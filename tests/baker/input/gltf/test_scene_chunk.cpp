@@ -91,8 +91,20 @@ TEST_CASE("no other file is opened")
     const std::size_t place = bytes.find("\"bufferView\":0,\"mimeType\"");
     REQUIRE(place != std::string::npos);
     bytes.replace(place, 14, "\"uri\":\"//etc\" "); // as long as what it replaces
-    const RenderScene scene = decode_scene_chunk(bytes, "asset", 100);
-    CHECK(scene.images == std::vector<std::string> { "" });
+    CHECK_THROWS_AS(decode_scene_chunk(bytes, "asset", 100), Failure);
+}
+
+TEST_CASE("only names and types of images come out of a chunk, and materials name textures that are there")
+{
+    std::string bytes = bytes_of(sample());
+    const std::size_t place = bytes.find("\"mimeType\":");
+    REQUIRE(place != std::string::npos);
+    bytes.replace(place, 10, "\"uri12345\""); // as long as what it replaces
+    CHECK(decode_scene_chunk(bytes, "asset", 100).materials.find("uri12345") == std::string::npos);
+    RenderScene scene = sample();
+    const std::string name = "{\"name\":\"b\"";
+    scene.materials.insert(scene.materials.find(name) + name.size(), ",\"emissiveTexture\":{\"index\":7}");
+    CHECK_THROWS_AS(decode_scene_chunk(bytes_of(scene), "asset", 100), Failure);
 }
 
 TEST_CASE("damaged chunks are refused or read, never worse")

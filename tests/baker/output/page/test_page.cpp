@@ -141,6 +141,8 @@ TEST_CASE("text of strangers stays text")
 {
     CHECK(escape_html("a<b>&\"'c") == "a&lt;b&gt;&amp;&quot;&#39;c");
     CHECK(escape_html("Grüße, 走る, 🙂\n") == "Grüße, 走る, 🙂\n");
+    CHECK(shortened("Grüße") == "Grüße");
+    CHECK(shortened(std::string(199, 'a') + "ü" + std::string(1000000, 'b')) == std::string(199, 'a') + "…");
     CHECK(escape_html(std::string("a\0b\x1b", 4))
           == "a\xEF\xBF\xBD"
              "b\xEF\xBF\xBD");
