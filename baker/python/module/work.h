@@ -19,7 +19,8 @@ struct Listener {
 // returns when it has ended. The caller waits without the interpreter's lock, and looks for signals and news twenty times a
 // second: what a signal handler or the listener raises (KeyboardInterrupt, a warning made an error) stops the work at its
 // next Progress::update, and is raised here once it has ended. Works of one process take turns, as the number of threads is
-// one for all; waiting can be interrupted, too. Throws what `work` throws. Call with the interpreter locked.
+// one for all; waiting can be interrupted, too. Throws what `work` throws, and std::runtime_error for a work that the
+// listener of another one asks for, which would wait for itself. Call with the interpreter locked.
 void work_interruptibly(const Listener& listener, unsigned thread_count, const std::function<void(Progress&)>& work);
 
 } // namespace pliant

@@ -127,7 +127,7 @@ def bake(
 
     progress  called as progress(stage, done, total) on the calling thread, at most about 20 times a second, with the name of
               the stage and how much of the whole bake is done, out of a total of 1.0; it never decreases. An exception that
-              it raises stops the bake.
+              it raises stops the bake. It cannot bake or average itself: RuntimeError.
 
     Ctrl-C stops a bake at its next step, within a second up to some 6,000 vertices (the longest step is one sparse
     factorization); nothing is left running. Warnings are of class PliantWarning; a warning that is turned into an error
