@@ -168,6 +168,7 @@ def add_cases(good):
         mesh["primitives"] *= 1000
     case("gltf_shared_corners", corners)
     edited("gltf_shared_names", "meshes", 0, "name", value="n" * 257)
+    edited("gltf_target_name", "meshes", 0, "extras", value={"targetNames": ["t" * 257]})
 
     def weights(gltf):
         gltf.json["nodes"] += [{"mesh": 0}] * 3000

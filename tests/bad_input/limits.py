@@ -108,12 +108,13 @@ def shared(gltf, limit, numbers, component, cost):
 
 def drawn(gltf, limit):
     primitive = gltf.mesh([(0, 0, 0), (1, 0, 0), (0, 1, 0)], [(0, 1, 2)])
-    gltf.json["meshes"][0]["primitives"] = [{**primitive, "indices": i} for i in shared(gltf, limit, [0, 1], 5121, 9 + 64)]
+    indices = shared(gltf, limit, [0, 1], 5121, 9 + 64 + 64)
+    gltf.json["meshes"][0]["primitives"] = [{**primitive, "indices": i} for i in indices]
 
 
 def reread(gltf, limit):
     gltf.mesh([(0, 0, 0), (1, 0, 0), (0, 1, 0)], [(0, 1, 2)])
-    times = shared(gltf, limit, list(range(50000)), 5126, 0)
+    times = shared(gltf, limit, list(range(50000)), 5126, 64)
     gltf.json["animations"] = [{"channels": [], "samplers": [{"input": i, "output": i} for i in times]}]
 
 
@@ -154,7 +155,7 @@ def makers(asset):
         "numbers that a glTF scene draws, beside 8 for each byte": lambda count: gltf(drawn)(count, 8),
         "numbers that a pose of a glTF file reads, beside 32 for each byte":
             lambda count: gltf(reread)(count, 32, "#animation=0@0"),
-        "bytes of the name of a glTF mesh":
+        "bytes of the name of a glTF mesh or morph target":
             lambda size: check("a.gltf", '{"asset": {"version": "2.0"}, "nodes": [{"mesh": 0}], "meshes": [{"name": "'
                                + "n" * size + '"}]}'),
         "depth of configurations and manifests": config_depth,

@@ -175,8 +175,10 @@ void GltfAllowance::take(const GltfValue& place, std::uint64_t count, std::uint6
 
 void GltfAllowance::take_all_of(const GltfValue& reference)
 {
+    constexpr std::uint64_t numbers_of_use = 64; // what finding an accessor costs
     const AccessorShape shape = accessor_shape(document_, reference);
     take(reference, shape.count, static_cast<std::uint64_t>(shape.components));
+    take(reference, numbers_of_use);
 }
 
 GltfNumbers read_numbers(const GltfDocument& document, const GltfValue& reference, std::initializer_list<int> components,

@@ -43,7 +43,7 @@ public:
 
     // P2333, told at `place`, if `count` elements of `width` numbers are too many.
     void take(const GltfValue& place, std::uint64_t count, std::uint64_t width = 1);
-    // The same for all elements of the accessor that `reference` names.
+    // The same for all elements of the accessor that `reference` names, and for its use.
     void take_all_of(const GltfValue& reference);
 
 private:

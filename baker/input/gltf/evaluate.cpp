@@ -20,6 +20,26 @@ GltfNumbers morphed(const GltfDocument& document, const GltfPrimitive& primitive
     return out;
 }
 
+// The primitives of a mesh at the weights that a node showed it with last; most nodes show it with the same.
+struct MorphedMesh {
+    std::vector<double> weights;
+    std::vector<GltfNumbers> positions, normals; // a primitive; no normals: none are wanted, or it has none
+};
+
+void morph(const GltfDocument& document, const GltfMesh& mesh, const std::vector<double>& weights, bool has_normals,
+           GltfAllowance& allowance, MorphedMesh& out)
+{
+    if (!out.positions.empty() && out.weights == weights) return;
+    out = { weights, {}, {} };
+    for (const GltfPrimitive& primitive : mesh.primitives) {
+        out.positions.push_back(morphed(document, primitive, weights, primitive.positions, "POSITION", allowance));
+        const auto normal = primitive.attributes.find("NORMAL");
+        out.normals.push_back(has_normals && normal != primitive.attributes.end()
+                                  ? morphed(document, primitive, weights, normal->second, "NORMAL", allowance)
+                                  : GltfNumbers());
+    }
+}
+
 // Of normals: what keeps them at right angles, whatever the matrix does to lengths.
 Eigen::Matrix3d cofactors(const Eigen::Matrix3d& m)
 {
@@ -86,19 +106,17 @@ Positions evaluate(const GltfScene& scene, const GltfState& state, Positions* no
     const std::vector<Eigen::Matrix4d> world = world_matrices(scene, state);
     const std::vector<std::vector<Eigen::Matrix4d>> of_skins = skin_matrices(scene, world);
     GltfAllowance allowance(*scene.document);
+    std::vector<MorphedMesh> meshes(scene.meshes.size());
     Eigen::Index first = 0;
     for (const GltfInstance& instance : scene.instances) {
         const std::vector<Eigen::Matrix4d> own = { world[instance.node] };
         const auto& matrices = instance.skin < 0 ? own : of_skins[static_cast<std::size_t>(instance.skin)];
-        for (const GltfPrimitive& primitive : scene.meshes[instance.mesh].primitives) {
-            const std::vector<double>& weights = state.weights[instance.node];
-            const GltfNumbers p = morphed(*scene.document, primitive, weights, primitive.positions, "POSITION", allowance);
-            const auto normal = primitive.attributes.find("NORMAL");
-            const bool has_normals = normals && normal != primitive.attributes.end();
-            const GltfNumbers n = has_normals
-                ? morphed(*scene.document, primitive, weights, normal->second, "NORMAL", allowance)
-                : GltfNumbers();
-            put_primitive(primitive, matrices, instance.skin >= 0, p, has_normals ? &n : nullptr,
+        const GltfMesh& mesh = scene.meshes[instance.mesh];
+        MorphedMesh& shape = meshes[instance.mesh];
+        morph(*scene.document, mesh, state.weights[instance.node], normals != nullptr, allowance, shape);
+        for (std::size_t i = 0; i < mesh.primitives.size(); ++i) {
+            const GltfNumbers &p = shape.positions[i], &n = shape.normals[i];
+            put_primitive(mesh.primitives[i], matrices, instance.skin >= 0, p, n.size() == 0 ? nullptr : &n,
                           { positions, normals, first });
             first += p.rows();
         }

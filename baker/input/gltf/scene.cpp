@@ -14,8 +14,16 @@ namespace {
 // of each of its bytes. A drawn primitive counts for some numbers itself.
 constexpr std::uint64_t free_numbers = 4000000, numbers_per_byte = 8, numbers_of_part = 64;
 
-// Every node that shows a mesh repeats its name.
+// Of meshes, whose names every node repeats, and of targets.
 constexpr std::size_t name_size_limit = 256;
+
+std::string name_of(const GltfValue& value)
+{
+    std::string name = value.text_or("");
+    if (name.size() > name_size_limit)
+        value.fail(2306, fmt::format("has {} bytes, the limit is {}", name.size(), name_size_limit));
+    return name;
+}
 
 Eigen::Matrix4d matrix_of(const GltfNode& node, const GltfTransform& transform)
 {
@@ -122,7 +130,7 @@ std::vector<std::string> target_names_of(const GltfValue& mesh, std::size_t coun
     for (std::size_t i = 0; i < count; ++i) {
         std::string name;
         if (has_names && i < extras["targetNames"].size() && extras["targetNames"].at(i).json().is_string())
-            name = extras["targetNames"].at(i).text();
+            name = name_of(extras["targetNames"].at(i));
         if (name.empty() || !known.insert(name).second) name = fmt::format("target_{}", i + 1);
         known.insert(name);
         names.push_back(std::move(name));
@@ -138,9 +146,7 @@ struct LeftOut {
 GltfMesh read_gltf_mesh(const GltfDocument& document, const GltfValue& value, GltfAllowance& allowance, LeftOut& left_out)
 {
     GltfMesh mesh;
-    mesh.name = value["name"].text_or("");
-    if (mesh.name.size() > name_size_limit)
-        value["name"].fail(2306, fmt::format("has {} bytes, the limit is {}", mesh.name.size(), name_size_limit));
+    mesh.name = name_of(value["name"]);
     const GltfValue primitives = value["primitives"];
     std::size_t target_count = 0;
     for (std::size_t i = 0; i < primitives.size(); ++i) {
@@ -297,9 +303,13 @@ void read_weights(GltfScene& scene, GltfAllowance& allowance)
 void name_targets(GltfScene& scene)
 {
     std::set<std::string> known;
-    for (const GltfInstance& instance : scene.instances)
+    std::vector<bool> is_done(scene.meshes.size(), false);
+    for (const GltfInstance& instance : scene.instances) {
+        if (is_done[instance.mesh]) continue;
+        is_done[instance.mesh] = true;
         for (const std::string& name : scene.meshes[instance.mesh].target_names)
             if (known.insert(name).second) scene.target_names.push_back(name);
+    }
 }
 
 } // namespace

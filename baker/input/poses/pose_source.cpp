@@ -161,24 +161,27 @@ std::vector<Plan> plan_poses(const GltfScene& scene, const PoseArgument& argumen
 GltfState state_of(const GltfScene& scene, const Plan& plan)
 {
     if (plan.kind == Plan::Kind::animation) return animated_state(scene, plan.animation, plan.seconds);
-    GltfState state = scene.rest;
-    for (const GltfInstance& instance : scene.instances) {
-        const std::vector<std::string>& names = scene.meshes[instance.mesh].target_names;
-        std::vector<double>& weights = state.weights[instance.node];
-        for (std::size_t k = 0; k < weights.size(); ++k)
-            weights[k] = plan.kind == Plan::Kind::target && names[k] == plan.target;
+    std::vector<std::vector<double>> weights; // of each mesh
+    for (const GltfMesh& mesh : scene.meshes) {
+        weights.emplace_back();
+        for (const std::string& name : mesh.target_names)
+            weights.back().push_back(plan.kind == Plan::Kind::target && name == plan.target);
     }
+    GltfState state = scene.rest;
+    for (const GltfInstance& instance : scene.instances) state.weights[instance.node] = weights[instance.mesh];
     return state;
 }
 
 // What the file draws a target with: by the first mesh that has it.
 double initial_weight_of(const GltfScene& scene, const std::string& target)
 {
+    std::vector<bool> is_done(scene.meshes.size(), false);
     for (const GltfInstance& instance : scene.instances) {
+        if (is_done[instance.mesh]) continue;
+        is_done[instance.mesh] = true;
         const std::vector<std::string>& names = scene.meshes[instance.mesh].target_names;
-        const std::vector<double>& weights = scene.rest.weights[instance.node];
-        for (std::size_t k = 0; k < weights.size(); ++k)
-            if (names[k] == target) return weights[k];
+        const auto found = std::find(names.begin(), names.end(), target);
+        if (found != names.end()) return scene.rest.weights[instance.node][static_cast<std::size_t>(found - names.begin())];
     }
     return 0;
 }

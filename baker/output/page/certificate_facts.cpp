@@ -282,7 +282,10 @@ CertificateFacts read_certificate_facts(const std::string& text, std::size_t pos
                      { "Surrogate energy", surrogate_rows(c) },
                      { "Measured", measured_rows(c) },
                      { "The bake", bake_rows(c) } };
-    facts.pretty = c.dump(2, ' ', false, Json::error_handler_t::replace);
+    // Ours are short. Indentation can make a long one thirty times as long.
+    constexpr std::size_t longest = 200000;
+    facts.pretty = c.dump(-1, ' ', false, Json::error_handler_t::replace);
+    if (facts.pretty.size() < longest) facts.pretty = c.dump(2, ' ', false, Json::error_handler_t::replace);
     return facts;
 }
 

@@ -11,6 +11,9 @@ namespace {
 
 constexpr int samples = 2; // across and down a pixel
 
+// How many samples of their boxes triangles may visit: a mesh that lies over itself some dozens of times, small triangles.
+constexpr std::size_t layers = 64, samples_of_triangle = 16;
+
 constexpr Colour grey { 0.46f, 0.46f, 0.46f };
 constexpr Colour signal { 0.80f, 0.16f, 0.03f };
 
@@ -77,8 +80,9 @@ std::array<float, 3> shade(const std::array<Corner, 3>& corners, const std::arra
     return { light * colour[0], light * colour[1], light * colour[2] };
 }
 
-// A sample belongs to a triangle if its middle lies inside or on the border: neighbours leave no gap.
-void fill(const std::array<Corner, 3>& corners, Samples& out)
+// A sample belongs to a triangle if its middle lies inside or on the border: neighbours leave no gap. Nothing is drawn if
+// the box of the triangle has more samples than are `left`.
+void fill(const std::array<Corner, 3>& corners, Samples& out, std::size_t& left)
 {
     const auto &a = corners[0].place, &b = corners[1].place, &c = corners[2].place;
     const float area = edge(a, b, c.x(), c.y());
@@ -90,6 +94,9 @@ void fill(const std::array<Corner, 3>& corners, Samples& out)
               x1 = last(std::max({ a.x(), b.x(), c.x() }), out.width);
     const int y0 = first(std::min({ a.y(), b.y(), c.y() }), out.height),
               y1 = last(std::max({ a.y(), b.y(), c.y() }), out.height);
+    const std::size_t visited = std::size_t(std::max(x1 - x0, 0)) * std::size_t(std::max(y1 - y0, 0));
+    if (visited > left) return;
+    left -= visited;
     for (int y = y0; y < y1; ++y) {
         for (int x = x0; x < x1; ++x) {
             const float px = float(x) + 0.5f, py = float(y) + 0.5f;
@@ -108,6 +115,7 @@ void fill(const std::array<Corner, 3>& corners, Samples& out)
 void draw(const PictureMesh& mesh, const Camera& camera, Samples& out)
 {
     const float factor = float(out.width) / float(camera.width);
+    std::size_t left = layers * out.depth.size() + samples_of_triangle * mesh.triangle_count;
     for (std::size_t t = 0; t < mesh.triangle_count; ++t) {
         std::array<Corner, 3> corners;
         const bool is_marked = mesh.is_marked && (*mesh.is_marked)[t];
@@ -123,7 +131,8 @@ void draw(const PictureMesh& mesh, const Camera& camera, Samples& out)
             n.y() = -n.y(); // places count downwards
             for (Corner& corner : corners) corner.normal = n;
         }
-        if (corners[0].place.allFinite() && corners[1].place.allFinite() && corners[2].place.allFinite()) fill(corners, out);
+        if (corners[0].place.allFinite() && corners[1].place.allFinite() && corners[2].place.allFinite())
+            fill(corners, out, left);
     }
 }
 

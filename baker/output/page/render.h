@@ -63,8 +63,8 @@ struct PictureMesh {
     const std::vector<bool>* is_marked = nullptr; // a triangle; those that are show in a signal colour. Null: none
 };
 
-// Triangles are seen from both sides; those with a corner that is not finite are left out. Cost: linear in triangles and
-// samples.
+// Triangles are seen from both sides; those with a corner that is not finite are left out, and of a mesh that lies over
+// itself more than some dozens of times the last ones. Cost: linear in triangles and samples.
 Image render(const PictureMesh& mesh, const Camera& camera);
 
 // How near the drawn mesh is, a pixel. shows(): whether the point (as Camera::project gives it) is not behind it, to `slack`

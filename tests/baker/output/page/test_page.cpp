@@ -213,6 +213,10 @@ TEST_CASE("a certificate of a stranger is read as far as it makes sense")
 {
     CHECK_FALSE(read_certificate_facts("nonsense", 2).is_readable);
     CHECK_FALSE(read_certificate_facts("[1]", 2).is_readable);
+    std::string zeros = "0";
+    for (int i = 0; i < 100000; ++i) zeros += ",0";
+    const std::string deep = "{\"a\":" + std::string(28, '[') + zeros + std::string(28, ']') + "}";
+    CHECK(read_certificate_facts(deep, 2).pretty.size() < deep.size() + 10); // indented it is 30 times as long
     CHECK_FALSE(read_certificate_facts(std::string(100000, '['), 2).is_readable);
     const CertificateFacts odd = read_certificate_facts(
         R"({"tolerance":"x","meets_tolerance":3,"energy":[],"surrogate":null,"branches":[1,{"weights":[1,1],"vertex":-1}],

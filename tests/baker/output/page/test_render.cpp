@@ -236,3 +236,16 @@ TEST_CASE("base64 as RFC 4648 has it")
     CHECK(encode_base64("foobar") == "Zm9vYmFy");
     CHECK(encode_base64(std::string("\0\xff\x80", 3)) == "AP+A");
 }
+
+TEST_CASE("thousands of triangles over the whole picture take no more time than some dozens")
+{
+    Scene scene;
+    for (int i = 0; i < 200; ++i) scene.add({ { { -40, -40, 0 }, { 80, -40, 0 }, { -40, 80, 0 } } }, red);
+    scene.add({ { { -40, -40, 1 }, { 80, -40, 1 }, { -40, 80, 1 } } }, blue);
+    scene.add({ { { 2, 2, 1 }, { 4, 2, 1 }, { 2, 4, 1 } } }, blue);
+    const Image image = render(scene.mesh(), flat_camera(20, 20));
+    CHECK(is_red(image.at(10, 10)));
+    CHECK(is_blue(image.at(2, 2))); // small enough for what is left
+    scene.triangles.erase(scene.triangles.begin(), scene.triangles.begin() + 3 * 150);
+    CHECK(is_blue(render(scene.mesh(), flat_camera(20, 20)).at(10, 10)));
+}
