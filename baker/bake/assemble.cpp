@@ -34,13 +34,10 @@ std::vector<std::uint8_t> scene_of(const PoseSet& poses, std::size_t vertex_coun
 Eigen::MatrixXd reachable_coordinates(const FittedModel& fitted)
 {
     const Subspace& subspace = fitted.subspace;
-    const double farthest = 10 * subspace.pose_coordinates.colwise().norm().sum();
-    std::vector<Eigen::VectorXd> kept;
-    for (const Eigen::VectorXd& q : fitted.training.averages)
-        if (q.norm() <= farthest) kept.push_back(q);
-    const Eigen::Index count = Eigen::Index(kept.size()), m = subspace.pose_coordinates.cols();
+    const TrainingSet& training = fitted.training;
+    const Eigen::Index count = Eigen::Index(training.averages.size()), m = subspace.pose_coordinates.cols();
     Eigen::MatrixXd out(subspace.dimension(), count + m);
-    for (Eigen::Index i = 0; i < count; ++i) out.col(i) = kept[std::size_t(i)];
+    for (Eigen::Index i = 0; i < count; ++i) out.col(i) = training.averages[std::size_t(i)];
     out.rightCols(m) = subspace.pose_coordinates;
     return out;
 }

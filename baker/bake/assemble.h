@@ -6,9 +6,7 @@
 
 namespace pliant {
 
-// Coordinates of the training averages, then of the poses (d x samples): their convex hull is about what blends reach. An
-// average that is ten times further off than all layers together, as one that did not converge may be, is left out: it would
-// take the precision of the others.
+// Coordinates of the training averages, then of the poses (d x samples): their convex hull is about what blends reach.
 Eigen::MatrixXd reachable_coordinates(const FittedModel& fitted);
 
 // The mesh of the poses, as the solver has it: a bake is checked on it.

@@ -118,7 +118,7 @@ ExitCode run_measure(const MeasureArguments& a)
         nlohmann::ordered_json json
             = { { "asset", a.asset }, { "dimension", blender.asset().dimension }, { "seed", a.measure.seed } };
         for (const Measurement& s : samples) json["samples"].push_back(to_json(s));
-        print_to(stdout, "{}\n", json.dump(1));
+        print_to(stdout, "{}\n", json.dump(1, ' ', false, nlohmann::ordered_json::error_handler_t::replace));
     } else {
         print_table(samples);
     }

@@ -1,40 +1,36 @@
 #include "base/mesh/weld.h"
 
 #include "base/common/random.h"
+#include "base/common/sha256.h"
 
 #include <Eigen/Geometry>
 #include <algorithm>
-#include <cstring>
 #include <numeric>
+#include <optional>
+#include <string>
 
 namespace pliant {
 namespace {
 
 using Index = std::uint32_t;
 
-std::uint64_t hash_of(const std::vector<const Positions*>& poses)
+// Directions that follow from all coordinates, so that nobody can lay vertices across them, where they would have equal
+// heights and take quadratic time.
+std::uint64_t seed_of(const std::vector<const Positions*>& poses)
 {
-    std::uint64_t hash = 0;
+    std::string digests;
     for (const Positions* pose : poses)
-        for (Eigen::Index i = 0; i < pose->size(); ++i) {
-            std::uint64_t bits = 0;
-            std::memcpy(&bits, pose->data() + i, sizeof bits);
-            hash = (hash ^ bits) * 0x9E3779B97F4A7C15u;
-            hash ^= hash >> 29;
-        }
-    return hash;
+        digests += sha256_hex({ reinterpret_cast<const char*>(pose->data()), std::size_t(pose->size()) * sizeof(double) });
+    return std::stoull(sha256_hex(digests).substr(0, 16), nullptr, 16);
 }
 
 class Welder {
 public:
-    Welder(const std::vector<const Positions*>& poses, double tolerance)
+    Welder(const std::vector<const Positions*>& poses, double tolerance, Random& random)
         : poses_(poses)
         , window_(tolerance * double(poses.size()))
         , heights_(Eigen::VectorXd::Zero(poses[0]->rows()))
     {
-        // Along a direction that depends on all coordinates, and another one for each pose: nobody can make a mesh with many
-        // vertices at equal heights, which would take quadratic time.
-        Random random(hash_of(poses));
         for (const Positions* pose : poses) {
             const Eigen::RowVector3d low = pose->colwise().minCoeff(), high = pose->colwise().maxCoeff();
             const double diagonal = (high - low).norm();
@@ -44,7 +40,8 @@ public:
         }
     }
 
-    std::vector<Index> weld();
+    // Nothing if it takes more comparisons than this.
+    std::optional<std::vector<Index>> weld(std::uint64_t comparison_limit);
 
 private:
     bool is_near(Index a, Index b) const
@@ -62,7 +59,7 @@ private:
 
 // Upwards, each vertex to the centre of a cluster near it or a centre itself: no chain of short steps can join what is
 // apart.
-std::vector<Index> Welder::weld()
+std::optional<std::vector<Index>> Welder::weld(std::uint64_t comparison_limit)
 {
     std::vector<Index> order(static_cast<std::size_t>(heights_.size())), centres, centre_of(order.size());
     std::iota(order.begin(), order.end(), Index(0));
@@ -71,6 +68,7 @@ std::vector<Index> Welder::weld()
     for (const Index v : order) {
         centre_of[v] = v;
         for (auto c = centres.rbegin(); c != centres.rend() && heights_[v] - heights_[*c] <= window_ + rounding; ++c) {
+            if (comparison_limit-- == 0) return std::nullopt;
             if (!is_near(v, *c)) continue;
             centre_of[v] = *c;
             break;
@@ -91,7 +89,14 @@ std::vector<Index> Welder::weld()
 
 std::vector<Index> weld(const std::vector<const Positions*>& poses, double tolerance)
 {
-    if (tolerance > 0) return Welder(poses, tolerance).weld();
+    if (tolerance > 0) {
+        Random random(seed_of(poses));
+        // Of directions that a mesh lies across by chance others are taken.
+        for (int attempt = 0; attempt < 8; ++attempt)
+            if (auto result = Welder(poses, tolerance, random).weld(64 * std::uint64_t(poses[0]->rows())))
+                return std::move(*result);
+        return *Welder(poses, tolerance, random).weld(UINT64_MAX);
+    }
     std::vector<Index> result(static_cast<std::size_t>(poses[0]->rows()));
     std::iota(result.begin(), result.end(), Index(0));
     return result;

@@ -243,6 +243,7 @@ void GltfDocument::read_buffers()
     bool needs_meshopt = false;
     for (std::size_t i = 0; i < required.size(); ++i) needs_meshopt |= required.at(i).text() == meshopt_extension;
     std::uint64_t total = 0;
+    std::map<const void*, std::uint64_t> beside; // what is used of each file: many buffers may name one
     for (std::size_t i = 0; i < buffers.size(); ++i) {
         const GltfValue buffer = buffers.at(i);
         const std::uint64_t length = buffer["byteLength"].whole();
@@ -261,8 +262,10 @@ void GltfDocument::read_buffers()
             buffer.fail(2008, fmt::format("makes the buffers {} bytes, the limit is {}", total, buffer_size_limit),
                         "simplify the mesh");
         buffers_.push_back(bytes.substr(0, static_cast<std::size_t>(length))); // a BIN part is padded
+        if (buffer["uri"].exists() && !is_data_uri(buffer["uri"].text()))
+            beside[bytes.data()] = std::max(beside[bytes.data()], length);
     }
-    byte_count_ += static_cast<std::size_t>(total);
+    for (const auto& file : beside) byte_count_ += static_cast<std::size_t>(file.second);
 }
 
 // Without bytes: its views are all compressed.

@@ -33,7 +33,7 @@ public:
     std::string image_source(std::size_t index) const;
     // The files that it names for buffers and images, as paths; whether they are there is not asked.
     std::vector<std::string> named_files() const;
-    // Of the file and all its buffers.
+    // Of the file and of those that it names for buffers, each once; of compressed views as unpacked, too.
     std::size_t byte_count() const { return byte_count_; }
 
 private:

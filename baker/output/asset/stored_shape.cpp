@@ -21,6 +21,15 @@ double largest_motion(const Eigen::VectorXd& column)
 // As the asset has it.
 Eigen::VectorXd rounded(const Eigen::VectorXd& values) { return values.cast<float>().cast<double>(); }
 
+// The middle of the poses, if this one is far from them, as a single average far away makes it: the poses must not lose
+// precision by large numbers that cancel.
+Eigen::VectorXd near_poses(const Subspace& subspace, const Eigen::VectorXd& middle)
+{
+    const Eigen::MatrixXd& poses = subspace.pose_coordinates;
+    const Eigen::VectorXd low = poses.rowwise().minCoeff(), high = poses.rowwise().maxCoeff(), centre = (low + high) / 2;
+    return (middle - centre).norm() <= 4 * (high - low).norm() ? middle : centre;
+}
+
 } // namespace
 
 Frame plain_frame(Eigen::Index dimension)
@@ -42,7 +51,8 @@ Frame principal_frame(const Subspace& subspace, const Eigen::MatrixXd& reachable
     for (Eigen::Index j = 0; j < d; ++j)
         motion[j] = (high[j] - low[j]) * largest_motion(subspace.basis * axes.eigenvectors().col(j));
     std::stable_sort(order.begin(), order.end(), [&](Eigen::Index a, Eigen::Index b) { return motion[a] > motion[b]; });
-    Frame frame = { mean + axes.eigenvectors() * ((low + high) / 2), Eigen::MatrixXd(d, d) };
+    const Eigen::VectorXd middle = mean + axes.eigenvectors() * ((low + high) / 2);
+    Frame frame = { near_poses(subspace, middle), Eigen::MatrixXd(d, d) };
     for (Eigen::Index j = 0; j < d; ++j) {
         frame.axes.col(j) = axes.eigenvectors().col(order[std::size_t(j)]);
         Eigen::Index largest = 0; // an axis has no direction of its own: one that does not depend on the solver's mood

@@ -22,8 +22,8 @@ struct Frame {
 // The frame that changes nothing.
 Frame plain_frame(Eigen::Index dimension);
 
-// The principal axes of `reachable` (d x samples) around the middle of its box, those first along which a vertex moves
-// furthest.
+// The principal axes of `reachable` (d x samples), those first along which a vertex moves furthest, around the middle of its
+// box; of the poses' box if that is far from them.
 Frame principal_frame(const Subspace& subspace, const Eigen::MatrixXd& reachable);
 
 struct StoredShape {

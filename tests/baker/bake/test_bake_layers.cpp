@@ -2,7 +2,6 @@
 #include "../for_reference.h"
 #include "../layered_bodies.h"
 
-#include "bake/assemble.h"
 #include "bake/bake.h"
 #include "bake/make_energy.h"
 #include "bake/warnings.h"
@@ -13,8 +12,6 @@
 #include "output/asset/runtime_blender.h"
 
 #include <doctest/doctest.h>
-
-#include <cmath>
 
 using namespace pliant;
 
@@ -205,17 +202,4 @@ TEST_CASE("what a family of layers has learned saves factorisations, and changes
         CHECK(second[i].has_converged);
         CHECK(relative_distance(set, first[i].reference, second[i].reference) < 1e-5);
     }
-}
-
-TEST_CASE("an average far off takes no precision from the basis")
-{
-    FittedModel fitted;
-    fitted.subspace.basis = Eigen::MatrixXd::Identity(6, 2);
-    fitted.subspace.pose_coordinates = Eigen::MatrixXd::Identity(2, 2);
-    fitted.training.averages
-        = { Eigen::Vector2d(1, 1), Eigen::Vector2d(3, -15), Eigen::Vector2d(0, 1e6), Eigen::Vector2d(0, std::nan("")) };
-    const Eigen::MatrixXd reachable = reachable_coordinates(fitted);
-    REQUIRE(reachable.cols() == 4);
-    CHECK(reachable.col(1) == Eigen::Vector2d(3, -15));
-    CHECK(reachable.rightCols(2) == fitted.subspace.pose_coordinates);
 }
