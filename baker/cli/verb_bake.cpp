@@ -30,7 +30,7 @@ void print_layer_errors(const BakeReport& r, double tolerance)
 {
     for (const KindErrors& kind : r.check.kinds) print_to(stdout, "  {}\n", kind_line(kind));
     if (r.check.largest_error > 0)
-        print_to(stdout, "  worst mixture: {}\n", blend_text(r.check.worst_weights, r.input.pose_names));
+        print_to(stdout, "  worst mixture: {}\n", printable(blend_text(r.check.worst_weights, r.input.pose_names)));
     if (r.check.linear_error <= tolerance)
         print_to(stdout, "  the linear sum keeps the tolerance, too: mean error {:.2e}\n", r.check.linear_error);
 }
@@ -76,11 +76,11 @@ void print_summary(const BakeRequest& a, const BakedAsset& baked)
     const std::string energy = r.fit.kind == SurrogateKind::quartic
         ? "exact quartic"
         : fmt::format("{} elements{}", r.fit.element_count, r.fit.surrogate.has_load ? " and a dead load" : "");
-    print_to(stdout, "{}: {}\n", a.output, verdict_of(facts));
+    print_to(stdout, "{}: {}\n", printable(a.output), verdict_of(facts));
     print_to(stdout, "  {}, {}, d = {}, {}, {}\n", poses_text(r.input), vertices_text(r.input), r.fit.dimension, energy,
              size_text(double(baked.bytes.size())));
     if (a.bake.render_mesh)
-        print_to(stdout, "  drawn: {} vertices of {}\n", a.bake.render_mesh->embedding.count(), a.surface);
+        print_to(stdout, "  drawn: {} vertices of {}\n", a.bake.render_mesh->embedding.count(), printable(a.surface));
     print_to(stdout, "  elastic energy: {}{}\n", name_of(r.input.material),
              r.input.rough_count == 0 ? ""
                                       : fmt::format(", ARAP cells at {} rough vertices, the roughest of them {}",

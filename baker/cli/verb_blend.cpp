@@ -126,7 +126,7 @@ ExitCode blend_once(const BlendArguments& a, RuntimeBlender& blender, const Writ
     if (a.is_json)
         print_frames(a, nlohmann::ordered_json::array({ to_json(a.output, info) }));
     else if (!a.talk.is_quiet)
-        print_to(stdout, "{}: {} vertices{}{}\n", a.output, count, work_text(info, a.talk.is_verbose),
+        print_to(stdout, "{}: {} vertices{}{}\n", printable(a.output), count, work_text(info, a.talk.is_verbose),
                  info.outside > 0 ? ", outside of the measured ranges" : "");
     return ExitCode::done;
 }

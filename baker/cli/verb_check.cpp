@@ -5,6 +5,7 @@
 #include "bake/certificate.h"
 #include "bake/make_energy.h"
 #include "base/common/print.h"
+#include "base/common/shell_word.h"
 #include "cli/idle_options.h"
 #include "elastic/energy/contradictions.h"
 #include "elastic/energy/reinforced_shells.h"
@@ -105,19 +106,9 @@ void print_animations(const std::vector<std::string>& arguments, bool is_verbose
         const PoseArgument pose = split_pose_argument(argument);
         if (!is_gltf_name(pose.path) || (!pose.choice.empty() && !is_verbose) || !files.insert(pose.path).second) continue;
         for (const AnimationChoice& animation : animation_choices(pose.path))
-            print_to(stdout, "  animation {}, {:.3g} s: poses of it as '{}'\n", animation.name, animation.seconds,
-                     example_of(pose.path, animation));
+            print_to(stdout, "  animation {}, {:.3g} s: poses of it as {}\n", printable(animation.name), animation.seconds,
+                     printable(shell_word(example_of(pose.path, animation))));
     }
-}
-
-// As a shell takes it for one word.
-std::string shell_word(const std::string& text)
-{
-    const char* const plain = "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_-+=./,:@%";
-    if (!text.empty() && text.find_first_not_of(plain) == std::string::npos) return text;
-    std::string out = "'";
-    for (char c : text) out += c == '\'' ? std::string("'\\''") : std::string(1, c);
-    return out + "'";
 }
 
 // The bake of what was checked, with the options that were given.
@@ -159,11 +150,11 @@ ExitCode run_check(CheckArguments a, const CLI::App& verb)
         print_surface(poses);
     if (poses.blend == Blend::layers)
         print_to(stdout, "  {} is the rest shape, the others are layers on it (--blend average: poses of equal rank)\n",
-                 poses.names[0]);
+                 printable(poses.names[0]));
     for (std::size_t k = 1; k < poses.pose_count() && poses.blend == Blend::average; ++k)
         if (turned_degrees(set, k) >= 0.1)
-            print_to(stdout, "  {}: rotated by {:.1f} degrees to align it with {}\n", poses.names[k], turned_degrees(set, k),
-                     poses.names[0]);
+            print_to(stdout, "  {}: rotated by {:.1f} degrees to align it with {}\n", printable(poses.names[k]),
+                     turned_degrees(set, k), printable(poses.names[0]));
     print_folds(folds_of(set, a.bake.energy), poses.vertex_count());
     warn_of_contradictions(contradictions_of(poses, set), poses);
     const BakeEstimate e = estimate_bake(poses.vertex_count(), poses.pose_count(), a.bake);

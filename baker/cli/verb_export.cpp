@@ -69,8 +69,8 @@ void print_targets(const ExportArguments& a, const ExportReport& report)
 void print_summary(const ExportArguments& a, const ExportedFile& file)
 {
     const ExportReport& report = file.report;
-    print_to(stdout, "{}: {} vertices, {} triangles, {:.2f} MiB\n", a.output, report.vertex_count, report.triangle_count,
-             double(file.bytes.size()) / 1048576.0);
+    print_to(stdout, "{}: {} vertices, {} triangles, {:.2f} MiB\n", printable(a.output), report.vertex_count,
+             report.triangle_count, double(file.bytes.size()) / 1048576.0);
     if (report.part_count > 1 || report.image_count > 0)
         print_to(stdout, "  {} {} with the materials of the source, {} {}\n", report.part_count,
                  report.part_count == 1 ? "part" : "parts", report.image_count,

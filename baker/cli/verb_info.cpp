@@ -174,14 +174,15 @@ void print_weights(const Json& info, const CertificateFacts& facts)
         print_to(stdout, "  layer {}, weights {:g} .. {:g}\n", printable(layer["name"].get<std::string>()),
                  layer["low"].get<float>(), layer["high"].get<float>());
     for (const MixtureFact& m : facts.mixtures)
-        print_to(stdout, "  {}\n",
-                 kind_line({ m.kind, m.count, m.lost_count, m.mean, m.largest, m.linear_mean, m.linear_largest }));
+        print_to(
+            stdout, "  {}\n",
+            kind_line({ printable(m.kind), m.count, m.lost_count, m.mean, m.largest, m.linear_mean, m.linear_largest }));
 }
 
 void print_info(const std::string& path, const Json& info, bool is_verbose)
 {
     const CertificateFacts facts = facts_of(info);
-    print_to(stdout, "{}: {}\n", path, verdict_of(facts));
+    print_to(stdout, "{}: {}\n", printable(path), verdict_of(facts));
     print_to(stdout, "  {} vertices, {} triangles, d = {}, {}, {} of solver memory per character\n", info["vertices"].dump(),
              info["triangles"].dump(), info["dimension"].dump(), size_text(info["file_size"].get<double>()),
              size_text(info["solver_memory"].get<double>()));
@@ -264,8 +265,8 @@ Json validate(const std::string& path, bool is_text)
         json["largest_difference"] = verdict.largest_difference;
         if (!(verdict.largest_difference <= answer_tolerance)) throw not_reproduced(path, verdict);
         if (is_text)
-            print_to(stdout, "{}: valid; {} stored answers reproduced within {:.1e}\n", path, verdict.answer_count,
-                     verdict.largest_difference);
+            print_to(stdout, "{}: valid; {} stored answers reproduced within {:.1e}\n", printable(path),
+                     verdict.answer_count, verdict.largest_difference);
     } catch (const Failure& failure) {
         if (failure.code() != ExitCode::bad_input) throw;
         for (const Diagnostic& diagnostic : failure.diagnostics()) print_finding("validate", diagnostic);

@@ -70,8 +70,8 @@ ExitCode run_pose(const PoseArguments& a)
     write_output(a.output, encode_msh(result.positions, rest->as_read));
     if (!a.ply.empty()) write_output(a.ply, encode_boundary(*rest, result.positions));
     if (!a.talk.is_quiet)
-        print_to(stdout, "{}: energy {:.4e}, smallest J {:.3f}, {} steps, {} iterations\n", a.output, result.last.energy,
-                 result.last.smallest_j, result.steps, result.iterations);
+        print_to(stdout, "{}: energy {:.4e}, smallest J {:.3f}, {} steps, {} iterations\n", printable(a.output),
+                 result.last.energy, result.last.smallest_j, result.steps, result.iterations);
     return ExitCode::done;
 }
 

@@ -55,7 +55,7 @@ ExitCode run_report(const ReportArguments& a)
     const std::string page = write_page(collect_page_data(blender, name, report ? &*report : nullptr, view_of(a)));
     write_output(a.output, page);
     progress.clear_line();
-    if (!a.talk.is_quiet) print_to(stdout, "{}: {:.2f} MiB\n", a.output, double(page.size()) / 1048576.0);
+    if (!a.talk.is_quiet) print_to(stdout, "{}: {:.2f} MiB\n", printable(a.output), double(page.size()) / 1048576.0);
     return ExitCode::done;
 }
 

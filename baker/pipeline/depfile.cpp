@@ -8,13 +8,13 @@
 namespace pliant {
 namespace {
 
-// What Make takes for something else wherever it stands, and nothing escapes for Make and Ninja alike: a recipe, an order, a
-// target, a variable, a pattern. Such a name in a stranger's glTF file could run a command in the build.
+// What nothing escapes for Make and Ninja alike: ends of lines and of prerequisites. What follows a ';' Make runs, so a
+// stranger's glTF file, which names others, could run a command in the build.
 void check_name(const std::string& path)
 {
-    const std::size_t at = path.find_first_of("\r\n;|:=%*?[]");
-    if (at == std::string::npos && path[0] != '~' && path.back() != '\\') return;
-    const std::string what = at == std::string::npos ? path[0] == '~' ? "begins with '~'" : "ends with a backslash"
+    const std::size_t at = path.find_first_of("\r\n;|");
+    if (at == std::string::npos && path.back() != '\\') return;
+    const std::string what = at == std::string::npos ? "ends with a backslash"
         : path[at] < ' '                             ? "contains a line break"
                                                      : fmt::format("contains '{}'", path[at]);
     throw Failure(ExitCode::failed,

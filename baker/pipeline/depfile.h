@@ -7,8 +7,8 @@
 namespace pliant {
 
 // "target: file file ...": one rule, a file a line. Spaces, '#', '$' and backslashes are escaped in the way that both
-// programs (and CMake) understand. Throws Failure (failed, P4604) for a name with a line break or one of ;|:=%*?[], with a
-// '~' in front or a backslash at its end.
+// programs (and CMake) understand. Throws Failure (failed, P4604) for a name with a line break, ';' or '|', or with a
+// backslash at its end.
 std::string write_depfile(const std::string& target, const std::vector<std::string>& files);
 
 } // namespace pliant

@@ -130,9 +130,9 @@ def grid(points):
         {f"{name}.obj": OBJ.replace("1 1 0", f"1 1 {z}") for name, z in (("a", 0), ("b", 0.5), ("c", 0.7))}
 
 
-def turn(degrees):
+def pose(motions):
     return ["pose", "a.msh", "script.txt", "-o", "bent.msh"], \
-        {"a.msh": solids.msh_text(SOLID), "script.txt": f"box -9 -9 -9 9 9 9 turn 0 0 0 0 0 1 {degrees}\n"}
+        {"a.msh": solids.msh_text(SOLID), "script.txt": f"box -9 -9 -9 9 9 9 {motions}\n"}
 
 
 def header_field(offset, asset):
@@ -162,7 +162,9 @@ def makers(asset):
         "poses": poses,
         "magnitude of a layer's weight, in its range": layer_range,
         "points of `average --grid`": grid,
-        "degrees of a turn of `pliant pose`": turn,
+        "degrees of all turns of a line of `pliant pose`": lambda degrees: pose(f"turn 0 0 0 0 0 1 {degrees}"),
+        "diagonals of all moves of a line": lambda diagonals: pose(f"move {diagonals} 0 0"),
+        "motions of a line": lambda count: pose("move 0 0 0 " * count),
         "vertices of an asset": header_field(32, asset),
         "triangles of an asset": header_field(36, asset),
         "dimension of an asset": header_field(40, asset),

@@ -14,7 +14,9 @@ namespace {
 constexpr char shapes_hint[] = "a line begins with box x0 y0 z0 x1 y1 z1, sphere x y z r or vertices i j k ...";
 constexpr char motions_hint[] = "after the region write hold, move dx dy dz or turn px py pz ax ay az degrees";
 
-constexpr double degrees_limit = 3600; // a typing error rather than a pose
+// Of a line, all motions together; beyond them is a typing error rather than a pose, and each degree takes time.
+constexpr double degrees_limit = 3600, diagonals_limit = 100;
+constexpr std::size_t motions_limit = 100;
 
 bool is_motion(std::string_view word) { return word == "hold" || word == "move" || word == "turn"; }
 
@@ -46,6 +48,7 @@ private:
     bool read_vertices(Region& region);
     bool read_move(Motion& motion);
     bool read_turn(Motion& motion);
+    bool check_extent(const std::vector<Motion>& motions);
 
     std::string_view rest_, word_;
     std::string where_;
@@ -145,9 +148,25 @@ bool LineParser::read_turn(Motion& motion)
     if (!(length > 0) || !std::isfinite(length))
         return fail(2809, "the axis has no direction", "for example 0 1 0 to turn about the y axis");
     motion.axis /= length;
-    if (std::abs(motion.degrees) > degrees_limit)
-        return fail(2810, fmt::format("turns by {} degrees, the limit is {}", motion.degrees, degrees_limit),
+    return true;
+}
+
+bool LineParser::check_extent(const std::vector<Motion>& motions)
+{
+    double degrees = 0, diagonals = 0;
+    for (const Motion& motion : motions) {
+        degrees += motion.kind == Motion::Kind::turn ? std::abs(motion.degrees) : 0;
+        diagonals += motion.kind == Motion::Kind::move ? motion.by.stableNorm() : 0;
+    }
+    if (!(degrees <= degrees_limit))
+        return fail(2810, fmt::format("turns by {} degrees, the limit is {}", degrees, degrees_limit),
                     "ten turns at most; angles are in degrees");
+    if (!(diagonals <= diagonals_limit))
+        return fail(2810, fmt::format("moves by {:.6g} diagonals, the limit is {}", diagonals, diagonals_limit),
+                    "lengths are fractions of the bounding box's diagonal");
+    if (motions.size() > motions_limit)
+        return fail(2810, fmt::format("has {} motions, the limit is {}", motions.size(), motions_limit),
+                    "put several turns about one axis into one");
     return true;
 }
 
@@ -168,7 +187,7 @@ bool LineParser::read_motions(std::vector<Motion>& motions)
         motions.push_back(motion);
     }
     if (is_held && !motions.empty()) return fail(2811, "the region is held and moved", "leave out hold or the motion");
-    return true;
+    return check_extent(motions);
 }
 
 } // namespace

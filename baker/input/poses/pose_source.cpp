@@ -1,6 +1,7 @@
 #include "input/poses/pose_source.h"
 
 #include "base/common/nearest_word.h"
+#include "base/common/shell_word.h"
 #include "input/gltf/animation.h"
 #include "input/gltf/evaluate.h"
 #include "input/gltf/read_render_scene.h"
@@ -319,12 +320,13 @@ std::string hint_of_lone(const Source& source)
     const std::string hint = "name all poses of the character, the rest pose first";
     if (!source.file) return hint;
     if (source.argument.choice.rfind("target=", 0) == 0)
-        return fmt::format("add the rest shape: '{0}#rest' '{0}#{1}'", source.argument.path, source.argument.choice);
+        return fmt::format("add the rest shape: {} {}", shell_word(source.argument.path + "#rest"),
+                           shell_word(source.argument.path + "#" + source.argument.choice));
     const std::vector<AnimationChoice> choices = choices_of(*source.file->scene.document);
     if (choices.empty()) return hint + "; the file has neither morph targets nor animations";
     std::vector<std::string> names;
     for (const AnimationChoice& choice : choices) names.push_back(choice.name);
-    return fmt::format("take poses of an animation: '{}'; it has {}", example_of(source.argument.path, choices[0]),
+    return fmt::format("take poses of an animation: {}; it has {}", shell_word(example_of(source.argument.path, choices[0])),
                        list_of(names));
 }
 
@@ -347,8 +349,10 @@ void check_pose_limit(const std::vector<Source>& sources, std::size_t count, std
     std::string hint = "choose the poses that differ most";
     for (const Source& source : sources)
         if (source.plans.size() > 2 && source.argument.choice.empty()) {
-            hint = fmt::format("choose morph targets, as in {0}#rest {0}#target={1},{2}; it has {3}", source.argument.path,
-                               source.plans[1].target, source.plans[2].target, list_of(source.file->scene.target_names));
+            hint = fmt::format("choose morph targets, as in {} {}; it has {}", shell_word(source.argument.path + "#rest"),
+                               shell_word(fmt::format("{}#target={},{}", source.argument.path, source.plans[1].target,
+                                                      source.plans[2].target)),
+                               list_of(source.file->scene.target_names));
             break;
         }
     throw Failure(ExitCode::bad_input,
