@@ -2,6 +2,7 @@
 
 #include "base/common/diagnostics.h"
 #include "base/common/version.h"
+#include "output/page/foreign_json.h"
 
 #include <cmath>
 #include <fmt/core.h>
@@ -253,7 +254,7 @@ EnergyOptions read_energy_options(const std::string& certificate, const std::str
 {
     EnergyOptions options;
     try {
-        const Json json = Json::parse(certificate);
+        const Json json = parse_foreign_json(certificate);
         const Json& energy = json.at("energy");
         options.material
             = parse_name(energy.at("material").get<std::string>(),
@@ -281,7 +282,7 @@ EnergyOptions read_energy_options(const std::string& certificate, const std::str
 
 std::optional<std::size_t> read_start_pose(const std::string& certificate, std::size_t pose_count, const std::string& path)
 {
-    const Json json = Json::parse(certificate, nullptr, false);
+    const Json json = parse_foreign_json(certificate);
     if (!json.is_object() || !json.contains("mean_from_pose") || !json["mean_from_pose"].is_number_unsigned()) return {};
     const auto pose = json["mean_from_pose"].get<std::uint64_t>();
     if (pose < pose_count) return std::size_t(pose);
@@ -314,7 +315,7 @@ Json warnings_of(const std::vector<Diagnostic>& warnings)
 
 double read_position_error(const std::string& certificate)
 {
-    const Json json = Json::parse(certificate, nullptr, false);
+    const Json json = parse_foreign_json(certificate);
     const Json::json_pointer place("/basis/position_error");
     const bool is_there = json.is_object() && json.contains(place) && json.at(place).is_number();
     return is_there ? std::clamp(json.at(place).get<double>(), 0.0, 1e-2) : 0.0; // what --position-error takes

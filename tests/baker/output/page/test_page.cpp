@@ -213,6 +213,13 @@ TEST_CASE("a certificate of a stranger is read as far as it makes sense")
 {
     CHECK_FALSE(read_certificate_facts("nonsense", 2).is_readable);
     CHECK_FALSE(read_certificate_facts("[1]", 2).is_readable);
+    std::string keys = "{", lists = "{\"a\":[[]";
+    for (int i = 0; i < 1000000; ++i) keys += "\"\":0,", lists += ",[]"; // no more than that many bytes may take
+    CHECK_FALSE(read_certificate_facts(keys + "\"a\":0}", 2).is_readable);
+    CHECK(read_certificate_facts(lists + "]}", 2).is_readable);
+    CHECK_FALSE(
+        read_certificate_facts("{\"a\":" + std::string(100000, '[') + std::string(100000, ']') + "}", 2).is_readable);
+    CHECK(read_certificate_facts(R"({"a":"[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[\"[:"})", 2).is_readable);
     std::string zeros = "0";
     for (int i = 0; i < 100000; ++i) zeros += ",0";
     const std::string deep = "{\"a\":" + std::string(28, '[') + zeros + std::string(28, ']') + "}";
