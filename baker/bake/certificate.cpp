@@ -1,9 +1,10 @@
 #include "bake/certificate.h"
 
 #include "base/common/diagnostics.h"
+#include "base/common/foreign_json.h"
 #include "base/common/version.h"
-#include "output/page/foreign_json.h"
 
+#include <algorithm>
 #include <cmath>
 #include <fmt/core.h>
 #include <nlohmann/json.hpp>

@@ -1,5 +1,6 @@
 #include "cli/verbs.h"
 
+#include "base/common/foreign_json.h"
 #include "base/common/parallel.h"
 #include "base/common/print.h"
 #include "base/common/version.h"
@@ -8,7 +9,6 @@
 #include "output/asset/asset_facts.h"
 #include "output/asset/runtime_blender.h"
 #include "output/page/certificate_facts.h"
-#include "output/page/foreign_json.h"
 #include "pipeline/batch.h"
 #include "pliant_format.h"
 

@@ -211,7 +211,7 @@ LINES = 100000 * int(sys.argv[3] if len(sys.argv) > 3 else 1)
 
 def costly_files():
     """Of every format, one element again and again, which is no good, or of which there are too many: name and content; of
-    files with short elements also how many vertices and corners."""
+    files with short elements also how many vertices and corners; another pose, where the first one twice says too little."""
     vertices = "0 0 0\n1 0 0\n1 1 0\n0 1 0\n"
     yield "a.obj", OBJ + "f 1 1 1\n" * LINES
     yield "a.obj", OBJ + "v nan 0 0\n" * LINES
@@ -229,29 +229,34 @@ def costly_files():
     yield "a.gltf", '{"asset": {"version": "2.0"}, "nodes": [' + "{}," * LINES + "{}]}"
     set_rows = solids.vega_text(SOLID) + "*SET s\n" + "1," * LINES + "1\n*REGION\n" + "s,m\n" * LINES
     yield "a.veg", set_rows
-    yield "a.msh", solids.msh_text(SOLID) + "$" + "$End" * LINES + "Z\n" + "$End" * LINES
+    yield "a.msh", solids.msh_text(SOLID) + "$" + "$End" * 2 * LINES + "Z\n" + "$End" * 10 * LINES
     short = "ply\nformat binary_little_endian 1.0\n" + "element vertex {}\nproperty char x\nproperty char y\n" \
         "property char z\nelement face {}\nproperty list uchar uchar vertex_indices\nend_header\n"
-    corners = [bytes([0, 0, 0, 1, 0, 0, 0, 1, 0]), bytes([3, 0, 1, 2])]
-    yield "a.ply", short.format(3 * LINES, 1).encode() + corners[0] * LINES + corners[1], 3 * LINES, 3
-    yield "a.ply", short.format(3, LINES).encode() + corners[0] + corners[1] * LINES, 3, 3 * LINES
+    triangle, face = bytes([0, 0, 0, 1, 0, 0, 0, 1, 0]), bytes([3, 0, 1, 2])
+    many = short.format(3 * LINES, 1).encode() + triangle * LINES
+    yield "a.ply", many + face, 3 * LINES, 3, many[:-1] + b"\1" + face
+    yield "a.ply", short.format(3, LINES).encode() + triangle + face * LINES, 3, 3 * LINES
     yield "a.obj", OBJ + "f" + " 1 2 3" * LINES + "\n", 4, 3 * LINES
-    # A plane at one height of a direction by which vertices were sorted once.
-    tilted = "".join(f"v {0.7930 * x + 0.2837 * y} {-0.5392 * y} {-0.5392 * x}\n" for x in range(300) for y in range(300))
-    yield "a.obj", tilted + "f 1 2 302\n"
+    # Flat poses across two directions by which the weld sorted vertices once: all were at one height.
+    points, corners = [(x, y) for x in range(400) for y in range(400)], [400 * x + y for x in range(399) for y in range(399)]
+    faces = "".join(f"f {i + 1} {i + 401} {i + 402} {i + 2}\n" for i in corners)
+    yield "a.obj", "".join(f"v {0.7930 * x + 0.2837 * y} {-0.5392 * y} {-0.5392 * x}\n" for x, y in points) + faces, 0, 0, \
+        "".join(f"v {0.7930 * x} {0.6 * y - 0.2837 * x} {0.7930 / 0.5392 * 0.6 * y}\n" for x, y in points) + faces
     grid = "".join(f"v {x} {y} {math.sin(x + y)}\n" for x in range(200) for y in range(200))
     faces = "".join(f"f {i} {i + 1} {i + 201} {i + 200}\n" for i in range(1, 39800) if i % 200)
     yield "a.obj", grid + faces
 
 
-def check_cost(tool, costs, name, content, vertices=0, corners=0):
-    content = content.encode() if isinstance(content, str) else content
+def check_cost(tool, costs, name, content, vertices=0, corners=0, other=None):
+    poses = [text.encode() if isinstance(text, str) else text for text in (content, other or content)]
     with tempfile.TemporaryDirectory(prefix="pliant-limits-") as folder:
-        (Path(folder) / name).write_bytes(content)
+        names = [name, "other" + Path(name).suffix]
+        for file, pose in zip(names, poses):
+            (Path(folder) / file).write_bytes(pose)
         nothing = {stream: subprocess.DEVNULL for stream in ("stdin", "stdout", "stderr")}
-        child = subprocess.Popen([tool, "check", name, name], cwd=folder, **nothing)
+        child = subprocess.Popen([tool, "check", *names], cwd=folder, **nothing)
         _, status, usage = os.wait4(child.pid, 0)
-    size = 2 * len(content)  # it is read twice
+    size = sum(map(len, poses))
     allowed = {"processor seconds": 3 + costs["processor seconds for a MiB of meshes"] * size / 2**20,
                "bytes": (128 << 20) + costs["bytes of memory for a byte of meshes"] * size
                         + 2 * costs["bytes for a vertex, beside these"] * vertices

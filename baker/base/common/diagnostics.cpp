@@ -103,13 +103,13 @@ std::string printable(std::string_view text)
     if (text.size() > limit) return fmt::format("{}... ({} bytes)", printable(text.substr(0, limit)), text.size());
     std::string out;
     while (!text.empty()) {
-        const std::string_view character = text.substr(0, std::max<std::size_t>(character_length(text), 1));
+        const std::size_t length = character_length(text);
+        const std::string_view character = text.substr(0, std::max<std::size_t>(length, 1));
         text.remove_prefix(character.size());
-        if (character_length(character) != 0 && !is_control(character)) {
+        if (length != 0 && !is_control(character))
             out += character;
-            continue;
-        }
-        for (const char byte : character) out += fmt::format("\\x{:02x}", static_cast<unsigned char>(byte));
+        else
+            for (const char byte : character) out += fmt::format("\\x{:02x}", static_cast<unsigned char>(byte));
     }
     return out;
 }

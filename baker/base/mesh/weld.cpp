@@ -91,7 +91,7 @@ std::vector<Index> weld(const std::vector<const Positions*>& poses, double toler
 {
     if (tolerance > 0) {
         Random random(seed_of(poses));
-        // Of directions that a mesh lies across by chance others are taken.
+        // A mesh may lie across the directions by chance: then others are tried.
         for (int attempt = 0; attempt < 8; ++attempt)
             if (auto result = Welder(poses, tolerance, random).weld(64 * std::uint64_t(poses[0]->rows())))
                 return std::move(*result);

@@ -34,8 +34,8 @@ struct AccessorShape {
 // `reference` is the value that names the accessor, as primitive["indices"]; errors are told there. P2306, P2307, P2311.
 AccessorShape accessor_shape(const GltfDocument& document, const GltfValue& reference);
 
-// How many numbers may be read of a file for one purpose. Users share accessors, and accessors share bytes: without a limit
-// a small file takes hours and gigabytes.
+// How many numbers may be read of a file for one purpose. Primitives, skins and channels may share accessors, and accessors
+// may share bytes: without a limit a small file takes hours and gigabytes.
 class GltfAllowance {
 public:
     // Some for any file, and more for each byte of this one, with its buffers.

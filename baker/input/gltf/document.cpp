@@ -1,5 +1,6 @@
 #include "input/gltf/document.h"
 
+#include "base/common/foreign_json.h"
 #include "input/gltf/meshopt.h"
 #include "input/gltf/uri.h"
 #include "input/io/source_file.h"
@@ -37,39 +38,6 @@ bool is_known(const std::string& extension)
     if (std::find(known_extensions.begin(), known_extensions.end(), extension) != known_extensions.end()) return true;
     return std::any_of(ignored_prefixes.begin(), ignored_prefixes.end(),
                        [&](std::string_view prefix) { return extension.compare(0, prefix.size(), prefix) == 0; });
-}
-
-// Deepest nesting of brackets outside of texts, and about the bytes that the parsed values take: a map and its nodes, the
-// items of a list that grows by halves, texts. No recursion: the parser's own limit would come too late.
-struct JsonShape {
-    int nesting = 0;
-    std::size_t memory = 0;
-};
-
-JsonShape shape_of(std::string_view text)
-{
-    JsonShape shape;
-    shape.memory = text.size();
-    int depth = 0;
-    bool in_text = false;
-    for (std::size_t i = 0; i < text.size(); ++i) {
-        const char c = text[i];
-        if (in_text) {
-            if (c == '\\') ++i;
-            in_text = c != '"';
-        } else if (c == '"') {
-            in_text = true;
-            shape.memory += 32;
-        } else if (c == '{' || c == '[') {
-            shape.nesting = std::max(shape.nesting, ++depth);
-            shape.memory += 64;
-        } else if (c == '}' || c == ']') {
-            --depth;
-        } else if (c == ',' || c == ':') {
-            shape.memory += c == ':' ? 64 : 32;
-        }
-    }
-    return shape;
 }
 
 std::uint32_t u32_at(std::string_view bytes, std::size_t offset)
@@ -153,7 +121,7 @@ void GltfDocument::parse(std::string_view text)
     if (text.size() > json_size_limit)
         root().fail(2008, fmt::format("has {} bytes of JSON, the limit is {}", text.size(), json_size_limit),
                     "store the buffers in a separate file, or use .glb");
-    const JsonShape shape = shape_of(text);
+    const JsonShape shape = json_shape(text);
     if (shape.nesting > nesting_limit)
         root().fail(2303, fmt::format("its JSON is nested {} deep, the limit is {}", shape.nesting, nesting_limit),
                     "no known exporter writes such files");

@@ -1,6 +1,6 @@
 #include "output/page/certificate_facts.h"
 
-#include "output/page/foreign_json.h"
+#include "base/common/foreign_json.h"
 #include "output/page/html.h"
 
 #include <algorithm>

@@ -1,6 +1,6 @@
 #include "output/page/report_file.h"
 
-#include "output/page/foreign_json.h"
+#include "base/common/foreign_json.h"
 
 #include <cmath>
 #include <fmt/format.h>

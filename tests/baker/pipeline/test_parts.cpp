@@ -72,11 +72,11 @@ TEST_CASE("the nearest word")
     CHECK(nearest_word("tolerence", words) == "tolerance");
     CHECK(nearest_word("tolerance-max", words) == "tolerance_max");
     CHECK(nearest_word("Dim", words) == "dim");
-    CHECK(nearest_word("tolerence", { std::string(5000000, 'e'), "tolerance" }) == "tolerance"); // no table of its size
-    CHECK(nearest_word("sede", words) == "seed");                                                // two letters swapped
+    CHECK(nearest_word("sede", words) == "seed"); // two letters swapped
     CHECK(nearest_word("noalign", words) == "no_align");
     CHECK(nearest_word("banana", words).empty());
     CHECK(nearest_word(std::string(1000000, 'x'), words).empty());
+    CHECK(nearest_word("tolerence", { std::string(5000000, 'e'), "tolerance" }) == "tolerance");
 }
 
 TEST_CASE("hand-written JSON: what is wrong is named")

@@ -41,8 +41,8 @@ private:
     std::filesystem::path path_;
 };
 
-// A new file each time: ext4 writes a file that was emptied and filled again to the disk at once, which took the tests of
-// mutations 100 s instead of 3.
+// A new file each time: ext4 writes a file that was emptied and filled again to the disk at once, and tests of mutations
+// would wait for the disk most of the time.
 inline void write_bytes(const std::string& path, const std::string& bytes)
 {
     std::filesystem::remove(path);

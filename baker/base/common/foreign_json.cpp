@@ -1,0 +1,46 @@
+#include "base/common/foreign_json.h"
+
+#include <algorithm>
+
+namespace pliant {
+
+// A map and its nodes, the items of a list that grows by halves, texts.
+JsonShape json_shape(std::string_view text)
+{
+    JsonShape shape;
+    shape.memory = text.size();
+    int depth = 0;
+    bool is_in_text = false;
+    for (std::size_t i = 0; i < text.size(); ++i) {
+        const char c = text[i];
+        if (is_in_text) {
+            if (c == '\\') ++i;
+            is_in_text = c != '"';
+        } else if (c == '"') {
+            is_in_text = true;
+            shape.memory += 32;
+        } else if (c == '{' || c == '[') {
+            shape.nesting = std::max(shape.nesting, ++depth);
+            shape.memory += 64;
+        } else if (c == '}' || c == ']') {
+            --depth;
+        } else if (c == ':') {
+            ++shape.key_count;
+            shape.memory += 64;
+        } else if (c == ',') {
+            shape.memory += 32;
+        }
+    }
+    return shape;
+}
+
+nlohmann::ordered_json parse_foreign_json(const std::string& text)
+{
+    constexpr int deepest = 32;
+    constexpr std::size_t most_keys = 20000;
+    const JsonShape shape = json_shape(text);
+    if (shape.nesting > deepest || shape.key_count > most_keys) return nlohmann::ordered_json::value_t::discarded;
+    return nlohmann::ordered_json::parse(text, nullptr, false);
+}
+
+} // namespace pliant
