@@ -68,7 +68,7 @@ NormalFit::Result fit_normals(const DrawnSpace& space, const MorphMesh& mesh)
     return fit.solve();
 }
 
-// The format takes any numbers. A file of glTF that an engine can draw does not.
+// The format allows any numbers, glTF does not.
 void check_drawable(const RuntimeBlender& blender, const DrawnSpace& space, const std::string& path)
 {
     constexpr float largest = 1e18f; // of the coordinates of meshes

@@ -21,7 +21,7 @@ enum Setting { nearest = 9728, clamp_to_edge = 33071, mirrored_repeat = 33648 };
 constexpr std::uint64_t json_size_limit = std::uint64_t(1) << 24; // parsed it takes up to forty times as much
 constexpr std::uint64_t none_view = UINT64_MAX;
 
-// RGBA of all images that are believed of any file, and for each of its bytes: JPEG makes 60 of one at best.
+// Bytes of pixels that are believed of any file, and of each of its bytes.
 constexpr std::size_t free_pixel_size = std::size_t(1) << 28, pixel_size_per_byte = 64;
 
 constexpr std::uint32_t json_tag = 0x4e4f534a, binary_tag = 0x004e4942;
