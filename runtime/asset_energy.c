@@ -115,11 +115,21 @@ static pliant_result check_batch(const pliant_open_context* context, const plian
     return are_identities(at_zero, lanes) ? PLIANT_OK : PLIANT_ERROR_NUMBER;
 }
 
+/* Bytes of the arrays of a batch that is good. */
+static uint64_t size_of_arrays(const pliant_format_batch* batch, const pliant_format_header* header, int has_layers)
+{
+    const pliant_format_shape shape = pliant_format_batch_shape(batch->kind, batch->valence, batch->is_closed);
+    const uint64_t numbers = (has_layers ? 1 : (uint64_t)header->pose_count) * shape.pose_number_count;
+    const uint64_t rows = (1 + (uint64_t)header->dimension) * shape.row_count + shape.fixed_count + numbers;
+    const uint64_t of_change = sizeof(pliant_format_change) + shape.pose_number_count * PLIANT_LANES * sizeof(float);
+    return rows * pliant_pad_lanes(batch->element_count) * sizeof(float) + batch->change_count * of_change;
+}
+
 static pliant_result open_elements(const pliant_open_context* context, pliant_asset* asset)
 {
     const pliant_format_chunk* chunk = pliant_open_find(context, PLIANT_CHUNK_ELEMENTS);
     uint32_t count;
-    uint64_t data_start;
+    uint64_t data_start, data_size = 0;
     pliant_result result = pliant_open_count(context, chunk, PLIANT_FORMAT_MAX_BATCHES, &count);
     if (result != PLIANT_OK) return result;
     if (!pliant_fits(sizeof(pliant_format_count), count, sizeof(pliant_format_batch), chunk->size, &data_start))
@@ -131,6 +141,8 @@ static pliant_result open_elements(const pliant_open_context* context, pliant_as
         const pliant_format_batch* batch = (const pliant_format_batch*)asset->batches + i;
         result = check_batch(context, chunk, data_start, batch, asset->layers != NULL);
         if (result != PLIANT_OK) return result;
+        data_size += size_of_arrays(batch, &context->header, asset->layers != NULL);
+        if (data_size > chunk->size - data_start) return PLIANT_ERROR_LAYOUT; /* a batch may not be read again and again */
     }
     return PLIANT_OK;
 }

@@ -115,6 +115,18 @@ static void chain_corners(size_t group_count, uint32_t* starts, uint32_t* words)
     starts[group_count] = (uint32_t)(out - words);
 }
 
+/* Whether the vertices of all groups together read so many neighbours that a stranger's groups would stop a game. */
+static int are_too_large(const pliant_asset* asset, const uint32_t* starts)
+{
+    const uint64_t limit = ((uint64_t)1 << 22) + 256 * (uint64_t)starts[asset->vertex_count];
+    uint64_t reads = 0;
+    for (uint32_t v = 0; v < asset->boundary_vertex_count; ++v) {
+        const size_t group = group_of(asset, v);
+        reads += starts[group + 1] - starts[group];
+    }
+    return reads > limit;
+}
+
 pliant_result pliant_normals_init(pliant_normals* out, const pliant_asset* asset, void* memory, size_t memory_size)
 {
     if (!out) return PLIANT_ERROR_ARGUMENT;
@@ -128,6 +140,7 @@ pliant_result pliant_normals_init(pliant_normals* out, const pliant_asset* asset
     uint32_t* words = starts + starts_count(asset);
     collect_corners(asset, starts, words);
     chain_corners(asset->vertex_count, starts, words);
+    if (are_too_large(asset, starts)) return PLIANT_ERROR_LIMIT;
     out->vertex_count = asset->boundary_vertex_count;
     out->neighbour_count = starts[asset->vertex_count];
     out->groups = asset->smoothing_groups;

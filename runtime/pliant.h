@@ -82,7 +82,7 @@ typedef enum pliant_result {
     PLIANT_ERROR_TRUNCATED = 20,  /**< R01, R04: smaller than a header, or not of the size that the header states */
     PLIANT_ERROR_NOT_PLIANT = 21, /**< R02: not a .pliant file */
     PLIANT_ERROR_VERSION = 22,    /**< R03, R07: another major version, or an unknown chunk that is required */
-    PLIANT_ERROR_LIMIT = 23,      /**< R05: a count outside its range */
+    PLIANT_ERROR_LIMIT = 23,      /**< R05: a count outside its range; groups of normals beyond all measure */
     /** R06, R07, R09, R14 .. R16, R18, R21, R23, R24: a chunk is missing, misplaced, of the wrong size or beside one that
        excludes it, or reserved bits are set. */
     PLIANT_ERROR_LAYOUT = 24,
@@ -380,7 +380,9 @@ PLIANT_API size_t pliant_normals_size(void);
 PLIANT_API size_t pliant_normals_memory(const pliant_asset* asset);
 
 /** Builds the adjacency of `asset` in `memory` (any alignment, `memory_size` bytes). Memory and blob must outlive it.
-   There is nothing to free. Cost: linear, some 10 ms for 100,000 triangles. */
+   There is nothing to free. PLIANT_ERROR_LIMIT: the vertices of all groups together would read more than 2^22 neighbours,
+   beside 256 times as many as there are; `pliant bake` puts at most 256 vertices into a group. Cost: linear, some 10 ms for
+   100,000 triangles. */
 PLIANT_API pliant_result pliant_normals_init(pliant_normals* out, const pliant_asset* asset, void* memory,
                                              size_t memory_size);
 

@@ -54,10 +54,10 @@ void add_bake_options(CLI::App& verb, BakeRequest& r)
     verb.add_flag("--best-effort", r.is_best_effort,
                   "Write the asset even if it misses the tolerance that you set; the exit code is 4 then, too");
     verb.add_option("--ritz", r.bake.ritz_count, "krylov: Ritz vectors per tangent")
-        ->check(CLI::Range(0, 32))
+        ->transform(whole_number_in(0, 32))
         ->capture_default_str();
     verb.add_option("--dim", r.bake.dimension, "Dimension of the reduced space (default: chosen by the tolerance or --ritz)")
-        ->check(CLI::Range(1, 256));
+        ->transform(whole_number_in(1, 256));
     verb.add_option(
             "--energy", r.surrogate,
             "Surrogate energy: quartic (an exact polynomial; stvk solids only), cubature (few elements, accurate), ghost (a "
@@ -67,7 +67,7 @@ void add_bake_options(CLI::App& verb, BakeRequest& r)
         ->type_name("NAME");
     verb.add_option("--elements", r.bake.element_count,
                     "Number of cubature elements (default: the fewest that meet the tolerance, 4 to 12 per dimension)")
-        ->check(CLI::Range(1, 1000000));
+        ->transform(whole_number_in(1, 1000000));
     verb.add_option_function<std::string>(
             "--cubature",
             [&r](const std::string& name) {
@@ -78,17 +78,17 @@ void add_bake_options(CLI::App& verb, BakeRequest& r)
         ->default_str("nnls")
         ->type_name("NAME");
     verb.add_option("--ghost-vertices", r.bake.ghost_vertex_count, "Number of vertices of the ghost")
-        ->check(CLI::Range(4, 1000000))
+        ->transform(whole_number_in(4, 1000000))
         ->capture_default_str();
     verb.add_option(
             "--check-samples", r.bake.check_count,
             "Number of weights at which dimension, elements and dead load are chosen by comparison with unreduced averages")
-        ->check(CLI::Range(0, 1000))
+        ->transform(whole_number_in(0, 1000))
         ->capture_default_str();
     verb.add_option("--fresh-samples", r.bake.fresh_count,
                     "Number of further weights at which the finished asset is compared with unreduced averages; they affect "
                     "no choice")
-        ->check(CLI::Range(0, 1000))
+        ->transform(whole_number_in(0, 1000))
         ->capture_default_str();
     verb.add_option_function<double>(
             "--position-error", [&r](double error) { r.bake.position_error = error; },
@@ -109,7 +109,7 @@ void add_bake_options(CLI::App& verb, BakeRequest& r)
             "Bake a rough asset quickly, to try weights and poses: --time-limit 0, aiming at a tolerance of 5e-3 unless "
             "you set one")
         ->excludes("--time-limit");
-    verb.add_option("--seed", r.bake.seed, "Random seed")->capture_default_str();
+    verb.add_option("--seed", r.bake.seed, "Random seed")->transform(whole_number_in(0, UINT64_MAX))->capture_default_str();
     verb.add_flag_callback(
         "--no-scene", [&r] { r.bake.keep_scene = false; },
         "Do not store texture coordinates, colours, materials and images of poses from glTF files");

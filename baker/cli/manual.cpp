@@ -95,14 +95,12 @@ _pliant() {{
     fi
     case ${{COMP_WORDS[1]}} in
 {}    esac
+    COMPREPLY=() # files, by -o default
     if [[ $word == -* ]]; then
         COMPREPLY=($(compgen -W "$options" -- "$word"))
-    else
-        compopt -o filenames 2> /dev/null
-        COMPREPLY=($(compgen -f -- "$word"))
     fi
 }}
-complete -F _pliant pliant
+complete -o default -F _pliant pliant
 )",
                        words_of(verb_names(app)), verbs);
 }

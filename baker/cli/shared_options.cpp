@@ -145,6 +145,21 @@ CLI::Validator number_in(double least, double most)
     return CLI::Validator(check, range.get_description(), range.get_name());
 }
 
+CLI::Validator whole_number_in(std::uint64_t least, std::uint64_t most)
+{
+    const CLI::Range range(least, most); // only for its texts
+    const auto check = [=](std::string& text) {
+        std::uint64_t number = 0;
+        const char* const end = text.data() + text.size();
+        const auto [rest, error] = std::from_chars(text.data(), end, number);
+        if (rest != end || error != std::errc() || number < least || number > most)
+            return fmt::format("Value {} not in range {} to {}", text, least, most);
+        text = std::to_string(number);
+        return std::string();
+    };
+    return CLI::Validator(check, range.get_description(), range.get_name());
+}
+
 void add_blend_kind(CLI::App& verb, EnergyOptions& options)
 {
     verb.add_option_function<std::string>(
@@ -162,7 +177,7 @@ void add_threads(CLI::App& verb)
 {
     verb.add_option_function<unsigned>("--threads", set_thread_count,
                                        "Number of threads (default: all cores); results do not depend on it")
-        ->check(CLI::Range(1u, 256u));
+        ->transform(whole_number_in(1, 256));
 }
 
 void add_all_vertices(CLI::App& verb, bool& all_vertices)

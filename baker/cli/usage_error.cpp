@@ -124,8 +124,8 @@ std::string fault_of_number(const CLI::Option& option, const std::string& text)
     const char* const end = text.data() + text.size();
     const auto [rest, error] = std::from_chars(text.data(), end, number);
     if (text.empty() || rest != end || error == std::errc::invalid_argument) return excerpt(text) + " is not a number";
-    const bool is_fraction = takes_whole_numbers(option) && std::trunc(number) != number;
-    return text + (is_fraction ? " is not a whole number" : " is out of range");
+    const bool is_whole = text.find_first_not_of("-0123456789") == std::string::npos;
+    return text + (takes_whole_numbers(option) && !is_whole ? " is not a whole number" : " is out of range");
 }
 
 Diagnostic wrong_value(const CLI::App& verb, const CLI::Option& option)

@@ -276,7 +276,7 @@ Verb add_average(CLI::App& app)
                      "Compute the averages at all weights that are multiples of 1/N, corners included; with --blend layers "
                      "each weight from 0 to 1")
         ->type_name("N")
-        ->check(CLI::Range(1u, 1000u));
+        ->transform(whole_number_in(1, 1000));
     verb->add_option("--list", a->list, "With --grid: also write the weights, one line per mesh")->type_name("FILE.csv");
     verb->add_option("-o,--output", a->output, "Mesh to write; with --path and --grid a pattern such as truth_%04d.ply")
         ->required()

@@ -144,7 +144,7 @@ Verb add_bake_all(CLI::App& app)
         ->required()
         ->type_name("MANIFEST.json");
     verb->add_option("-j,--jobs", a->job_count, "Number of bakes at the same time; each gets its share of the cores")
-        ->check(CLI::Range(1, 256))
+        ->transform(whole_number_in(1, 256))
         ->capture_default_str();
     verb->add_option(
             "--memory", a->memory,

@@ -210,7 +210,8 @@ Verb add_check(CLI::App& app)
     add_pose_arguments(*verb, a->poses);
     add_blend_kind(*verb, a->bake.energy);
     add_energy_options(*verb, a->bake.energy);
-    verb->add_option("--dim", a->bake.dimension, "Dimension of the reduced space, as for bake")->check(CLI::Range(1, 256));
+    verb->add_option("--dim", a->bake.dimension, "Dimension of the reduced space, as for bake")
+        ->transform(whole_number_in(1, 256));
     add_json(*verb, a->is_json);
     add_talk(*verb, a->talk);
     return [a, verb] { return run_check(*a, *verb); };

@@ -170,7 +170,7 @@ Verb add_export(CLI::App& app)
     verb->add_flag("--embed", a->with_asset, "Put the asset into the GLB; the C runtime opens it there in place");
     verb->add_option("--skin", a->bone_count,
                      "Write a skin of B bones, fitted to the blends, instead of morph targets, and print its error")
-        ->check(CLI::Range(1, 1024))
+        ->transform(whole_number_in(1, 1024))
         ->type_name("B");
     verb->add_option("--quantize", a->quantisation_error,
                      "Store positions and targets as integers (KHR_mesh_quantization), every vertex of a blend within E of "

@@ -144,9 +144,11 @@ Verb add_measure(CLI::App& app)
         ->expected(1, -1);
     add_surface(*verb, a->surface);
     verb->add_option("--samples", a->measure.sample_count, "Number of weights")
-        ->check(CLI::Range(1, 100000))
+        ->transform(whole_number_in(1, 100000))
         ->capture_default_str();
-    verb->add_option("--seed", a->measure.seed, "Random seed of the weights")->capture_default_str();
+    verb->add_option("--seed", a->measure.seed, "Random seed of the weights")
+        ->transform(whole_number_in(0, UINT64_MAX))
+        ->capture_default_str();
     verb->add_flag(
         "--from-blend", a->measure.from_blend,
         "Compute each unreduced average by Newton's method from the blend, and by continuation from the average of all "

@@ -175,6 +175,14 @@ class Asset:
         data, count = self.counted("ELEM", 64)
         require(len(data) >= 64 + 64 * count, "R09", "records of ELEM")
         self.batches = [self.read_batch(data, 64 + 64 * i, 64 + 64 * count) for i in range(count)]
+        size = sum(self.size_of_arrays(*struct.unpack_from("<4I24xQI", data, 64 + 64 * i)) for i in range(count))
+        require(size <= len(data) - 64 - 64 * count, "R09", "arrays of ELEM share bytes")
+
+    def size_of_arrays(self, kind, count, valence, is_closed, changes_at, change_count):
+        row_count, fixed_count, number_count = shape_of(kind, valence, is_closed)
+        pose_count = 1 if self.layers is not None else self.pose_count
+        rows = (1 + self.dimension) * row_count + fixed_count + pose_count * number_count
+        return 4 * rows * pad16(count) + change_count * (8 + 64 * number_count)
 
     def read_batch(self, data, at, data_start):
         kind, count, valence, is_closed, rows_at, fixed_at, poses_at = struct.unpack_from("<4I3Q", data, at)

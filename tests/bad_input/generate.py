@@ -254,6 +254,8 @@ def vertex_line():
 
 file_case("underflow", "tiny.obj", lambda: edited_vertex(vertex_line().rsplit(" ", 1)[0] + " 1e-400"))
 file_case("decimal_comma", "comma.obj", lambda: edited_vertex(vertex_line().replace(".", ",")))
+file_case("mesh_too_small", "small.obj",
+          lambda: "".join(f"v {i}e-20 0 0\n" if i else "v 0 0 0\n" for i in (0, 1)) + "f 1 2 1\n")
 file_case("coordinate_too_large", "large.obj", lambda: edited_vertex("v 0 1e20 0"))
 file_case("vertex_with_two_numbers", "short.obj", lambda: edited_vertex("v 0.5 0.5"))
 file_case("unknown_statement", "odd.obj", lambda: edited_vertex("w" + vertex_line()[1:]))

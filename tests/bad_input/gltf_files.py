@@ -192,6 +192,15 @@ def add_cases(good):
         gltf.animation("all", (0, "weights", "STEP", [0], [1] * 3000))
     case("gltf_shared_deltas", deltas)
 
+    def empty_targets(gltf):
+        gltf.animation("Run", (0, "translation", "STEP", [0], [(0, 0, 0)]))
+        positions, indices = gltf.accessor([(0, 0, 0), (1, 0, 0), (0, 1, 0)]), gltf.accessor([0, 1, 2], 5121)
+        primitive = {"attributes": {"POSITION": positions}, "indices": indices, "targets": [{}] * 3000}
+        gltf.json["meshes"] = [{"primitives": [primitive] * 10, "weights": [1] * 3000}]
+        gltf.json.update(scenes=[], nodes=[{"mesh": 0, "weights": [2]}, {"mesh": 0}] * 250)
+        del gltf.json["scene"]
+    case("gltf_empty_targets", empty_targets)
+
     def lines(gltf):
         first = gltf.json["meshes"][0]["primitives"][0]
         gltf.json["meshes"][0]["primitives"].append({"attributes": first["attributes"], "mode": 1})

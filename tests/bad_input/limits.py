@@ -2,6 +2,8 @@
 the value is refused with the message of the row, and one at the value is not refused with it. Rows of cost: good and
 hostile files of every format stay below. ASSET: any good asset, of which the header is changed. SCALE: how many times
 larger the costly files are (default: 1, which says little of memory; 20 takes half a minute)."""
+import array
+import itertools
 import math
 import os
 import re
@@ -82,14 +84,14 @@ def json_memory(factor):
 
 def gltf(fill):
     """A maker: fill(gltf, limit) reads as many numbers of the file as `limit` says, which depends on the file's size."""
-    def make(free_count, per_byte, *choice):
+    def make(free_count, per_byte, *choices):
         size = 0
         for _ in range(8):
             file = gltf_files.Gltf()
             fill(file, free_count + per_byte * size)
             blob = file.glb()
             if size == len(blob):
-                return ["check", "a.glb" + "".join(choice), "b.obj"], {"a.glb": blob, "b.obj": OBJ}
+                return ["check", *["a.glb" + choice for choice in choices or [""]], "b.obj"], {"a.glb": blob, "b.obj": OBJ}
             size = len(blob)
         raise AssertionError("the file's size does not settle")
     return make
@@ -109,6 +111,13 @@ def shared(gltf, limit, numbers, component, cost):
 def drawn(gltf, limit):
     primitive = gltf.mesh([(0, 0, 0), (1, 0, 0), (0, 1, 0)], [(0, 1, 2)])
     indices = shared(gltf, limit, [0, 1], 5121, 9 + 64 + 64)
+    gltf.json["meshes"][0]["primitives"] = [{**primitive, "indices": i} for i in indices]
+
+
+# In 32 poses.
+def drawn_often(gltf, limit):
+    primitive = gltf.mesh([(0, 0, 0), (1, 0, 0), (0, 1, 0)], [(0, 1, 2)])
+    indices = shared(gltf, -(-limit // 32), [0, 1], 5121, 9)
     gltf.json["meshes"][0]["primitives"] = [{**primitive, "indices": i} for i in indices]
 
 
@@ -155,6 +164,8 @@ def makers(asset):
         "numbers that a glTF scene draws, beside 8 for each byte": lambda count: gltf(drawn)(count, 8),
         "numbers that a pose of a glTF file reads, beside 32 for each byte":
             lambda count: gltf(reread)(count, 32, "#animation=0@0"),
+        "numbers that all poses of a glTF file draw, beside 128 for each byte":
+            lambda count: gltf(drawn_often)(count, 128, *["#rest"] * 32),
         "bytes of the name of a glTF mesh or morph target":
             lambda size: check("a.gltf", '{"asset": {"version": "2.0"}, "nodes": [{"mesh": 0}], "meshes": [{"name": "'
                                + "n" * size + '"}]}'),
@@ -197,7 +208,7 @@ def check_limit(tool, name, make, value, message):
     is_refused, done = refuses(tool, make, beyond, message)
     if not is_refused:
         yield f"{name}: {beyond} is not refused with {message}: {done.returncode} {done.stderr[:300]}"
-    if name in ("bytes of a file that the baker reads", "points of `average --grid`"):
+    if name in ("bytes of a file that the baker reads", "points of `average --grid`") or name.startswith("numbers that all"):
         return  # the value itself takes minutes
     is_refused, done = refuses(tool, make, value, message)
     if is_refused:
@@ -227,6 +238,10 @@ def costly_files():
     yield "a.veg", solids.vega_text(many)
     yield "a.vtk", solids.vtk_text(many)
     yield "a.gltf", '{"asset": {"version": "2.0"}, "nodes": [' + "{}," * LINES + "{}]}"
+    file = gltf_files.Gltf()
+    file.mesh([(0, 0, 0), (1, 0, 0), (0, 1, 0)], [(0, 1, 2)])
+    file.json["materials"] = [{"k" * 5 * LINES: {f"{i}": {} for i in range(LINES // 2)}}]
+    yield "a.glb", file.glb()
     set_rows = solids.vega_text(SOLID) + "*SET s\n" + "1," * LINES + "1\n*REGION\n" + "s,m\n" * LINES
     yield "a.veg", set_rows
     yield "a.msh", solids.msh_text(SOLID) + "$" + "$End" * 2 * LINES + "Z\n" + "$End" * 10 * LINES
@@ -242,9 +257,22 @@ def costly_files():
     faces = "".join(f"f {i + 1} {i + 401} {i + 402} {i + 2}\n" for i in corners)
     yield "a.obj", "".join(f"v {0.7930 * x + 0.2837 * y} {-0.5392 * y} {-0.5392 * x}\n" for x, y in points) + faces, 0, 0, \
         "".join(f"v {0.7930 * x} {0.6 * y - 0.2837 * x} {0.7930 / 0.5392 * 0.6 * y}\n" for x, y in points) + faces
+    yield "a.ply", cube(0), 0, 0, cube(1)
     grid = "".join(f"v {x} {y} {math.sin(x + y)}\n" for x in range(200) for y in range(200))
     faces = "".join(f"f {i} {i + 1} {i + 201} {i + 200}\n" for i in range(1, 39800) if i % 200)
     yield "a.obj", grid + faces
+
+
+# 7^6 vertices, each near all of them and at a vertex in none but its own of both poses, which no direction tells apart.
+def cube(pose):
+    steps = [1.05e-6 * x for x in range(7)]
+    near = itertools.product(steps, repeat=6)
+    points = [*itertools.chain.from_iterable(p[3 * pose:3 * pose + 3] for p in near), 0, 0, 0, .6, 0, 0, .6, .6, .6]
+    count = len(points) // 3
+    corners = itertools.chain.from_iterable((3, i, i + 1, i + 2) for i in range(0, count - 2))
+    head = f"ply\nformat binary_little_endian 1.0\nelement vertex {count}\nproperty double x\nproperty double y\n" \
+        f"property double z\nelement face {count - 2}\nproperty list int int vertex_indices\nend_header\n"
+    return head.encode() + array.array("d", points).tobytes() + array.array("i", corners).tobytes()
 
 
 def check_cost(tool, costs, name, content, vertices=0, corners=0, other=None):

@@ -5,6 +5,7 @@ using System;
 using System.Globalization;
 using System.IO;
 using System.Linq;
+using System.Threading;
 using Pliant;
 
 static class Bits
@@ -132,6 +133,43 @@ static class Bits
         Refuses<ObjectDisposedException>(() => character.Reset(), e => true, "a character that is gone");
     }
 
+    // Calls that have begun end well, whatever is disposed of meanwhile, and one character does one thing at a time.
+    static void CheckThreads(string folder)
+    {
+        byte[] bytes = File.ReadAllBytes(Path.Combine(folder, "strip_neo.pliant"));
+        int refused = 0;
+        for (int round = 0; round < 100; ++round)
+        {
+            var asset = new Asset(bytes);
+            var character = new Character(asset);
+            ThreadStart work = () =>
+            {
+                var positions = new float[3 * asset.VertexCount];
+                for (int k = 0;; ++k)
+                {
+                    try
+                    {
+                        character.Solve(new[] { 1f, k % 7 });
+                        character.Reconstruct(positions);
+                    }
+                    catch (InvalidOperationException error)
+                    {
+                        if (error is ObjectDisposedException) return;
+                        Interlocked.Increment(ref refused);
+                    }
+                }
+            };
+            var threads = new[] { new Thread(work), new Thread(work) };
+            foreach (Thread thread in threads) thread.Start();
+            Thread.Sleep(1);
+            if (round % 2 == 0) asset.Dispose();
+            character.Dispose();
+            foreach (Thread thread in threads) thread.Join();
+            asset.Dispose();
+        }
+        if (refused == 0) throw new Exception("two threads worked with one character");
+    }
+
     static void CheckMuseum(string folder)
     {
         int refused = 0;
@@ -154,6 +192,7 @@ static class Bits
         PrintFolder(arguments[0]);
         PrintFolder(arguments[1]);
         CheckErrors(arguments[0]);
+        CheckThreads(arguments[0]);
         CheckMuseum(arguments[2]);
         return 0;
     }

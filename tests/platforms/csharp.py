@@ -33,8 +33,7 @@ def main():
         folder = pathlib.Path(name)
         run(sys.executable, "-B", ROOT / "runtime/make_single.py", folder)
         run(compiler, *FLAGS, folder / "pliant.c", "-o", folder / "libpliant.so", "-lm")
-        # The language of .NET Standard 2.0.
-        run("mcs", "-langversion:7.2", "-warnaserror+", f"-out:{folder / 'Bits.exe'}", *SOURCES)
+        run("mcs", "-warnaserror+", f"-out:{folder / 'Bits.exe'}", *SOURCES)
         here = run(program, assets) + "\n" + compare_bits.blends()
         there = run("mono", folder / "Bits.exe", assets, compare_bits.GOLDEN, museum,
                     env={**os.environ, "LD_LIBRARY_PATH": name})

@@ -52,6 +52,18 @@ def bad_files(good):
         d.data[tag] = d.data[tag][:change] if change < 0 else d.data[tag] + bytes(change)
         return d.join()
 
+    # One more batch, with the arrays of the first.
+    def shared_batches():
+        d = draft()
+        data = d.data[b"ELEM"]
+        count = struct.unpack_from("<I", data)[0]
+        records = data[64:64 + 64 * count] + data[64:128]
+        for at in range(16, len(records), 64):
+            offsets = struct.unpack_from("<3Q", records, at)
+            struct.pack_into("<3Q", records, at, *(offset + 64 for offset in offsets))
+        d.data[b"ELEM"] = bytearray(struct.pack("<I", count + 1)) + data[4:64] + records + data[64 + 64 * count:]
+        return d.join()
+
     n, t, dim, m = struct.unpack_from("<4I", good, 32)
     wide = (dim + 15) // 16 * 16
     nan, inf = float("nan"), float("inf")
@@ -104,6 +116,7 @@ def bad_files(good):
     yield "R09_kind_12", LAYOUT, chunk(b"ELEM", 64, "I", 12)
     yield "R09_rows_in_records", LAYOUT, chunk(b"ELEM", 64 + 16, "Q", 0)
     yield "R09_rows_misaligned", LAYOUT, chunk(b"ELEM", 64 + 16, "Q", 64 * 4 + 4)
+    yield "R09_rows_shared", LAYOUT, shared_batches()
     yield "R09_numbers_past_end", LAYOUT, chunk(b"ELEM", 64 + 32, "Q", (len(draft().data[b"ELEM"]) + 63) // 64 * 64)
     yield "R09_numbers_wrap_around", LAYOUT, chunk(b"ELEM", 64 + 32, "Q", 0xFFFFFFFFFFFFFFC0)
     yield "R09_more_elements_than_bytes", LAYOUT, chunk(b"ELEM", 64 + 4, "I", 1 << 22)

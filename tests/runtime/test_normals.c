@@ -168,6 +168,36 @@ static void check_degenerate(void)
     }
 }
 
+/* A fan whose centre is split into `count` vertices of one group. */
+static pliant_result init_fan(uint32_t count)
+{
+    uint32_t* triangles = malloc((size_t)count * 12);
+    uint32_t* groups = calloc(3 * (size_t)count, 4);
+    pliant_normals normals;
+    pliant_asset asset;
+    memset(&asset, 0, sizeof asset);
+    asset.vertex_count = asset.boundary_vertex_count = 3 * count;
+    asset.triangle_count = count;
+    asset.triangles = triangles;
+    asset.smoothing_groups = groups;
+    const size_t size = pliant_normals_memory(&asset);
+    void* memory = malloc(size);
+    if (!triangles || !groups || !memory) exit(2);
+    for (uint32_t i = 0; i < 3 * count; ++i) groups[i] = i % 3 ? i : 0;
+    for (uint32_t i = 0; i < 3 * count; ++i) triangles[i] = i;
+    const pliant_result result = pliant_normals_init(&normals, &asset, memory, size);
+    free(triangles);
+    free(groups);
+    free(memory);
+    return result;
+}
+
+static void check_large_groups(void)
+{
+    CHECK(init_fan(1000) == PLIANT_OK, "1,000 vertices read 2,000 neighbours each");
+    CHECK(init_fan(4000) == PLIANT_ERROR_LIMIT, "4,000 vertices read 8,000 neighbours each");
+}
+
 static void check_memory(const opened* o)
 {
     const size_t size = pliant_normals_memory(&o->asset);
@@ -252,6 +282,7 @@ int main(int argc, char** argv)
     check_random_triangles();
     check_groups();
     check_degenerate();
+    check_large_groups();
     CHECK(pliant_normals_memory(NULL) == 0, "memory of nothing");
     for_each_asset(argv[1], check_asset);
     return report("normals");

@@ -1,5 +1,6 @@
 #include "base/mesh/smoothing_groups.h"
 
+#include <algorithm>
 #include <stdexcept>
 #include <unordered_map>
 
@@ -11,8 +12,16 @@ namespace {
 // 0.4 degrees; edges that are meant to be seen differ by far more.
 constexpr double kSameDirection = 0.99984769515639124;
 
+// What the runtime reads for a normal stays small: pliant_normals_init.
+constexpr std::size_t kLargest = 256;
+
 // A normal shorter than this has no direction in single precision, in which files have them.
 constexpr double kShortest = 1e-6;
+
+struct Group {
+    std::uint32_t first;
+    std::size_t size;
+};
 
 bool agree(const Eigen::Vector3d& a, const Eigen::Vector3d& b)
 {
@@ -28,16 +37,18 @@ std::vector<std::uint32_t> smoothing_groups(const std::vector<std::uint32_t>& we
     if (!normals.empty() && normals.size() != welded.size())
         throw std::invalid_argument("smoothing_groups needs no normals or one for each vertex");
     std::vector<std::uint32_t> groups(welded.size());
-    std::unordered_map<std::uint32_t, std::vector<std::uint32_t>> first_vertices; // of the groups at a welded vertex
+    std::unordered_map<std::uint32_t, std::vector<Group>> groups_at; // a welded vertex
     for (std::uint32_t v = 0; v < welded.size(); ++v) {
-        std::vector<std::uint32_t>& candidates = first_vertices[welded[v]];
-        groups[v] = v;
-        for (std::uint32_t first : candidates)
-            if (normals.empty() || agree(normals[first], normals[v])) {
-                groups[v] = first;
-                break;
-            }
-        if (groups[v] == v) candidates.push_back(v);
+        std::vector<Group>& candidates = groups_at[welded[v]];
+        const auto joins = [&](const Group& group) {
+            return group.size < kLargest && (normals.empty() || agree(normals[group.first], normals[v]));
+        };
+        const auto found = std::find_if(candidates.begin(), candidates.end(), joins);
+        groups[v] = found == candidates.end() ? v : found->first;
+        if (found == candidates.end())
+            candidates.push_back({ v, 1 });
+        else
+            ++found->size;
     }
     return groups;
 }

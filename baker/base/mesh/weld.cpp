@@ -40,8 +40,9 @@ public:
         }
     }
 
-    // Nothing if it takes more comparisons than this.
-    std::optional<std::vector<Index>> weld(std::uint64_t comparison_limit);
+    // Nothing if it takes more comparisons than `limit`. A vertex is compared with the `limit_of_vertex` centres that are
+    // nearest in height.
+    std::optional<std::vector<Index>> weld(std::uint64_t limit, std::uint64_t limit_of_vertex);
 
 private:
     bool is_near(Index a, Index b) const
@@ -59,7 +60,7 @@ private:
 
 // Upwards, each vertex to the centre of a cluster near it or a centre itself: no chain of short steps can join what is
 // apart.
-std::optional<std::vector<Index>> Welder::weld(std::uint64_t comparison_limit)
+std::optional<std::vector<Index>> Welder::weld(std::uint64_t limit, std::uint64_t limit_of_vertex)
 {
     std::vector<Index> order(static_cast<std::size_t>(heights_.size())), centres, centre_of(order.size());
     std::iota(order.begin(), order.end(), Index(0));
@@ -67,8 +68,10 @@ std::optional<std::vector<Index>> Welder::weld(std::uint64_t comparison_limit)
     const double rounding = 1e-14; // of heights, which are sums of a few numbers below 2
     for (const Index v : order) {
         centre_of[v] = v;
+        std::uint64_t left = limit_of_vertex;
         for (auto c = centres.rbegin(); c != centres.rend() && heights_[v] - heights_[*c] <= window_ + rounding; ++c) {
-            if (comparison_limit-- == 0) return std::nullopt;
+            if (left-- == 0) break;
+            if (limit-- == 0) return std::nullopt;
             if (!is_near(v, *c)) continue;
             centre_of[v] = *c;
             break;
@@ -89,13 +92,15 @@ std::optional<std::vector<Index>> Welder::weld(std::uint64_t comparison_limit)
 
 std::vector<Index> weld(const std::vector<const Positions*>& poses, double tolerance)
 {
+    constexpr std::uint64_t mean_limit = 64; // comparisons of a vertex
     if (tolerance > 0) {
         Random random(seed_of(poses));
         // A mesh may lie across the directions by chance: then others are tried.
         for (int attempt = 0; attempt < 8; ++attempt)
-            if (auto result = Welder(poses, tolerance, random).weld(64 * std::uint64_t(poses[0]->rows())))
+            if (auto result
+                = Welder(poses, tolerance, random).weld(mean_limit * std::uint64_t(poses[0]->rows()), UINT64_MAX))
                 return std::move(*result);
-        return *Welder(poses, tolerance, random).weld(UINT64_MAX);
+        return *Welder(poses, tolerance, random).weld(UINT64_MAX, mean_limit);
     }
     std::vector<Index> result(static_cast<std::size_t>(poses[0]->rows()));
     std::iota(result.begin(), result.end(), Index(0));

@@ -11,7 +11,8 @@ namespace pliant {
 
 namespace {
 
-constexpr double half_turn = 3.14159265358979323846, most_stretch = 10;
+constexpr double half_turn = 3.14159265358979323846;
+constexpr double most_stretch = 2.302585092994046; // logarithm of 10
 
 // Of an angle, or of the logarithm of a stretch squared: with less a layer does not change an element.
 constexpr double least_change = 0.02;
@@ -60,11 +61,11 @@ LayerChanges changes_of(const NormalizedPoses& set)
     return out;
 }
 
-// The larger of both principal stretches, or of their inverses.
+// Logarithm of the larger of both principal stretches, or of their inverses.
 double stretch_of(const Metric& logarithm)
 {
-    const double mean = (logarithm[0] + logarithm[2]) / 2, off = std::hypot((logarithm[0] - logarithm[2]) / 2, logarithm[1]);
-    return std::exp((std::abs(mean) + off) / 2);
+    const double mean = (logarithm[0] + logarithm[2]) / 2, half = (logarithm[0] - logarithm[2]) / 2;
+    return (std::abs(mean) + std::sqrt(half * half + logarithm[1] * logarithm[1])) / 2;
 }
 
 // Of the edges, or faces, that both layers change: those that contradict each other, and the first of them.
@@ -95,8 +96,8 @@ Counted stretched_faces(const LayerChanges& changes, Eigen::Index a, Eigen::Inde
     Counted out;
     for (Eigen::Index f = 0; f < changes.logarithms.rows() / 3; ++f) {
         const Metric of_a = changes.logarithms.block<3, 1>(3 * f, a), of_b = changes.logarithms.block<3, 1>(3 * f, b);
+        if (std::min(of_a.squaredNorm(), of_b.squaredNorm()) < least_change * least_change) continue;
         const double largest_alone = std::max(stretch_of(of_a), stretch_of(of_b));
-        if (std::min(of_a.norm(), of_b.norm()) < least_change) continue;
         out.add(std::size_t(f), stretch_of(of_a + of_b) > most_stretch && largest_alone <= most_stretch);
     }
     return out;

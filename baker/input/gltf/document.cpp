@@ -254,7 +254,6 @@ void GltfDocument::unpack_views()
         const std::size_t buffer = extension["buffer"].index(buffers_.size(), "buffers");
         const std::string& bytes = unpacked_.emplace(i, decode_meshopt(views.at(i), buffers_[buffer], left)).first->second;
         left -= bytes.size();
-        byte_count_ += bytes.size();
     }
 }
 

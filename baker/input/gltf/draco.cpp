@@ -3,8 +3,12 @@
 #include "input/gltf/render_scene.h"
 #include "input/io/source_file.h"
 
+#include <algorithm>
 #include <draco/compression/decode.h>
+#include <draco/compression/point_cloud/point_cloud_decoder.h>
+#include <draco/core/varint_decoding.h>
 #include <draco/mesh/mesh.h>
+#include <draco/metadata/metadata_decoder.h>
 #include <exception>
 #include <fmt/format.h>
 #include <memory>
@@ -14,10 +18,38 @@ namespace {
 
 constexpr const char* damaged = "the file is damaged: compress it again from the original";
 
-std::unique_ptr<draco::Mesh> decode(const GltfValue& extension, std::string_view bytes)
+std::uint32_t number_in(draco::DecoderBuffer& buffer, bool is_varint)
+{
+    std::uint32_t number = 0;
+    const bool is_there = is_varint ? draco::DecodeVarint(&number, &buffer) : buffer.Decode(&number);
+    return is_there ? number : 0;
+}
+
+// Draco makes its tables for as many faces, vertices and attributes as the stream says, before it decodes one of them. What
+// is no stream is left to the decoder.
+void take_declared(const GltfValue& extension, draco::DecoderBuffer buffer, GltfAllowance& allowance)
+{
+    draco::DracoHeader header;
+    draco::GeometryMetadata metadata;
+    if (!draco::PointCloudDecoder::DecodeHeader(&buffer, &header).ok()) return;
+    const std::uint16_t version = DRACO_BITSTREAM_VERSION(header.version_major, header.version_minor);
+    buffer.set_bitstream_version(version);
+    if ((header.flags & METADATA_FLAG_MASK) && !draco::MetadataDecoder().DecodeGeometryMetadata(&buffer, &metadata)) return;
+    if (header.encoder_method != draco::MESH_EDGEBREAKER_ENCODING) return; // others have bytes for each face, or fail
+    const bool is_varint = version >= DRACO_BITSTREAM_VERSION(2, 0);
+    std::uint8_t traversal = 0, attribute_count = 0;
+    buffer.Decode(&traversal);
+    if (version < DRACO_BITSTREAM_VERSION(2, 2)) number_in(buffer, is_varint);
+    const std::uint32_t vertex_count = number_in(buffer, is_varint), face_count = number_in(buffer, is_varint);
+    buffer.Decode(&attribute_count);
+    allowance.take(extension, std::max(vertex_count, face_count), std::uint64_t(attribute_count) + 3);
+}
+
+std::unique_ptr<draco::Mesh> decode(const GltfValue& extension, std::string_view bytes, GltfAllowance& allowance)
 {
     draco::DecoderBuffer buffer;
     buffer.Init(bytes.data(), bytes.size());
+    take_declared(extension, buffer, allowance);
     const auto type = draco::Decoder::GetEncodedGeometryType(&buffer);
     if (!type.ok() || type.value() != draco::TRIANGULAR_MESH)
         extension.fail(2318, "its Draco data do not hold a triangle mesh", damaged);
@@ -79,7 +111,7 @@ DracoMesh decode_draco(const GltfDocument& document, const GltfValue& extension,
     const std::size_t view = extension["bufferView"].index(document["bufferViews"].size(), "buffer views");
     const std::string_view bytes = document.view(view);
     allowance.take(extension, bytes.size()); // also of what is decoded and not read
-    const std::unique_ptr<draco::Mesh> mesh = decode(extension, bytes);
+    const std::unique_ptr<draco::Mesh> mesh = decode(extension, bytes, allowance);
     DracoMesh out;
     out.vertex_count = mesh->num_points();
     allowance.take(extension, mesh->num_faces(), 3);

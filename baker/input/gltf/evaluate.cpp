@@ -9,9 +9,11 @@ namespace {
 GltfNumbers morphed(const GltfDocument& document, const GltfPrimitive& primitive, const std::vector<double>& weights,
                     const GltfNumbers& base, const char* attribute, GltfAllowance& allowance)
 {
+    constexpr std::uint64_t numbers_of_target = 4; // what looking for its attribute costs
     GltfNumbers out = base;
     for (std::size_t k = 0; k < primitive.targets.size() && k < weights.size(); ++k) {
         if (weights[k] == 0) continue;
+        allowance.take(primitive.targets[k], numbers_of_target);
         const GltfValue deltas = primitive.targets[k][attribute];
         if (!deltas.exists()) continue;
         allowance.take_all_of(deltas);

@@ -123,6 +123,7 @@ std::vector<std::string> target_names_of(const GltfValue& mesh, std::size_t coun
 {
     std::vector<std::string> names;
     std::set<std::string> known;
+    std::size_t next = 1;
     // Exporters write them into the extras of the mesh, as the specification suggests; who does otherwise has none.
     const GltfValue extras = mesh["extras"];
     const bool has_names = extras.exists() && extras.json().is_object() && extras["targetNames"].exists()
@@ -131,8 +132,8 @@ std::vector<std::string> target_names_of(const GltfValue& mesh, std::size_t coun
         std::string name;
         if (has_names && i < extras["targetNames"].size() && extras["targetNames"].at(i).json().is_string())
             name = name_of(extras["targetNames"].at(i));
-        if (name.empty() || !known.insert(name).second) name = fmt::format("target_{}", i + 1);
-        known.insert(name);
+        for (next = std::max(next, i + 1); name.empty() || !known.insert(name).second; ++next)
+            name = fmt::format("target_{}", next); // others may have such a name, too
         names.push_back(std::move(name));
     }
     return names;

@@ -163,9 +163,24 @@ PoseSet to_pose_set(std::vector<MeshFile> meshes, Checked checked)
     return poses;
 }
 
+// Whether single precision holds the squares of lengths, as it must of normals.
+bool check_sizes(const std::vector<MeshFile>& meshes, DiagnosticList& diagnostics)
+{
+    constexpr double least_size = 1e-15;
+    const std::size_t errors_before = diagnostics.error_count();
+    for (const MeshFile& mesh : meshes) {
+        const double size = (mesh.positions.colwise().maxCoeff() - mesh.positions.colwise().minCoeff()).maxCoeff();
+        if (size > 0 && size < least_size)
+            diagnostics.add(error_at(2114, mesh.path, fmt::format("is {:.3g} wide, less than {:g}", size, least_size),
+                                     "use a smaller unit of length"));
+    }
+    return diagnostics.error_count() == errors_before;
+}
+
 // The checks of what was read; the fixed vertices.
 Checked check_all(std::vector<MeshFile>& meshes, Blend blend, const LoadOptions& options, DiagnosticList& diagnostics)
 {
+    if (!check_sizes(meshes, diagnostics)) return {};
     const bool is_solid = !meshes[0].tets.empty();
     if (is_solid) orient_tets(meshes, diagnostics);
     Checked checked;

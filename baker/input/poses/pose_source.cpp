@@ -23,7 +23,23 @@ namespace {
 
 // A glTF file that arguments name, opened once.
 struct GltfFile {
+    explicit GltfFile(GltfScene&& read)
+        : scene(std::move(read))
+        , drawn_numbers(*scene.document, 64000000, 128)
+    {
+    }
+
+    // P2333 if all poses together are too large.
+    void take(std::size_t pose_count)
+    {
+        std::uint64_t size = scene.vertex_count();
+        for (const GltfInstance& instance : scene.instances)
+            for (const GltfPrimitive& primitive : scene.meshes[instance.mesh].primitives) size += primitive.triangles.size();
+        drawn_numbers.take(scene.document->root(), pose_count * size, 3);
+    }
+
     GltfScene scene;
+    GltfAllowance drawn_numbers;              // of all poses
     std::shared_ptr<const RenderScene> drawn; // made with the first pose
 };
 
@@ -249,8 +265,11 @@ public:
         }
         source.file = open(source.argument.path);
         if (source.file)
-            guard(source.argument.path,
-                  [&] { source.plans = plan_poses(source.file->scene, source.argument, diagnostics_); });
+            guard(source.argument.path, [&] {
+                std::vector<Plan> plans = plan_poses(source.file->scene, source.argument, diagnostics_);
+                source.file->take(plans.size());
+                source.plans = std::move(plans);
+            });
         return source;
     }
 
@@ -279,10 +298,8 @@ private:
         std::unique_ptr<GltfFile>& file = files_[path];
         guard(path, [&] {
             std::vector<Diagnostic> warnings;
-            auto opened = std::make_unique<GltfFile>();
-            opened->scene = read_scene(std::make_shared<const GltfDocument>(path), warnings);
+            file = std::make_unique<GltfFile>(read_scene(std::make_shared<const GltfDocument>(path), warnings));
             for (Diagnostic& warning : warnings) diagnostics_.add(std::move(warning));
-            file = std::move(opened);
         });
         return file.get();
     }

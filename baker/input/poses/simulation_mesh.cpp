@@ -33,6 +33,7 @@ private:
     void leave_out_repeated();
     void leave_out_flat();
     void leave_out_duplicates();
+    const std::vector<double>& pose_areas();
     bool check_flat(const MeshFile& pose, const std::vector<FlatTriangle>& flat);
     Triangle welded(Index triangle) const;
     // One line for all: `what` says it of the first, `faces` are all.
@@ -42,7 +43,8 @@ private:
     const MeshFile& first_;
     const Triangulation& drawn_;
     DiagnosticList& diagnostics_;
-    std::vector<bool> is_left_out_; // per drawn triangle
+    std::vector<bool> is_left_out_;  // per drawn triangle
+    std::vector<double> pose_areas_; // doubled, once they are needed
     SimulationMesh out_;
 };
 
@@ -141,21 +143,34 @@ void Builder::leave_out_flat()
     }
 }
 
+double double_area(const Positions& positions, const Triangle& t)
+{
+    const Eigen::RowVector3d origin = positions.row(t[0]);
+    return (positions.row(t[1]) - origin).cross(positions.row(t[2]) - origin).norm();
+}
+
+const std::vector<double>& Builder::pose_areas()
+{
+    for (std::size_t k = pose_areas_.size(); k < meshes_.size(); ++k) {
+        pose_areas_.push_back(0);
+        for (const Triangle& t : drawn_.triangles) pose_areas_[k] += double_area(meshes_[k]->positions, t);
+    }
+    return pose_areas_;
+}
+
 // What is flat in one pose may be a large part of the body in another. False, and said, if it is too large.
 bool Builder::check_flat(const MeshFile& pose, const std::vector<FlatTriangle>& flat)
 {
+    if (flat.empty()) return true;
     double worst = 0;
     const MeshFile* where = &first_;
-    for (const MeshFile* mesh : meshes_) {
-        const Positions unit = to_unit_box(mesh->positions);
-        const Eigen::VectorXd areas
-            = triangle_areas(Eigen::Map<const Eigen::VectorXd>(unit.data(), unit.size()), drawn_.triangles);
-        const double total = areas.sum();
-        double part = 0;
-        for (const FlatTriangle& f : flat) part += total > 0 ? areas[f.triangle] / total : 0;
+    for (std::size_t k = 0; k < meshes_.size(); ++k) {
+        double sum = 0;
+        for (const FlatTriangle& f : flat) sum += double_area(meshes_[k]->positions, drawn_.triangles[f.triangle]);
+        const double part = pose_areas()[k] > 0 ? sum / pose_areas()[k] : 0;
         if (part <= worst) continue;
         worst = part;
-        where = mesh;
+        where = meshes_[k];
     }
     if (worst <= flat_part_limit) return true;
     diagnostics_.add(error_at(

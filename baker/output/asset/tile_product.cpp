@@ -60,7 +60,7 @@ void round_rest(const ProductSettings& settings, const Eigen::VectorXd& rest, Ti
     const double scale = std::max((high - low).maxCoeff() / largest_rest, rest_share * settings.error);
     out.head.rest_scale = float(scale * (1 + 1e-6)); // rounding down must not reach the next number
     out.numbers.resize(points.cols(), 3);
-    for (int c = 0; c < 3; ++c) {
+    for (int c = 0; c < 3 && out.head.rest_scale > 0; ++c) {
         out.head.rest_origin[c] = float(low[c]);
         for (Eigen::Index i = 0; i < points.cols(); ++i) {
             const double number = (points(c, i) - double(out.head.rest_origin[c])) / double(out.head.rest_scale);
@@ -228,6 +228,7 @@ std::optional<TileProduct> fit_product(const ProductSettings& settings, Eigen::V
     TileProduct out;
     out.head.vertex_count = std::uint16_t(rest.size() / 3);
     round_rest(settings, rest, out);
+    if (!std::isnormal(out.head.rest_scale)) return {}; // zero would say that the tile is still
     const Eigen::VectorXd stored = rest_of(out), offset = rest - stored;
     const Eigen::MatrixXd factor = affine_factor(out);
     Eigen::MatrixXd rows = fit_affine(factor, columns);

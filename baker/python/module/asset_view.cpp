@@ -1,5 +1,7 @@
 #include "asset_view.h"
 
+#include "unlocked.h"
+
 #include "base/common/diagnostics.h"
 #include "output/asset/runtime_blender.h"
 #include "pliant_format.h"
@@ -50,27 +52,21 @@ struct AssetView::Solver {
     pliant_solver* solver = nullptr;
 };
 
-// A solver for the time of a call: an idle one, as good as new, or a new one.
+// A solver for the time of a call: an idle one, as good as new, or a new one. Made and ended with the interpreter locked.
 class AssetView::Loan {
 public:
     explicit Loan(AssetView& view)
         : view_(view)
     {
-        {
-            const std::lock_guard<std::mutex> lock(view.mutex_);
-            if (!view.idle_.empty()) {
-                solver_ = std::move(view.idle_.back());
-                view.idle_.pop_back();
-            }
+        if (view.idle_.empty()) {
+            solver_ = std::make_unique<Solver>(view.asset_);
+        } else {
+            solver_ = std::move(view.idle_.back());
+            view.idle_.pop_back();
         }
-        if (!solver_) solver_ = std::make_unique<Solver>(view.asset_);
         reset();
     }
-    ~Loan()
-    {
-        const std::lock_guard<std::mutex> lock(view_.mutex_);
-        view_.idle_.push_back(std::move(solver_));
-    }
+    ~Loan() { view_.idle_.push_back(std::move(solver_)); }
     Loan(const Loan&) = delete;
     Loan& operator=(const Loan&) = delete;
 
@@ -95,7 +91,7 @@ AssetView::AssetView(const nb::object& bytes, const std::string& name, bool veri
     }
     pliant_result result;
     {
-        const nb::gil_scoped_release unlocked;
+        const Unlocked unlocked;
         result = pliant_asset_open(&asset_, start, size, verify ? PLIANT_OPEN_VERIFY_CHECKSUMS : PLIANT_OPEN_DEFAULT);
     }
     if (result == PLIANT_OK) return;
@@ -119,8 +115,8 @@ nb::object AssetView::solve(const Array<float, 2>& weights, bool continuous)
     std::size_t row = 0;
     pliant_result result = PLIANT_OK;
     {
-        const nb::gil_scoped_release unlocked;
         Loan loan(*this);
+        const Unlocked unlocked;
         for (; row < count && result == PLIANT_OK; ++row) {
             if (!continuous) loan.reset();
             result = loan.solve(weights.data() + row * m, q.data() + row * d);
@@ -142,7 +138,6 @@ void AssetView::refuse_weights(pliant_result result, const Array<float, 2>& weig
 
 const SurrogateCoordinates& AssetView::surrogate_coordinates()
 {
-    const std::lock_guard<std::mutex> lock(mutex_);
     if (!surrogate_coordinates_) surrogate_coordinates_ = std::make_unique<SurrogateCoordinates>(asset_);
     return *surrogate_coordinates_;
 }
@@ -156,11 +151,11 @@ nb::object AssetView::energy(const Array<float, 2>& weights, const Array<double,
     std::size_t row = 0;
     pliant_result result = PLIANT_OK;
     {
-        const nb::gil_scoped_release unlocked;
         const SurrogateCoordinates& coordinates = surrogate_coordinates();
+        Loan loan(*this);
+        const Unlocked unlocked;
         std::vector<float> answer(d);
         Eigen::VectorXd gradient;
-        Loan loan(*this);
         for (; row < count && result == PLIANT_OK; ++row) {
             loan.reset();
             result = loan.solve(weights.data() + row * weights.shape(1), answer.data()); // combines for the weights
@@ -202,7 +197,7 @@ nb::object AssetView::reconstruct(const Array<float, 2>& q, std::size_t first, s
         throw nb::value_error("q, first, count: outside the asset");
     std::vector<float> out(rows * count * 3);
     {
-        const nb::gil_scoped_release unlocked;
+        const Unlocked unlocked;
         std::vector<float> buffer;
         for (std::size_t row = 0; row < rows && count; ++row)
             reconstruct_one(q.data() + row * d, first, count, out.data() + row * count * 3, buffer);
@@ -212,7 +207,6 @@ nb::object AssetView::reconstruct(const Array<float, 2>& q, std::size_t first, s
 
 void AssetView::prepare_normals()
 {
-    const std::lock_guard<std::mutex> lock(mutex_);
     if (!normals_memory_.empty()) return;
     const std::size_t size = pliant_normals_memory(&asset_);
     std::vector<std::uint64_t> memory(size / 8 + 1);
@@ -247,8 +241,8 @@ nb::object AssetView::normals(const Array<float, 3>& positions)
     if (n != asset_.vertex_count || positions.shape(2) != 3) throw nb::value_error("positions: not those of this asset");
     std::vector<float> out(rows * n * 3);
     {
-        const nb::gil_scoped_release unlocked;
         prepare_normals();
+        const Unlocked unlocked;
         std::vector<float> buffer;
         for (std::size_t row = 0; row < rows; ++row)
             normals_of_one(positions.data() + row * n * 3, out.data() + row * n * 3, buffer);

@@ -7,7 +7,6 @@
 #include "pliant.h"
 
 #include <memory>
-#include <mutex>
 #include <vector>
 
 namespace pliant {
@@ -66,7 +65,7 @@ private:
     Py_buffer buffer_ {};
     std::vector<std::uint64_t> copy_; // empty: in place
     pliant_asset asset_ {};
-    std::mutex mutex_; // of what follows
+    // What follows changes only while the interpreter is locked: a lock that forked children have, too.
     std::vector<std::unique_ptr<Solver>> idle_;
     std::unique_ptr<SurrogateCoordinates> surrogate_coordinates_;
     std::vector<std::uint64_t> normals_memory_;

@@ -2,6 +2,7 @@
 
 #include "checks.h"
 #include "options.h"
+#include "unlocked.h"
 
 #include "bake/make_energy.h"
 #include "base/mesh/align.h"
@@ -73,7 +74,7 @@ double EnergyView::value(const Array<double, 2>& x, const Array<double, 1>& weig
 {
     const Weights w = to_weights(weights);
     const Shape y = to_shape(x);
-    const nb::gil_scoped_release unlocked;
+    const Unlocked unlocked;
     const double value = energy_value(*energy_, w, y);
     return std::isnan(value) ? std::numeric_limits<double>::infinity() : value; // collapsed, or beyond all doubles
 }
@@ -84,7 +85,7 @@ nb::object EnergyView::gradient(const Array<double, 2>& x, const Array<double, 1
     const Shape y = to_shape(x);
     std::vector<double> out(3 * vertex_count_);
     {
-        const nb::gil_scoped_release unlocked;
+        const Unlocked unlocked;
         Shape sum = Shape::Zero(y.size());
         const double scale = std::isfinite(add_gradient(*energy_, w, y, sum)) ? 1 / set_.length : nan;
         for (Eigen::Index i = 0; i < sum.size(); ++i) out[std::size_t(input_dof(i))] = sum[i] * scale;
@@ -98,13 +99,13 @@ nb::object EnergyView::hessian(const Array<double, 2>& x, const Array<double, 1>
     const Shape y = to_shape(x);
     std::vector<std::int64_t> rows, columns;
     std::vector<double> values;
+    std::unique_ptr<HessianAssembler> assembler = std::move(idle_); // one more for a call that comes meanwhile
     {
-        const nb::gil_scoped_release unlocked;
+        const Unlocked unlocked;
         const double scale = std::isfinite(energy_value(*energy_, w, y)) ? 1 / (set_.length * set_.length) : nan;
-        const std::lock_guard<std::mutex> lock(mutex_);
-        if (!assembler_) assembler_ = std::make_unique<HessianAssembler>(*energy_);
-        assembler_->assemble(w, y, is_projected ? HessianKind::projected : HessianKind::exact);
-        const SparseLower& lower = assembler_->matrix();
+        if (!assembler) assembler = std::make_unique<HessianAssembler>(*energy_);
+        assembler->assemble(w, y, is_projected ? HessianKind::projected : HessianKind::exact);
+        const SparseLower& lower = assembler->matrix();
         for (Eigen::Index column = 0; column < lower.cols(); ++column)
             for (SparseLower::InnerIterator it(lower, column); it; ++it) {
                 const std::int64_t r = input_dof(it.row()), c = input_dof(column);
@@ -116,6 +117,7 @@ nb::object EnergyView::hessian(const Array<double, 2>& x, const Array<double, 1>
                 }
             }
     }
+    idle_ = std::move(assembler);
     const std::size_t count = values.size();
     return nb::make_tuple(to_numpy(std::move(rows), { count }), to_numpy(std::move(columns), { count }),
                           to_numpy(std::move(values), { count }));

@@ -9,7 +9,6 @@
 #include "elastic/average/hessian.h"
 
 #include <memory>
-#include <mutex>
 
 namespace pliant {
 
@@ -45,8 +44,8 @@ private:
     std::vector<std::uint32_t> stands_for_; // per vertex of the input the elastic mesh's
     NormalizedPoses set_;
     std::unique_ptr<Energy> energy_;
-    std::mutex mutex_; // of what follows
-    std::unique_ptr<HessianAssembler> assembler_;
+    // From the call before, or none. Changes only while the interpreter is locked: a lock that forked children have, too.
+    std::unique_ptr<HessianAssembler> idle_;
 };
 
 } // namespace pliant

@@ -5,6 +5,7 @@
 #include "checks.h"
 #include "energy_view.h"
 #include "options.h"
+#include "unlocked.h"
 #include "work.h"
 
 #include "bake/bake.h"
@@ -224,7 +225,7 @@ nb::bytes read_file(const std::string& path)
     DiagnosticList diagnostics;
     std::optional<std::string> bytes;
     {
-        const nb::gil_scoped_release unlocked;
+        const Unlocked unlocked;
         bytes = read_bytes(path, diagnostics);
     }
     if (!bytes) throw Failure(ExitCode::bad_input, diagnostics.diagnostics());
@@ -234,7 +235,7 @@ nb::bytes read_file(const std::string& path)
 void write_file(const std::string& path, const nb::bytes& bytes)
 {
     const std::string_view view(bytes.c_str(), bytes.size());
-    const nb::gil_scoped_release unlocked;
+    const Unlocked unlocked;
     write_file_atomically(path, view);
 }
 
@@ -334,6 +335,7 @@ void bind_asset(nb::module_& m)
 
 NB_MODULE(_core, m)
 {
+    nb::set_leak_warnings(false); // daemon threads end with what they hold
     nb::register_exception_translator(translate);
     m.def("version", [] { return std::string(version); });
     m.def("has_cholmod", &has_cholmod);
@@ -343,6 +345,7 @@ NB_MODULE(_core, m)
     bind_work(m);
     bind_energy(m);
     bind_asset(m);
+    nb::module_::import_("atexit").attr("register")(nb::cpp_function(&end_all_work));
 }
 
 } // namespace pliant

@@ -1,7 +1,10 @@
 #include "work.h"
 
+#include "unlocked.h"
+
 #include "base/common/parallel.h"
 
+#include <atomic>
 #include <chrono>
 #include <condition_variable>
 #include <csignal>
@@ -22,6 +25,11 @@ namespace {
 // Twenty looks a second: Ctrl-C and progress seem immediate, and the waiting costs nothing.
 constexpr std::chrono::milliseconds look_interval { 50 };
 
+// The thread that ends the interpreter: a work of a daemon thread must not outlive what it works with.
+std::atomic<std::thread::id> last_thread {};
+
+bool is_over_for(std::thread::id thread) { return last_thread != std::thread::id() && last_thread != thread; }
+
 struct Step {
     std::string stage;
     double done;
@@ -38,7 +46,7 @@ public:
     void update(const std::string& stage, double fraction, const std::string&) override
     {
         const std::lock_guard<std::mutex> lock(mutex_);
-        if (is_cancelled_) throw Interrupted();
+        if (is_cancelled_ || is_over_for(owner_)) throw Interrupted();
         if (steps_.empty() || steps_.back().stage != stage)
             steps_.push_back({ stage, fraction });
         else
@@ -77,6 +85,7 @@ private:
     std::vector<Step> steps_;
     std::vector<Warning> warnings_;
     bool is_cancelled_ = false;
+    const std::thread::id owner_ = std::this_thread::get_id();
 };
 
 void check_signals()
@@ -134,7 +143,7 @@ public:
     {
         const std::lock_guard<std::mutex> lock(turns().mutex);
         turns().worker = {};
-        turns().freed.notify_one();
+        turns().freed.notify_all();
     }
     Turn(const Turn&) = delete;
     Turn& operator=(const Turn&) = delete;
@@ -143,8 +152,9 @@ private:
     // Waits for a moment.
     static bool take()
     {
-        const nb::gil_scoped_release unlocked;
+        const Unlocked unlocked;
         std::unique_lock<std::mutex> lock(turns().mutex);
+        if (is_over_for(std::this_thread::get_id())) throw Interrupted();
         if (turns().worker == std::this_thread::get_id())
             throw std::runtime_error("this thread is at work already: what it calls back cannot start another work");
         if (!turns().freed.wait_for(lock, look_interval, [] { return turns().worker == std::thread::id(); })) return false;
@@ -164,7 +174,7 @@ public:
     // True when the work has ended; waits for that a moment.
     bool wait()
     {
-        const nb::gil_scoped_release unlocked;
+        const Unlocked unlocked;
         std::unique_lock<std::mutex> lock(mutex_);
         if (!changed_.wait_for(lock, look_interval, [this] { return has_ended_; })) return false;
         lock.unlock();
@@ -225,12 +235,25 @@ void follow(const Listener& listener, const std::function<void(Progress&)>& work
 
 } // namespace
 
+void end_all_work()
+{
+    const Unlocked unlocked;
+    std::unique_lock<std::mutex> lock(turns().mutex);
+    last_thread = std::this_thread::get_id();
+    if (turns().worker == std::this_thread::get_id()) return; // called back by its own work
+    constexpr std::chrono::seconds patience { 10 };           // a listener may never return
+    turns().freed.wait_for(lock, patience, [] { return turns().worker == std::thread::id(); });
+}
+
 void work_interruptibly(const Listener& listener, unsigned thread_count, const std::function<void(Progress&)>& work)
 {
-    const Turn turn;
-    set_thread_count(thread_count);
     try {
+        const Turn turn;
+        set_thread_count(thread_count);
         follow(listener, work);
+    } catch (const Interrupted&) { // of the interpreter's end: a traceback would get into its way
+        const Unlocked unlocked;
+        for (;;) std::this_thread::sleep_for(std::chrono::hours(1));
     } catch (const Terminated&) { // the signal has been let through by now, and this process still lives
         check_signals();
         PyErr_SetString(PyExc_KeyboardInterrupt, "stopped by SIGTERM");

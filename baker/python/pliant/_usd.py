@@ -3,6 +3,7 @@ from __future__ import annotations
 
 import importlib
 import math
+import os
 import pathlib
 import sys
 from typing import Any, NamedTuple
@@ -14,6 +15,8 @@ from ._errors import Error, finding
 
 SUFFIXES = (".usd", ".usda", ".usdc", ".usdz")
 _LIMIT = 64  # poses, or layers
+# Points and corners that a file draws: some for any file, and more for each of its bytes, as of glTF.
+_DRAWN, _DRAWN_FOR_BYTE, _DRAWN_BY_PRIM, _DRAWN_BY_LEVEL = 4000000, 8, 64, 16
 _INPUT = 3  # the exit code
 _USAGE = 2
 _CHOICES = "write #rest, #target=NAME,NAME or #time=FRAME,FRAME"
@@ -102,6 +105,9 @@ class _Part:
             prim = prim.GetParent()
         return out
 
+    def corner_count(self) -> int:
+        return len(self.mesh.GetFaceVertexIndicesAttr().Get(self._rest_time) or [])
+
     def faces(self) -> list[npt.NDArray[np.int64]]:
         counts = np.asarray(self.mesh.GetFaceVertexCountsAttr().Get(self._rest_time) or [], np.int64)
         corners = np.asarray(self.mesh.GetFaceVertexIndicesAttr().Get(self._rest_time) or [], np.int64)
@@ -113,20 +119,22 @@ class _Part:
         is_left = self.mesh.GetOrientationAttr().Get() == self._usd.UsdGeom.Tokens.leftHanded
         return [face[::-1] if is_left else face for face in faces if len(face)]
 
-    def offsets(self) -> dict[str, Positions]:
-        """The blend shapes of the mesh by name, as displacements of its points."""
+    def targets(self) -> dict[str, Any]:
+        """The paths of the blend shapes of the mesh, by name."""
         binding = self._usd.UsdSkel.BindingAPI(self.prim)
         names = binding.GetBlendShapesAttr().Get() or []
-        out: dict[str, Positions] = {}
-        for name, target in zip(names, binding.GetBlendShapeTargetsRel().GetTargets()):
-            shape = self._usd.UsdSkel.BlendShape(self.prim.GetStage().GetPrimAtPath(target))
-            given = np.asarray(shape.GetOffsetsAttr().Get() or [], np.float64).reshape(-1, 3)
-            places = shape.GetPointIndicesAttr().Get()
-            numbers = np.arange(self.count) if places is None or not len(places) else np.asarray(places, np.int64)
-            if len(numbers) != len(given) or ((numbers < 0) | (numbers >= self.count)).any():
-                raise ValueError(f"{self.where}: blend shape '{name}' does not fit its {self.count} points")
-            out[str(name)] = np.zeros((self.count, 3))
-            out[str(name)][numbers] = given
+        return {str(name): path for name, path in zip(names, binding.GetBlendShapeTargetsRel().GetTargets())}
+
+    def offsets(self, name: str, path: Any) -> Positions:
+        """Of the blend shape there, as displacements of the points."""
+        shape = self._usd.UsdSkel.BlendShape(self.prim.GetStage().GetPrimAtPath(path))
+        given = np.asarray(shape.GetOffsetsAttr().Get() or [], np.float64).reshape(-1, 3)
+        places = shape.GetPointIndicesAttr().Get()
+        numbers = np.arange(self.count) if places is None or not len(places) else np.asarray(places, np.int64)
+        if len(numbers) != len(given) or ((numbers < 0) | (numbers >= self.count)).any():
+            raise ValueError(f"{self.where}: blend shape '{name}' does not fit its {self.count} points")
+        out = np.zeros((self.count, 3))
+        out[numbers] = given
         return out
 
 
@@ -139,20 +147,34 @@ class _Stage:
         self._parts = self._find_parts()
         if not self._parts:
             raise ValueError(f"{path}: has no mesh that is drawn")
-        self._offsets = [part.offsets() for part in self._parts]
-        self.targets = list(dict.fromkeys(name for one in self._offsets for name in one))
+        self._targets = [part.targets() for part in self._parts]
+        self.targets = list(dict.fromkeys(name for one in self._targets for name in one))
         self._is_skinned = True  # by the file; not yet by us
 
-    def _find_parts(self) -> list[_Part]:
+    def _byte_count(self) -> int:
+        files = {layer.realPath.split("[")[0] for layer in self._stage.GetUsedLayers()}  # a.usdz[b.usdc]
+        return sum(os.path.getsize(file) for file in files if os.path.isfile(file))
+
+    def _is_drawn(self, prim: Any) -> bool:
         geom = self._usd.UsdGeom
+        if not prim.IsA(geom.Mesh):
+            return False
+        drawn = geom.Imageable(prim)
+        is_hidden = drawn.ComputeVisibility() == geom.Tokens.invisible
+        return not is_hidden and drawn.ComputePurpose() in (geom.Tokens.default_, geom.Tokens.render)
+
+    def _find_parts(self) -> list[_Part]:
         out = []
+        limit = _DRAWN + _DRAWN_FOR_BYTE * self._byte_count()
+        left = limit
         for prim in self._stage.Traverse(self._usd.Usd.TraverseInstanceProxies()):
-            if not prim.IsA(geom.Mesh):
-                continue
-            drawn = geom.Imageable(prim)
-            is_hidden = drawn.ComputeVisibility() == geom.Tokens.invisible
-            if not is_hidden and drawn.ComputePurpose() in (geom.Tokens.default_, geom.Tokens.render):
+            left -= _DRAWN_BY_PRIM + _DRAWN_BY_LEVEL * prim.GetPath().pathElementCount
+            if self._is_drawn(prim):
                 out.append(_Part(self._usd, prim, self.path))
+                left -= out[-1].count + out[-1].corner_count()
+            if left < 0:
+                what = f"at {prim.GetPath()} more than {limit} points and corners are drawn, the limit for its files"
+                raise _error(_INPUT, 2333, self.path, what, "simplify the mesh, or use fewer instances")
         return out
 
     def faces(self) -> Faces:
@@ -173,7 +195,8 @@ class _Stage:
         if name not in self.targets:
             what = ", ".join(self.targets) or "none"
             raise _error(_USAGE, 1212, self.path, f"there is no morph target '{name}'", f"it has {what}")
-        return np.concatenate([part.rest(offsets.get(name)) for part, offsets in zip(self._parts, self._offsets)])
+        pairs = zip(self._parts, self._targets)
+        return np.concatenate([part.rest(part.offsets(name, own[name]) if name in own else None) for part, own in pairs])
 
     def _skin(self) -> None:
         """Turns skeletons and weights of blend shapes into points of each frame, in memory."""
@@ -216,6 +239,10 @@ def _chosen(stage: _Stage, choice: str) -> list[tuple[str, Positions]]:
 
 
 def _all(stage: _Stage, has_layers: bool) -> list[tuple[str, Positions]]:
+    if has_layers and len(stage.targets) > _LIMIT:
+        what = f"{len(stage.targets)} blend shapes given, the limit is {_LIMIT}"
+        hint = f"choose some of them, as in {stage.path}#rest {stage.path}#target={','.join(stage.targets[:2])}"
+        raise _error(_INPUT, 3002, stage.path, what, hint)
     if has_layers:
         return [("rest", stage.rest())] + [(name, stage.target(name)) for name in stage.targets]
     times = stage.times()

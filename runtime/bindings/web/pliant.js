@@ -189,6 +189,7 @@ export class PliantCharacter {
   #solver;
 
   constructor(asset) {
+    if (!(asset instanceof PliantAsset)) throw new TypeError("a character is made of an asset");
     const { module, view } = asset.parts;
     this.#asset = asset;
     this.#module = module;
@@ -210,10 +211,10 @@ export class PliantCharacter {
     block("solver", exports.pliant_solver_memory(at, this.#blocks.desc.at));
     block("out", 4);
     block("info", 24);
-    block("weights", 4 * this.#asset.weights.length);
-    block("coordinates", 4 * this.#asset.dimension);
-    block("positions", 12 * this.#asset.vertexCount);
-    block("normals", 12 * this.#asset.surfaceVertexCount);
+    block("weights", 4 * exports.pliant_asset_get_weight_count(at));
+    block("coordinates", 4 * exports.pliant_asset_get_dimension(at));
+    block("positions", 12 * exports.pliant_asset_get_vertex_count(at));
+    block("normals", 12 * exports.pliant_asset_get_boundary_vertex_count(at));
     block("normalsView", exports.pliant_normals_size());
     block("normalsMemory", exports.pliant_normals_memory(at));
     block("box", 24);
@@ -263,8 +264,8 @@ export class PliantCharacter {
   #rebuild() {
     this.#view.check();
     const exports = this.#module.exports, { coordinates, positions, normals, normalsView } = this.#blocks;
-    exports.pliant_reconstruct(this.#view.at, coordinates.at, 0, this.#asset.vertexCount, positions.at, 12);
-    exports.pliant_normals_compute(normalsView.at, positions.at, 12, 0, this.#asset.surfaceVertexCount, normals.at, 12);
+    exports.pliant_reconstruct(this.#view.at, coordinates.at, 0, positions.size / 12, positions.at, 12);
+    exports.pliant_normals_compute(normalsView.at, positions.at, 12, 0, normals.size / 12, normals.at, 12);
   }
 
   get positions() { return this.#blocks.positions.floats(); }

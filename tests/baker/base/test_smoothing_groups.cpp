@@ -1,6 +1,7 @@
 // Seams stay smooth, hard edges stay hard.
 #include "base/mesh/smoothing_groups.h"
 
+#include <algorithm>
 #include <cmath>
 #include <doctest/doctest.h>
 #include <limits>
@@ -40,6 +41,14 @@ TEST_CASE("one degree is the limit")
     CHECK(smoothing_groups({ 0, 0 }, { tilted(30), tilted(31.01) }) == Groups { 0, 1 });
     // Steps of less than a degree do not add up: each is compared with the first one of a group.
     CHECK(smoothing_groups({ 0, 0, 0 }, { tilted(0), tilted(0.9), tilted(1.8) }) == Groups { 0, 0, 2 });
+}
+
+TEST_CASE("a group has at most 256 vertices")
+{
+    const Groups groups = smoothing_groups(Groups(600, 7));
+    CHECK(std::count(groups.begin(), groups.end(), 0) == 256);
+    CHECK(std::count(groups.begin(), groups.end(), 256) == 256);
+    CHECK(groups.back() == 512);
 }
 
 TEST_CASE("a normal that says nothing joins")

@@ -77,6 +77,7 @@ def check_completions(folder):
     assert bash("bake", "--tol") == ["--tolerance", "--tolerance-max"]
     assert bash("bake", "--blend", "l") == ["layers"]
     assert bash("help", "ex") == ["export"]
+    assert bash("info", "a") == [], "files are left to bash, which quotes their names"
     shell("zsh", f"zsh -n {folder}/zsh")
     fish = shell("fish", f"source {folder}/fish; complete -C 'pliant bake --blend l'; complete -C 'pliant expo'")
     assert fish is None or (fish[0] == "layers" and "export" in fish), fish

@@ -42,6 +42,22 @@ small = shapes.tubes()
 print('after', len(pliant.bake(*small, dim=3, elements=18, check_samples=2, fresh_samples=1)), flush=True)
 """
 
+# The main thread ends while a daemon thread works.
+DAEMON = """
+import sys, threading, time
+sys.path.insert(0, sys.argv[1])
+import numpy as np, pliant, shapes
+poses, faces = shapes.tubes()
+asset, energy = pliant.bake(poses, faces, dim=3, elements=18, check_samples=2, fresh_samples=1), pliant.energy(poses, faces)
+def blend(): asset.blend([[1, 0]] * 500)
+def hessian(): energy.hessian(poses[0])
+def bake(): pliant.bake(poses, faces)
+def loop():
+    while True: globals()[sys.argv[2]]()
+threading.Thread(target=loop, daemon=True).start()
+time.sleep(0.3)
+"""
+
 
 class Child:
     """A process that bakes, up to a stage."""
@@ -122,7 +138,41 @@ class Interrupting(unittest.TestCase):
         self.assertGreater(len(pliant.bake(POSES, FACES, **QUICK)), 0)
 
 
+class Ending(unittest.TestCase):
+    def test_daemon_threads(self):
+        for work in ("blend", "hessian", "bake"):
+            with self.subTest(work):
+                done = subprocess.run([sys.executable, "-c", DAEMON, str(Path(__file__).parent), work], capture_output=True,
+                                      text=True, check=False, timeout=120)
+                self.assertEqual(done.returncode, 0, done.stderr)
+
+
 class Sharing(unittest.TestCase):
+    @unittest.skipIf("libtsan" in os.environ.get("LD_PRELOAD", ""), "ThreadSanitizer takes no threads in a forked child")
+    def test_children_forked_while_a_thread_works(self):
+        def loop():
+            while not is_over.is_set():
+                energy.hessian(LONG[0][0])
+
+        energy, is_over = pliant.energy(*LONG), threading.Event()
+        thread = threading.Thread(target=loop)
+        thread.start()
+        try:
+            for _ in range(4):
+                time.sleep(0.1)
+                child = os.fork()
+                if child == 0:
+                    try:
+                        signal.alarm(60)
+                        energy.hessian(LONG[0][0])
+                        os._exit(0)
+                    finally:
+                        os._exit(1)
+                self.assertEqual(os.waitpid(child, 0)[1], 0)
+        finally:
+            is_over.set()
+            thread.join()
+
     @unittest.skipIf("libtsan" in os.environ.get("LD_PRELOAD", ""), "ThreadSanitizer takes no threads in a forked child")
     def test_child_forked_during_a_bake(self):
         def progress(stage, done, total):

@@ -178,6 +178,40 @@ class Meshes(unittest.TestCase):
         fans = np.stack([flipped[:, [0, 1, 2]], flipped[:, [0, 2, 3]]], 1).reshape(-1, 3)
         np.testing.assert_array_equal(poses.faces, np.concatenate([FACES, n + fans]))
 
+    def test_many_blend_shapes(self):
+        path, stage = new_mesh("many.usda", POSES[0], FACES)
+        binding = UsdSkel.BindingAPI.Apply(stage.GetPrimAtPath("/tube"))
+        binding.CreateBlendShapesAttr([f"s{k}" for k in range(65)])
+        for k in range(65):
+            shape = UsdSkel.BlendShape.Define(stage, f"/tube/s{k}")
+            shape.CreateOffsetsAttr([(0, 0, 1)])
+            shape.CreatePointIndicesAttr([k])
+            binding.CreateBlendShapeTargetsRel().AddTarget(shape.GetPath())
+        stage.Save()
+        number, message = number_of(pliant.load_poses, path)
+        self.assertEqual(number, "P3002")
+        self.assertIn("65 blend shapes given, the limit is 64", message)
+        self.assertEqual(len(pliant.load_poses([path + "#rest", path + "#target=s1,s64"]).names), 3)
+
+    # 10 kB: a tree of 10^6 triangles; 20 kB: 2,500 under 1,000 transforms, which each of them looks at.
+    def test_instances_of_instances(self):
+        mesh = ("def Mesh \"m\"", "int[] faceVertexCounts = [3]", "int[] faceVertexIndices = [0, 1, 2]",
+                "point3f[] points = [(0,0,0), (1,0,0), (0,1,0)]")
+        for name, depth, widths in (("wide", 1, [10] * 6), ("deep", 1000, [50, 50])):
+            lines = ["#usda 1.0", "class Xform \"L0\"", "{", mesh[0], "{", *mesh[1:], "}", "}"]
+            for level, width in enumerate(widths):
+                lines += [f"class Xform \"L{level + 1}\"", "{"]
+                for i in range(width):
+                    lines += [f"def Xform \"c{i}\" (", "instanceable = true", f"references = </L{level}>", ")", "{", "}"]
+                lines.append("}")
+            for i in range(depth):
+                lines += [f"def Xform \"x{i}\"", "{"]
+            lines += ["def Xform \"all\" (", "instanceable = true", f"references = </L{len(widths)}>", ")", "{", "}"]
+            path = Path(FOLDER.name, name + ".usda")
+            path.write_text("\n".join(lines + ["}"] * depth) + "\n")
+            number, message = number_of(pliant.load_poses, path)
+            self.assertEqual(number, "P2333", message)
+
     def test_wrong_files(self):
         number, message = number_of(pliant.load_poses, "nowhere.usd")
         self.assertEqual(number, "P2001")

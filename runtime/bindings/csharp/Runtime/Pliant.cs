@@ -8,11 +8,13 @@
 //     }
 //
 // Errors: PliantException with the number of pliant_result, ArgumentException for arrays of a wrong length,
-// ObjectDisposedException after Dispose(). A call that throws changes nothing. Threads: an asset may be shared, a character belongs to one
-// thread at a time. Solve, Reconstruct and ComputeNormals allocate nothing.
+// ObjectDisposedException after Dispose(), InvalidOperationException for a character that works in another thread. A call
+// that throws changes nothing. Threads: an asset may be shared, a character belongs to one thread at a time; Dispose() may be
+// called in any, and calls that have begun end well. Solve, Reconstruct and ComputeNormals allocate nothing.
 using System;
 using System.Runtime.InteropServices;
 using System.Text;
+using System.Threading;
 
 namespace Pliant
 {
@@ -57,11 +59,10 @@ namespace Pliant
         public float Outside;
     }
 
-    /// <summary>An opened asset. It must not be disposed of before its characters.</summary>
+    /// <summary>An opened asset. Its characters work no more after its Dispose().</summary>
     public sealed class Asset : IDisposable
     {
-        readonly Memory blob;
-        readonly Memory view;
+        internal readonly Memory memory; // of the view and behind it the bytes
 
         public int VertexCount { get; }
         /// <summary>Vertices on the surface; the first ones. Fewer than VertexCount for a solid only.</summary>
@@ -78,34 +79,33 @@ namespace Pliant
         {
             if (bytes == null) throw new ArgumentNullException(nameof(bytes));
             const uint verifyChecksums = 1;
-            blob = new Memory(bytes.Length);
-            view = new Memory((long)Native.pliant_asset_size());
-            Marshal.Copy(bytes, 0, blob.Start, bytes.Length);
+            memory = new Memory((long)Native.pliant_asset_size(), bytes.Length);
+            IntPtr view = memory.Start(0), blob = memory.Start(1);
+            Marshal.Copy(bytes, 0, blob, bytes.Length);
             try
             {
-                PliantException.Require(
-                    Native.pliant_asset_open(view.Start, blob.Start, (UIntPtr)bytes.Length, verifyChecksums));
+                PliantException.Require(Native.pliant_asset_open(view, blob, (UIntPtr)bytes.Length, verifyChecksums));
             }
             catch
             {
                 Dispose();
                 throw;
             }
-            VertexCount = (int)Native.pliant_asset_get_vertex_count(view.Start);
-            SurfaceVertexCount = (int)Native.pliant_asset_get_boundary_vertex_count(view.Start);
-            TriangleCount = (int)Native.pliant_asset_get_triangle_count(view.Start);
-            Dimension = (int)Native.pliant_asset_get_dimension(view.Start);
-            PoseCount = (int)Native.pliant_asset_get_pose_count(view.Start);
-            HasLayers = Native.pliant_asset_get_has_layers(view.Start) != 0;
-            Weights = ReadWeights();
+            VertexCount = (int)Native.pliant_asset_get_vertex_count(view);
+            SurfaceVertexCount = (int)Native.pliant_asset_get_boundary_vertex_count(view);
+            TriangleCount = (int)Native.pliant_asset_get_triangle_count(view);
+            Dimension = (int)Native.pliant_asset_get_dimension(view);
+            PoseCount = (int)Native.pliant_asset_get_pose_count(view);
+            HasLayers = Native.pliant_asset_get_has_layers(view) != 0;
+            Weights = ReadWeights(view);
         }
 
-        Weight[] ReadWeights()
+        static Weight[] ReadWeights(IntPtr view)
         {
-            var weights = new Weight[Native.pliant_asset_get_weight_count(view.Start)];
+            var weights = new Weight[Native.pliant_asset_get_weight_count(view)];
             for (uint i = 0; i < weights.Length; ++i)
             {
-                PliantException.Require(Native.pliant_asset_weight(view.Start, i, out Native.WeightFields fields));
+                PliantException.Require(Native.pliant_asset_weight(view, i, out Native.WeightFields fields));
                 weights[i] = new Weight
                 {
                     Name = Native.Text(fields.Name), Low = fields.Low, High = fields.High, Initial = fields.Initial
@@ -114,59 +114,50 @@ namespace Pliant
             return weights;
         }
 
-        internal IntPtr View
-        {
-            get
-            {
-                if (view.IsClosed) throw new ObjectDisposedException(nameof(Asset));
-                return view.Start;
-            }
-        }
-
         /// <summary>Vertex indices, three for each triangle: a copy.</summary>
         public int[] Triangles()
         {
-            var indices = new int[3 * TriangleCount];
-            Marshal.Copy(Native.pliant_asset_get_triangles(View), indices, 0, indices.Length);
-            GC.KeepAlive(this);
-            return indices;
+            using (new Use(memory, nameof(Asset)))
+            {
+                var indices = new int[3 * TriangleCount];
+                Marshal.Copy(Native.pliant_asset_get_triangles(memory.Start(0)), indices, 0, indices.Length);
+                return indices;
+            }
         }
 
         public string PoseName(int pose)
         {
-            IntPtr name = Native.pliant_asset_pose_name(View, (uint)pose);
-            if (name == IntPtr.Zero) throw new ArgumentOutOfRangeException(nameof(pose));
-            string text = Native.Text(name);
-            GC.KeepAlive(this);
-            return text;
+            using (new Use(memory, nameof(Asset)))
+            {
+                IntPtr name = Native.pliant_asset_pose_name(memory.Start(0), (uint)pose);
+                if (name == IntPtr.Zero) throw new ArgumentOutOfRangeException(nameof(pose));
+                return Native.Text(name);
+            }
         }
 
         /// <summary>The coordinates that reproduce a pose: a copy.</summary>
         public float[] PoseCoordinates(int pose)
         {
-            IntPtr coordinates = Native.pliant_asset_pose_coordinates(View, (uint)pose);
-            if (coordinates == IntPtr.Zero) throw new ArgumentOutOfRangeException(nameof(pose));
-            var copy = new float[Dimension];
-            Marshal.Copy(coordinates, copy, 0, copy.Length);
-            GC.KeepAlive(this);
-            return copy;
+            using (new Use(memory, nameof(Asset)))
+            {
+                IntPtr coordinates = Native.pliant_asset_pose_coordinates(memory.Start(0), (uint)pose);
+                if (coordinates == IntPtr.Zero) throw new ArgumentOutOfRangeException(nameof(pose));
+                var copy = new float[Dimension];
+                Marshal.Copy(coordinates, copy, 0, copy.Length);
+                return copy;
+            }
         }
 
-        public void Dispose()
-        {
-            view.Dispose();
-            blob.Dispose();
-        }
+        public void Dispose() => memory.Dispose();
     }
 
     /// <summary>One character: its solver, and what rebuilds its shape.</summary>
     public sealed class Character : IDisposable
     {
         readonly Asset asset;
-        readonly Memory memory;
-        readonly Memory normals;
-        readonly Memory normalsView;
+        readonly Memory memory; // of the solver, the normals and their view
         readonly IntPtr solver;
+        int isBusy;
 
         /// <summary>The reduced coordinates of the last blend; all 0 before the first.</summary>
         public float[] Coordinates { get; }
@@ -174,24 +165,48 @@ namespace Pliant
         public Character(Asset asset)
         {
             this.asset = asset ?? throw new ArgumentNullException(nameof(asset));
-            IntPtr view = asset.View;
-            Native.pliant_solver_desc_init(out Native.SolverDesc desc);
-            UIntPtr size = Native.pliant_solver_memory(view, ref desc);
-            UIntPtr normalsSize = Native.pliant_normals_memory(view);
-            memory = new Memory((long)size);
-            normals = new Memory((long)normalsSize);
-            normalsView = new Memory((long)Native.pliant_normals_size());
-            PliantException.Require(Native.pliant_solver_init(out solver, view, ref desc, memory.Start, size));
-            PliantException.Require(Native.pliant_normals_init(normalsView.Start, view, normals.Start, normalsSize));
+            using (new Use(asset.memory, nameof(Asset)))
+            {
+                IntPtr view = asset.memory.Start(0);
+                Native.pliant_solver_desc_init(out Native.SolverDesc desc);
+                UIntPtr size = Native.pliant_solver_memory(view, ref desc);
+                UIntPtr normalsSize = Native.pliant_normals_memory(view);
+                memory = new Memory((long)size, (long)normalsSize, (long)Native.pliant_normals_size());
+                PliantException.Require(Native.pliant_solver_init(out solver, view, ref desc, memory.Start(0), size));
+                PliantException.Require(Native.pliant_normals_init(memory.Start(2), view, memory.Start(1), normalsSize));
+            }
             Coordinates = new float[asset.Dimension];
         }
 
-        IntPtr View
+        // A call of the native library: it alone, with all memory that it reads. Those that throw leave nothing behind.
+        struct Call : IDisposable
         {
-            get
+            readonly Character character;
+            readonly Use own, shared;
+
+            public Call(Character character)
             {
-                if (memory.IsClosed) throw new ObjectDisposedException(nameof(Character));
-                return asset.View;
+                if (Interlocked.Exchange(ref character.isBusy, 1) != 0)
+                    throw new InvalidOperationException("the character works in another thread");
+                this.character = character;
+                own = shared = default(Use);
+                try
+                {
+                    own = new Use(character.memory, nameof(Character));
+                    shared = new Use(character.asset.memory, nameof(Asset));
+                }
+                catch
+                {
+                    Dispose();
+                    throw;
+                }
+            }
+
+            public void Dispose()
+            {
+                shared.Dispose();
+                own.Dispose();
+                Volatile.Write(ref character.isBusy, 0);
             }
         }
 
@@ -204,72 +219,74 @@ namespace Pliant
         /// <summary>Blends elastically: one number for each of the asset's weights.</summary>
         public SolveInfo Solve(float[] weights)
         {
-            IntPtr view = View;
             CheckLength(weights, asset.Weights.Length, nameof(weights));
-            PliantException.Require(Native.pliant_solve(solver, weights, Coordinates, out SolveInfo info));
-            GC.KeepAlive(this);
-            return info;
+            using (new Call(this))
+            {
+                PliantException.Require(Native.pliant_solve(solver, weights, Coordinates, out SolveInfo info));
+                return info;
+            }
         }
 
         /// <summary>Writes x y z of all vertices.</summary>
         public void Reconstruct(float[] positions)
         {
-            IntPtr view = View;
             CheckLength(positions, 3L * asset.VertexCount, nameof(positions));
-            Native.pliant_reconstruct(view, Coordinates, 0, (uint)asset.VertexCount, positions, (UIntPtr)12);
-            GC.KeepAlive(this);
+            using (new Call(this))
+                Native.pliant_reconstruct(asset.memory.Start(0), Coordinates, 0, (uint)asset.VertexCount, positions,
+                                          (UIntPtr)12);
         }
 
         /// <summary>Writes normals of the vertices on the surface, of length 1, for these positions of all vertices.</summary>
         public void ComputeNormals(float[] positions, float[] result)
         {
-            IntPtr view = View;
             CheckLength(positions, 3L * asset.VertexCount, nameof(positions));
             CheckLength(result, 3L * asset.SurfaceVertexCount, nameof(result));
-            Native.pliant_normals_compute(normalsView.Start, positions, (UIntPtr)12, 0, (uint)asset.SurfaceVertexCount,
-                                          result, (UIntPtr)12);
-            GC.KeepAlive(this);
+            using (new Call(this))
+                Native.pliant_normals_compute(memory.Start(2), positions, (UIntPtr)12, 0, (uint)asset.SurfaceVertexCount,
+                                              result, (UIntPtr)12);
         }
 
         /// <summary>A box that holds the blend, without looking at the vertices: three floats each.</summary>
         public void Bounds(float[] lowest, float[] highest)
         {
-            IntPtr view = View;
             CheckLength(lowest, 3, nameof(lowest));
             CheckLength(highest, 3, nameof(highest));
-            PliantException.Require(Native.pliant_bounds(view, Coordinates, lowest, highest));
-            GC.KeepAlive(this);
+            using (new Call(this))
+                PliantException.Require(Native.pliant_bounds(asset.memory.Start(0), Coordinates, lowest, highest));
         }
 
         /// <summary>For cuts and teleports: the next frame starts anew.</summary>
         public void Reset()
         {
-            IntPtr view = View;
-            Native.pliant_solver_reset(solver);
-            GC.KeepAlive(this);
+            using (new Call(this)) Native.pliant_solver_reset(solver);
         }
 
-        public void Dispose()
-        {
-            memory.Dispose();
-            normals.Dispose();
-            normalsView.Dispose();
-        }
+        public void Dispose() => memory.Dispose();
     }
 
-    /// <summary>Memory that the collector does not move, at a multiple of 16.</summary>
+    /// <summary>Blocks that the collector does not move, at multiples of 16.</summary>
     sealed class Memory : SafeHandle
     {
         const int Alignment = 16;
+        readonly long[] starts;
 
-        public IntPtr Start { get; }
-
-        public Memory(long size)
+        public Memory(params long[] sizes)
             : base(IntPtr.Zero, true)
         {
-            SetHandle(Marshal.AllocHGlobal((IntPtr)(size + Alignment)));
-            Start = (IntPtr)((handle.ToInt64() + Alignment - 1) / Alignment * Alignment);
+            starts = new long[sizes.Length];
+            long total = 0;
+            for (int i = 0; i < sizes.Length; ++i)
+            {
+                starts[i] = total;
+                total = RoundedUp(total + sizes[i]);
+            }
+            SetHandle(Marshal.AllocHGlobal((IntPtr)(total + Alignment)));
+            for (int i = 0; i < sizes.Length; ++i) starts[i] += RoundedUp(handle.ToInt64());
         }
+
+        static long RoundedUp(long number) => (number + Alignment - 1) / Alignment * Alignment;
+
+        public IntPtr Start(int block) => (IntPtr)starts[block];
 
         public override bool IsInvalid => handle == IntPtr.Zero;
 
@@ -278,6 +295,22 @@ namespace Pliant
             Marshal.FreeHGlobal(handle);
             return true;
         }
+    }
+
+    // Keeps memory while native code works in it, whatever another thread disposes of meanwhile.
+    struct Use : IDisposable
+    {
+        readonly Memory memory;
+
+        public Use(Memory memory, string owner)
+        {
+            bool isTaken = false;
+            if (memory.IsClosed) throw new ObjectDisposedException(owner);
+            memory.DangerousAddRef(ref isTaken); // throws for memory that was closed just now
+            this.memory = memory;
+        }
+
+        public void Dispose() => memory?.DangerousRelease();
     }
 
     static class Native

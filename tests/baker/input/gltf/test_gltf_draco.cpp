@@ -109,6 +109,15 @@ TEST_CASE("data that many primitives share are decoded for each, within a limit 
     CHECK(refusal.what.find("KHR_draco_mesh_compression") != std::string::npos);
 }
 
+TEST_CASE("as many faces as a stream says it has are not believed")
+{
+    const std::string head { "DRACO\2\2\1\1\0\0\0", 12 }, faces = "\x80\x84\xaf\x5f", vertices = "\xa0\x8d\6"; // 2e8, 1e5
+    const Diagnostic refusal
+        = refusal_of(pliant_test::draco_glb(head + vertices + faces + '\0' + faces + std::string(64, '\0'), 49, 49));
+    CHECK(refusal.number == 2333);
+    CHECK(refusal.what.find("200000000 x 3") != std::string::npos);
+}
+
 TEST_CASE("real files of others' making")
 {
     const std::string data = pliant_test::data_folder();

@@ -110,6 +110,16 @@ TEST_CASE("octahedral, quaternion and exponential filters, and a list of indices
     for (std::size_t i = 0; i < indices.size(); ++i) CHECK(found(Eigen::Index(i), 0) == indices[i]);
 }
 
+TEST_CASE("what is unpacked does not count as bytes of the file")
+{
+    const std::vector<float> zeros(4 * 4096);
+    const Bytes packed = packed_rows(zeros.data(), 4096, 16);
+    const std::string file
+        = file_of(packed, 4096, 16, "ATTRIBUTES", "NONE", { { "componentType", 5126 }, { "type", "VEC4" } });
+    CHECK(packed.size() < 2000);
+    CHECK(GltfDocument("a.glb", file).byte_count() == file.size());
+}
+
 TEST_CASE("P2331: one array named by many views does not make the reader take more than the bytes of a file can hold")
 {
     const std::vector<float> zeros(4 * 16384);
