@@ -115,7 +115,6 @@ std::string allowed_values(const CLI::Option& option)
     if (open != std::string::npos && dash != std::string::npos)
         return value.type.substr(open + 5, dash - open - 5) + " to "
             + value.type.substr(dash + 3, value.type.size() - dash - 4);
-    if (option.get_type_name().rfind("UINT", 0) == 0) return "a whole number from 0";
     return takes_whole_numbers(option) ? "a whole number" : "another value";
 }
 

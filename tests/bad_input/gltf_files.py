@@ -180,6 +180,8 @@ def add_cases(good):
         gltf.json["skins"] = [{"joints": [0], "inverseBindMatrices": matrices}] * 1000
     case("gltf_shared_skins", skins)
 
+    case("gltf_many_nodes", lambda g: g.json.update(nodes=g.json["nodes"] + [{}] * 300000))
+
     def keys(gltf):
         times = gltf.accessor(range(30000))
         gltf.json["animations"] = [{"channels": [], "samplers": [{"input": times, "output": times}] * 1000}]

@@ -92,6 +92,7 @@ std::vector<std::vector<Eigen::Matrix4d>> skin_matrices(const GltfScene& scene, 
     std::vector<std::vector<Eigen::Matrix4d>> out;
     for (const GltfSkin& skin : scene.skins) {
         out.emplace_back();
+        out.back().reserve(skin.joints.size());
         for (std::size_t j = 0; j < skin.joints.size(); ++j)
             out.back().push_back(world[skin.joints[j]] * skin.inverse_bind[j]);
     }

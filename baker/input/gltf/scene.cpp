@@ -12,7 +12,8 @@ namespace {
 
 // A small file may draw one mesh many times, or unpack a little Draco into much: numbers that are believed of any file, and
 // of each of its bytes. A drawn primitive counts for some numbers itself.
-constexpr std::uint64_t free_numbers = 4000000, numbers_per_byte = 8, numbers_of_part = 64;
+constexpr std::uint64_t free_numbers = 4000000, numbers_per_byte = 8, numbers_of_part = 64, numbers_of_node = 96,
+                        numbers_of_joint = 32;
 
 // Of meshes, whose names every node repeats, and of targets.
 constexpr std::size_t name_size_limit = 256;
@@ -75,10 +76,11 @@ void read_node(const GltfDocument& document, const GltfValue& value, GltfScene& 
     scene.nodes.push_back(std::move(node));
 }
 
-void read_nodes(GltfScene& scene)
+void read_nodes(GltfScene& scene, GltfAllowance& allowance)
 {
     const GltfDocument& document = *scene.document;
     const GltfValue nodes = document["nodes"];
+    allowance.take(nodes, nodes.size(), numbers_of_node);
     for (std::size_t i = 0; i < nodes.size(); ++i) read_node(document, nodes.at(i), scene);
     std::vector<std::vector<std::size_t>> children(scene.nodes.size());
     for (std::size_t i = 0; i < nodes.size(); ++i) {
@@ -208,7 +210,7 @@ void read_instances(GltfScene& scene, GltfAllowance& allowance, std::vector<Diag
                                       "only triangles are used"));
 }
 
-void read_skins(GltfScene& scene)
+void read_skins(GltfScene& scene, GltfAllowance& drawn)
 {
     const GltfDocument& document = *scene.document;
     const GltfValue skins = document["skins"];
@@ -216,6 +218,7 @@ void read_skins(GltfScene& scene)
     for (std::size_t s = 0; s < skins.size(); ++s) {
         GltfSkin skin;
         const GltfValue joints = skins.at(s)["joints"];
+        drawn.take(joints, joints.size(), numbers_of_joint);
         for (std::size_t i = 0; i < joints.size(); ++i)
             skin.joints.push_back(joints.at(i).index(scene.nodes.size(), "nodes"));
         skin.inverse_bind.assign(skin.joints.size(), Eigen::Matrix4d::Identity());
@@ -337,9 +340,9 @@ GltfScene read_scene(std::shared_ptr<const GltfDocument> document, std::vector<D
 {
     GltfScene scene;
     scene.document = std::move(document);
-    read_nodes(scene);
-    read_skins(scene);
     GltfAllowance drawn(*scene.document, free_numbers, numbers_per_byte);
+    read_nodes(scene, drawn);
+    read_skins(scene, drawn);
     read_instances(scene, drawn, warnings);
     std::size_t triangle_count = 0;
     for (const GltfInstance& instance : scene.instances)

@@ -171,7 +171,7 @@ bool check_sizes(const std::vector<MeshFile>& meshes, DiagnosticList& diagnostic
     for (const MeshFile& mesh : meshes) {
         const double size = (mesh.positions.colwise().maxCoeff() - mesh.positions.colwise().minCoeff()).maxCoeff();
         if (size > 0 && size < least_size)
-            diagnostics.add(error_at(2114, mesh.path, fmt::format("is {:.3g} wide, less than {:g}", size, least_size),
+            diagnostics.add(error_at(2120, mesh.path, fmt::format("is {:.3g} wide, less than {:g}", size, least_size),
                                      "use a smaller unit of length"));
     }
     return diagnostics.error_count() == errors_before;

@@ -44,7 +44,7 @@ void translate(const std::exception_ptr& exception, void*)
     try {
         std::rethrow_exception(exception);
     } catch (const Failure& failure) {
-        raise_failure(failure);
+        call_python([&] { raise_failure(failure); });
     }
 }
 
@@ -345,7 +345,7 @@ NB_MODULE(_core, m)
     bind_work(m);
     bind_energy(m);
     bind_asset(m);
-    nb::module_::import_("atexit").attr("register")(nb::cpp_function(&end_all_work));
+    Py_AtExit(&end_work);
 }
 
 } // namespace pliant

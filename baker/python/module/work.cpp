@@ -4,7 +4,6 @@
 
 #include "base/common/parallel.h"
 
-#include <atomic>
 #include <chrono>
 #include <condition_variable>
 #include <csignal>
@@ -25,11 +24,6 @@ namespace {
 // Twenty looks a second: Ctrl-C and progress seem immediate, and the waiting costs nothing.
 constexpr std::chrono::milliseconds look_interval { 50 };
 
-// The thread that ends the interpreter: a work of a daemon thread must not outlive what it works with.
-std::atomic<std::thread::id> last_thread {};
-
-bool is_over_for(std::thread::id thread) { return last_thread != std::thread::id() && last_thread != thread; }
-
 struct Step {
     std::string stage;
     double done;
@@ -46,7 +40,7 @@ public:
     void update(const std::string& stage, double fraction, const std::string&) override
     {
         const std::lock_guard<std::mutex> lock(mutex_);
-        if (is_cancelled_ || is_over_for(owner_)) throw Interrupted();
+        if (is_cancelled_) throw Interrupted();
         if (steps_.empty() || steps_.back().stage != stage)
             steps_.push_back({ stage, fraction });
         else
@@ -85,7 +79,6 @@ private:
     std::vector<Step> steps_;
     std::vector<Warning> warnings_;
     bool is_cancelled_ = false;
-    const std::thread::id owner_ = std::this_thread::get_id();
 };
 
 void check_signals()
@@ -121,8 +114,9 @@ private:
 // Who works: one thread of the process at a time, in turns.
 struct Turns {
     std::mutex mutex;
-    std::condition_variable freed;
+    std::condition_variable freed, ended;
     std::thread::id worker; // none: nobody
+    Relay* relay = nullptr; // while a thread of our own works
 };
 
 Turns& turns()
@@ -143,7 +137,7 @@ public:
     {
         const std::lock_guard<std::mutex> lock(turns().mutex);
         turns().worker = {};
-        turns().freed.notify_all();
+        turns().freed.notify_one();
     }
     Turn(const Turn&) = delete;
     Turn& operator=(const Turn&) = delete;
@@ -154,7 +148,6 @@ private:
     {
         const Unlocked unlocked;
         std::unique_lock<std::mutex> lock(turns().mutex);
-        if (is_over_for(std::this_thread::get_id())) throw Interrupted();
         if (turns().worker == std::this_thread::get_id())
             throw std::runtime_error("this thread is at work already: what it calls back cannot start another work");
         if (!turns().freed.wait_for(lock, look_interval, [] { return turns().worker == std::thread::id(); })) return false;
@@ -167,8 +160,9 @@ private:
 class Worker {
 public:
     Worker(const std::function<void(Progress&)>& work, Relay& relay)
-        : thread_([this, &work, &relay] { run(work, relay); })
     {
+        set_relay(&relay);
+        thread_ = std::thread([this, &work, &relay] { run(work, relay); });
     }
 
     // True when the work has ended; waits for that a moment.
@@ -185,6 +179,13 @@ public:
     std::exception_ptr failure; // to be read after the end
 
 private:
+    static void set_relay(Relay* relay)
+    {
+        const std::lock_guard<std::mutex> lock(turns().mutex);
+        turns().relay = relay;
+        turns().ended.notify_one();
+    }
+
     void run(const std::function<void(Progress&)>& work, Relay& relay)
     {
         try {
@@ -192,6 +193,7 @@ private:
         } catch (...) {
             failure = std::current_exception();
         }
+        set_relay(nullptr);
         const std::lock_guard<std::mutex> lock(mutex_);
         has_ended_ = true;
         changed_.notify_one();
@@ -200,7 +202,7 @@ private:
     std::mutex mutex_;
     std::condition_variable changed_;
     bool has_ended_ = false;
-    std::thread thread_; // last: it uses the others
+    std::thread thread_;
 };
 
 struct Terminated {};
@@ -223,7 +225,7 @@ void follow(const Listener& listener, const std::function<void(Progress&)>& work
         has_ended = worker.wait();
         if (stop) continue;
         try {
-            look(relay, listener, hold);
+            call_python([&] { look(relay, listener, hold); });
         } catch (...) {
             stop = std::current_exception();
             relay.cancel();
@@ -235,25 +237,20 @@ void follow(const Listener& listener, const std::function<void(Progress&)>& work
 
 } // namespace
 
-void end_all_work()
+void end_work()
 {
-    const Unlocked unlocked;
+    constexpr std::chrono::seconds patience { 10 };
     std::unique_lock<std::mutex> lock(turns().mutex);
-    last_thread = std::this_thread::get_id();
-    if (turns().worker == std::this_thread::get_id()) return; // called back by its own work
-    constexpr std::chrono::seconds patience { 10 };           // a listener may never return
-    turns().freed.wait_for(lock, patience, [] { return turns().worker == std::thread::id(); });
+    if (turns().relay) turns().relay->cancel();
+    turns().ended.wait_for(lock, patience, [] { return turns().relay == nullptr; });
 }
 
 void work_interruptibly(const Listener& listener, unsigned thread_count, const std::function<void(Progress&)>& work)
 {
+    const Turn turn;
+    set_thread_count(thread_count);
     try {
-        const Turn turn;
-        set_thread_count(thread_count);
         follow(listener, work);
-    } catch (const Interrupted&) { // of the interpreter's end: a traceback would get into its way
-        const Unlocked unlocked;
-        for (;;) std::this_thread::sleep_for(std::chrono::hours(1));
     } catch (const Terminated&) { // the signal has been let through by now, and this process still lives
         check_signals();
         PyErr_SetString(PyExc_KeyboardInterrupt, "stopped by SIGTERM");

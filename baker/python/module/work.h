@@ -23,8 +23,8 @@ struct Listener {
 // listener of another one asks for, which would wait for itself. Call with the interpreter locked.
 void work_interruptibly(const Listener& listener, unsigned thread_count, const std::function<void(Progress&)>& work);
 
-// Stops the work of any other thread at its next Progress::update, waits some seconds for its end, and lets none of them
-// start another: for the end of the interpreter, which does not wait for daemon threads. Call with the interpreter locked.
-void end_all_work();
+// Stops the work that still goes on when the interpreter has ended, which does not wait for daemon threads: it must not
+// outlive what it works with. Waits some seconds.
+void end_work();
 
 } // namespace pliant

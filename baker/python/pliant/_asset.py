@@ -117,7 +117,7 @@ class Asset:
         certificate cannot be read."""
         try:
             certificate = json.loads(self._view.certificate())
-        except ValueError:
+        except (ValueError, RecursionError):
             certificate = None
         if not isinstance(certificate, dict):
             raise Error([finding(True, 5103, "", "its certificate cannot be read", "bake it again with this version")], 3)

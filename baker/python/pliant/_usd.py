@@ -43,7 +43,7 @@ def is_usd(path: str) -> bool:
 
 def _usd(path: str) -> Any:
     try:
-        for name in ("Tf", "Usd", "UsdGeom", "UsdSkel"):
+        for name in ("Gf", "Tf", "Usd", "UsdGeom", "UsdSkel"):
             importlib.import_module(f"pxr.{name}")
     except ImportError:
         message = f"{path}: reading USD needs usd-core: pip install 'pliant[usd]'"
@@ -149,7 +149,7 @@ class _Stage:
             raise ValueError(f"{path}: has no mesh that is drawn")
         self._targets = [part.targets() for part in self._parts]
         self.targets = list(dict.fromkeys(name for one in self._targets for name in one))
-        self._is_skinned = True  # by the file; not yet by us
+        self._times: list[float] | None = None
 
     def _byte_count(self) -> int:
         files = {layer.realPath.split("[")[0] for layer in self._stage.GetUsedLayers()}  # a.usdz[b.usdc]
@@ -198,19 +198,38 @@ class _Stage:
         pairs = zip(self._parts, self._targets)
         return np.concatenate([part.rest(part.offsets(name, own[name]) if name in own else None) for part, own in pairs])
 
-    def _skin(self) -> None:
-        """Turns skeletons and weights of blend shapes into points of each frame, in memory."""
-        if self._is_skinned:
-            self._stage.SetEditTarget(self._stage.GetSessionLayer())
-            self._usd.UsdSkel.BakeSkinning(self._stage.Traverse())
-        self._is_skinned = False
+    def _skin(self, time: float) -> None:
+        """Turns skeletons and weights of blend shapes into points, in memory, at the frames next to this one."""
+        before, after = [t for t in self.times() if t <= time], [t for t in self.times() if t >= time]
+        pxr = self._usd
+        interval = pxr.Gf.Interval((before or after)[-1 if before else 0], (after or before)[0 if after else -1])
+        self._stage.GetSessionLayer().Clear()
+        self._stage.SetEditTarget(self._stage.GetSessionLayer())
+        pxr.UsdSkel.BakeSkinning(self._stage.Traverse(), interval)
+
+    def _skeleton_times(self) -> set[float]:
+        skel, cache = self._usd.UsdSkel, self._usd.UsdSkel.Cache()
+        out: set[float] = set()
+        for prim in self._stage.Traverse():
+            if not prim.IsA(skel.Root):
+                continue
+            root, predicate = skel.Root(prim), self._usd.Usd.PrimDefaultPredicate
+            cache.Populate(root, predicate)
+            for binding in cache.ComputeSkelBindings(root, predicate):
+                animation = cache.GetSkelQuery(binding.GetSkeleton()).GetAnimQuery()
+                if animation:
+                    out |= set(animation.GetJointTransformTimeSamples()) | set(animation.GetBlendShapeWeightTimeSamples())
+        return out
 
     def times(self) -> list[float]:
-        self._skin()
-        return sorted(set().union(*(part.times() for part in self._parts)))
+        """Ascending."""
+        if self._times is None:
+            self._times = sorted(self._skeleton_times().union(*(part.times() for part in self._parts)))
+        return self._times
 
     def at(self, time: float) -> Positions:
-        self._skin()
+        if self.times():
+            self._skin(time)
         code = self._usd.Usd.TimeCode(time)
         return np.concatenate([part.positions(code) for part in self._parts])
 

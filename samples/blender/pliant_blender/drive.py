@@ -9,7 +9,6 @@ from bpy.app.handlers import persistent
 from . import shapes
 
 assets = {}  # by identity
-applied = {}  # by the name of a mesh: the identity and the weights that its vertices show
 messages = {}  # by the name of a mesh: why it stands still
 
 
@@ -74,9 +73,10 @@ def drive(thing, graph):
     mesh = thing.data
     try:
         weights = weights_of(thing, graph)
-        if applied.get(mesh.name_full) == (mesh.pliant.identity, weights):
+        shown = repr((mesh.pliant.identity, weights))
+        if mesh.pliant.shown == shown:
             return
-        applied[mesh.name_full] = mesh.pliant.identity, weights
+        mesh.pliant.shown = shown
         messages.pop(mesh.name_full, None)
         positions = blend(mesh.pliant, weights)
     except (package().Error, TypeError, ValueError) as error:  # of a file of somebody else: properties that are no numbers
@@ -106,7 +106,9 @@ def refresh(scene, graph=None):
 @persistent
 def refresh_all(scene=None, _=None):
     """After undo, and after a file was opened: vertices may be of another time than the weights."""
-    applied.clear()
+    for mesh in bpy.data.meshes:
+        if mesh.pliant.shown:
+            mesh.pliant.shown = ""
     messages.clear()
     refresh(scene)
 
@@ -123,5 +125,5 @@ def register():
 def unregister():
     for event, handler in HANDLERS.items():
         getattr(bpy.app.handlers, event).remove(handler)
-    for each in (assets, applied, messages):
+    for each in (assets, messages):
         each.clear()

@@ -39,6 +39,7 @@ class PliantMesh(bpy.types.PropertyGroup):
     table: StringProperty(description="JSON of pliant export that maps weights to shape keys; empty if the package drives")
     weights: CollectionProperty(type=PliantWeight)
     summary: StringProperty()
+    shown: StringProperty(description="Identity and weights that the vertices show; copies take it along with the vertices")
 
 
 class PliantObject(bpy.types.PropertyGroup, BakeOptions):

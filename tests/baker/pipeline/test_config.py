@@ -93,7 +93,7 @@ def test_mistakes(folder):
     refused(folder, {"dim": 257}, "P2706", "1 to 256", "a dimension out of range")
     refused(folder, {"tolerance": 1e400}, "P2701", "not JSON", "a number that is none") # Python writes Infinity
     refused(folder, {"subspace": "krylow"}, "P2706", "adaptive, krylov, barbic", "a name that there is not")
-    refused(folder, {"seed": -1}, "P2706", "whole number from 0", "a negative seed")
+    refused(folder, {"seed": -1}, "P2706", "it takes 0 to 18446744073709551615", "a negative seed")
     missing = TOOL.run("bake", "--config", "missing.json", cwd=folder)
     check(missing.returncode == 3 and "error P2001: missing.json" in missing.stderr, "a configuration that is not there")
     no_poses = TOOL.run("bake", "-o", "a.pliant", cwd=folder)

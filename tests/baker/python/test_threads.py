@@ -44,7 +44,8 @@ print('after', len(pliant.bake(*small, dim=3, elements=18, check_samples=2, fres
 
 # The main thread ends while a daemon thread works.
 DAEMON = """
-import sys, threading, time
+import atexit, queue, sys, threading, time
+atexit.register(lambda: sys.argv[2] == "finish" and finish())
 sys.path.insert(0, sys.argv[1])
 import numpy as np, pliant, shapes
 poses, faces = shapes.tubes()
@@ -52,8 +53,19 @@ asset, energy = pliant.bake(poses, faces, dim=3, elements=18, check_samples=2, f
 def blend(): asset.blend([[1, 0]] * 500)
 def hessian(): energy.hessian(poses[0])
 def bake(): pliant.bake(poses, faces)
+def listen(): pliant.bake(poses, faces, progress=lambda *_: time.sleep(0.01))
+def refuse():
+    try: asset.blend([-1, 0])
+    except pliant.Error: pass
 def loop():
     while True: globals()[sys.argv[2]]()
+def finish(jobs=queue.Queue()):
+    def take():
+        while jobs.get(): pliant.average(poses, faces, [1, 1]), jobs.task_done()
+    for _ in range(20): jobs.put(1)
+    threading.Thread(target=take, daemon=True).start()
+    jobs.join()
+if sys.argv[2] == "finish": sys.exit()
 threading.Thread(target=loop, daemon=True).start()
 time.sleep(0.3)
 """
@@ -140,7 +152,7 @@ class Interrupting(unittest.TestCase):
 
 class Ending(unittest.TestCase):
     def test_daemon_threads(self):
-        for work in ("blend", "hessian", "bake"):
+        for work in ("blend", "hessian", "bake", "listen", "refuse", "finish"):
             with self.subTest(work):
                 done = subprocess.run([sys.executable, "-c", DAEMON, str(Path(__file__).parent), work], capture_output=True,
                                       text=True, check=False, timeout=120)

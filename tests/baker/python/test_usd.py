@@ -156,6 +156,9 @@ class Frames(unittest.TestCase):
         self.assertEqual(len(poses), 2)
         moved = poses.positions[1] - poses.positions[0]
         self.assertLess(np.abs(moved[weights == 1] - [0, 1, 0]).max(), 1e-6)
+        between = pliant.load_poses([path + "#time=1,1.5,2", path + "#time=0,3"]).positions
+        for k, move in enumerate((0, 0.5, 1, 0, 1)):
+            self.assertLess(np.abs(between[k] - poses.positions[0] - np.outer(weights, [0, move, 0])).max(), 1e-6)
         self.assertEqual(Path(path).read_bytes(), before)
 
 

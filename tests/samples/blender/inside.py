@@ -136,6 +136,7 @@ def package():
         check_shape(thing, asset, weights)
     set_weights(thing, 0, 1, 0)
     check(abs(shown(thing) - tube(twist=1.5)).max() < 0.01, "a layer alone at 1 is its shape key, not mirrored")
+    check_copies(thing, asset)
     check_baked_again(thing)
     check_animation(thing, asset)
     check_followed_keys()
@@ -157,6 +158,21 @@ def bake_layers(**options):
     found = json.dumps(report, ensure_ascii=False)
     check(all(name in found for name in FILES), f"names in the asset: {found[:2000]}")
     return thing
+
+
+def check_copies(thing, asset):
+    """A mesh of the name, the asset and the weights of one that is gone."""
+    set_weights(thing, 0, 0, 0)
+    for _ in range(2):
+        copy = thing.copy()
+        copy.data = thing.data.copy()
+        copy[NAMES[0]] = 1.0
+        bpy.context.scene.collection.objects.link(copy)
+        bpy.context.view_layer.update()
+        check_shape(copy, asset, (1, 0, 0))
+        mesh = copy.data
+        bpy.data.objects.remove(copy)
+        bpy.data.meshes.remove(mesh)
 
 
 def check_baked_again(thing):
