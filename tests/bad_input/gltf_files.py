@@ -168,6 +168,14 @@ def add_cases(good):
         mesh["primitives"] *= 1000
     case("gltf_shared_corners", corners)
     edited("gltf_shared_names", "meshes", 0, "name", value="n" * 257)
+    edited("gltf_zero_in_name", "meshes", 0, "extras", value={"targetNames": ["a\0b"]})
+
+    def zero_keys(gltf):
+        material = {}
+        for _ in range(40):
+            material = {"": material, "\0": 0}
+        gltf.json["materials"] = [material]
+    case("gltf_zero_keys", zero_keys)
     edited("gltf_target_name", "meshes", 0, "extras", value={"targetNames": ["t" * 257]})
 
     def weights(gltf):

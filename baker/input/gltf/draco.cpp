@@ -4,7 +4,8 @@
 #include "input/io/source_file.h"
 
 #include <algorithm>
-#include <draco/compression/decode.h>
+#include <draco/compression/mesh/mesh_edgebreaker_decoder.h>
+#include <draco/compression/mesh/mesh_sequential_decoder.h>
 #include <draco/compression/point_cloud/point_cloud_decoder.h>
 #include <draco/core/varint_decoding.h>
 #include <draco/mesh/mesh.h>
@@ -25,43 +26,83 @@ std::uint32_t number_in(draco::DecoderBuffer& buffer, bool is_varint)
     return is_there ? number : 0;
 }
 
-// Draco makes its tables for as many faces, vertices and attributes as the stream says, before it decodes one of them. What
-// is no stream is left to the decoder.
-void take_declared(const GltfValue& extension, draco::DecoderBuffer buffer, GltfAllowance& allowance)
+// Draco makes its tables for as many faces, vertices and attributes with seams as an edgebreaker stream says, before it
+// decodes one of them.
+void take_declared(const GltfValue& extension, const draco::DracoHeader& header, draco::DecoderBuffer buffer,
+                   GltfAllowance& allowance)
 {
-    draco::DracoHeader header;
-    draco::GeometryMetadata metadata;
-    if (!draco::PointCloudDecoder::DecodeHeader(&buffer, &header).ok()) return;
     const std::uint16_t version = DRACO_BITSTREAM_VERSION(header.version_major, header.version_minor);
+    draco::GeometryMetadata metadata;
     buffer.set_bitstream_version(version);
     if ((header.flags & METADATA_FLAG_MASK) && !draco::MetadataDecoder().DecodeGeometryMetadata(&buffer, &metadata)) return;
-    if (header.encoder_method != draco::MESH_EDGEBREAKER_ENCODING) return; // others have bytes for each face, or fail
     const bool is_varint = version >= DRACO_BITSTREAM_VERSION(2, 0);
-    std::uint8_t traversal = 0, attribute_count = 0;
+    std::uint8_t traversal = 0, seam_count = 0;
     buffer.Decode(&traversal);
     if (version < DRACO_BITSTREAM_VERSION(2, 2)) number_in(buffer, is_varint);
     const std::uint32_t vertex_count = number_in(buffer, is_varint), face_count = number_in(buffer, is_varint);
-    buffer.Decode(&attribute_count);
-    allowance.take(extension, std::max(vertex_count, face_count), std::uint64_t(attribute_count) + 3);
+    buffer.Decode(&seam_count);
+    allowance.take(extension, std::max(vertex_count, face_count), std::uint64_t(seam_count) + 3);
 }
+
+// Decodes attributes, all of which together may be much larger than the stream, once they are allowed.
+template <class Base> class AllowedDecoder final : public Base {
+public:
+    AllowedDecoder(const GltfValue& extension, GltfAllowance& allowance, std::exception_ptr& refusal)
+        : extension_(extension)
+        , allowance_(allowance)
+        , refusal_(refusal)
+    {
+    }
+
+private:
+    bool DecodeAllAttributes() override
+    {
+        std::uint64_t width = 0;
+        for (int a = 0; a < this->mesh()->num_attributes(); ++a)
+            width += static_cast<std::uint64_t>(this->mesh()->attribute(a)->num_components());
+        try {
+            allowance_.take(extension_, this->mesh()->num_points(), std::max<std::uint64_t>(width, 1));
+        } catch (...) {
+            refusal_ = std::current_exception(); // for Draco's own frames
+            return false;
+        }
+        return Base::DecodeAllAttributes();
+    }
+
+    const GltfValue& extension_;
+    GltfAllowance& allowance_;
+    std::exception_ptr& refusal_;
+};
 
 std::unique_ptr<draco::Mesh> decode(const GltfValue& extension, std::string_view bytes, GltfAllowance& allowance)
 {
     draco::DecoderBuffer buffer;
     buffer.Init(bytes.data(), bytes.size());
-    take_declared(extension, buffer, allowance);
-    const auto type = draco::Decoder::GetEncodedGeometryType(&buffer);
-    if (!type.ok() || type.value() != draco::TRIANGULAR_MESH)
+    draco::DracoHeader header;
+    draco::DecoderBuffer behind_header = buffer;
+    if (!draco::PointCloudDecoder::DecodeHeader(&behind_header, &header).ok()
+        || header.encoder_type != draco::TRIANGULAR_MESH)
         extension.fail(2318, "its Draco data do not hold a triangle mesh", damaged);
-    draco::Decoder decoder;
+    std::exception_ptr refusal;
+    std::unique_ptr<draco::MeshDecoder> decoder;
+    if (header.encoder_method == draco::MESH_EDGEBREAKER_ENCODING) {
+        take_declared(extension, header, behind_header, allowance);
+        decoder = std::make_unique<AllowedDecoder<draco::MeshEdgebreakerDecoder>>(extension, allowance, refusal);
+    } else if (header.encoder_method == draco::MESH_SEQUENTIAL_ENCODING) { // has three bytes for each face
+        decoder = std::make_unique<AllowedDecoder<draco::MeshSequentialDecoder>>(extension, allowance, refusal);
+    } else {
+        extension.fail(2318, "its Draco data are of an unknown method", damaged);
+    }
+    auto mesh = std::make_unique<draco::Mesh>();
     std::string reason;
     try {
-        auto result = decoder.DecodeMeshFromBuffer(&buffer);
-        if (result.ok()) return std::move(result).value();
-        reason = result.status().error_msg_string();
+        const draco::Status status = decoder->Decode(draco::DecoderOptions(), &buffer, mesh.get());
+        if (status.ok()) return mesh;
+        reason = status.error_msg_string();
     } catch (const std::exception& error) { // damaged counts ask for impossible vectors
         reason = error.what();
     }
+    if (refusal) std::rethrow_exception(refusal);
     extension.fail(2318, fmt::format("its Draco data cannot be decoded: {}", reason), damaged);
 }
 
@@ -114,7 +155,6 @@ DracoMesh decode_draco(const GltfDocument& document, const GltfValue& extension,
     const std::unique_ptr<draco::Mesh> mesh = decode(extension, bytes, allowance);
     DracoMesh out;
     out.vertex_count = mesh->num_points();
-    allowance.take(extension, mesh->num_faces(), 3);
     out.triangles.reserve(mesh->num_faces());
     for (draco::FaceIndex f(0); f < mesh->num_faces(); ++f) {
         const draco::Mesh::Face& face = mesh->face(f);
@@ -127,13 +167,12 @@ DracoMesh decode_draco(const GltfDocument& document, const GltfValue& extension,
     if (!ids.exists() || !ids.json().is_object()) ids.fail(2306, "an object expected");
     for (const auto& [name, id_json] : ids.json().items()) {
         if (!is_read_attribute(name)) continue;
-        const GltfValue id = ids[name.c_str()];
+        const GltfValue id = ids[name];
         const draco::PointAttribute* attribute = mesh->GetAttributeByUniqueId(static_cast<std::uint32_t>(
             id.index(std::size_t(1) << 31, "attributes"))); // unique ids have no count; what is not there is found out next
         if (!attribute || !is_sound(*mesh, *attribute))
             id.fail(2318, fmt::format("its Draco data do not hold the attribute {}", excerpt(name)), damaged);
-        allowance.take(id, out.vertex_count, static_cast<std::uint64_t>(attribute->num_components()));
-        const GltfValue accessor = attributes[name.c_str()];
+        const GltfValue accessor = attributes[name];
         const bool is_normalised = accessor.exists() && accessor_shape(document, accessor).is_normalised;
         out.attributes.emplace(name, numbers_of(*mesh, *attribute, is_normalised));
     }

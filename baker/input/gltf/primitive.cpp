@@ -65,7 +65,7 @@ struct AttributeReader {
     GltfNumbers read(const std::string& name, std::initializer_list<int> components) const
     {
         const auto decoded = draco.attributes.find(name);
-        const GltfValue attribute = attributes[name.c_str()];
+        const GltfValue attribute = attributes[name];
         if (decoded == draco.attributes.end()) {
             allowance.take_all_of(attribute);
             return read_numbers(document, attribute, components, vertex_count);
@@ -163,6 +163,8 @@ GltfPrimitive read_primitive(const GltfDocument& document, const GltfValue& prim
     out.stored_count = out.vertex_count();
     leave_out_box(primitive, out);
     const GltfValue targets = primitive["targets"];
+    constexpr std::uint64_t numbers_of_target = 96; // its place, and its names
+    if (targets.size() != 0) allowance.take(targets, targets.size(), numbers_of_target);
     for (std::size_t i = 0; i < targets.size(); ++i) out.targets.push_back(targets.at(i));
     return out;
 }

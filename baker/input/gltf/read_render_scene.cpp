@@ -159,7 +159,7 @@ void check_textures(const GltfValue& value, std::size_t texture_count)
     for (const auto& item : value.json().items()) {
         const std::string& key = item.key();
         if (key == "extras") continue;
-        const GltfValue member = value[key.c_str()];
+        const GltfValue member = value[key];
         const bool is_texture
             = key.size() > ending.size() && key.compare(key.size() - ending.size(), ending.size(), ending) == 0;
         if (is_texture) member["index"].index(texture_count, "textures");

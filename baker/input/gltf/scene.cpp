@@ -23,6 +23,7 @@ std::string name_of(const GltfValue& value)
     std::string name = value.text_or("");
     if (name.size() > name_size_limit)
         value.fail(2306, fmt::format("has {} bytes, the limit is {}", name.size(), name_size_limit));
+    if (name.find('\0') != std::string::npos) value.fail(2306, "has a zero character");
     return name;
 }
 

@@ -260,7 +260,7 @@ RenderScene decode_scene_chunk(std::string_view bytes, const std::string& path, 
         for (const auto& item : attributes.json().items()) {
             if (!is_drawn_attribute(item.key())) continue;
             part.attributes.push_back(item.key());
-            decode_attribute(document, attributes[item.key().c_str()], item.key(), part, allowance, scene);
+            decode_attribute(document, attributes[item.key()], item.key(), part, allowance, scene);
         }
     }
     scene.materials = take_materials(document, scene.images);

@@ -21,10 +21,10 @@ void GltfValue::expect(const char* what) const
     throw Failure(ExitCode::bad_input, std::move(diagnostic));
 }
 
-GltfValue GltfValue::operator[](const char* key) const
+GltfValue GltfValue::operator[](const std::string& key) const
 {
     constexpr std::size_t longest = 64; // a stranger's key would be copied into the place of each member below it
-    const std::string name = std::string(key).substr(0, longest), place = place_.empty() ? name : place_ + "." + name;
+    const std::string name = key.substr(0, longest), place = place_.empty() ? name : place_ + "." + name;
     if (!json_) return { *file_, nullptr, place };
     if (!json_->is_object()) expect("an object");
     const auto member = json_->find(key);

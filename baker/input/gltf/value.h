@@ -28,8 +28,8 @@ public:
     const GltfJson& json() const { return *json_; } // of a value that exists
     const std::string& place() const { return place_; }
 
-    // A member of an object; absent if this is. P2306 if this is no object.
-    GltfValue operator[](const char* key) const;
+    // A member of an object, whose key may hold zeros; absent if this is. P2306 if this is no object.
+    GltfValue operator[](const std::string& key) const;
     // Elements of an array; none if this is absent. P2306 if this is no array.
     std::size_t size() const;
     GltfValue at(std::size_t i) const;

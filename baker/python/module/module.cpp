@@ -35,8 +35,17 @@ void raise_failure(const Failure& failure)
     for (const Diagnostic& f : failure.diagnostics())
         diagnostics.append(
             nb::make_tuple(f.severity == Diagnostic::Severity::error, f.number, nb::str(f.where.c_str()), f.what, f.hint));
-    const nb::object error = nb::module_::import_("pliant._errors").attr("from_findings")(int(failure.code()), diagnostics);
-    PyErr_SetObject(reinterpret_cast<PyObject*>(Py_TYPE(error.ptr())), error.ptr());
+    const nb::object make = nb::module_::import_("pliant._errors").attr("from_findings"),
+                     code = nb::int_(int(failure.code()));
+    PyObject* error;
+    {
+        PythonCall call;
+        error = PyObject_CallFunctionObjArgs(make.ptr(), code.ptr(), diagnostics.ptr(), nullptr);
+        call.has_ended = true;
+    }
+    if (!error) throw nb::python_error();
+    PyErr_SetObject(reinterpret_cast<PyObject*>(Py_TYPE(error)), error);
+    Py_DECREF(error);
 }
 
 void translate(const std::exception_ptr& exception, void*)
@@ -44,7 +53,7 @@ void translate(const std::exception_ptr& exception, void*)
     try {
         std::rethrow_exception(exception);
     } catch (const Failure& failure) {
-        call_python([&] { raise_failure(failure); });
+        raise_failure(failure);
     }
 }
 

@@ -3,7 +3,7 @@
 
 #include <Python.h>
 #include <chrono>
-#include <cxxabi.h>
+#include <exception>
 #include <thread>
 
 namespace pliant {
@@ -13,19 +13,20 @@ namespace pliant {
     for (;;) std::this_thread::sleep_for(std::chrono::hours(1));
 }
 
-// Calls what runs code of Python, where an interpreter that ends unwinds the thread, too.
-template <class Call> void call_python(const Call& call)
-{
-#ifdef __GLIBCXX__
-    try {
-        call();
-    } catch (const abi::__forced_unwind&) {
-        sleep_for_ever();
+// To be made where code of Python is called, behind all objects of Python: of an interpreter that ends, the thread is unwound
+// there, too, and must not go on to count references. No catch does it: none works within another one, as nanobind's is.
+class PythonCall {
+public:
+    ~PythonCall()
+    {
+        if (!has_ended && std::uncaught_exceptions() == exceptions_before_) sleep_for_ever();
     }
-#else
-    call();
-#endif
-}
+
+    bool has_ended = false;
+
+private:
+    int exceptions_before_ = std::uncaught_exceptions();
+};
 
 // Other threads of Python run while one of these lives. Of an interpreter that ends, CPython before 3.14 unwinds the threads
 // that want its lock back, which ends the process where a destructor has to: they sleep here until the process is over, as

@@ -209,9 +209,11 @@ struct Terminated {};
 
 void look(Relay& relay, const Listener& listener, const TerminationHold& hold)
 {
+    PythonCall call;
     check_signals();
     if (hold.has_come()) throw Terminated();
     relay.deliver(listener);
+    call.has_ended = true;
 }
 
 // Waits for the end of the work in any case. Throws what stopped it, else what it threw itself.
@@ -225,7 +227,7 @@ void follow(const Listener& listener, const std::function<void(Progress&)>& work
         has_ended = worker.wait();
         if (stop) continue;
         try {
-            call_python([&] { look(relay, listener, hold); });
+            look(relay, listener, hold);
         } catch (...) {
             stop = std::current_exception();
             relay.cancel();

@@ -118,6 +118,24 @@ TEST_CASE("as many faces as a stream says it has are not believed")
     CHECK(refusal.what.find("200000000 x 3") != std::string::npos);
 }
 
+// A sequential stream: 30,000 faces of 90,000 vertices with five attributes of 255 numbers, all of them zeros by one symbol.
+TEST_CASE("as many attributes as a stream says it has are not believed")
+{
+    const std::string faces = "\xb0\xea\1", vertices = "\x90\xbf\5";
+    const std::string zeros { "\1\1\1\1\x40\2\0\x40", 8 }; // a table of one symbol, and no bits
+    std::string data = std::string("DRACO\2\2\1\0\0\0", 11) + faces + vertices + '\0' + zeros + "\1\5";
+    for (int a = 0; a < 5; ++a) {
+        const char head[] { char(a == 0 ? 0 : 4), draco::DT_INT8, char(255), 0, char(a) };
+        data.append(head, sizeof head);
+    }
+    data += "\1\1\1\1\1";
+    for (int a = 0; a < 5; ++a) data += "\xfe\1" + zeros; // no prediction
+    data += std::string(100000, '\0');
+    const Diagnostic refusal = refusal_of(pliant_test::draco_glb(data, 49, 49));
+    CHECK(refusal.number == 2333);
+    CHECK(refusal.what.find("90000 x 1275") != std::string::npos);
+}
+
 TEST_CASE("real files of others' making")
 {
     const std::string data = pliant_test::data_folder();
