@@ -1,4 +1,4 @@
-// The interpreter's lock given up for a while.
+// The interpreter's lock given up for a while, and threads that outlive the interpreter.
 #pragma once
 
 #include <Python.h>
@@ -13,8 +13,9 @@ namespace pliant {
     for (;;) std::this_thread::sleep_for(std::chrono::hours(1));
 }
 
-// To be made where code of Python is called, behind all objects of Python: of an interpreter that ends, the thread is unwound
-// there, too, and must not go on to count references. No catch does it: none works within another one, as nanobind's is.
+// To be made where code of Python is called, behind all objects of Python: of an interpreter that ends, the thread is
+// unwound there, too, and must not go on to count references. No catch does it: none works within another one, as
+// nanobind's is.
 class PythonCall {
 public:
     ~PythonCall()
