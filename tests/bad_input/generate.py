@@ -289,6 +289,17 @@ mesh_case("needle_in_second_pose", "needle.obj", lambda: flattened(bent(), 1e-8)
 mesh_case("collapsed_pose", "collapsed.obj", lambda: good().moved(lambda x, y, z: (1, 2, 3)))
 mesh_case("inside_out_part", "through.obj", lambda: good().moved(lambda x, y, z: (-0.05 * x, y, z)))
 mesh_case("collapsed_part", "collapsed.obj", lambda: good().moved(lambda x, y, z: (x, y, z) if z < 1 else (0, 0, 1)))
+
+
+# At both ends less than a tenth of the body, together more.
+@case
+def collapsed_parts(folder):
+    end = 1.7
+    for name, side in (("top", 1), ("bottom", -1)):
+        pose = good().moved(lambda x, y, z, side=side: (x, y, z) if side * z < end else (0, 0, side * end))
+        write_mesh(folder / f"{name}.obj", pose)
+
+
 both_case("no_face_is_one", "lines", lambda: Mesh(good().vertices, [face[:2] + face[:1] for face in good().faces]))
 
 

@@ -33,7 +33,6 @@ private:
     void leave_out_repeated();
     void leave_out_flat();
     void leave_out_duplicates();
-    const std::vector<double>& pose_areas();
     bool check_flat(const MeshFile& pose, const std::vector<FlatTriangle>& flat);
     Triangle welded(Index triangle) const;
     // One line for all: `what` says it of the first, `faces` are all.
@@ -43,8 +42,8 @@ private:
     const MeshFile& first_;
     const Triangulation& drawn_;
     DiagnosticList& diagnostics_;
-    std::vector<bool> is_left_out_;  // per drawn triangle
-    std::vector<double> pose_areas_; // doubled, once they are needed
+    std::vector<bool> is_left_out_;               // per drawn triangle
+    std::vector<double> pose_areas_, flat_areas_; // doubled, of all triangles and of the flat ones, once they are needed
     SimulationMesh out_;
 };
 
@@ -120,17 +119,14 @@ void Builder::leave_out_repeated()
 // A face counts for the first pose in which it is flat.
 void Builder::leave_out_flat()
 {
-    const std::vector<bool> is_no_triangle = is_left_out_;
     for (const MeshFile* mesh : meshes_) {
         std::vector<FlatTriangle> flat = find_flat_triangles(*mesh, drawn_.triangles);
-        flat.erase(
-            std::remove_if(flat.begin(), flat.end(), [&](const FlatTriangle& f) { return is_no_triangle[f.triangle]; }),
-            flat.end());
-        const bool is_few = check_flat(*mesh, flat);
+        flat.erase(std::remove_if(flat.begin(), flat.end(), [&](const FlatTriangle& f) { return is_left_out_[f.triangle]; }),
+                   flat.end());
+        if (!check_flat(*mesh, flat)) return;
         std::vector<Index> faces;
         std::string what;
         for (const FlatTriangle& f : flat) {
-            if (is_left_out_[f.triangle]) continue;
             is_left_out_[f.triangle] = true;
             ++out_.repairs.flat_count;
             faces.push_back(drawn_.faces[f.triangle]);
@@ -139,7 +135,7 @@ void Builder::leave_out_flat()
                 what = fmt::format("face {}: triangle {} {} {} has no area (height {:.3g} over an edge of {:.3g})", faces[0],
                                    v[0], v[1], v[2], f.height, f.edge);
         }
-        if (!faces.empty() && is_few) warn(2202, *mesh, what, faces);
+        if (!faces.empty()) warn(2202, *mesh, what, faces);
     }
 }
 
@@ -149,25 +145,22 @@ double double_area(const Positions& positions, const Triangle& t)
     return (positions.row(t[1]) - origin).cross(positions.row(t[2]) - origin).norm();
 }
 
-const std::vector<double>& Builder::pose_areas()
-{
-    for (std::size_t k = pose_areas_.size(); k < meshes_.size(); ++k) {
-        pose_areas_.push_back(0);
-        for (const Triangle& t : drawn_.triangles) pose_areas_[k] += double_area(meshes_[k]->positions, t);
-    }
-    return pose_areas_;
-}
-
-// What is flat in one pose may be a large part of the body in another. False, and said, if it is too large.
+// What is flat in one pose may be a large part of the body in another. False, and said, if these triangles and those that
+// have been left out as flat are too large a part of any pose.
 bool Builder::check_flat(const MeshFile& pose, const std::vector<FlatTriangle>& flat)
 {
     if (flat.empty()) return true;
+    flat_areas_.resize(meshes_.size(), 0.0);
     double worst = 0;
     const MeshFile* where = &first_;
     for (std::size_t k = 0; k < meshes_.size(); ++k) {
-        double sum = 0;
-        for (const FlatTriangle& f : flat) sum += double_area(meshes_[k]->positions, drawn_.triangles[f.triangle]);
-        const double part = pose_areas()[k] > 0 ? sum / pose_areas()[k] : 0;
+        const Positions& positions = meshes_[k]->positions;
+        if (k == pose_areas_.size()) {
+            pose_areas_.push_back(0);
+            for (const Triangle& t : drawn_.triangles) pose_areas_[k] += double_area(positions, t);
+        }
+        for (const FlatTriangle& f : flat) flat_areas_[k] += double_area(positions, drawn_.triangles[f.triangle]);
+        const double part = pose_areas_[k] > 0 ? flat_areas_[k] / pose_areas_[k] : 0;
         if (part <= worst) continue;
         worst = part;
         where = meshes_[k];
@@ -176,7 +169,8 @@ bool Builder::check_flat(const MeshFile& pose, const std::vector<FlatTriangle>& 
     diagnostics_.add(error_at(
         2221, where_is_face(pose, drawn_.faces[flat[0].triangle]),
         fmt::format("face {} and others have no area: {} triangles, {:.1f} % of the surface of {}, {:.0f} % allowed",
-                    drawn_.faces[flat[0].triangle], flat.size(), 100 * worst, where->path, 100 * flat_part_limit),
+                    drawn_.faces[flat[0].triangle], out_.repairs.flat_count + flat.size(), 100 * worst, where->path,
+                    100 * flat_part_limit),
         "the simulation mesh cannot contain these parts: export this pose again, or leave it out"));
     return false;
 }
