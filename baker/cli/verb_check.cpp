@@ -40,7 +40,7 @@ struct Folds {
 Folds folds_of(const NormalizedPoses& set, const EnergyOptions& options)
 {
     if (material_of(options, set.is_solid()) != Material::discrete_shells) return {};
-    if (options.continuity == Continuity::automatic) return { 0, 0, ReinforcedShells(set, options.shell).rough_count() };
+    if (options.continuity == Continuity::automatic) return { 0, 0, count_rough_vertices(set, options.shell) };
     const DiscreteShells shells(set, options.shell);
     return { shells.hinge_count(), shells.foldover_hinges().size(), 0 };
 }

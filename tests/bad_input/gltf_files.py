@@ -190,6 +190,8 @@ def add_cases(good):
 
     case("gltf_many_nodes", lambda g: g.json.update(nodes=g.json["nodes"] + [{}] * 300000))
 
+    case("gltf_images_beyond", lambda g: g.json.update(images=[{"uri": "a.png"}] * 4097))
+
     def keys(gltf):
         times = gltf.accessor(range(30000))
         gltf.json["animations"] = [{"channels": [], "samplers": [{"input": times, "output": times}] * 1000}]

@@ -72,6 +72,13 @@ def gltf_depth(depth):
     return check("a.gltf", '{"asset": {"version": "2.0"}, "extras": ' + nested(depth - 1) + "}")
 
 
+def images(count):
+    file = gltf_files.Gltf()
+    file.mesh([(0, 0, 0), (1, 0, 0), (0, 1, 0)], [(0, 1, 2)])
+    file.json["images"] = [{"uri": "a.png"}] * count
+    return check("a.glb", file.glb())
+
+
 def config_depth(depth):
     return ["bake", "--config", "a.json"], {"a.json": '{"poses": ' + nested(depth - 1) + "}"}
 
@@ -169,6 +176,7 @@ def makers(asset):
         "bytes of the name of a glTF mesh or morph target":
             lambda size: check("a.gltf", '{"asset": {"version": "2.0"}, "nodes": [{"mesh": 0}], "meshes": [{"name": "'
                                + "n" * size + '"}]}'),
+        "images of a glTF file": images,
         "depth of configurations and manifests": config_depth,
         "poses": poses,
         "magnitude of a layer's weight, in its range": layer_range,
@@ -251,6 +259,11 @@ def costly_files():
     many = short.format(3 * LINES, 1).encode() + triangle * LINES
     yield "a.ply", many + face, 3 * LINES, 3, many[:-1] + b"\1" + face
     yield "a.ply", short.format(3, LINES).encode() + triangle + face * LINES, 3, 3 * LINES
+    # All triangles of 60 vertices: 58 at each edge.
+    crowd = b"".join(bytes([3, *corners]) for corners in itertools.combinations(range(60), 3))
+    first, other = (bytes(c for i in range(60) for c in (i, i * i % 101, (i * i * i + pose * i) % 97)) for pose in (0, 1))
+    head = short.format(60, len(crowd) // 4).encode()
+    yield "a.ply", head + first + crowd, 60, 3 * len(crowd) // 4, head + other + crowd
     yield "a.obj", OBJ + "f" + " 1 2 3" * LINES + "\n", 4, 3 * LINES
     # Flat poses across two directions by which the weld sorted vertices once: all were at one height.
     points, corners = [(x, y) for x in range(400) for y in range(400)], [400 * x + y for x in range(399) for y in range(399)]

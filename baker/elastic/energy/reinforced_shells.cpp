@@ -38,7 +38,15 @@ std::vector<bool> rough_vertices(const Eigen::VectorXd& angles, const DiscreteSh
     return is_rough;
 }
 
+std::size_t count_of(const std::vector<bool>& flags) { return std::size_t(std::count(flags.begin(), flags.end(), true)); }
+
 } // namespace
+
+std::size_t count_rough_vertices(const NormalizedPoses& set, const ShellOptions& options)
+{
+    const DiscreteShells shells(set, options);
+    return count_of(rough_vertices(roughness(set, shells), shells));
+}
 
 ReinforcedShells::ReinforcedShells(const NormalizedPoses& set, const ShellOptions& options, Blend blend)
     : shells_(set, options, blend)
@@ -51,10 +59,7 @@ ReinforcedShells::ReinforcedShells(const NormalizedPoses& set, const ShellOption
     for (std::size_t i = 0; i < cells_.element_count(); ++i) elements_.push_back({ true, i, 1 });
 }
 
-std::size_t ReinforcedShells::rough_count() const
-{
-    return std::size_t(std::count(is_rough_.begin(), is_rough_.end(), true));
-}
+std::size_t ReinforcedShells::rough_count() const { return count_of(is_rough_); }
 
 std::uint32_t ReinforcedShells::roughest_vertex() const
 {

@@ -11,6 +11,9 @@ namespace pliant {
 // pose. So are both ends of every fold-over hinge.
 constexpr double rough_angle = 0.35;
 
+// How many vertices are rough, without the memory of their cells.
+std::size_t count_rough_vertices(const NormalizedPoses& set, const ShellOptions& options);
+
 // Elements: hinges and triangles with a vertex that is not rough, each weighted by its share of such vertices (of a hinge:
 // of the ends of its edge), then the cells.
 class ReinforcedShells final : public Energy {

@@ -171,7 +171,11 @@ void check_textures(const GltfValue& value, std::size_t texture_count)
 
 void check_materials(const GltfDocument& document)
 {
-    const GltfValue textures = document["textures"], materials = document["materials"];
+    constexpr std::size_t most_images = 4096; // each is looked for on the disk
+    const GltfValue textures = document["textures"], materials = document["materials"], images = document["images"];
+    if (images.size() > most_images)
+        images.fail(2306, fmt::format("has {} images, the limit is {}", images.size(), most_images),
+                    "leave out the materials, or join images");
     for (std::size_t i = 0; i < textures.size(); ++i) {
         textures.at(i)["source"].index_or_none(document["images"].size(), "images");
         textures.at(i)["sampler"].index_or_none(document["samplers"].size(), "samplers");

@@ -67,6 +67,20 @@ Json add_still_mesh(Glb& glb, const DrawnSpace& space, const RenderScene& scene,
     return { { "primitives", add_primitives(glb, scene, stored_rest(space, options, report, grid), {}) } };
 }
 
+// Each part has targets of its own: a stranger's parts could be as many as its vertices.
+void require_few_parts(const pliant_asset& asset, const RenderScene& scene, const std::string& path)
+{
+    const std::uint64_t limit = 32768 + asset.blob_size / 32, count = std::uint64_t(scene.parts.size()) * asset.dimension;
+    if (count > limit)
+        throw Failure(
+            ExitCode::bad_input,
+            error_at(5102, path,
+                     fmt::format("not a usable asset: its {} parts in {} dimensions are {} targets, the limit for its "
+                                 "size is {}",
+                                 scene.parts.size(), asset.dimension, count, limit),
+                     "bake it again with fewer materials and meshes, or with --no-scene"));
+}
+
 } // namespace
 
 Eigen::MatrixXf path_coordinates(RuntimeBlender& blender, const std::vector<std::vector<float>>& path)
@@ -142,6 +156,7 @@ ExportedFile export_asset(RuntimeBlender& blender, const ExportOptions& options)
     const pliant_asset& asset = blender.asset();
     const DrawnSpace space = drawn_space(blender, options.source);
     const RenderScene scene = exported_scene(blender, space, options.source);
+    require_few_parts(asset, scene, options.source);
     ExportedFile file;
     ExportReport& report = file.report;
     report.vertex_count = space.vertex_count();

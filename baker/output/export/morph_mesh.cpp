@@ -68,14 +68,15 @@ NormalFit::Result fit_normals(const DrawnSpace& space, const MorphMesh& mesh)
     return fit.solve();
 }
 
-// The format allows any numbers, glTF does not.
-void check_drawable(const RuntimeBlender& blender, const DrawnSpace& space, const std::string& path)
+template <class Numbers> bool are_drawable(const Numbers& numbers)
 {
-    constexpr float largest = 1e18f; // of the coordinates of meshes
-    const auto is_good = [](const auto& numbers) { return (numbers.array().abs() <= largest).all(); }; // false for nan
-    bool is_drawable = is_good(space.at_zero) && is_good(space.columns);
-    for (std::uint32_t k = 0; is_drawable && k < blender.asset().pose_count; ++k)
-        is_drawable = is_good(boundary_positions(blender, blender.pose_coordinates(k)));
+    constexpr float largest = 1e18f;                 // of the coordinates of meshes
+    return (numbers.array().abs() <= largest).all(); // false for nan
+}
+
+// The format allows any numbers, glTF does not.
+void require_drawable(bool is_drawable, const std::string& path)
+{
     if (!is_drawable)
         throw Failure(ExitCode::bad_input,
                       error_at(5102, path,
@@ -96,6 +97,7 @@ DrawnSpace drawn_space(const RuntimeBlender& blender, const std::string& path)
 {
     const pliant_asset& asset = blender.asset();
     DrawnSpace space;
+    space.path = path;
     space.triangles.assign(asset.triangles, asset.triangles + 3 * std::size_t(asset.triangle_count));
     if (asset.smoothing_groups)
         space.groups.assign(asset.smoothing_groups, asset.smoothing_groups + asset.boundary_vertex_count);
@@ -103,7 +105,10 @@ DrawnSpace drawn_space(const RuntimeBlender& blender, const std::string& path)
     space.first_pose = Eigen::Map<const Eigen::VectorXf>(pliant_asset_pose_coordinates(&asset, 0), asset.dimension);
     space.columns.resize(space.at_zero.size(), asset.dimension);
     for (std::uint32_t j = 0; j < asset.dimension; ++j) space.columns.col(j) = column_of(blender, j, space.at_zero);
-    check_drawable(blender, space, path);
+    bool is_drawable = are_drawable(space.at_zero) && are_drawable(space.columns);
+    for (std::uint32_t k = 0; is_drawable && k < asset.pose_count; ++k)
+        is_drawable = are_drawable(boundary_positions(blender, blender.pose_coordinates(k)));
+    require_drawable(is_drawable, path);
     return space;
 }
 
@@ -135,8 +140,11 @@ MorphMesh make_morph_mesh(RuntimeBlender& blender, const DrawnSpace& space, bool
         mesh.ranges = find_morph_ranges(blender);
     }
     const Eigen::VectorXf width = mesh.ranges.high - mesh.ranges.low;
-    mesh.base = space.shape(mesh.ranges.low).cast<float>();
-    mesh.deltas = (space.columns * width.cast<double>().asDiagonal()).cast<float>();
+    const Eigen::VectorXd base = space.shape(mesh.ranges.low);
+    const Eigen::MatrixXd deltas = space.columns * width.cast<double>().asDiagonal();
+    require_drawable(are_drawable(base) && are_drawable(deltas), space.path);
+    mesh.base = base.cast<float>();
+    mesh.deltas = deltas.cast<float>();
     mesh.fitted = blend_weights(blender, mesh, fitted_count(d), fit_seed);
     mesh.judged = blend_weights(blender, mesh, judged_count, judge_seed);
     mesh.reachable = box_of_blends(mesh);

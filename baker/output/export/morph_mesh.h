@@ -13,6 +13,7 @@ namespace pliant {
 
 // What is drawn, in input units: y(q) = at_zero + columns q. Of a solid the boundary.
 struct DrawnSpace {
+    std::string path;                     // of the asset, for messages
     std::vector<std::uint32_t> triangles; // three corners each
     std::vector<std::uint32_t> groups;    // of vertices that share a normal (SMTH), any numbers; empty: each has its own
     Eigen::VectorXd at_zero;              // 3n: q = 0

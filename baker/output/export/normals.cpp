@@ -90,6 +90,7 @@ void NormalErrorMeter::add(const NormalFit::Result& fit, const Eigen::VectorXd& 
         const Eigen::Vector3d a = fitted.segment<3>(v), b = normals.segment<3>(v);
         if (b.squaredNorm() == 0) continue; // no area there, no normal
         const double degrees = std::atan2(a.cross(b).norm(), a.dot(b)) * 180 / M_PI;
+        if (!(degrees >= 0)) continue; // of shapes without bounds
         ++histogram_[std::size_t(degrees * 100)];
         sum_ += degrees;
         worst_ = std::max(worst_, degrees);
