@@ -82,7 +82,7 @@ typedef enum pliant_result {
     PLIANT_ERROR_TRUNCATED = 20,  /**< R01, R04: smaller than a header, or not of the size that the header states */
     PLIANT_ERROR_NOT_PLIANT = 21, /**< R02: not a .pliant file */
     PLIANT_ERROR_VERSION = 22,    /**< R03, R07: another major version, or an unknown chunk that is required */
-    PLIANT_ERROR_LIMIT = 23,      /**< R05: a count outside its range; groups of normals beyond all measure */
+    PLIANT_ERROR_LIMIT = 23,      /**< R05: a count outside its range; groups of normals that are too large */
     /** R06, R07, R09, R14 .. R16, R18, R21, R23, R24: a chunk is missing, misplaced, of the wrong size or beside one that
        excludes it, or reserved bits are set. */
     PLIANT_ERROR_LAYOUT = 24,

@@ -30,7 +30,7 @@ Verb add_help(CLI::App& app);
 // Options that several verbs share.
 // As CLI::Range, which takes nan.
 CLI::Validator number_in(double least, double most);
-// For transform(): leaves decimal digits only. CLI11 reads 010 as 8 and wraps -1 and numbers beyond the type.
+// For transform(): accepts decimal digits only. CLI11 reads 010 as 8, and wraps -1 and numbers beyond the type.
 CLI::Validator whole_number_in(std::uint64_t least, std::uint64_t most);
 CLI::Option* add_pose_arguments(CLI::App& verb, std::vector<std::string>& poses);
 void add_energy_options(CLI::App& verb, EnergyOptions& options);

@@ -188,6 +188,7 @@ def add_cases(good):
         gltf.json["skins"] = [{"joints": [0], "inverseBindMatrices": matrices}] * 1000
     case("gltf_shared_skins", skins)
 
+    case("gltf_many_joints", lambda g: g.json.update(skins=[{"joints": [0] * 600000}]))
     case("gltf_many_nodes", lambda g: g.json.update(nodes=g.json["nodes"] + [{}] * 300000))
 
     case("gltf_images_beyond", lambda g: g.json.update(images=[{"uri": "a.png"}] * 4097))

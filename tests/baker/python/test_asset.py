@@ -3,6 +3,7 @@ import gc
 import mmap
 import os
 import pickle
+import struct
 import tempfile
 import unittest
 import weakref
@@ -110,6 +111,17 @@ class OpeningAssets(unittest.TestCase):
             except pliant.Error as error:
                 self.assertEqual(error.number, "P5103")
         self.assertGreater(opened, 20)
+
+    def test_deep_certificate(self):
+        blob = bytearray(DATA)
+        for entry in range(64, 64 + 32 * struct.unpack_from("<I", blob, 24)[0], 32):
+            tag, _, offset, size = struct.unpack_from("<4sIQQ", blob, entry)
+            if tag == b"CERT":
+                blob[offset:offset + size] = b"[" * size
+        asset = pliant.Asset.open(bytes(blob), verify=False)
+        with self.assertRaises(pliant.Error) as caught:
+            asset.certificate
+        self.assertEqual(caught.exception.number, "P5103")
 
     def test_older_formats(self):
         for file in sorted(GOLDEN.glob("*.pliant")):
