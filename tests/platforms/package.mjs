@@ -95,6 +95,8 @@ function checkErrors() {
   assert.throws(() => pliant.open("a name"), TypeError);
   for (const weights of [5, null, "abc"]) assert.throws(() => character.solve(weights), TypeError);
   refuses(() => pliant.open(new ArrayBuffer(0)), 20, "");
+  const lookalike = { parts: asset.parts, weights: asset.weights, dimension: 1, vertexCount: 1, surfaceVertexCount: 1 };
+  assert.throws(() => new character.constructor(lookalike), TypeError);
   character.dispose();
   character.dispose();
   for (const call of [() => character.solve([0, 0, 0]), () => character.positions, () => character.bounds(), () => character.reset()])
