@@ -115,7 +115,7 @@ static void chain_corners(size_t group_count, uint32_t* starts, uint32_t* words)
     starts[group_count] = (uint32_t)(out - words);
 }
 
-/* Whether the vertices of all groups together read so many neighbours that a stranger's groups would stop a game. */
+/* Whether the vertices of all groups together read so many neighbours that a frame would take too long. */
 static int are_too_large(const pliant_asset* asset, const uint32_t* starts)
 {
     const uint64_t limit = ((uint64_t)1 << 22) + 256 * (uint64_t)starts[asset->vertex_count];

@@ -12,7 +12,7 @@ namespace {
 // 0.4 degrees; edges that are meant to be seen differ by far more.
 constexpr double kSameDirection = 0.99984769515639124;
 
-// What the runtime reads for a normal stays small: pliant_normals_init.
+// Keeps the cost of a normal small: pliant_normals_init refuses groups that are too large.
 constexpr std::size_t kLargest = 256;
 
 // A normal shorter than this has no direction in single precision, in which files have them.

@@ -44,7 +44,7 @@ void take_declared(const GltfValue& extension, const draco::DracoHeader& header,
     allowance.take(extension, std::max(vertex_count, face_count), std::uint64_t(seam_count) + 3);
 }
 
-// Decodes attributes, all of which together may be much larger than the stream, once they are allowed.
+// Charges all attributes before it decodes them: together they can be much larger than the stream.
 template <class Base> class AllowedDecoder final : public Base {
 public:
     AllowedDecoder(const GltfValue& extension, GltfAllowance& allowance, std::exception_ptr& refusal)

@@ -67,7 +67,7 @@ Json add_still_mesh(Glb& glb, const DrawnSpace& space, const RenderScene& scene,
     return { { "primitives", add_primitives(glb, scene, stored_rest(space, options, report, grid), {}) } };
 }
 
-// Each part has targets of its own: a stranger's parts could be as many as its vertices.
+// Each part has its own targets, and a hostile asset can have a part for each vertex.
 void require_few_parts(const pliant_asset& asset, const RenderScene& scene, const std::string& path)
 {
     const std::uint64_t limit = 32768 + asset.blob_size / 32, count = std::uint64_t(scene.parts.size()) * asset.dimension;

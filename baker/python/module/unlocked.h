@@ -13,9 +13,9 @@ namespace pliant {
     for (;;) std::this_thread::sleep_for(std::chrono::hours(1));
 }
 
-// To be made where code of Python is called, behind all objects of Python: of an interpreter that ends, the thread is
-// unwound there, too, and must not go on to count references. No catch does it: none works within another one, as
-// nanobind's is.
+// Make one just before a call that runs code of Python, after all objects that hold references. An interpreter that ends
+// unwinds the thread inside the call. The destructor then lets the thread sleep, so that nothing counts references without
+// the lock. A catch cannot do that: nanobind calls from within one, where libstdc++ terminates at a forced unwinding.
 class PythonCall {
 public:
     ~PythonCall()
@@ -29,9 +29,8 @@ private:
     int exceptions_before_ = std::uncaught_exceptions();
 };
 
-// Other threads of Python run while one of these lives. Of an interpreter that ends, CPython before 3.14 unwinds the threads
-// that want its lock back, which ends the process where a destructor has to: they sleep here until the process is over, as
-// they do in later versions.
+// Other threads of Python run while one of these lives. When the interpreter has ended, CPython before 3.14 unwinds a thread
+// that asks for the lock. A destructor cannot be unwound, so the thread sleeps until the process ends, as in CPython 3.14.
 class Unlocked {
 public:
     Unlocked()
