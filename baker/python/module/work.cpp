@@ -162,7 +162,12 @@ public:
     Worker(const std::function<void(Progress&)>& work, Relay& relay)
     {
         set_relay(&relay);
-        thread_ = std::thread([this, &work, &relay] { run(work, relay); });
+        try {
+            thread_ = std::thread([this, &work, &relay] { run(work, relay); });
+        } catch (...) { // the system is short of threads
+            set_relay(nullptr);
+            throw;
+        }
     }
 
     // True when the work has ended; waits for that a moment.

@@ -200,12 +200,12 @@ class _Stage:
 
     def _skin(self, time: float) -> None:
         """Turns skeletons and weights of blend shapes into points, in memory, at the frames next to this one."""
-        before, after = [t for t in self.times() if t <= time], [t for t in self.times() if t >= time]
-        pxr = self._usd
-        interval = pxr.Gf.Interval((before or after)[-1 if before else 0], (after or before)[0 if after else -1])
+        times = self.times()
+        low = max((t for t in times if t <= time), default=times[0])
+        high = min((t for t in times if t >= time), default=times[-1])
         self._stage.GetSessionLayer().Clear()
         self._stage.SetEditTarget(self._stage.GetSessionLayer())
-        pxr.UsdSkel.BakeSkinning(self._stage.Traverse(), interval)
+        self._usd.UsdSkel.BakeSkinning(self._stage.Traverse(), self._usd.Gf.Interval(low, high))
 
     def _skeleton_times(self) -> set[float]:
         skel, cache = self._usd.UsdSkel, self._usd.UsdSkel.Cache()
