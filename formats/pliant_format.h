@@ -326,11 +326,19 @@ static inline uint32_t pliant_format_product_parts(const pliant_format_product* 
     return (tile->vertex_count + PLIANT_FORMAT_TILE_VERTICES - 1) / PLIANT_FORMAT_TILE_VERTICES;
 }
 
+/* True if a tile of BASF is still: rest_scale is 0. By its bytes, since this decides where the tile's parts are: a thread
+   that takes denormal numbers for 0 must find them where another one checked them. */
+static inline int pliant_format_product_is_still(const pliant_format_product* tile)
+{
+    const unsigned char* bytes = (const unsigned char*)&tile->rest_scale; /* the last one has the sign */
+    return (bytes[0] | bytes[1] | bytes[2] | (bytes[3] & 0x7F)) == 0;
+}
+
 /* Rows of the right factor of a tile of BASF, padded; 0 for a still one. */
 static inline uint32_t pliant_format_product_rows(const pliant_format_product* tile)
 {
     const uint32_t rows = PLIANT_FORMAT_AFFINE_ROWS + tile->column_count;
-    if (tile->rest_scale == 0.0f) return 0;
+    if (pliant_format_product_is_still(tile)) return 0;
     return (rows + PLIANT_FORMAT_ROW_GROUP - 1) / PLIANT_FORMAT_ROW_GROUP * PLIANT_FORMAT_ROW_GROUP;
 }
 
@@ -346,7 +354,7 @@ static inline uint32_t pliant_format_product_fields(const pliant_format_product*
 
 static inline uint32_t pliant_format_product_left(const pliant_format_product* tile)
 {
-    const uint32_t rest = tile->rest_scale == 0.0f ? PLIANT_FORMAT_TILE_FLOATS : PLIANT_FORMAT_TILE_FLOATS / 2;
+    const uint32_t rest = pliant_format_product_is_still(tile) ? PLIANT_FORMAT_TILE_FLOATS : PLIANT_FORMAT_TILE_FLOATS / 2;
     return 2u * tile->column_count + pliant_format_product_parts(tile) * rest;
 }
 

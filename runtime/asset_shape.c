@@ -121,7 +121,7 @@ static int is_product(const pliant_format_product* tile, uint32_t dimension)
 {
     return tile->vertex_count >= 1 && tile->vertex_count <= PLIANT_FORMAT_COMPACT_VERTICES
         && tile->column_count <= PLIANT_FORMAT_MAX_PRODUCT_COLUMNS && tile->column_count <= dimension
-        && (tile->rest_scale != 0.0f || tile->column_count == 0);
+        && (!pliant_format_product_is_still(tile) || tile->column_count == 0);
 }
 
 /* R21, R22: the data of a block's tiles is where it must be, and they have each of its vertices once. */

@@ -174,8 +174,9 @@ PLIANT_API pliant_result pliant_asset_open(pliant_asset* out, const void* blob, 
 PLIANT_API const char* pliant_asset_pose_name(const pliant_asset* asset, uint32_t pose);
 
 /** The reduced coordinates (dimension floats, inside the blob) that reproduce pose `pose`, or null if there is no such
-   pose. The linear blend, to show the difference, is the sum of w_k c_k over these vectors c_k, with weights w of sum 1; of
-   layers it is c_0 + the sum of v_k (c_k - c_0) over the layers k = 1 .. weight_count, with weights[k - 1] as v_k. */
+   pose. pliant_solve() with all weight on a pose ends near them: within its tolerance. The linear blend, to show the
+   difference, is the sum of w_k c_k over these vectors c_k, with weights w of sum 1; of layers it is c_0 + the sum of v_k
+   (c_k - c_0) over the layers k = 1 .. weight_count, with weights[k - 1] as v_k. */
 PLIANT_API const float* pliant_asset_pose_coordinates(const pliant_asset* asset, uint32_t pose);
 
 /** A weight of a blend. */

@@ -251,7 +251,20 @@ std::string write_certificate(const BakeReport& report, const BakeOptions& optio
     return certificate.dump(1, ' ', false, Json::error_handler_t::replace);
 }
 
-EnergyOptions read_energy_options(const std::string& certificate, const std::string& path)
+namespace {
+
+// `missing` if there is none. Throws what the readers of the certificate catch.
+double number_within(const Json& object, const char* name, double missing, const NumberRange& range)
+{
+    if (!object.contains(name)) return missing;
+    const double number = object[name].get<double>();
+    if (!(number >= range.least && number <= range.most)) throw std::out_of_range(name);
+    return number;
+}
+
+} // namespace
+
+EnergyOptions read_energy_options(const std::string& certificate, bool has_layers, const std::string& path)
 {
     EnergyOptions options;
     try {
@@ -261,15 +274,18 @@ EnergyOptions read_energy_options(const std::string& certificate, const std::str
             = parse_name(energy.at("material").get<std::string>(),
                          { Material::discrete_shells, Material::arap, Material::stvk, Material::mooney_rivlin });
         options.blend = parse_name(energy.value("blend", "average"), { Blend::average, Blend::layers });
-        options.poisson = energy.value("poisson", -1.0);
-        options.weld_tolerance = energy.value("weld", 0.0); // nothing was welded
+        if ((options.blend == Blend::layers) != has_layers) throw std::invalid_argument("blend");
+        options.poisson = number_within(energy, "poisson", -1.0, poisson_range);
+        options.weld_tolerance = number_within(energy, "weld", 0.0, weld_range); // none: nothing was welded
         options.fixed_vertices = energy.value("fixed_vertices", std::vector<std::uint32_t>());
         options.keep_placement = !energy.at("aligned").get<bool>();
         if (options.material == Material::discrete_shells) {
-            options.shell.membrane = parse_name(energy.at("membrane").get<std::string>(),
-                                                { Membrane::neo_hookean, Membrane::stvk, Membrane::edge });
-            options.shell.thickness = energy.at("thickness").get<double>();
-            options.shell.foldover_damping = energy.value("foldover_damping", options.shell.foldover_damping);
+            ShellOptions& shell = options.shell;
+            shell.membrane = parse_name(energy.at("membrane").get<std::string>(),
+                                        { Membrane::neo_hookean, Membrane::stvk, Membrane::edge });
+            shell.thickness = number_within(energy, "thickness", shell.thickness, thickness_range);
+            shell.foldover_damping
+                = number_within(energy, "foldover_damping", shell.foldover_damping, foldover_damping_range);
             options.continuity = parse_name(energy.value("continuity", "off"),
                                             { Continuity::automatic, Continuity::off }); // older certificates do not say
         }

@@ -16,8 +16,8 @@ std::string write_certificate(const BakeReport& report, const BakeOptions& optio
                               const std::vector<std::string>& pose_names);
 
 // Reads back the options that define the energy, so that a measurement uses the one that was baked. Throws Failure
-// (bad_input, P5103) naming `path` if the text is not a certificate of ours.
-EnergyOptions read_energy_options(const std::string& certificate, const std::string& path);
+// (bad_input, P5103) naming `path` if the text is not a certificate of ours, or not of an asset that has layers or has none.
+EnergyOptions read_energy_options(const std::string& certificate, bool has_layers, const std::string& path);
 
 // The pose from which the average of all poses is reached, so that a measurement takes the same branch; empty if it does not
 // say. Throws Failure (bad_input, P5103) naming `path` if there is no such pose.

@@ -22,6 +22,13 @@ enum class Continuity { automatic, off };
 enum class SubspaceKind { adaptive, krylov, barbic };
 enum class SurrogateKind { automatic, quartic, cubature, ghost };
 
+// The numbers that a command line, a configuration and a certificate may hold.
+struct NumberRange {
+    double least, most;
+};
+constexpr NumberRange poisson_range { 0, 0.499 }, thickness_range { 1e-6, 1 }, foldover_damping_range { 0, 1 },
+    weld_range { 0, 1e-3 };
+
 // What an elastic energy is made of: shared by all verbs that need one.
 struct EnergyOptions {
     std::optional<Blend> blend;       // none: what the poses are

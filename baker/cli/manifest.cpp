@@ -111,7 +111,7 @@ BatchJob read_entry(const Json& entry, const Json& defaults, const std::string& 
     job.options = stamped_options(effective_config(bake.app), job.output);
     for (const char* key : { "report", "depfile" })
         if (config.contains(key)) job.extras.push_back(config[key].get<std::string>());
-    for (const Json& pose : config["poses"]) job.inputs.push_back(split_pose_argument(pose.get<std::string>()).path);
+    job.inputs = input_files(config["poses"].get<std::vector<std::string>>(), {});
     for (const char* key : { "fix", "surface" })
         if (config.contains(key)) job.inputs.push_back(config[key].get<std::string>());
     if (entry.contains("config")) job.inputs.push_back(in_folder(folder, entry["config"].get<std::string>()));
@@ -134,7 +134,7 @@ void check_names(const std::vector<BatchJob>& jobs, const std::string& path)
 }
 
 // No two files that bakes write may be one, nor the manifest, nor what a bake reads.
-void check_outputs(const std::vector<BatchJob>& jobs, const std::string& manifest)
+void check_outputs(const std::vector<BatchJob>& jobs, const std::string& manifest, const std::string& summary)
 {
     std::map<fs::path, std::string> owners;
     const auto place_of = [](const std::string& file) {
@@ -148,6 +148,7 @@ void check_outputs(const std::vector<BatchJob>& jobs, const std::string& manifes
                  "give each bake its own outputs");
     };
     take(manifest, "the manifest");
+    if (!summary.empty()) take(summary, "--report");
     for (std::size_t i = 0; i < jobs.size(); ++i) {
         const std::string owner = fmt::format("bakes[{}]", i);
         take(jobs[i].output, owner);
@@ -163,7 +164,7 @@ void check_outputs(const std::vector<BatchJob>& jobs, const std::string& manifes
 
 } // namespace
 
-std::vector<BatchJob> read_manifest(const std::string& path, unsigned threads)
+std::vector<BatchJob> read_manifest(const std::string& path, unsigned threads, const std::string& summary)
 {
     const Json manifest = read_json_file(path);
     const std::vector<std::string> keys = { "defaults", "bakes" };
@@ -181,7 +182,7 @@ std::vector<BatchJob> read_manifest(const std::string& path, unsigned threads)
     for (const Json& entry : manifest["bakes"])
         jobs.push_back(read_entry(entry, defaults, fmt::format("{}: bakes[{}]", path, jobs.size()), folder, threads));
     check_names(jobs, path);
-    check_outputs(jobs, path);
+    check_outputs(jobs, path, summary);
     return jobs;
 }
 

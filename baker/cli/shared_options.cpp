@@ -59,7 +59,7 @@ void add_material(CLI::App& verb, EnergyOptions& options)
             "--poisson", options.poisson,
             "Poisson's ratio of a solid (default: 0.4 for stvk, 0.45 for mooney-rivlin; above 0.45 tetrahedra lock). "
             "The materials of a .veg file take precedence")
-        ->check(number_in(0.0, 0.499));
+        ->check(number_in(poisson_range.least, poisson_range.most));
 }
 
 void add_shell_options(CLI::App& verb, EnergyOptions& options)
@@ -70,12 +70,12 @@ void add_shell_options(CLI::App& verb, EnergyOptions& options)
                     "Thickness of thin shells relative to the square root of the surface area; a thicker shell bends less "
                     "sharply")
         ->capture_default_str()
-        ->check(number_in(1e-6, 1.0));
+        ->check(number_in(thickness_range.least, thickness_range.most));
     verb.add_option("--foldover-damping", options.shell.foldover_damping,
                     "Factor on the bending energy of hinges that are folded over in some pose; 1 = off. Applies with "
                     "--continuity off")
         ->capture_default_str()
-        ->check(number_in(0.0, 1.0));
+        ->check(number_in(foldover_damping_range.least, foldover_damping_range.most));
 }
 
 // The files that a glTF file refers to are inputs, too. One that cannot be read is reported where it is loaded.
@@ -124,7 +124,7 @@ void add_energy_options(CLI::App& verb, EnergyOptions& options)
             "--weld", options.weld_tolerance,
             "Weld surface vertices that are closer than this in all poses, as a fraction of the bounding-box diagonal, so "
             "that seams in a file are not cuts; 0 welds none")
-        ->check(number_in(0.0, 1e-3))
+        ->check(number_in(weld_range.least, weld_range.most))
         ->capture_default_str();
     verb.add_option(
             "--fix", options.fixed_path,
@@ -283,31 +283,45 @@ std::vector<double> parse_weights(const std::string& text)
     return values;
 }
 
-std::vector<std::vector<double>> read_weight_rows(const std::string& path)
+namespace {
+
+constexpr const char* path_hint
+    = "one line per frame, one weight per pose (or layer), separated by commas; # starts a comment";
+
+void use_line(const std::string& line, const std::string& where, const std::function<void(const std::vector<double>&)>& use)
+{
+    std::vector<double> weights;
+    try {
+        weights = parse_weights(line);
+    } catch (const Failure& failure) {
+        const char* semicolons = line.find(';') == std::string::npos ? "" : "write commas in place of semicolons: ";
+        throw Failure(ExitCode::bad_input,
+                      error_at(2601, where, failure.diagnostics()[0].what, fmt::format("{}{}", semicolons, path_hint)));
+    }
+    try {
+        use(weights);
+    } catch (const Failure& failure) {
+        throw Failure(ExitCode::bad_input, error_at(1222, where, failure.diagnostics()[0].what, path_hint));
+    }
+}
+
+} // namespace
+
+void read_weight_path(const std::string& path, const std::function<void(const std::vector<double>&)>& use)
 {
     DiagnosticList diagnostics;
     const auto text = read_bytes(path, diagnostics);
     if (!text) throw Failure(ExitCode::bad_input, diagnostics.diagnostics());
-    std::vector<std::vector<double>> rows;
-    std::size_t start = text->rfind("\xef\xbb\xbf", 0) == 0 ? 3 : 0; // spreadsheets begin with a byte order mark
-    for (std::size_t line = 1; start < text->size(); ++line) {
-        const std::size_t end = std::min(text->find('\n', start), text->size());
-        std::string row = text->substr(start, end - start);
-        start = end + 1;
-        if (row.find_first_not_of(" \t\r") == std::string::npos || row[0] == '#') continue;
-        try {
-            rows.push_back(parse_weights(row));
-        } catch (const Failure& failure) {
-            const std::string hint = "one line per frame, one weight per pose, separated by commas; # starts a comment";
-            throw Failure(
-                ExitCode::bad_input,
-                error_at(2601, path + ":" + std::to_string(line), failure.diagnostics()[0].what,
-                         row.find(';') == std::string::npos ? hint : "write commas in place of semicolons: " + hint));
-        }
+    const std::size_t start = text->rfind("\xef\xbb\xbf", 0) == 0 ? 3 : 0; // spreadsheets begin with a byte order mark
+    bool is_empty = true;
+    for (LineReader lines(std::string_view(*text).substr(start)); lines.next();) {
+        std::string_view rest = lines.line();
+        if (next_word(rest, '#').empty()) continue;
+        use_line(std::string(lines.line()), fmt::format("{}:{}", path, lines.number()), use);
+        is_empty = false;
     }
-    if (rows.empty())
+    if (is_empty)
         throw Failure(ExitCode::bad_input, error_at(1223, path, "holds no weights", "write one line of weights per frame"));
-    return rows;
 }
 
 void require_suffix(const std::string& option, const std::string& path, const std::string& suffix)

@@ -112,16 +112,8 @@ Weights checked_weights(const AverageArguments& a, const std::vector<double>& va
 std::vector<Weights> path_points(const AverageArguments& a, const Names& poses)
 {
     std::vector<Weights> points;
-    for (const std::vector<double>& row : read_weight_rows(a.path)) {
-        try {
-            points.push_back(checked_weights(a, row, poses));
-        } catch (const Failure& failure) {
-            throw Failure(ExitCode::bad_input,
-                          error_at(1222, a.path, fmt::format("frame {}: {}", points.size(), failure.diagnostics()[0].what),
-                                   "one line per frame, one weight per pose (or layer), separated by commas; # starts a "
-                                   "comment"));
-        }
-    }
+    read_weight_path(a.path,
+                     [&](const std::vector<double>& weights) { points.push_back(checked_weights(a, weights, poses)); });
     return points;
 }
 

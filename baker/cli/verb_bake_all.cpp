@@ -81,7 +81,7 @@ ExitCode run_bake_all(const BatchArguments& a)
     require_suffix("--report", a.report, ".json");
     const double memory = a.memory.empty() ? memory_share * available_memory() : bytes_of(a.memory);
     const auto start = std::chrono::steady_clock::now();
-    std::vector<BatchJob> jobs = read_manifest(a.manifest, threads_for_each(a.job_count));
+    std::vector<BatchJob> jobs = read_manifest(a.manifest, threads_for_each(a.job_count), a.report);
     keep_only(jobs, a.only);
     probe_outputs({ a.report }, { a.manifest });
     BatchOptions options;

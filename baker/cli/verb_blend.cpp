@@ -133,7 +133,12 @@ ExitCode blend_once(const BlendArguments& a, RuntimeBlender& blender, const Writ
 
 ExitCode blend_path(const BlendArguments& a, RuntimeBlender& blender, const Writing& how)
 {
-    const auto rows = read_weight_rows(a.path);
+    std::vector<std::vector<double>> rows;
+    const WeightDomain domain = blender.domain();
+    read_weight_path(a.path, [&](const std::vector<double>& weights) {
+        domain.from(weights); // throws
+        rows.push_back(weights);
+    });
     std::vector<std::string> outputs;
     for (std::size_t frame = 0; frame < rows.size(); ++frame) outputs.push_back(frame_name(a.output, frame));
     probe_outputs(outputs, { a.asset, a.path });

@@ -28,27 +28,14 @@ double default_seconds(const WeightDomain& domain) { return std::max(6.0, domain
 
 constexpr double default_error = 1e-4; // of --meshopt: far below what is seen, and 16 bits are enough
 
-// A line of the path as weights; what is wrong with it is the file's fault.
-std::vector<float> weights_of(const std::vector<double>& row, std::size_t frame, const WeightDomain& domain,
-                              const std::string& path)
-{
-    try {
-        const Weights weights = domain.is_box() ? layer_weights(row, domain.size()) : normalized_weights(row, domain.size());
-        const Eigen::VectorXf floats = weights.cast<float>();
-        return std::vector<float>(floats.data(), floats.data() + floats.size());
-    } catch (const Failure& failure) {
-        const Diagnostic& diagnostic = failure.diagnostics()[0];
-        throw Failure(ExitCode::bad_input,
-                      error_at(5204, path, fmt::format("frame {}: {}", frame, diagnostic.what), diagnostic.hint));
-    }
-}
-
 std::vector<std::vector<float>> path_of(const ExportArguments& a, const WeightDomain& domain)
 {
     if (a.path.empty()) return default_path(domain, default_seconds(domain), a.frames_per_second);
     std::vector<std::vector<float>> path;
-    for (const std::vector<double>& row : read_weight_rows(a.path))
-        path.push_back(weights_of(row, path.size(), domain, a.path));
+    read_weight_path(a.path, [&](const std::vector<double>& weights) {
+        const Eigen::VectorXf floats = domain.from(weights).cast<float>();
+        path.emplace_back(floats.data(), floats.data() + floats.size());
+    });
     return path;
 }
 

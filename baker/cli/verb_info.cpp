@@ -159,7 +159,8 @@ void print_file(const Json& info)
     for (const Json& chunk : info["chunks"])
         print_to(stdout, "  {}  {:>12} bytes at {}\n", chunk["tag"].get<std::string>(), chunk["size"].dump(),
                  chunk["offset"].dump());
-    print_to(stdout, "certificate: {}\n", info["certificate"].dump(2, ' ', false, Json::error_handler_t::replace));
+    // A stranger's text: as ASCII it has no characters that terminals obey.
+    print_to(stdout, "certificate: {}\n", info["certificate"].dump(2, ' ', true, Json::error_handler_t::replace));
 }
 
 // The names of the poses; of layers with their ranges and errors.
@@ -196,7 +197,7 @@ void print_info(const std::string& path, const Json& info, bool is_verbose)
 void print_values(const std::vector<Json>& values)
 {
     const Json json = values.size() == 1 ? values[0] : Json(values);
-    print_to(stdout, "{}\n", json.dump(1, ' ', false, Json::error_handler_t::replace));
+    print_to(stdout, "{}\n", json.dump(1, ' ', true, Json::error_handler_t::replace));
 }
 
 ExitCode run_info(const InfoArguments& a)

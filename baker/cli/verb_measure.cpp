@@ -106,7 +106,7 @@ std::optional<RenderMesh> load_drawn(const MeasureArguments& a, const std::strin
 ExitCode run_measure(const MeasureArguments& a)
 {
     RuntimeBlender blender = RuntimeBlender::from_file(a.asset);
-    EnergyOptions options = read_energy_options(blender.certificate(), a.asset);
+    EnergyOptions options = read_energy_options(blender.certificate(), blender.asset().has_layers, a.asset);
     options.solver = a.solver;
     ConsoleProgress progress("measure", a.talk);
     const PoseSet poses = load_with_warnings("measure", a.poses, options);

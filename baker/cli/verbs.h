@@ -58,9 +58,9 @@ std::vector<std::string> input_files(const std::vector<std::string>& poses, cons
 // "1,0.5,2" as numbers. Throws Failure (usage, P1201) quoting what is not one.
 std::vector<double> parse_weights(const std::string& text);
 
-// A file with weights, a line a frame. Throws Failure (bad_input): P2001, P2601 naming the line that is not one, P1223 if
-// there is none.
-std::vector<std::vector<double>> read_weight_rows(const std::string& path);
+// Calls use(weights) for each line of a file, one a frame. Throws Failure (bad_input): P2001, P2601 naming the line that is
+// not one, P1222 naming the line for which `use` throws Failure, P1223 if there is none.
+void read_weight_path(const std::string& path, const std::function<void(const std::vector<double>&)>& use);
 
 // Nothing is written under a name that promises another format. Throws Failure (usage, P1230) naming the option if `path`
 // has a suffix and it is not this one, in any case, or is "-".

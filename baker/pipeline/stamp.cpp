@@ -18,13 +18,20 @@ namespace fs = std::filesystem;
 
 constexpr int stamp_version = 1;
 
-// Links are followed first, else ".." behind one would lead elsewhere; unless the file system fails.
+// Where a file is, by its name: links stay, since what they lead to may become another file. Those before ".." are followed,
+// else it would lead elsewhere; unless the file system fails.
 fs::path place_of(const std::string& file)
 {
-    std::error_code error;
-    const fs::path place = fs::weakly_canonical(fs::absolute(file), error);
-    if (error == std::errc::not_enough_memory) throw std::bad_alloc();
-    return error ? fs::absolute(file).lexically_normal() : place;
+    fs::path place;
+    for (const fs::path& part : fs::absolute(file)) {
+        place /= part;
+        if (part != "..") continue;
+        std::error_code error;
+        const fs::path followed = fs::weakly_canonical(place, error);
+        if (error == std::errc::not_enough_memory) throw std::bad_alloc();
+        if (!error) place = followed;
+    }
+    return place.lexically_normal();
 }
 
 fs::path folder_of(const std::string& file) { return place_of(file).parent_path(); }
@@ -67,7 +74,7 @@ std::string changed_input(const Json& inputs, const fs::path& folder)
     for (const Json& input : inputs) {
         const std::string path = input.at("path").get<std::string>();
         const std::string wanted = input.at("sha256").is_null() ? "" : input.at("sha256").get<std::string>();
-        if (digest_of((folder / path).string()) != wanted) return fs::path(path).filename().string();
+        if (digest_of((folder / path).lexically_normal().string()) != wanted) return fs::path(path).filename().string();
     }
     return {};
 }

@@ -113,7 +113,7 @@ static const char direct_source[] =
     "  highp uint start = pliant_word(at), end = tile + 1u < pliant_compact.w ? pliant_word(at + 6u) : pliant_compact.z;\n"
     "  highp uint data = pliant_compact.y + start + 8u * parts, rows = (count + 19u) & ~7u;\n"
     "  highp float scale = uintBitsToFloat(pliant_word(at + 5u));\n"
-    "  if (scale == 0.0)\n"
+    "  if ((pliant_word(at + 5u) & 0x7FFFFFFFu) == 0u)\n" /* as pliant_format_product_is_still() */
     "    return uintBitsToFloat(\n"
     "      uvec3(pliant_word(data + lane), pliant_word(data + lane + 16u), pliant_word(data + lane + 32u)));\n"
     "  highp uint field = data + rows + (rows >> 1) * pliant_columns.y, numbers = field + 2u * count;\n"

@@ -31,6 +31,7 @@ WEIGHTS = {
     "weights_file_damaged": "1,1\n1,x\n",
     "weights_with_semicolons": "1;1\n",
     "weights_of_spreadsheet": "\ufeff1,1\n1,x\n",
+    "blend_path_negative": "1,1\r # 1\r-1,1\r",
     "average_two_kinds": "1,1\n",
     "average_path_of_other_poses": "1,1\n1,2,3\n",
     "average_path_empty": "# nothing\n\n",

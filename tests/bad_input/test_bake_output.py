@@ -110,6 +110,12 @@ def change_number(blob, wanted, place, value):
     raise AssertionError(f"no chunk {wanted}")
 
 
+def change_text(blob, said, other):
+    """The asset with its only text of a pattern changed to another, which is not longer."""
+    (found,) = re.findall(said, blob)
+    return with_checksums(blob.replace(found, other.ljust(len(found))))
+
+
 def change_first_answer(blob):
     """Only solving finds out."""
     return change_number(blob, b"ANSW", 64 + 4 * struct.unpack_from("<I", blob, 44)[0], 1e3)
@@ -137,6 +143,11 @@ def test_wrong_partners(folder, poses):
     swapped = run("measure", asset, *reversed(poses), "--samples", "1")
     check(swapped.returncode == 3 and "error P5104" in swapped.stderr,
           f"measured with poses in another order: {swapped.stderr}")
+    for said, other in ((rb'"continuity": "auto"', b'"blend": "layers"'), (rb'"thickness": 0.00\d', b'"thickness": 1e9'),
+                        (rb'"thickness": 0.00\d', b'"thickness": -1')):
+        changed.write_bytes(change_text(asset.read_bytes(), said, other))
+        damaged = run("measure", changed, *poses, "--samples", "1")
+        check(damaged.returncode == 3 and "error P5103" in damaged.stderr, f"measured with {other}: {damaged.stderr}")
     changed.write_bytes(change_first_answer(asset.read_bytes()))
     unreproduced = run("validate", changed)
     check(unreproduced.returncode == 3 and "error P5105" in unreproduced.stderr,

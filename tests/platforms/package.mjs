@@ -93,7 +93,9 @@ function checkErrors() {
   refuses(() => asset.poseCoordinates(-1), 10, "there is no pose -1");
   assert.deepEqual(Float32Array.from(character.positions), before);
   assert.throws(() => pliant.open("a name"), TypeError);
-  for (const weights of [5, null, "abc"]) assert.throws(() => character.solve(weights), TypeError);
+  const fickle = Object.assign([0, 0, 0], { *[Symbol.iterator]() { yield 1; } });
+  refuses(() => character.solve(fickle), 10, "1 weights given, the asset has 3");
+  for (const weights of [5, null, "abc", new Map([["pose 1", 1]])]) assert.throws(() => character.solve(weights), TypeError);
   refuses(() => pliant.open(new ArrayBuffer(0)), 20, "");
   const lookalike = { parts: asset.parts, weights: asset.weights, dimension: 1, vertexCount: 1, surfaceVertexCount: 1 };
   assert.throws(() => new character.constructor(lookalike), TypeError);
@@ -109,6 +111,19 @@ function checkErrors() {
   other.dispose();
   refuses(() => left.solve([1, 1]), 10, "used after dispose()");
   left.dispose();
+}
+
+// glTF promises the file's parts multiples of 4 only.
+function checkEmbedded() {
+  const asset = bytesOf("strip_neo");
+  for (let pad = 0; pad < 4; ++pad) {
+    const json = "{}".padEnd(64 + 4 * pad), glb = Buffer.alloc(28 + json.length + asset.length);
+    [0x46546c67, 2, glb.length, json.length, 0x4e4f534a].forEach((word, i) => glb.writeUInt32LE(word, 4 * i));
+    glb.write(json, 20);
+    [asset.length, 0x004e4942].forEach((word, i) => glb.writeUInt32LE(word, 20 + json.length + 4 * i));
+    asset.copy(glb, 28 + json.length);
+    assert.equal(pliant.open(glb).poseCount, pliant.open(asset).poseCount);
+  }
 }
 
 function checkMuseum() {
@@ -140,5 +155,6 @@ function checkMemory() {
 
 [assets, golden].forEach(printFolder);
 checkErrors();
+checkEmbedded();
 checkMuseum();
 checkMemory();

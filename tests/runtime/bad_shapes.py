@@ -117,6 +117,7 @@ def bad_factors(factored):
     yield "R21_first_offset", LAYOUT, tile(0, 0, "I", 1)
     yield "R21_still_with_columns", LAYOUT, tile(still, 6, "H", 1)
     yield "R21_not_still", LAYOUT, tile(still, 20, "f", 1.0)
+    yield "R21_not_still_by_a_denormal", LAYOUT, tile(still, 20, "f", 1e-40)
     yield "R21_still", LAYOUT, put(tiles_at + 6, "Hffff", 0, 0, 0, 0, 0)
     yield "R21_width", LAYOUT, put(fields_at + 6, "H", 25)
     yield "R21_width_of_all_bits", LAYOUT, put(fields_at + 6, "H", 0xFFFF)

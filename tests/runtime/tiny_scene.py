@@ -31,6 +31,13 @@ class Builder:
         self.json = {"asset": {"version": "2.0"}, "bufferViews": [], "accessors": []}
         self.binary = b""
 
+    @classmethod
+    def of(cls, glb):
+        """One that goes on with a file of bytes()."""
+        scene, text_size = cls(), struct.unpack_from("<I", glb, 12)[0]
+        scene.json, scene.binary = json.loads(glb[20:20 + text_size]), glb[28 + text_size:]
+        return scene
+
     def view(self, data):
         self.binary += b"\0" * (-len(self.binary) % 4)
         self.json["bufferViews"].append({"buffer": 0, "byteOffset": len(self.binary), "byteLength": len(data)})

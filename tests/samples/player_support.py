@@ -13,7 +13,7 @@ import numpy as np  # noqa: E402
 from PIL import Image, features  # noqa: E402
 
 ROOT = Path(__file__).resolve().parents[2]
-sys.path[:0] = [str(ROOT / "formats" / "reference"), str(ROOT / "tests")]
+sys.path[:0] = [str(ROOT / "formats" / "reference"), str(ROOT / "tests"), str(ROOT / "tests" / "runtime")]
 from asset_checksums import with_checksums  # noqa: E402,F401: for the tests of the player
 PLAYER = str(Path(sys.argv[2]).resolve())
 # Graphics drivers leak a little, which sanitizer builds would report as ours. What does not draw is still watched.
@@ -80,7 +80,6 @@ def read_picture(path):
 
 def make_named(folder, *names):
     """An asset whose poses have these names."""
-    sys.path.insert(0, str(ROOT / "tests" / "runtime"))
     import tiny_asset
     original = tiny_asset.chunks_of
 

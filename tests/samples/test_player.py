@@ -7,11 +7,13 @@ Assets come from tests/runtime/tiny_asset.py: small, but solved by the real runt
 import json
 import os
 import re
+import resource
 import shutil
 import struct
 import subprocess
 import sys
 import tempfile
+import zlib
 from pathlib import Path
 
 from PIL import Image
@@ -20,6 +22,8 @@ from player_support import (PLAYER, ROOT, hot, make_asset, make_truth, picture, 
                             thirds, use_window, warm, with_checksums, write_path)
 
 import numpy as np  # after player_support, which chooses its threads
+import tiny_scene
+from asset_draft import Draft
 
 
 def cool(image):
@@ -310,7 +314,7 @@ def case_materials(folder):
 
     blob = asset.read_bytes()
     at = blob.index(b"IHDR")
-    for damaged, what in ((blob[:at + 4] + struct.pack(">II", 16384, 16384) + blob[at + 12:], "more pixels"),
+    for damaged, what in ((blob[:at + 4] + struct.pack(">II", 16384, 16384) + blob[at + 12:], "larger"),
                           (shared_triangles(blob), "share their triangles")):
         asset.write_bytes(with_checksums(damaged))
         line = refused(asset, "--screenshot", folder / "x.png", "--size", "64x64", code=3, number=5912)
@@ -327,11 +331,40 @@ def case_materials(folder):
     run(asset, "--screenshot", folder / "x.png", "--size", "64x64", "--plain")
 
 
+def with_bombs(blob, count):
+    """The asset with so many images that share their bytes: one pixel each, whose data unpack to 100 MiB."""
+    bomb = tiny_scene.png(np.zeros((5120, 5120, 4), "u1"))
+    at = bomb.index(b"IHDR") + 4
+    size = struct.pack(">II", 1, 1)
+    bomb = bomb[:at] + size + bomb[at + 8:at + 13] + struct.pack(">I", zlib.crc32(b"IHDR" + size + bomb[at + 8:at + 13])) \
+        + bomb[at + 17:]
+    draft = Draft(blob)
+    scene = tiny_scene.Builder.of(bytes(draft.data[b"GLTF"]))
+    view = scene.json["bufferViews"][scene.view(bomb)]
+    first = len(scene.json["bufferViews"])
+    scene.json["bufferViews"] += [view] * count
+    scene.json["images"] = [{"bufferView": first + i} for i in range(count)]
+    draft.data[b"GLTF"] = bytearray(scene.bytes())
+    return draft.join()
+
+
+def case_image_bombs(folder):
+    """An image is unpacked as far as its pixels need, and all of them together are not larger than the file allows."""
+    asset = make_asset(folder, "--scene")
+    blob = asset.read_bytes()
+    asset.write_bytes(with_bombs(blob, 500))
+    before = resource.getrusage(resource.RUSAGE_CHILDREN).ru_utime
+    picture(asset, folder)
+    seconds = resource.getrusage(resource.RUSAGE_CHILDREN).ru_utime - before
+    assert seconds < 10, f"{seconds:.1f} s for 500 images of 100 MiB"
+    asset.write_bytes(with_bombs(blob, 4000))
+    line = refused(asset, "--screenshot", folder / "x.png", "--size", "64x64", code=3, number=5912)
+    assert "larger" in line, line
+
+
 def case_texture_transform(folder):
     """KHR_texture_transform is as if the texture coordinates were others, and repeats beyond the texture's edge."""
-    sys.path.insert(0, str(ROOT / "tests" / "runtime"))
     import tiny_asset
-    import tiny_scene
     original = tiny_scene.scene_chunk
 
     def drawn(**scene):

@@ -11,14 +11,12 @@ from pathlib import Path
 
 from PIL import Image
 
-from player_support import ROOT, picture, read_picture, refused, run, skip, use_window, with_checksums, write_path
+from player_support import picture, read_picture, refused, run, skip, use_window, with_checksums, write_path
 
 import numpy as np  # after player_support, which chooses its threads
-
-sys.path.insert(0, str(ROOT / "tests" / "runtime"))
-import tiny_asset  # noqa: E402
-import tiny_mesh  # noqa: E402
-import tiny_scene  # noqa: E402
+import tiny_asset
+import tiny_mesh
+import tiny_scene
 
 # Mesa can be told to offer less than it has: no compute shaders, or compute shaders without their language.
 FEEDBACK = {"MESA_GL_VERSION_OVERRIDE": "3.3"}

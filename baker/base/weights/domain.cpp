@@ -19,6 +19,11 @@ std::vector<float> to_floats(const Weights& w)
 
 } // namespace
 
+Weights WeightDomain::from(const std::vector<double>& values) const
+{
+    return is_box() ? layer_weights(values, size_) : normalized_weights(values, size_);
+}
+
 Weights WeightDomain::centre() const
 {
     return is_box() ? Weights(Weights::Zero(Eigen::Index(size_))) : equal_weights(size_);

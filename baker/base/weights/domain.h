@@ -34,6 +34,9 @@ public:
     bool is_wide() const { return is_box() || size_ > few_poses; }
     const std::vector<WeightRange>& ranges() const { return ranges_; }
 
+    // Weights that somebody gave: of averages divided by their sum. Throws as normalized_weights() and layer_weights().
+    Weights from(const std::vector<double>& values) const;
+
     // Equal weights, or no layer.
     Weights centre() const;
 

@@ -174,7 +174,8 @@ std::string GltfDocument::path_beside(const GltfValue& uri_value, const std::str
             2309, fmt::format("{} leads out of the folder of this one", excerpt(uri)),
             "only files in the folder of the .gltf or below it are opened: put the file there, or pack everything into "
             "one .glb");
-    return place.string();
+    // Not where a link leads: that may change, and whoever builds again has to notice.
+    return (folder / std::filesystem::path(*name).lexically_normal()).string();
 }
 
 std::string GltfDocument::read_beside(const GltfValue& uri_value, const std::string& uri, const std::string& path) const

@@ -293,9 +293,10 @@ private:
     // Null if the file is no good; it is told about once.
     GltfFile* open(const std::string& path)
     {
-        const auto known = files_.find(path);
+        const std::string place = std::filesystem::absolute(path).lexically_normal().string(); // ./a.glb is a.glb
+        const auto known = files_.find(place);
         if (known != files_.end()) return known->second.get();
-        std::unique_ptr<GltfFile>& file = files_[path];
+        std::unique_ptr<GltfFile>& file = files_[place];
         guard(path, [&] {
             std::vector<Diagnostic> warnings;
             file = std::make_unique<GltfFile>(read_scene(std::make_shared<const GltfDocument>(path), warnings));
@@ -408,9 +409,8 @@ PoseSources read_pose_sources(const std::vector<std::string>& arguments, std::op
     out.blend = blend.value_or(has_targets ? Blend::layers : Blend::average);
     if (out.count < 2) check_lone_pose(sources, reader, diagnostics);
     if (diagnostics.has_errors() && out.count < 2) return out;
-    out.share_frame = std::all_of(sources.begin(), sources.end(), [&](const Source& source) {
-        return source.file && source.argument.path == sources[0].argument.path;
-    });
+    out.share_frame = std::all_of(sources.begin(), sources.end(),
+                                  [&](const Source& source) { return source.file && source.file == sources[0].file; });
     check_pose_limit(sources, out.count, pose_limit(out.blend));
     for (const Source& source : sources) {
         reader.read(source, out.meshes);

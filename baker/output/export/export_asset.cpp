@@ -67,18 +67,33 @@ Json add_still_mesh(Glb& glb, const DrawnSpace& space, const RenderScene& scene,
     return { { "primitives", add_primitives(glb, scene, stored_rest(space, options, report, grid), {}) } };
 }
 
+[[noreturn]] void refuse_size(const std::string& path, const std::string& what, std::uint64_t limit, const std::string& hint)
+{
+    throw Failure(
+        ExitCode::bad_input,
+        error_at(5102, path, fmt::format("not a usable asset: {}, the limit for its size is {}", what, limit), hint));
+}
+
 // Each part has its own targets, and a hostile asset can have a part for each vertex.
-void require_few_parts(const pliant_asset& asset, const RenderScene& scene, const std::string& path)
+void require_few_targets(const pliant_asset& asset, const RenderScene& scene, const std::string& path)
 {
     const std::uint64_t limit = 32768 + asset.blob_size / 32, count = std::uint64_t(scene.parts.size()) * asset.dimension;
     if (count > limit)
-        throw Failure(
-            ExitCode::bad_input,
-            error_at(5102, path,
-                     fmt::format("not a usable asset: its {} parts in {} dimensions are {} targets, the limit for its "
-                                 "size is {}",
-                                 scene.parts.size(), asset.dimension, count, limit),
-                     "bake it again with fewer materials and meshes, or with --no-scene"));
+        refuse_size(path,
+                    fmt::format("its {} parts in {} dimensions are {} targets", scene.parts.size(), asset.dimension, count),
+                    limit, "bake it again with fewer materials and meshes, or with --no-scene");
+}
+
+// An honest basis has half a byte for each number of a column, and little for vertices that are still.
+void require_few_numbers(const pliant_asset& asset, const std::string& path)
+{
+    const std::uint64_t limit = 16000000 + 16 * asset.blob_size,
+                        count = std::uint64_t(3) * asset.boundary_vertex_count * asset.dimension;
+    if (count > limit)
+        refuse_size(path,
+                    fmt::format("the columns of its {} vertices in {} dimensions are {} numbers",
+                                asset.boundary_vertex_count, asset.dimension, count),
+                    limit, "bake it again with a smaller --dim");
 }
 
 } // namespace
@@ -154,9 +169,10 @@ std::vector<std::vector<float>> default_path(const WeightDomain& domain, double 
 ExportedFile export_asset(RuntimeBlender& blender, const ExportOptions& options)
 {
     const pliant_asset& asset = blender.asset();
+    require_few_numbers(asset, options.source);
     const DrawnSpace space = drawn_space(blender, options.source);
     const RenderScene scene = exported_scene(blender, space, options.source);
-    require_few_parts(asset, scene, options.source);
+    require_few_targets(asset, scene, options.source);
     ExportedFile file;
     ExportReport& report = file.report;
     report.vertex_count = space.vertex_count();

@@ -17,11 +17,8 @@ Json poses_json(const RuntimeBlender& blender, const MorphMesh& morph)
 {
     const pliant_asset& asset = blender.asset();
     Json poses = Json::array();
-    for (std::uint32_t k = 0; k < asset.pose_count; ++k) {
-        const Eigen::VectorXf q
-            = Eigen::Map<const Eigen::VectorXf>(pliant_asset_pose_coordinates(&asset, k), asset.dimension);
-        poses.push_back({ { "name", blender.pose_name(k) }, { "weights", to_json(morph.weights(q)) } });
-    }
+    for (std::uint32_t k = 0; k < asset.pose_count; ++k)
+        poses.push_back({ { "name", blender.pose_name(k) }, { "weights", to_float_list(morph.poses.col(k)) } });
     return poses;
 }
 
@@ -108,15 +105,12 @@ Json primitives_of(Glb& glb, const RenderScene& scene, const Mesh& mesh, const E
     return primitives;
 }
 
-void animate_weights(Glb& glb, const MorphMesh& morph, const Eigen::MatrixXf& path, double frames_per_second)
+// `frames`: weights of targets, d x frames.
+void animate_weights(Glb& glb, const Eigen::MatrixXf& frames, double frames_per_second)
 {
-    std::vector<float> weights;
-    for (Eigen::Index i = 0; i < path.cols(); ++i) {
-        const std::vector<float> frame = to_float_list(morph.weights(path.col(i)));
-        weights.insert(weights.end(), frame.begin(), frame.end());
-    }
-    const std::size_t input = add_times(glb, std::size_t(path.cols()), frames_per_second);
-    const std::size_t output = glb.add_floats(weights, 1, Glb::Target::none);
+    const std::size_t input = add_times(glb, std::size_t(frames.cols()), frames_per_second);
+    const std::size_t output
+        = glb.add_floats(std::vector<float>(frames.data(), frames.data() + frames.size()), 1, Glb::Target::none);
     glb.json()["animations"]
         = { { { "name", "path" },
               { "samplers", { { { "input", input }, { "interpolation", "LINEAR" }, { "output", output } } } },
@@ -142,8 +136,12 @@ Json add_morph_mesh(Glb& glb, RuntimeBlender& blender, const DrawnSpace& space, 
         const Eigen::VectorXd box = morph.reachable.corners();
         mesh["primitives"] = primitives_of(glb, scene, morph, box, morph.deltas.cols());
     }
-    if (!options.path.empty())
-        animate_weights(glb, morph, path_coordinates(blender, options.path), options.frames_per_second);
+    if (!options.path.empty()) {
+        Eigen::MatrixXf frames = path_coordinates(blender, options.path);
+        for (Eigen::Index i = 0; i < frames.cols(); ++i) frames.col(i) = morph.weights(frames.col(i));
+        require_usable_weights(frames, options.source);
+        animate_weights(glb, frames, options.frames_per_second);
+    }
     report.target_count = std::size_t(morph.deltas.cols());
     report.frame_count = options.path.size();
     report.diagonal = morph.reachable.diagonal();
@@ -151,7 +149,7 @@ Json add_morph_mesh(Glb& glb, RuntimeBlender& blender, const DrawnSpace& space, 
     report.table_mean = table.mean_error;
     report.table_largest = table.largest_error;
     report.centre_count = table.function.centres.size();
-    mesh["weights"] = to_json(morph.weights(space.first_pose));
+    mesh["weights"] = to_float_list(morph.poses.col(0));
     mesh["extras"] = extras_of_mesh(blender, morph, table, report);
     return mesh;
 }

@@ -6,6 +6,7 @@
 #include "pliant_format.h"
 
 #include <algorithm>
+#include <cstring>
 #include <fmt/core.h>
 
 namespace pliant {
@@ -92,8 +93,14 @@ std::size_t Glb::add_view(std::string_view bytes, Target target)
 
 std::size_t Glb::add_shared_view(std::string_view bytes)
 {
-    const std::size_t offset = std::string_view(binary_).substr(0, leading_size_).find(bytes);
-    if (offset == std::string_view::npos) return add_view(bytes);
+    // Linear in all bytes for any of them: memmem() is, and no byte is searched twice.
+    const void* found = memmem(binary_.data() + searched_size_, leading_size_ - searched_size_, bytes.data(), bytes.size());
+    if (!found) {
+        searched_size_ = leading_size_;
+        return add_view(bytes);
+    }
+    const std::size_t offset = static_cast<std::size_t>(static_cast<const char*>(found) - binary_.data());
+    searched_size_ = offset + bytes.size();
     json_["bufferViews"].push_back({ { "buffer", 0 }, { "byteOffset", offset }, { "byteLength", bytes.size() } });
     return json_["bufferViews"].size() - 1;
 }

@@ -26,7 +26,7 @@ public:
     // Appends bytes as a view and returns its index; the view starts at a multiple of 4.
     std::size_t add_view(std::string_view bytes, Target target = Target::none);
 
-    // A view of these bytes where the leading view has them, else as add_view.
+    // A view of these bytes where the leading view has them, behind those of the calls before; else as add_view.
     std::size_t add_shared_view(std::string_view bytes);
 
     // Appends vectors of `width` floats (1: SCALAR, 2: VEC2, 3: VEC3, 4: VEC4, 16: MAT4) as a view with an accessor; its
@@ -61,7 +61,8 @@ private:
 
     Json json_;
     std::string binary_;
-    std::size_t leading_size_, unpacked_size_ = 0; // of the buffer that readers unpack views into
+    std::size_t leading_size_, searched_size_ = 0; // of the leading view; what no shared view is looked for in any more
+    std::size_t unpacked_size_ = 0;                // of the buffer that readers unpack views into
     bool with_compression_;
 };
 

@@ -1,5 +1,7 @@
 #include "output/export/morph_mesh.h"
 
+#include <fmt/format.h>
+
 namespace pliant {
 
 namespace {
@@ -53,7 +55,10 @@ Box box_of_blends(const MorphMesh& mesh)
 {
     Box box;
     for (const Eigen::MatrixXf* weights : { &mesh.fitted, &mesh.judged })
-        for (Eigen::Index i = 0; i < weights->cols(); ++i) box.include(mesh.shape(weights->col(i)));
+        for_each_batch(mesh.base.size(), weights->cols(), [&](Eigen::Index first, Eigen::Index count) {
+            const Eigen::MatrixXd shapes = mesh.shapes(weights->middleCols(first, count));
+            for (Eigen::Index i = 0; i < count; ++i) box.include(shapes.col(i));
+        });
     const Eigen::Vector3d margin = Eigen::Vector3d::Constant(box_margin * box.diagonal());
     box.low -= margin;
     box.high += margin;
@@ -63,8 +68,12 @@ Box box_of_blends(const MorphMesh& mesh)
 NormalFit::Result fit_normals(const DrawnSpace& space, const MorphMesh& mesh)
 {
     NormalFit fit(space.vertex_count(), mesh.deltas.cols());
-    for (Eigen::Index i = 0; i < mesh.fitted.cols(); ++i)
-        fit.add(mesh.fitted.col(i).cast<double>(), drawn_normals(space, mesh.shape(mesh.fitted.col(i))));
+    for_each_batch(mesh.base.size(), mesh.fitted.cols(), [&](Eigen::Index first, Eigen::Index count) {
+        const Eigen::MatrixXf weights = mesh.fitted.middleCols(first, count);
+        Eigen::MatrixXd normals = mesh.shapes(weights);
+        for (Eigen::Index i = 0; i < count; ++i) normals.col(i) = drawn_normals(space, normals.col(i));
+        fit.add(weights.cast<double>(), normals);
+    });
     return fit.solve();
 }
 
@@ -75,16 +84,26 @@ template <class Numbers> bool are_drawable(const Numbers& numbers)
 }
 
 // The format allows any numbers, glTF does not.
+[[noreturn]] void refuse(const std::string& path, const char* what)
+{
+    throw Failure(
+        ExitCode::bad_input,
+        error_at(5102, path, fmt::format("not a usable asset: its {}", what), "the file is damaged: copy or bake it again"));
+}
+
 void require_drawable(bool is_drawable, const std::string& path)
 {
-    if (!is_drawable)
-        throw Failure(ExitCode::bad_input,
-                      error_at(5102, path,
-                               "not a usable asset: its shapes have coordinates that are not finite or beyond 1e18",
-                               "the file is damaged: copy or bake it again"));
+    if (!is_drawable) refuse(path, "shapes have coordinates that are not finite or beyond 1e18");
 }
 
 } // namespace
+
+void require_usable_weights(const Eigen::MatrixXf& weights, const std::string& path)
+{
+    constexpr float largest = 1e6f;                // within their ranges they are in [0, 1]
+    if (!(weights.array().abs() <= largest).all()) // nan, too
+        refuse(path, "morph ranges give weights that are not finite or beyond 1e6");
+}
 
 void Box::include(const Eigen::VectorXd& positions)
 {
@@ -127,6 +146,13 @@ Eigen::VectorXf MorphMesh::weights(const Eigen::VectorXf& q) const
     return w;
 }
 
+Eigen::MatrixXd MorphMesh::shapes(const Eigen::MatrixXf& weights) const
+{
+    Eigen::MatrixXf moved = deltas * weights;
+    moved.colwise() += base;
+    return moved.cast<double>();
+}
+
 MorphMesh make_morph_mesh(RuntimeBlender& blender, const DrawnSpace& space, bool with_normals)
 {
     MorphMesh mesh;
@@ -147,6 +173,11 @@ MorphMesh make_morph_mesh(RuntimeBlender& blender, const DrawnSpace& space, bool
     mesh.deltas = deltas.cast<float>();
     mesh.fitted = blend_weights(blender, mesh, fitted_count(d), fit_seed);
     mesh.judged = blend_weights(blender, mesh, judged_count, judge_seed);
+    mesh.poses.resize(d, asset.pose_count);
+    for (std::uint32_t k = 0; k < asset.pose_count; ++k)
+        mesh.poses.col(k) = mesh.weights(Eigen::Map<const Eigen::VectorXf>(pliant_asset_pose_coordinates(&asset, k), d));
+    for (const Eigen::MatrixXf* weights : { &mesh.fitted, &mesh.judged, &mesh.poses })
+        require_usable_weights(*weights, space.path);
     mesh.reachable = box_of_blends(mesh);
     if (!with_normals) return mesh;
     mesh.normals = fit_normals(space, mesh);
@@ -157,8 +188,12 @@ MorphMesh make_morph_mesh(RuntimeBlender& blender, const DrawnSpace& space, bool
 NormalError normal_error_of(const NormalFit::Result& normals, const MorphMesh& mesh, const DrawnSpace& space)
 {
     NormalErrorMeter meter;
-    for (Eigen::Index i = 0; i < mesh.judged.cols(); ++i)
-        meter.add(normals, mesh.judged.col(i).cast<double>(), drawn_normals(space, mesh.shape(mesh.judged.col(i))));
+    for_each_batch(mesh.base.size(), mesh.judged.cols(), [&](Eigen::Index first, Eigen::Index count) {
+        const Eigen::MatrixXf weights = mesh.judged.middleCols(first, count);
+        const Eigen::MatrixXd shapes = mesh.shapes(weights);
+        for (Eigen::Index i = 0; i < count; ++i)
+            meter.add(normals, weights.col(i).cast<double>(), drawn_normals(space, shapes.col(i)));
+    });
     return meter.error();
 }
 

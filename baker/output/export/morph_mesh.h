@@ -5,6 +5,7 @@
 #include "output/export/normals.h"
 
 #include <Eigen/Core>
+#include <algorithm>
 #include <cstdint>
 #include <string>
 #include <vector>
@@ -46,13 +47,27 @@ struct MorphMesh {
     Eigen::VectorXf base;           // 3n: the shape of weights 0
     Eigen::MatrixXf deltas;         // 3n x d
     Eigen::MatrixXf fitted, judged; // weights of blends (d x blends): to fit to, and others that only judge
+    Eigen::MatrixXf poses;          // those of the poses
     Box reachable;                  // of all these shapes, with a margin
     NormalFit::Result normals;      // empty without normals
     NormalError normal_error;       // over the judged blends
 
     Eigen::VectorXf weights(const Eigen::VectorXf& q) const; // as pliant_morph_weights, to the bit
-    Eigen::VectorXd shape(const Eigen::VectorXf& weights) const { return (base + deltas * weights).cast<double>(); }
+    // 3n x blends, of weights (d x blends).
+    Eigen::MatrixXd shapes(const Eigen::MatrixXf& weights) const;
 };
+
+// Calls use(first, count) for all blends in turn: as many at once as matrices of `rows` rows should have, since matrix
+// products of several columns need far less of the memory's time.
+template <class Use> void for_each_batch(Eigen::Index rows, Eigen::Index blend_count, const Use& use)
+{
+    constexpr Eigen::Index most_numbers = 1 << 23, most_blends = 64;
+    const Eigen::Index batch = std::clamp<Eigen::Index>(most_numbers / rows, 1, most_blends);
+    for (Eigen::Index first = 0; first < blend_count; first += batch) use(first, std::min(batch, blend_count - first));
+}
+
+// Throws Failure (bad_input, P5102) naming `path` unless all are numbers that a glTF file can hold and an engine use.
+void require_usable_weights(const Eigen::MatrixXf& weights, const std::string& path);
 
 // Fits. Cost: (8 d + 300) shapes, with their normals if these are wanted, and the solves for them.
 MorphMesh make_morph_mesh(RuntimeBlender& blender, const DrawnSpace& space, bool with_normals);

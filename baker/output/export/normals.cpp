@@ -48,13 +48,13 @@ NormalFit::NormalFit(std::size_t vertex_count, Eigen::Index target_count)
 {
 }
 
-void NormalFit::add(const Eigen::VectorXd& weights, const Eigen::VectorXd& normals)
+void NormalFit::add(const Eigen::MatrixXd& weights, const Eigen::MatrixXd& normals)
 {
-    Eigen::VectorXd features(weights.size() + 1);
-    features << 1, weights;
+    Eigen::MatrixXd features(weights.rows() + 1, weights.cols());
+    features << Eigen::RowVectorXd::Ones(weights.cols()), weights;
     gram_ += features * features.transpose();
-    moment_ += normals * features.transpose();
-    count_ += 1;
+    moment_.noalias() += normals * features.transpose();
+    count_ += double(weights.cols());
 }
 
 // Where the fitted base is too short to be scaled to unit length, the base is the direction of the mean normal and the

@@ -17,7 +17,8 @@ class NormalFit {
 public:
     NormalFit(std::size_t vertex_count, Eigen::Index target_count);
 
-    void add(const Eigen::VectorXd& weights, const Eigen::VectorXd& normals);
+    // `weights` (d x shapes) and the normals (3n x shapes) that go with them; many at once are quicker.
+    void add(const Eigen::MatrixXd& weights, const Eigen::MatrixXd& normals);
 
     struct Result {
         Eigen::VectorXd base;   // 3n, unit vectors

@@ -95,13 +95,13 @@ void judge(PoseTable& table, const MorphMesh& mesh, const Blends& fresh)
 {
     const Eigen::MatrixXd difference = differences(table.function, fresh);
     double sum = 0;
-    for (Eigen::Index i = 0; i < difference.cols(); ++i) {
-        const Eigen::VectorXf moved = mesh.deltas * difference.col(i).cast<float>();
-        const Eigen::VectorXf lengths
-            = Eigen::Map<const Eigen::Matrix3Xf>(moved.data(), 3, moved.size() / 3).colwise().norm();
-        sum += double(lengths.mean());
-        table.largest_error = std::max(table.largest_error, double(lengths.maxCoeff()));
-    }
+    for_each_batch(mesh.base.size(), difference.cols(), [&](Eigen::Index first, Eigen::Index count) {
+        const Eigen::MatrixXd moved = (mesh.deltas * difference.middleCols(first, count).cast<float>()).cast<double>();
+        const Eigen::RowVectorXd lengths
+            = Eigen::Map<const Eigen::Matrix3Xd>(moved.data(), 3, moved.size() / 3).colwise().norm();
+        sum += lengths.mean() * double(count);
+        table.largest_error = std::max(table.largest_error, lengths.maxCoeff());
+    });
     table.mean_error = sum / double(difference.cols()) / mesh.reachable.diagonal();
     table.largest_error /= mesh.reachable.diagonal();
 }

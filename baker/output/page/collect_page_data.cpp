@@ -16,7 +16,7 @@ namespace pliant {
 namespace {
 
 // What keeps a page below 2 MB, and readable.
-constexpr std::size_t pose_limit = 16, edge_limit = 8, edge_search_limit = 190, marked_limit = 8;
+constexpr std::size_t pose_limit = 16, edge_limit = 8, edge_search_limit = 190, marked_limit = 8, check_search_limit = 100;
 constexpr int pose_size = 320, centre_size = 440, edge_size = 340, marked_size = 340;
 
 using Coordinates = std::vector<float>;
@@ -72,8 +72,10 @@ Blends solve_blends(RuntimeBlender& blender, const std::vector<double>& centre, 
     out.centre_linear = linear_blend(out.poses, { shares.data(), shares.data() + shares.size() });
     out.centre_elastic = blender.solve(std::vector<float>(centre.begin(), centre.end()), false);
     if (!blender.asset().has_layers) solve_edges(blender, out);
-    for (const CheckFact& check : facts.checks)
-        out.checks.push_back(blender.solve(std::vector<float>(check.weights.begin(), check.weights.end()), false));
+    for (std::size_t i = 0; i < std::min(facts.checks.size(), check_search_limit); ++i) {
+        const std::vector<double>& weights = facts.checks[i].weights;
+        out.checks.push_back(blender.solve(std::vector<float>(weights.begin(), weights.end()), false));
+    }
     return out;
 }
 
@@ -94,7 +96,7 @@ PageBlend draw_blend(const PagePainter& painter, std::string title, const Coordi
     blend.linear = { painter.draw(a, size), "Linear", {}, {} };
     blend.elastic = { painter.draw(b, size), "Elastic", {}, {} };
     if (with_difference) blend.difference = PagePicture { painter.draw_difference(b, a, size), "Where they differ", {}, {} };
-    blend.distance = painter.farthest(a, b);
+    blend.distance = painter.farthest(a.positions, b.positions);
     return blend;
 }
 
@@ -102,7 +104,7 @@ void draw_edges(const PagePainter& painter, const Blends& blends, PageData& data
 {
     std::vector<std::pair<double, const Blends::Edge*>> order;
     for (const Blends::Edge& edge : blends.edges)
-        order.push_back({ painter.farthest(painter.shape(edge.linear), painter.shape(edge.elastic)), &edge });
+        order.push_back({ painter.farthest(painter.positions(edge.linear), painter.positions(edge.elastic)), &edge });
     std::stable_sort(order.begin(), order.end(), [](const auto& a, const auto& b) { return a.first > b.first; });
     data.edge_count = data.pose_count > 2 && data.layers.empty() ? data.pose_count * (data.pose_count - 1) / 2 : 0;
     for (std::size_t i = 0; i < std::min(order.size(), edge_limit); ++i) {

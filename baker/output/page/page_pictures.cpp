@@ -37,10 +37,10 @@ Colour heat(float part)
     return out;
 }
 
-float distance(const DrawnShape& a, const DrawnShape& b, std::size_t vertex)
+float distance(const std::vector<float>& positions, const std::vector<float>& others, std::size_t vertex)
 {
-    return (Eigen::Map<const Eigen::Vector3f>(&a.positions[3 * vertex])
-            - Eigen::Map<const Eigen::Vector3f>(&b.positions[3 * vertex]))
+    return (Eigen::Map<const Eigen::Vector3f>(&positions[3 * vertex])
+            - Eigen::Map<const Eigen::Vector3f>(&others[3 * vertex]))
         .norm();
 }
 
@@ -81,12 +81,17 @@ std::vector<float> PagePainter::normals(const std::vector<float>& positions) con
     return out;
 }
 
-DrawnShape PagePainter::shape(const std::vector<float>& q) const
+std::vector<float> PagePainter::positions(const std::vector<float>& q) const
 {
     const std::uint32_t count = blender_.asset().boundary_vertex_count;
-    DrawnShape out;
-    out.positions.resize(3 * std::size_t(count));
-    pliant_reconstruct(&blender_.asset(), q.data(), 0, count, out.positions.data(), 3 * sizeof(float));
+    std::vector<float> out(3 * std::size_t(count));
+    pliant_reconstruct(&blender_.asset(), q.data(), 0, count, out.data(), 3 * sizeof(float));
+    return out;
+}
+
+DrawnShape PagePainter::shape(const std::vector<float>& q) const
+{
+    DrawnShape out { positions(q), {} };
     out.normals = normals(out.positions);
     return out;
 }
@@ -111,10 +116,10 @@ Image PagePainter::draw(const DrawnShape& shape, int size) const { return render
 
 Image PagePainter::draw_difference(const DrawnShape& shape, const DrawnShape& other, int size) const
 {
-    const double largest = farthest(shape, other) * diagonal_;
+    const double largest = farthest(shape.positions, other.positions) * diagonal_;
     std::vector<Colour> colours;
     for (std::size_t v = 0; v < shape.positions.size() / 3; ++v)
-        colours.push_back(heat(largest > 0 ? float(distance(shape, other, v) / largest) : 0));
+        colours.push_back(heat(largest > 0 ? float(distance(shape.positions, other.positions, v) / largest) : 0));
     PictureMesh drawn = mesh(shape);
     drawn.colours = &colours;
     return render(drawn, camera(size));
@@ -173,10 +178,11 @@ PagePicture PagePainter::draw_marked(const DrawnShape& shape, const std::vector<
     return picture;
 }
 
-double PagePainter::farthest(const DrawnShape& a, const DrawnShape& b) const
+double PagePainter::farthest(const std::vector<float>& positions, const std::vector<float>& others) const
 {
     double largest = 0;
-    for (std::size_t v = 0; v < a.positions.size() / 3; ++v) largest = std::max(largest, double(distance(a, b, v)));
+    for (std::size_t v = 0; v < positions.size() / 3; ++v)
+        largest = std::max(largest, double(distance(positions, others, v)));
     return diagonal_ > 0 && std::isfinite(largest) ? largest / diagonal_ : 0;
 }
 

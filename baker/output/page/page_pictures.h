@@ -20,6 +20,7 @@ public:
     // `shown`: coordinates of shapes that all pictures must have room for.
     PagePainter(const RuntimeBlender& blender, const std::vector<std::vector<float>>& shown, const ViewOptions& view);
 
+    std::vector<float> positions(const std::vector<float>& q) const;
     DrawnShape shape(const std::vector<float>& q) const;
     // `size`: of the longer side, pixels.
     Image draw(const DrawnShape& shape, int size) const;
@@ -31,7 +32,7 @@ public:
                             const std::vector<std::uint32_t>& faces, int size) const;
 
     // Largest distance of two vertices over the diagonal of pose 0.
-    double farthest(const DrawnShape& a, const DrawnShape& b) const;
+    double farthest(const std::vector<float>& positions, const std::vector<float>& others) const;
     double diagonal() const { return diagonal_; }
 
 private:

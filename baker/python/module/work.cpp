@@ -14,6 +14,7 @@
 #include <pthread.h>
 #include <stdexcept>
 #include <thread>
+#include <unistd.h>
 #include <vector>
 
 namespace nb = nanobind;
@@ -170,9 +171,18 @@ public:
         }
     }
 
+    // Of a child that a callback has forked, which has no worker, and whose locks may be taken for ever.
+    bool is_elsewhere() const { return getpid() != process_; }
+
     // True when the work has ended; waits for that a moment.
     bool wait()
     {
+        if (is_elsewhere()) {
+            thread_.detach();
+            failure
+                = std::make_exception_ptr(std::runtime_error("the work goes on in the process that this one is forked of"));
+            return true;
+        }
         const Unlocked unlocked;
         std::unique_lock<std::mutex> lock(mutex_);
         if (!changed_.wait_for(lock, look_interval, [this] { return has_ended_; })) return false;
@@ -207,6 +217,7 @@ private:
     std::mutex mutex_;
     std::condition_variable changed_;
     bool has_ended_ = false;
+    pid_t process_ = getpid();
     std::thread thread_;
 };
 
@@ -235,7 +246,7 @@ void follow(const Listener& listener, const std::function<void(Progress&)>& work
             look(relay, listener, hold);
         } catch (...) {
             stop = std::current_exception();
-            relay.cancel();
+            if (!worker.is_elsewhere()) relay.cancel();
         }
     }
     if (stop) std::rethrow_exception(stop);

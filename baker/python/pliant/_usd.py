@@ -74,9 +74,22 @@ class _Part:
         self._rest_time = pxr.Usd.TimeCode.EarliestTime()
         self.count = len(self._points(self._rest_time))
 
+    def _numbers(self, attribute: Any, time: Any = None) -> Positions:
+        """Of an attribute, which files may give any type; none if it has no value."""
+        values = attribute.Get() if time is None else attribute.Get(time)
+        try:
+            return np.asarray([] if values is None else values, np.float64)
+        except (TypeError, ValueError):
+            raise ValueError(f"{self.where}: {attribute.GetName()} are not numbers") from None
+
+    def _vectors(self, attribute: Any, time: Any = None) -> Positions:
+        numbers = self._numbers(attribute, time)
+        if numbers.size % 3 != 0:
+            raise ValueError(f"{self.where}: {attribute.GetName()} are not vectors of three numbers")
+        return numbers.reshape(-1, 3)
+
     def _points(self, time: Any) -> Positions:
-        points = self.mesh.GetPointsAttr().Get(time)
-        return np.asarray(points if points is not None else np.zeros((0, 3)), np.float64).reshape(-1, 3)
+        return self._vectors(self.mesh.GetPointsAttr(), time)
 
     def positions(self, time: Any, offsets: Positions | None = None) -> Positions:
         """In the space of the stage; `offsets` are added before."""
@@ -106,16 +119,16 @@ class _Part:
         return out
 
     def corner_count(self) -> int:
-        return len(self.mesh.GetFaceVertexIndicesAttr().Get(self._rest_time) or [])
+        return self._numbers(self.mesh.GetFaceVertexIndicesAttr(), self._rest_time).size
 
     def faces(self) -> list[npt.NDArray[np.int64]]:
-        counts = np.asarray(self.mesh.GetFaceVertexCountsAttr().Get(self._rest_time) or [], np.int64)
-        corners = np.asarray(self.mesh.GetFaceVertexIndicesAttr().Get(self._rest_time) or [], np.int64)
-        if counts.sum() != len(corners) or (counts < 3).any():
+        counts = self._numbers(self.mesh.GetFaceVertexCountsAttr(), self._rest_time).ravel()
+        corners = self._numbers(self.mesh.GetFaceVertexIndicesAttr(), self._rest_time).ravel()
+        if counts.sum() != len(corners) or not (counts >= 3).all():
             raise ValueError(f"{self.where}: its numbers of corners do not fit its faces")
-        if ((corners < 0) | (corners >= self.count)).any():
+        if not ((corners >= 0) & (corners < self.count)).all():
             raise ValueError(f"{self.where}: a face has a corner that is not among its {self.count} points")
-        faces = np.split(corners, np.cumsum(counts)[:-1])
+        faces = np.split(corners.astype(np.int64), np.cumsum(counts.astype(np.int64))[:-1])
         is_left = self.mesh.GetOrientationAttr().Get() == self._usd.UsdGeom.Tokens.leftHanded
         return [face[::-1] if is_left else face for face in faces if len(face)]
 
@@ -123,18 +136,22 @@ class _Part:
         """The paths of the blend shapes of the mesh, by name."""
         binding = self._usd.UsdSkel.BindingAPI(self.prim)
         names = binding.GetBlendShapesAttr().Get() or []
+        if not hasattr(names, "__iter__"):
+            raise ValueError(f"{self.where}: skel:blendShapes are not names")
         return {str(name): path for name, path in zip(names, binding.GetBlendShapeTargetsRel().GetTargets())}
 
     def offsets(self, name: str, path: Any) -> Positions:
         """Of the blend shape there, as displacements of the points."""
         shape = self._usd.UsdSkel.BlendShape(self.prim.GetStage().GetPrimAtPath(path))
-        given = np.asarray(shape.GetOffsetsAttr().Get() or [], np.float64).reshape(-1, 3)
-        places = shape.GetPointIndicesAttr().Get()
-        numbers = np.arange(self.count) if places is None or not len(places) else np.asarray(places, np.int64)
-        if len(numbers) != len(given) or ((numbers < 0) | (numbers >= self.count)).any():
+        if not shape:
+            raise ValueError(f"{self.where}: blend shape '{name}' is not in the file: {path}")
+        given, places = self._vectors(shape.GetOffsetsAttr()), self._numbers(shape.GetPointIndicesAttr()).ravel()
+        if not len(places):
+            places = np.arange(self.count, dtype=np.float64)
+        if len(places) != len(given) or not ((places >= 0) & (places < self.count)).all():
             raise ValueError(f"{self.where}: blend shape '{name}' does not fit its {self.count} points")
         out = np.zeros((self.count, 3))
-        out[numbers] = given
+        out[places.astype(np.int64)] = given
         return out
 
 
@@ -184,6 +201,8 @@ class _Stage:
         for part in self._parts:
             faces += [first + face for face in part.faces()]
             first += part.count
+        if not faces:
+            raise ValueError(f"{self.path}: its meshes have no faces")
         if len({len(face) for face in faces}) > 1:
             faces = [face[[0, k, k + 1]] for face in faces for k in range(1, len(face) - 1)]
         return np.array(faces, np.int64).reshape(len(faces), -1)
@@ -274,6 +293,14 @@ def _all(stage: _Stage, has_layers: bool) -> list[tuple[str, Positions]]:
 def read_poses(path: str, is_alone: bool, blend: str | None) -> NamedPoses:
     """The poses that a path chooses. Without a choice: of a file that is alone its blend shapes as layers, or its frames; of
     one among others its rest shape."""
+    try:
+        return _read_poses(path, is_alone, blend)
+    except RuntimeError as error:  # OpenUSD's own
+        reason = (str(error).strip().splitlines() or [""])[-1].strip()
+        raise ValueError(f"{path}: OpenUSD cannot use it: {reason}") from error
+
+
+def _read_poses(path: str, is_alone: bool, blend: str | None) -> NamedPoses:
     file, has_choice, choice = path.partition("#")
     stage = _Stage(file)
     has_layers = is_alone and not has_choice and bool(stage.targets) and blend != "average"

@@ -104,7 +104,8 @@ export class PliantAsset {
       this.#view = new Block(module, exports.pliant_asset_size());
       this.#blob.bytes().set(bytes);
       const { offset, size } = assetRange(module, this.#blob);
-      require(module, exports.pliant_asset_open(this.#view.at, this.#blob.at + offset, size, VERIFY_CHECKSUMS));
+      this.#blob.bytes().copyWithin(0, offset, offset + size); // glTF aligns what it holds to 4 bytes only
+      require(module, exports.pliant_asset_open(this.#view.at, this.#blob.at, size, VERIFY_CHECKSUMS));
       this.#describe();
     } catch (error) {
       this.dispose();
@@ -157,10 +158,12 @@ export class PliantAsset {
   // Weights as numbers in order, or by name; those that are not named are 0.
   weightsFrom(weights) {
     if (Array.isArray(weights) || ArrayBuffer.isView(weights)) {
-      if (weights.length === this.weights.length) return Float32Array.from(weights);
-      throw new PliantError(`${weights.length} weights given, the asset has ${this.weights.length}`, ERROR_ARGUMENT);
+      const numbers = Float32Array.from(weights);
+      if (numbers.length === this.weights.length) return numbers;
+      throw new PliantError(`${numbers.length} weights given, the asset has ${this.weights.length}`, ERROR_ARGUMENT);
     }
-    if (typeof weights !== "object" || weights === null) throw new TypeError("weights are numbers in order, or by name");
+    if (typeof weights !== "object" || weights === null || Symbol.iterator in weights)
+      throw new TypeError("weights are numbers in order, or by name");
     const out = new Float32Array(this.weights.length);
     for (const [name, value] of Object.entries(weights)) {
       const index = this.weights.findIndex((weight) => weight.name === name);

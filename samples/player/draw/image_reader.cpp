@@ -1,11 +1,13 @@
 #include "draw/image_reader.h"
 
+#include <algorithm>
 #include <climits>
 #include <cstdlib>
 
 namespace {
 
-constexpr std::size_t allocation_limit = std::size_t(1) << 30; // the pixels of the largest image
+// Of the image that this thread reads.
+thread_local std::size_t allocation_limit = 0;
 
 void* limited_allocation(void* pointer, std::size_t size)
 {
@@ -27,7 +29,7 @@ void* limited_allocation(void* pointer, std::size_t size)
 #define STBI_ONLY_PNG
 #define STBI_ONLY_JPEG
 #define STBI_MAX_DIMENSIONS 16384 // what graphics drivers take at most
-// A file of a few kilobytes can unpack to gigabytes that no pixel needs.
+// A file of a few kilobytes can say that it has few pixels and unpack to gigabytes.
 #define STBI_MALLOC(size) limited_allocation(nullptr, size)
 #define STBI_REALLOC(pointer, size) limited_allocation(pointer, size)
 #define STBI_FREE(pointer) std::free(pointer)
@@ -37,6 +39,17 @@ void* limited_allocation(void* pointer, std::size_t size)
 #endif
 
 namespace pliant::player {
+namespace {
+
+// Of one allocation. The reader copies the file, unpacks up to 8 bytes a pixel into room that it doubles, and makes images
+// of whole blocks, up to 32 pixels wide.
+std::size_t most_memory(std::size_t file_size, std::size_t pixels_size)
+{
+    constexpr std::size_t most_of_all = std::size_t(1) << 30; // the pixels of the largest image
+    return std::min(most_of_all, 2 * file_size + 16 * pixels_size + (std::size_t(1) << 16));
+}
+
+} // namespace
 
 std::size_t pixel_size(const std::uint8_t* bytes, std::size_t size)
 {
@@ -50,6 +63,7 @@ Image read_image(const std::uint8_t* bytes, std::size_t size)
     Image image;
     if (size > INT_MAX) return image;
     int channels = 0;
+    allocation_limit = most_memory(size, pixel_size(bytes, size));
     stbi_uc* pixels
         = stbi_load_from_memory(bytes, static_cast<int>(size), &image.width, &image.height, &channels, STBI_rgb_alpha);
     if (pixels)

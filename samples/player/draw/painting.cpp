@@ -21,7 +21,7 @@ enum Setting { nearest = 9728, clamp_to_edge = 33071, mirrored_repeat = 33648 };
 constexpr std::uint64_t json_size_limit = std::uint64_t(1) << 24; // parsed it takes up to forty times as much
 constexpr std::uint64_t none_view = UINT64_MAX;
 
-// Bytes of pixels that are believed of any file, and of each of its bytes.
+// Bytes of images and of their pixels that are believed of any file, and of each of its bytes: images may share bytes.
 constexpr std::size_t free_pixel_size = std::size_t(1) << 28, pixel_size_per_byte = 64;
 
 constexpr std::uint32_t json_tag = 0x4e4f534a, binary_tag = 0x004e4942;
@@ -127,6 +127,12 @@ struct Document {
     }
 };
 
+void take(std::size_t& left, std::size_t size)
+{
+    if (size > left) refuse("its images are larger than those of a file of its size should be");
+    left -= size;
+}
+
 // Numbers of `painting.images`, one for each image of the file; images of the same bytes are one.
 std::vector<std::size_t> read_images(const Document& document, Painting& painting)
 {
@@ -139,10 +145,11 @@ std::vector<std::size_t> read_images(const Document& document, Painting& paintin
         numbers.push_back(place->second);
         if (!is_new) continue;
         const Bytes bytes = view.is_null() ? Bytes {} : document.view(place->first);
-        const std::size_t size = pixel_size(bytes.data, static_cast<std::size_t>(bytes.size));
-        if (size > left) refuse("its images have more pixels than files of their size should");
-        left -= size;
-        painting.images.push_back(size == 0 ? Image {} : read_image(bytes.data, static_cast<std::size_t>(bytes.size)));
+        const std::size_t size = static_cast<std::size_t>(bytes.size);
+        take(left, size);
+        const std::size_t pixels = pixel_size(bytes.data, size);
+        take(left, pixels);
+        painting.images.push_back(pixels == 0 ? Image {} : read_image(bytes.data, size));
     }
     return numbers;
 }

@@ -119,7 +119,7 @@ TEST_CASE("every material bakes to an asset whose blends are near the unreduced 
             const NormalizedPoses set = normalize(poses);
             CHECK(relative(blender.positions(blender.solve(w, false)), to_input_units(set, set.shapes[k])) < 1e-4);
         }
-        const EnergyOptions read = read_energy_options(blender.certificate(), variant.name);
+        const EnergyOptions read = read_energy_options(blender.certificate(), false, variant.name);
         CHECK(read.material == material_of(variant.options.energy, false));
         CHECK(read.shell.membrane == variant.options.energy.shell.membrane);
         if (read.material == Material::discrete_shells) CHECK(read.continuity == variant.options.energy.continuity);
@@ -134,7 +134,7 @@ TEST_CASE("fixed vertices of a surface are exactly still in every blend")
     Progress silent;
     const BakedAsset baked = bake(poses, BakeOptions(), silent);
     CHECK(baked.report.check.meets_tolerance);
-    CHECK(read_energy_options(baked.report.certificate, "held").fixed_vertices == poses.fixed_vertices);
+    CHECK(read_energy_options(baked.report.certificate, false, "held").fixed_vertices == poses.fixed_vertices);
     RuntimeBlender blender(baked.bytes, "held");
     const std::vector<float> rest = blender.positions(blender.solve({ 1, 0 }, false));
     for (float w : { 0.1f, 0.5f, 0.77f, 1.0f }) {

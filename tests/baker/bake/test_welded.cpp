@@ -280,8 +280,8 @@ TEST_CASE("a flat-shaded mesh bakes as the joined one does")
     }
     CHECK(drawn.certificate().find("\"welded_vertices\": 298") != std::string::npos);
     CHECK(plain.certificate().find("\"elastic\"") == std::string::npos);
-    CHECK(read_energy_options(drawn.certificate(), "split").weld_tolerance == default_weld_tolerance);
-    CHECK(read_energy_options(plain.certificate(), "joined").weld_tolerance == 0);
+    CHECK(read_energy_options(drawn.certificate(), false, "split").weld_tolerance == default_weld_tolerance);
+    CHECK(read_energy_options(plain.certificate(), false, "joined").weld_tolerance == 0);
     CHECK(!has_render_mesh(drawn.certificate()));
 }
 

@@ -7,6 +7,7 @@
 #include "reduced/surrogate/training.h"
 
 #include <Eigen/Geometry>
+#include <chrono>
 #include <doctest/doctest.h>
 
 using namespace pliant;
@@ -81,6 +82,22 @@ bool has_same_triangles(const std::vector<std::uint32_t>& a, std::vector<std::ui
 double distance(const Eigen::Matrix3Xd& a, const Eigen::Matrix3Xd& b) { return (a - b).colwise().norm().maxCoeff(); }
 
 } // namespace
+
+TEST_CASE("images that the asset has are not written once more, and are found in a time linear in its bytes")
+{
+    Glb glb("one, two");
+    const auto place_of = [&](std::string_view image) {
+        return glb.json()["bufferViews"][glb.add_shared_view(image)]["byteOffset"].get<std::size_t>();
+    };
+    CHECK(place_of("one") == 0);
+    CHECK(place_of("two") == 5);
+    CHECK(place_of("one") >= 8);      // it is not behind the last one
+    const std::size_t half = 1 << 21; // bytes that all but match everywhere: 1e12 comparisons for whoever makes them all
+    Glb hostile(std::string(half, 'A'));
+    const auto begin = std::chrono::steady_clock::now();
+    hostile.add_shared_view(std::string(half / 2, 'A') + 'B');
+    CHECK(std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count() < 5);
+}
 
 TEST_CASE("a GLB is laid out as the format wants, an asset in front on a page")
 {

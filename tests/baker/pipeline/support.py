@@ -1,7 +1,9 @@
 """What the pipeline tests share: small poses, the tool, and a list of what failed."""
+import base64
 import json
 import math
 import pathlib
+import struct
 import subprocess
 import sys
 
@@ -60,6 +62,35 @@ def poses(folder, bend=1.0, turn=0.3):
     sheet(folder / "rest.obj", 0)
     sheet(folder / "bent.obj", bend, turn=turn)
     return [folder / "rest.obj", folder / "bent.obj"]
+
+
+def write_gltf(path, folder):
+    """A .gltf with a buffer and a picture beside it: a strip of triangles and one morph target."""
+    n = 6
+    rest = [(x / n, y / 2, 0.0) for x in range(n + 1) for y in range(3)]
+    delta = [(0.0, 0.0, x * x) for x, y, z in rest]
+    faces = [corner for i in range(n) for k in range(2) for a in [3 * i + k]
+             for corner in (a, a + 3, a + 4, a, a + 4, a + 1)]
+    data = b"".join(struct.pack("<3f", *v) for v in rest + delta) + struct.pack(f"<{len(faces)}H", *faces)
+    (folder / "mesh data.bin").write_bytes(data)
+    (folder / "skin.png").write_bytes(base64.b64decode(
+        "iVBORw0KGgoAAAANSUhEUgAAAAEAAAABCAYAAAAfFcSJAAAADUlEQVR42mNk+M9QDwADhgGAWjR9awAAAABJRU5ErkJggg=="))
+    size = 12 * len(rest)
+    write_json(path, {
+        "asset": {"version": "2.0"}, "scene": 0, "scenes": [{"nodes": [0]}], "nodes": [{"mesh": 0}],
+        "buffers": [{"uri": "mesh%20data.bin", "byteLength": len(data)}],
+        "bufferViews": [{"buffer": 0, "byteOffset": 0, "byteLength": size},
+                        {"buffer": 0, "byteOffset": size, "byteLength": size},
+                        {"buffer": 0, "byteOffset": 2 * size, "byteLength": 2 * len(faces)}],
+        "accessors": [{"bufferView": 0, "componentType": 5126, "count": len(rest), "type": "VEC3", "min": [0, 0, 0],
+                       "max": [1, 1, 0]},
+                      {"bufferView": 1, "componentType": 5126, "count": len(rest), "type": "VEC3", "min": [0, 0, 0],
+                       "max": [0, 0, 1]},
+                      {"bufferView": 2, "componentType": 5123, "count": len(faces), "type": "SCALAR"}],
+        "images": [{"uri": "skin.png"}, {"uri": "lost.png"}], "textures": [{"source": 0}, {"source": 1}],
+        "materials": [{"pbrMetallicRoughness": {"baseColorTexture": {"index": 0}}, "emissiveTexture": {"index": 1}}],
+        "meshes": [{"primitives": [{"attributes": {"POSITION": 0}, "indices": 2, "material": 0,
+                                    "targets": [{"POSITION": 1}]}]}]})
 
 
 def write_json(path, value):

@@ -1,17 +1,15 @@
 """test_depfile.py PLIANT CHECKOUT: `pliant bake --depfile` names every file that was read, whatever it is called,
 as Make and Ninja read it."""
-import base64
 import json
 import os
 import pathlib
 import shutil
-import struct
 import subprocess
 import sys
 import tempfile
 
 import support
-from support import QUICK, QUICK_OPTIONS, check, write_json
+from support import QUICK, QUICK_OPTIONS, check, write_gltf, write_json
 
 TOOL = support.Tool(sys.argv[1])
 
@@ -30,35 +28,6 @@ def read_depfile(path):
         else:
             word, i = word + text[i], i + 1
     return words[0].removesuffix(":"), words[1:]
-
-
-def write_gltf(path, folder):
-    """A .gltf with a buffer and a picture beside it: a strip of triangles and one morph target."""
-    n = 6
-    rest = [(x / n, y / 2, 0.0) for x in range(n + 1) for y in range(3)]
-    delta = [(0.0, 0.0, x * x) for x, y, z in rest]
-    faces = [corner for i in range(n) for k in range(2) for a in [3 * i + k]
-             for corner in (a, a + 3, a + 4, a, a + 4, a + 1)]
-    data = b"".join(struct.pack("<3f", *v) for v in rest + delta) + struct.pack(f"<{len(faces)}H", *faces)
-    (folder / "mesh data.bin").write_bytes(data)
-    (folder / "skin.png").write_bytes(base64.b64decode(
-        "iVBORw0KGgoAAAANSUhEUgAAAAEAAAABCAYAAAAfFcSJAAAADUlEQVR42mNk+M9QDwADhgGAWjR9awAAAABJRU5ErkJggg=="))
-    size = 12 * len(rest)
-    write_json(path, {
-        "asset": {"version": "2.0"}, "scene": 0, "scenes": [{"nodes": [0]}], "nodes": [{"mesh": 0}],
-        "buffers": [{"uri": "mesh%20data.bin", "byteLength": len(data)}],
-        "bufferViews": [{"buffer": 0, "byteOffset": 0, "byteLength": size},
-                        {"buffer": 0, "byteOffset": size, "byteLength": size},
-                        {"buffer": 0, "byteOffset": 2 * size, "byteLength": 2 * len(faces)}],
-        "accessors": [{"bufferView": 0, "componentType": 5126, "count": len(rest), "type": "VEC3", "min": [0, 0, 0],
-                       "max": [1, 1, 0]},
-                      {"bufferView": 1, "componentType": 5126, "count": len(rest), "type": "VEC3", "min": [0, 0, 0],
-                       "max": [0, 0, 1]},
-                      {"bufferView": 2, "componentType": 5123, "count": len(faces), "type": "SCALAR"}],
-        "images": [{"uri": "skin.png"}, {"uri": "lost.png"}], "textures": [{"source": 0}, {"source": 1}],
-        "materials": [{"pbrMetallicRoughness": {"baseColorTexture": {"index": 0}}, "emissiveTexture": {"index": 1}}],
-        "meshes": [{"primitives": [{"attributes": {"POSITION": 0}, "indices": 2, "material": 0,
-                                    "targets": [{"POSITION": 1}]}]}]})
 
 
 def test_plain(folder):

@@ -8,7 +8,7 @@ import sys
 import tempfile
 
 import support
-from support import QUICK, QUICK_OPTIONS, check, poses, write_json
+from support import QUICK, QUICK_OPTIONS, check, poses, write_gltf, write_json
 
 TOOL, SOURCE = support.Tool(sys.argv[1]), pathlib.Path(sys.argv[2])
 
@@ -102,6 +102,29 @@ def test_other_inputs(folder):
           "a file that is gone, too")
 
 
+def test_links(folder):
+    """What a link leads to may change: of a pose, of a buffer beside it, of the folder that both are in."""
+    for version in ("v1", "v2"):
+        (folder / version / "buffers").mkdir(parents=True)
+        write_gltf(folder / version / "a.gltf", folder / version)
+        (folder / version / "mesh data.bin").rename(folder / version / "buffers" / "1.bin")
+        data = bytearray((folder / version / "buffers" / "1.bin").read_bytes())
+        data[12 * 21 + 12 * 20 + 10] ^= 1 # of the target's last vertex
+        (folder / version / "buffers" / "2.bin").write_bytes(data)
+        (folder / version / "mesh data.bin").symlink_to("buffers/1.bin")
+    (folder / "now").symlink_to("v1")
+    manifest = write_json(folder / "m.json", {"defaults": QUICK, "bakes": [{"name": "a", "poses": ["now/a.gltf"]}]})
+    bakes, result = outcomes(manifest)
+    check(bakes["a"]["outcome"] == "baked", f"by links {result.stderr}")
+    check(outcomes(manifest, "--dry-run")[0]["a"]["outcome"] == "up to date", "and again")
+    for link, target in ((folder / "v1" / "mesh data.bin", "buffers/2.bin"), (folder / "now", "v2")):
+        link.unlink()
+        link.symlink_to(target)
+        verdict = outcomes(manifest, "--dry-run")[0]["a"]
+        check(verdict.get("reason") == "mesh data.bin has changed", f"{link.name} leads elsewhere: {verdict}")
+        outcomes(manifest)
+
+
 def refused(folder, value, number, text, what):
     path = write_json(folder / "bad.json", value)
     result = TOOL.run("bake-all", path)
@@ -139,6 +162,16 @@ def test_manifests(folder):
     refused(folder, {"bakes": [good], "defaults": {"dim": "3"}}, "P2705", "defaults: \"dim\" is a string",
             "a string for a number")
     refused(folder, {"bakes": [7]}, "P2705", "bakes[0]: is a number", "a number for a bake")
+    manifest, config = folder / "good.json", write_json(folder / "bake.json", {"seed": 3})
+    write_gltf(folder / "a.gltf", folder)
+    one = {**good, "config": "bake.json", "report": "r.json"}
+    write_json(manifest, {"bakes": [one, {"name": "b", "poses": ["a.gltf"]}]})
+    for report in (config, folder / "r.json", manifest):
+        result = TOOL.run("bake-all", manifest, "--report", report)
+        check(result.returncode == 3 and "error P2708" in result.stderr, f"--report {report.name}: {result.stderr}")
+    write_json(manifest, {"bakes": [{**good, "depfile": "mesh data.bin"}, {"name": "b", "poses": ["a.gltf"]}]})
+    result = TOOL.run("bake-all", manifest)
+    check(result.returncode == 3 and "bakes[1] reads" in result.stderr, f"a buffer as depfile: {result.stderr}")
     result = TOOL.run("bake-all", write_json(folder / "good.json", {"bakes": [{**good, "config": "none.json"}]}))
     check(result.returncode == 3 and "error P2001" in result.stderr, "a configuration that is not there")
     result = TOOL.run("bake-all", write_json(folder / "good.json", {"bakes": [good]}), "--only", "b")
@@ -153,7 +186,7 @@ def test_manifests(folder):
 
 
 with tempfile.TemporaryDirectory(prefix="pliant-stamps-") as name:
-    for number, test in enumerate((test_stamp, test_what_counts, test_other_inputs, test_manifests)):
+    for number, test in enumerate((test_stamp, test_what_counts, test_other_inputs, test_links, test_manifests)):
         place = pathlib.Path(name) / str(number)
         place.mkdir()
         test(place)

@@ -202,6 +202,27 @@ class Sharing(unittest.TestCase):
         pliant.bake(POSES, FACES, progress=progress, **QUICK)
         self.assertEqual(os.waitpid(children[0], 0)[1], 0)
 
+    @unittest.skipIf("libtsan" in os.environ.get("LD_PRELOAD", ""), "ThreadSanitizer takes no threads in a forked child")
+    def test_child_forked_during_a_bake_that_leaves_the_callback(self):
+        # The work may have ended before its last steps are told: then the child has its result, too.
+        for ends, expected in ((lambda: None, (RuntimeError, None)), (sys.exit, (SystemExit,))):
+            def progress(stage, done, total):
+                if stage == "check" and not children:
+                    children.append(os.fork())
+                    if children[0] == 0:
+                        signal.alarm(60)
+                        ends()
+
+            parent, children, outcome = os.getpid(), [], None
+            try:
+                pliant.bake(POSES, FACES, progress=progress, **QUICK)
+            except BaseException as error:
+                outcome = type(error)
+            if os.getpid() != parent:
+                os._exit(outcome not in expected)
+            self.assertIsNone(outcome)
+            self.assertEqual(os.waitpid(children[0], 0)[1], 0)
+
     def test_others_work_during_a_bake(self):
         counts, is_over = [0], threading.Event()
 

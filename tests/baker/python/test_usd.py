@@ -244,6 +244,23 @@ class Meshes(unittest.TestCase):
         with self.assertRaisesRegex(ValueError, "/tube: has 5 points at frame 12 and 112 at first"):
             pliant.load_poses(changing)
 
+    def test_wrong_attributes(self):
+        mesh = ('#usda 1.0\ndef Mesh "m" (prepend apiSchemas = ["SkelBindingAPI"])\n{{\n'
+                'int[] faceVertexCounts = [{counts}]\nint[] faceVertexIndices = [{corners}]\n{points}\n{more}\n}}\n')
+        good = {"counts": "3", "corners": "0, 1, 2", "points": "point3f[] points = [(0, 0, 0), (1, 0, 0), (0, 1, 0)]",
+                "more": ""}
+        shapes = 'uniform token[] skel:blendShapes = ["smile"]\nrel skel:blendShapeTargets = <{}>'
+        for name, changed, text in (
+                ("lost", {"more": shapes.format("/nowhere")}, "/m: blend shape 'smile' is not in the file: /nowhere"),
+                ("point", {"more": shapes.format("/m.points")}, "/m: blend shape 'smile' is not in the file: /m.points"),
+                ("word", {"points": 'string[] points = ["a"]'}, "/m: points are not numbers"),
+                ("pair", {"points": "float2[] points = [(0, 1)]"}, "/m: points are not vectors of three numbers"),
+                ("bare", {"counts": "", "corners": ""}, "its meshes have no faces")):
+            path = Path(FOLDER.name, name + ".usda")
+            path.write_text(mesh.format(**{**good, **changed}))
+            with self.assertRaisesRegex(ValueError, f"{name}.usda: {text}"):
+                pliant.load_poses(path)
+
     def test_without_usd(self):
         program = "import sys; sys.modules['pxr'] = None; import pliant; pliant.load_poses('hero.usd')"
         done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True)

@@ -114,7 +114,7 @@ def check_path(tool, path, folder):
     check(np.allclose(times, [0, 0.1, 0.2, 0.3, 0.4]), f"times {times}")
     rows.write_text(",".join(["1"] * (count + 1)) + "\n")
     said = export(tool, path, output, "--path", rows, code=3).stderr
-    check("P5204" in said and f"{count + 1} weights given for {count} {'layers' if step < 0 else 'poses'}" in said, said)
+    check("P1222" in said and f"{count + 1} weights given for {count} {'layers' if step < 0 else 'poses'}" in said, said)
 
 
 def check_layers(tool, path, folder):
