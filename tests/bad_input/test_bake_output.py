@@ -14,8 +14,10 @@ import time
 
 import generate
 
-sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1]))
+TESTS = pathlib.Path(__file__).resolve().parents[1]
+sys.path[:0] = [str(TESTS), str(TESTS / "runtime"), str(TESTS.parent / "formats" / "reference")]
 from asset_checksums import with_checksums  # noqa: E402
+from still_asset import make_still_asset  # noqa: E402
 
 TOOL = sys.argv[1]
 failures = []
@@ -137,6 +139,19 @@ def test_no_shape(folder, poses):
                   f"{value} exported with {options}: {result.returncode} {result.stderr}")
 
 
+def test_large_exports(folder):
+    """Few bytes can have many vertices in many dimensions, or many parts."""
+    asset = folder / "still.pliant"
+    for vertices, parts, text in ((400, 0, None), (70000, 0, "columns of its 70000 vertices in 256 dimensions"),
+                                  (1000, 300, "301 parts in 256 dimensions")):
+        asset.write_bytes(make_still_asset(vertices, 256, parts))
+        check(run("validate", asset).returncode == 0, f"{vertices} vertices keep the rules of the format")
+        result = run("export", asset, "-o", folder / "still.glb")
+        is_right = result.returncode == 3 and "P5102" in result.stderr and text in result.stderr if text \
+            else result.returncode == 0
+        check(is_right, f"exported {vertices} vertices in {parts} parts: {result.returncode} {result.stderr}")
+
+
 def test_wrong_partners(folder, poses):
     asset, changed = folder / "a.pliant", folder / "changed.pliant"
     check(run("bake", *poses, "-o", asset, "--quiet").returncode == 0, "a good bake")
@@ -200,6 +215,7 @@ def main():
         test_cut_short(folder, small)
         test_wrong_partners(folder, small)
         test_no_shape(folder, small)
+        test_large_exports(folder)
         test_drawn_surface(folder)
         test_two_bakes(folder, small)
     return 1 if failures else 0
