@@ -133,12 +133,7 @@ ExitCode blend_once(const BlendArguments& a, RuntimeBlender& blender, const Writ
 
 ExitCode blend_path(const BlendArguments& a, RuntimeBlender& blender, const Writing& how)
 {
-    std::vector<std::vector<double>> rows;
-    const WeightDomain domain = blender.domain();
-    read_weight_path(a.path, [&](const std::vector<double>& weights) {
-        domain.from(weights); // throws
-        rows.push_back(weights);
-    });
+    const std::vector<std::vector<float>> rows = weight_path(a.path, blender.domain());
     std::vector<std::string> outputs;
     for (std::size_t frame = 0; frame < rows.size(); ++frame) outputs.push_back(frame_name(a.output, frame));
     probe_outputs(outputs, { a.asset, a.path });
@@ -149,7 +144,7 @@ ExitCode blend_path(const BlendArguments& a, RuntimeBlender& blender, const Writ
     std::size_t count = 0, outside_count = 0;
     for (std::size_t frame = 0; frame < rows.size(); ++frame) {
         progress.update("frames", double(frame) / double(rows.size()));
-        count = write_frame(blender, blender.solve(to_floats(rows[frame]), true, &info), how, frame_name(a.output, frame));
+        count = write_frame(blender, blender.solve(rows[frame], true, &info), how, frame_name(a.output, frame));
         outside_count += info.outside > 0;
         frames.push_back(to_json(frame_name(a.output, frame), info));
     }

@@ -8,7 +8,6 @@
 
 #include <filesystem>
 #include <fmt/format.h>
-#include <new>
 #include <system_error>
 
 namespace pliant {
@@ -18,27 +17,11 @@ namespace fs = std::filesystem;
 
 constexpr int stamp_version = 1;
 
-// Where a file is, by its name: links stay, since what they lead to may become another file. Those before ".." are followed,
-// else it would lead elsewhere; unless the file system fails.
-fs::path place_of(const std::string& file)
-{
-    fs::path place;
-    for (const fs::path& part : fs::absolute(file)) {
-        place /= part;
-        if (part != "..") continue;
-        std::error_code error;
-        const fs::path followed = fs::weakly_canonical(place, error);
-        if (error == std::errc::not_enough_memory) throw std::bad_alloc();
-        if (!error) place = followed;
-    }
-    return place.lexically_normal();
-}
-
-fs::path folder_of(const std::string& file) { return place_of(file).parent_path(); }
+fs::path folder_of(const std::string& file) { return named_place(file).parent_path(); }
 
 std::string seen_from(const fs::path& folder, const std::string& path)
 {
-    return place_of(path).lexically_relative(folder).string();
+    return named_place(path).lexically_relative(folder).string();
 }
 
 // Of a pose from glTF the file alone is a path.

@@ -4,6 +4,7 @@ Exit code 77: this machine cannot run the case (the reason is printed).
 
 Assets come from tests/runtime/tiny_asset.py: small, but solved by the real runtime.
 """
+import io
 import json
 import os
 import re
@@ -331,33 +332,69 @@ def case_materials(folder):
     run(asset, "--screenshot", folder / "x.png", "--size", "64x64", "--plain")
 
 
-def with_bombs(blob, count):
-    """The asset with so many images that share their bytes: one pixel each, whose data unpack to 100 MiB."""
-    bomb = tiny_scene.png(np.zeros((5120, 5120, 4), "u1"))
-    at = bomb.index(b"IHDR") + 4
-    size = struct.pack(">II", 1, 1)
-    bomb = bomb[:at] + size + bomb[at + 8:at + 13] + struct.pack(">I", zlib.crc32(b"IHDR" + size + bomb[at + 8:at + 13])) \
-        + bomb[at + 17:]
+def with_images(blob, image, image_count, texture_count=1):
+    """The asset with so many images that share their bytes, and so many textures that show the first one."""
     draft = Draft(blob)
     scene = tiny_scene.Builder.of(bytes(draft.data[b"GLTF"]))
-    view = scene.json["bufferViews"][scene.view(bomb)]
+    view = scene.json["bufferViews"][scene.view(image)]
     first = len(scene.json["bufferViews"])
-    scene.json["bufferViews"] += [view] * count
-    scene.json["images"] = [{"bufferView": first + i} for i in range(count)]
+    scene.json["bufferViews"] += [view] * image_count
+    scene.json["images"] = [{"bufferView": first + i} for i in range(image_count)]
+    scene.json["textures"] = [{"source": 0}] * texture_count
     draft.data[b"GLTF"] = bytearray(scene.bytes())
     return draft.join()
 
 
+def image_bomb():
+    """A PNG file of one pixel, whose data unpack to 100 MiB."""
+    bomb = tiny_scene.png(np.zeros((5120, 5120, 4), "u1"))
+    at = bomb.index(b"IHDR") + 4
+    size = struct.pack(">II", 1, 1)
+    return bomb[:at] + size + bomb[at + 8:at + 13] + struct.pack(">I", zlib.crc32(b"IHDR" + size + bomb[at + 8:at + 13])) \
+        + bomb[at + 17:]
+
+
+def with_scans(side, count):
+    """A progressive JPEG file of that many pixels squared, and as many scans that change nothing, of twelve bytes each."""
+    def segment(marker, body):
+        return struct.pack(">BBH", 255, marker, len(body) + 2) + body
+
+    one_code = bytes([0, 1] + [0] * 14)
+    scans = [segment(0xDA, bytes([1, 1, 0, *spectral])) + b"\0\0"
+             for spectral in [(0, 0, 0), (1, 63, 1)] + [(1, 63, 16)] * count]
+    return (b"\xff\xd8" + segment(0xDB, bytes([0] + [1] * 64))
+            + segment(0xC2, struct.pack(">BHHB", 8, side, side, 1) + bytes([1, 17, 0]))
+            + segment(0xC4, b"\0" + one_code + b"\0") + segment(0xC4, b"\x10" + one_code + b"\xe0")
+            + b"".join(scans) + b"\xff\xd9")
+
+
+def case_jpeg(folder):
+    """A texture in a JPEG file is drawn; one with far more scans than encoders make is not decoded."""
+    asset = make_asset(folder, "--scene")
+    blob, file = asset.read_bytes(), io.BytesIO()
+    Image.new("RGB", (16, 16), (255, 0, 0)).save(file, "JPEG", progressive=True)
+    asset.write_bytes(with_images(blob, file.getvalue(), 1))
+    assert saturated(picture(asset, folder, "--weights", "1,0,0"), 0).sum() > 500, "no red texture"
+    asset.write_bytes(with_images(blob, with_scans(4096, 1000), 1))
+    line = refused(asset, "--screenshot", folder / "x.png", "--size", "64x64", code=3, number=5912)
+    assert "larger" in line, line
+
+
 def case_image_bombs(folder):
-    """An image is unpacked as far as its pixels need, and all of them together are not larger than the file allows."""
+    """An image is unpacked as far as its pixels need, and kept once; all of them are not larger than the file allows."""
     asset = make_asset(folder, "--scene")
     blob = asset.read_bytes()
-    asset.write_bytes(with_bombs(blob, 500))
+    bomb = image_bomb()
+    asset.write_bytes(with_images(blob, bomb, 500))
     before = resource.getrusage(resource.RUSAGE_CHILDREN).ru_utime
     picture(asset, folder)
     seconds = resource.getrusage(resource.RUSAGE_CHILDREN).ru_utime - before
     assert seconds < 10, f"{seconds:.1f} s for 500 images of 100 MiB"
-    asset.write_bytes(with_bombs(blob, 4000))
+    asset.write_bytes(with_images(blob, tiny_scene.png(np.zeros((2048, 2048, 4), "u1")), 1, texture_count=60))
+    picture(asset, folder)
+    size = resource.getrusage(resource.RUSAGE_CHILDREN).ru_maxrss / 1024
+    assert size < 1000, f"{size:.0f} MiB for an image of 16 MiB that 60 textures show"
+    asset.write_bytes(with_images(blob, bomb, 4000))
     line = refused(asset, "--screenshot", folder / "x.png", "--size", "64x64", code=3, number=5912)
     assert "larger" in line, line
 

@@ -76,9 +76,9 @@ Weights layer_weights(const std::vector<double>& values, std::size_t layer_count
             error_at(1203, "", fmt::format("{} weights given for {} layers", values.size(), layer_count),
                      "give one weight per layer, separated by commas; the first pose is the rest shape and has none"));
     const Weights v = Eigen::Map<const Weights>(values.data(), Eigen::Index(values.size()));
-    if (!v.allFinite())
+    if (!v.cast<float>().allFinite()) // what the runtime takes
         throw Failure(ExitCode::usage,
-                      error_at(1204, "", "the weights are not all finite",
+                      error_at(1204, "", "the weights are not all finite numbers of single precision",
                                "0 leaves a layer out, 1 shows it whole; negative weights and weights above 1 are allowed"));
     return v;
 }

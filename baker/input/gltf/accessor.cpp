@@ -166,10 +166,12 @@ GltfAllowance::GltfAllowance(const GltfDocument& document, std::uint64_t free_co
 void GltfAllowance::take(const GltfValue& place, std::uint64_t count, std::uint64_t width)
 {
     if (count > left_ / width)
-        place.fail(2333,
-                   fmt::format("with its {} x {} numbers more than {} are read, the limit for a file of {} bytes", count,
-                               width, limit_, document_.byte_count()),
-                   "simplify the mesh, or let fewer nodes, primitives, targets, skins and channels share data");
+        place.fail(
+            2333,
+            fmt::format("with its {} x {} numbers more than {} are read, the limit for a file of {} bytes", count, width,
+                        limit_, document_.byte_count()),
+            "simplify the mesh, store it without Draco's compression, or let fewer nodes, primitives, targets, skins and "
+            "channels share data");
     left_ -= count * width;
 }
 

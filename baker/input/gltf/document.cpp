@@ -175,7 +175,7 @@ std::string GltfDocument::path_beside(const GltfValue& uri_value, const std::str
             "only files in the folder of the .gltf or below it are opened: put the file there, or pack everything into "
             "one .glb");
     // Not where a link leads: that may change, and whoever builds again has to notice.
-    return (folder / std::filesystem::path(*name).lexically_normal()).string();
+    return (std::filesystem::path(path_).parent_path() / std::filesystem::path(*name).lexically_normal()).string();
 }
 
 std::string GltfDocument::read_beside(const GltfValue& uri_value, const std::string& uri, const std::string& path) const

@@ -11,6 +11,7 @@
 #include <fcntl.h>
 #include <fmt/format.h>
 #include <limits>
+#include <new>
 #include <sys/stat.h>
 #include <unistd.h>
 
@@ -126,6 +127,20 @@ std::optional<std::string> read_bytes(const std::string& path, DiagnosticList& d
     std::optional<std::string> bytes = read_whole(path, diagnostics);
     note_reading(path, bytes);
     return bytes;
+}
+
+std::filesystem::path named_place(const std::string& path)
+{
+    std::filesystem::path place;
+    for (const std::filesystem::path& part : std::filesystem::absolute(path)) {
+        place /= part;
+        if (part != "..") continue;
+        std::error_code error;
+        const std::filesystem::path followed = std::filesystem::weakly_canonical(place, error);
+        if (error == std::errc::not_enough_memory) throw std::bad_alloc();
+        if (!error) place = followed;
+    }
+    return place.lexically_normal();
 }
 
 bool LineReader::next()

@@ -6,6 +6,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <filesystem>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -52,6 +53,10 @@ std::string_view next_word(std::string_view& line, char comment = '\0');
 
 // A whole word as an integer, nothing else in it. A leading plus is accepted.
 std::optional<std::int64_t> parse_integer(std::string_view word);
+
+// Where a file is, by its name, without "." and "..": links stay, since what they lead to may become another file. Those
+// before ".." are followed, else it would lead elsewhere; unless the file system fails.
+std::filesystem::path named_place(const std::string& path);
 
 // A word for a message: at most 24 printable characters, in quotes.
 std::string excerpt(std::string_view word);

@@ -293,7 +293,7 @@ private:
     // Null if the file is no good; it is told about once.
     GltfFile* open(const std::string& path)
     {
-        const std::string place = std::filesystem::absolute(path).lexically_normal().string(); // ./a.glb is a.glb
+        const std::string place = named_place(path).string(); // ./a.glb is a.glb
         const auto known = files_.find(place);
         if (known != files_.end()) return known->second.get();
         std::unique_ptr<GltfFile>& file = files_[place];

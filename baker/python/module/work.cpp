@@ -8,6 +8,7 @@
 #include <condition_variable>
 #include <csignal>
 #include <exception>
+#include <memory>
 #include <mutex>
 #include <nanobind/stl/string.h>
 #include <new>
@@ -164,7 +165,7 @@ public:
     {
         set_relay(&relay);
         try {
-            thread_ = std::thread([this, &work, &relay] { run(work, relay); });
+            thread_ = std::make_unique<std::thread>([this, &work, &relay] { run(work, relay); });
         } catch (...) { // the system is short of threads
             set_relay(nullptr);
             throw;
@@ -174,20 +175,17 @@ public:
     // Of a child that a callback has forked, which has no worker, and whose locks may be taken for ever.
     bool is_elsewhere() const { return getpid() != process_; }
 
+    // There. The handle must not be touched: another thread of the child may have the same by now.
+    void forget() { [[maybe_unused]] const std::thread* leaked = thread_.release(); }
+
     // True when the work has ended; waits for that a moment.
     bool wait()
     {
-        if (is_elsewhere()) {
-            thread_.detach();
-            failure
-                = std::make_exception_ptr(std::runtime_error("the work goes on in the process that this one is forked of"));
-            return true;
-        }
         const Unlocked unlocked;
         std::unique_lock<std::mutex> lock(mutex_);
         if (!changed_.wait_for(lock, look_interval, [this] { return has_ended_; })) return false;
         lock.unlock();
-        thread_.join();
+        thread_->join();
         return true;
     }
 
@@ -218,7 +216,7 @@ private:
     std::condition_variable changed_;
     bool has_ended_ = false;
     pid_t process_ = getpid();
-    std::thread thread_;
+    std::unique_ptr<std::thread> thread_;
 };
 
 struct Terminated {};
@@ -239,7 +237,8 @@ void follow(const Listener& listener, const std::function<void(Progress&)>& work
     Relay relay;
     Worker worker(work, relay);
     std::exception_ptr stop;
-    for (bool has_ended = false; !has_ended;) {
+    bool has_ended = false;
+    while (!has_ended && !worker.is_elsewhere()) {
         has_ended = worker.wait();
         if (stop) continue;
         try {
@@ -248,6 +247,10 @@ void follow(const Listener& listener, const std::function<void(Progress&)>& work
             stop = std::current_exception();
             if (!worker.is_elsewhere()) relay.cancel();
         }
+    }
+    if (!has_ended) {
+        worker.forget();
+        if (!stop) throw std::runtime_error("the work goes on in the process that this one is forked of");
     }
     if (stop) std::rethrow_exception(stop);
     if (worker.failure) std::rethrow_exception(worker.failure);

@@ -49,13 +49,34 @@ std::size_t most_memory(std::size_t file_size, std::size_t pixels_size)
     return std::min(most_of_all, 2 * file_size + 16 * pixels_size + (std::size_t(1) << 16));
 }
 
-} // namespace
-
+// Bytes of its pixels, from its first bytes; 0 if it is not readable.
 std::size_t pixel_size(const std::uint8_t* bytes, std::size_t size)
 {
     int width = 0, height = 0, channels = 0;
+    allocation_limit = most_memory(size, 0);
     if (size > INT_MAX || !stbi_info_from_memory(bytes, static_cast<int>(size), &width, &height, &channels)) return 0;
     return 4 * static_cast<std::size_t>(width) * static_cast<std::size_t>(height);
+}
+
+// Of a JPEG file: each scan of a progressive one goes over all pixels, and can have a dozen bytes.
+std::size_t scan_count(const std::uint8_t* bytes, std::size_t size)
+{
+    constexpr std::uint8_t start_of_scan[] = { 0xFF, 0xDA };
+    std::size_t count = 0;
+    if (size == 0 || bytes[0] != start_of_scan[0]) return 0; // PNG
+    for (const std::uint8_t* at = bytes; at != bytes + size; ++count, ++at) {
+        at = std::search(at, bytes + size, start_of_scan, start_of_scan + 2);
+        if (at == bytes + size) break;
+    }
+    return count;
+}
+
+} // namespace
+
+std::size_t decoded_size(const std::uint8_t* bytes, std::size_t size)
+{
+    constexpr std::size_t honest_scans = 16; // encoders make about ten
+    return pixel_size(bytes, size) * (1 + scan_count(bytes, size) / honest_scans);
 }
 
 Image read_image(const std::uint8_t* bytes, std::size_t size)

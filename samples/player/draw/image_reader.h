@@ -13,8 +13,9 @@ struct Image {
     std::vector<std::uint8_t> pixels;
 };
 
-// Bytes of its pixels, from its first bytes; 0 if it is not readable.
-std::size_t pixel_size(const std::uint8_t* bytes, std::size_t size);
+// Bytes of pixels that decoding it goes over: those of the image, or more if it has far more scans than other images. 0 if
+// it is not readable.
+std::size_t decoded_size(const std::uint8_t* bytes, std::size_t size);
 
 Image read_image(const std::uint8_t* bytes, std::size_t size);
 

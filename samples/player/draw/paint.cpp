@@ -13,7 +13,7 @@ GLint gl_wrap(Wrap wrap)
     return wrap == Wrap::repeat ? GL_REPEAT : wrap == Wrap::mirror ? GL_MIRRORED_REPEAT : GL_CLAMP_TO_EDGE;
 }
 
-GlName upload(const Texture& texture, const Image& image)
+GlName upload(const Image& image)
 {
     GLint most = 0;
     glGetIntegerv(GL_MAX_TEXTURE_SIZE, &most);
@@ -28,11 +28,16 @@ GlName upload(const Texture& texture, const Image& image)
     glTexImage2D(GL_TEXTURE_2D, 0, GL_SRGB8_ALPHA8, image.width, image.height, 0, GL_RGBA, GL_UNSIGNED_BYTE,
                  image.pixels.data());
     glGenerateMipmap(GL_TEXTURE_2D);
+    return name;
+}
+
+// Of the bound texture.
+void set_parameters(const Texture& texture)
+{
     glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_WRAP_S, gl_wrap(texture.wrap_x));
     glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_WRAP_T, gl_wrap(texture.wrap_y));
     glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MAG_FILTER, texture.nearest ? GL_NEAREST : GL_LINEAR);
     glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MIN_FILTER, texture.nearest ? GL_NEAREST : GL_LINEAR_MIPMAP_LINEAR);
-    return name;
 }
 
 std::vector<std::uint32_t> vertices_of(const PaintedPart& part, const std::vector<std::uint32_t>& indices)
@@ -46,12 +51,14 @@ std::vector<std::uint32_t> vertices_of(const PaintedPart& part, const std::vecto
 
 } // namespace
 
-GlName make_white_texture() { return upload({}, { 1, 1, { 255, 255, 255, 255 } }); }
+GlName make_white_texture() { return upload({ 1, 1, { 255, 255, 255, 255 } }); }
 
 Paint::Paint(const Painting& painting)
     : parts_(painting.parts)
     , vertices_(make_buffer())
     , white_(make_white_texture())
+    , textures_(painting.textures)
+    , images_(painting.images.size())
 {
     const auto blended = std::stable_partition(parts_.begin(), parts_.end(),
                                                [](const PaintedPart& part) { return part.alpha != Alpha::blend; });
@@ -59,9 +66,11 @@ Paint::Paint(const Painting& painting)
     glBindBuffer(GL_ARRAY_BUFFER, vertices_.get());
     glBufferData(GL_ARRAY_BUFFER, static_cast<GLsizeiptr>(painting.vertices.size() * sizeof(PaintedVertex)),
                  painting.vertices.data(), GL_STATIC_DRAW);
-    for (const Texture& texture : painting.textures)
-        textures_.push_back(texture.image < painting.images.size() ? upload(texture, painting.images[texture.image])
-                                                                   : GlName());
+    for (const PaintedPart& part : parts_) {
+        if (!part.texture) continue;
+        const std::size_t image = textures_[*part.texture].image;
+        if (images_[image].get() == 0) images_[image] = upload(painting.images[image]);
+    }
 }
 
 void Paint::attach() const
@@ -81,7 +90,13 @@ bool Paint::has(Alpha alpha) const
 
 void Paint::bind(const PaintedPart& part) const
 {
-    glBindTexture(GL_TEXTURE_2D, part.texture ? textures_[*part.texture].get() : white_.get());
+    if (!part.texture) {
+        glBindTexture(GL_TEXTURE_2D, white_.get());
+        return;
+    }
+    const Texture& texture = textures_[*part.texture];
+    glBindTexture(GL_TEXTURE_2D, images_[texture.image].get());
+    set_parameters(texture);
 }
 
 } // namespace pliant::player

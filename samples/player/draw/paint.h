@@ -28,7 +28,8 @@ private:
     std::vector<PaintedPart> parts_;
     std::vector<std::vector<std::uint32_t>> blended_;
     GlName vertices_, white_;
-    std::vector<GlName> textures_;
+    std::vector<Texture> textures_;
+    std::vector<GlName> images_; // those that a part shows: once, however many textures show them
 };
 
 // One white pixel, for parts without a texture.

@@ -147,7 +147,7 @@ std::vector<std::size_t> read_images(const Document& document, Painting& paintin
         const Bytes bytes = view.is_null() ? Bytes {} : document.view(place->first);
         const std::size_t size = static_cast<std::size_t>(bytes.size);
         take(left, size);
-        const std::size_t pixels = pixel_size(bytes.data, size);
+        const std::size_t pixels = decoded_size(bytes.data, size);
         take(left, pixels);
         painting.images.push_back(pixels == 0 ? Image {} : read_image(bytes.data, size));
     }

@@ -125,6 +125,22 @@ def test_links(folder):
         outcomes(manifest)
 
 
+def test_links_before_dots(folder):
+    """Where a link leads, ".." goes up from."""
+    for name, height in (("here", 1), ("there", 2)):
+        (folder / name / "inner").mkdir(parents=True)
+        write_gltf(folder / name / "a.gltf", folder / name)
+        data = bytearray((folder / name / "mesh data.bin").read_bytes())
+        data[12 * 21 + 12 * 20 + 11] ^= height # of the target's last vertex
+        (folder / name / "mesh data.bin").write_bytes(data)
+    (folder / "here" / "link").symlink_to("../there/inner")
+    for pose in ("link/../a.gltf", "../there/a.gltf"):
+        result = TOOL.run("bake", "a.gltf#rest", pose + "#target=target_1", "-o", "a.pliant", "--depfile", "a.d",
+                          *QUICK_OPTIONS, cwd=folder / "here")
+        check(result.returncode == 0 and pose in (folder / "here" / "a.d").read_text(encoding="utf-8"),
+              f"{pose} is another file than a.gltf {result.stderr}")
+
+
 def refused(folder, value, number, text, what):
     path = write_json(folder / "bad.json", value)
     result = TOOL.run("bake-all", path)
@@ -186,7 +202,8 @@ def test_manifests(folder):
 
 
 with tempfile.TemporaryDirectory(prefix="pliant-stamps-") as name:
-    for number, test in enumerate((test_stamp, test_what_counts, test_other_inputs, test_links, test_manifests)):
+    tests = (test_stamp, test_what_counts, test_other_inputs, test_links, test_links_before_dots, test_manifests)
+    for number, test in enumerate(tests):
         place = pathlib.Path(name) / str(number)
         place.mkdir()
         test(place)

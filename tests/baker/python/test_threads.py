@@ -204,8 +204,12 @@ class Sharing(unittest.TestCase):
 
     @unittest.skipIf("libtsan" in os.environ.get("LD_PRELOAD", ""), "ThreadSanitizer takes no threads in a forked child")
     def test_child_forked_during_a_bake_that_leaves_the_callback(self):
+        def bake_again():
+            pliant.bake(POSES, FACES, **QUICK)
+
         # The work may have ended before its last steps are told: then the child has its result, too.
-        for ends, expected in ((lambda: None, (RuntimeError, None)), (sys.exit, (SystemExit,))):
+        for ends, expected in ((lambda: None, (RuntimeError, None)), (bake_again, (RuntimeError, None)),
+                               (sys.exit, (SystemExit,))):
             def progress(stage, done, total):
                 if stage == "check" and not children:
                     children.append(os.fork())
