@@ -16,8 +16,8 @@ pliant_packages() {
             ;;
         player)
             # fonts-dejavu-core: for the captions of the moving pictures.
-            printf '%s\n' libglfw3-dev libglm-dev libepoxy-dev libimgui-dev libtinygltf-dev xvfb xauth libgl1-mesa-dri \
-                libegl1-mesa-dev libgl1-mesa-dev fonts-dejavu-core
+            printf '%s\n' libglfw3-dev libglm-dev libepoxy-dev libimgui-dev libpng-dev libjpeg-dev libtinygltf-dev xvfb \
+                xauth libgl1-mesa-dri libegl1-mesa-dev libgl1-mesa-dev fonts-dejavu-core
             ;;
         tests)
             printf '%s\n' doctest-dev libbenchmark-dev python3-dev python3-venv python3-numpy python3-pil \

@@ -3,6 +3,7 @@
 #include "bake/certificate.h"
 #include "base/common/sha256.h"
 #include "base/common/version.h"
+#include "input/io/read_log.h"
 #include "input/io/source_file.h"
 #include "input/poses/pose_source.h"
 
@@ -57,7 +58,9 @@ std::string changed_input(const Json& inputs, const fs::path& folder)
     for (const Json& input : inputs) {
         const std::string path = input.at("path").get<std::string>();
         const std::string wanted = input.at("sha256").is_null() ? "" : input.at("sha256").get<std::string>();
-        if (digest_of((folder / path).lexically_normal().string()) != wanted) return fs::path(path).filename().string();
+        const std::string place = (folder / path).lexically_normal().string();
+        if (digest_of(place) != wanted && (wanted.empty() || link_digest(place) != wanted))
+            return fs::path(path).filename().string();
     }
     return {};
 }

@@ -3,6 +3,7 @@
 #include "base/common/foreign_json.h"
 #include "input/gltf/meshopt.h"
 #include "input/gltf/uri.h"
+#include "input/io/read_log.h"
 #include "input/io/source_file.h"
 
 #include <algorithm>
@@ -169,13 +170,17 @@ std::string GltfDocument::path_beside(const GltfValue& uri_value, const std::str
     std::error_code ignored;
     const std::filesystem::path home = std::filesystem::weakly_canonical(folder, ignored);
     const std::filesystem::path place = std::filesystem::weakly_canonical(folder / *name, ignored);
-    if (std::mismatch(home.begin(), home.end(), place.begin(), place.end()).first != home.end())
+    // Not where a link leads: that may change, and whoever builds again has to notice.
+    std::string beside
+        = (std::filesystem::path(path_).parent_path() / std::filesystem::path(*name).lexically_normal()).string();
+    if (std::mismatch(home.begin(), home.end(), place.begin(), place.end()).first != home.end()) {
+        note_refused_link(beside);
         uri_value.fail(
             2309, fmt::format("{} leads out of the folder of this one", excerpt(uri)),
             "only files in the folder of the .gltf or below it are opened: put the file there, or pack everything into "
             "one .glb");
-    // Not where a link leads: that may change, and whoever builds again has to notice.
-    return (std::filesystem::path(path_).parent_path() / std::filesystem::path(*name).lexically_normal()).string();
+    }
+    return beside;
 }
 
 std::string GltfDocument::read_beside(const GltfValue& uri_value, const std::string& uri, const std::string& path) const

@@ -103,7 +103,7 @@ void read_influences(const AttributeReader& reader, GltfPrimitive& out)
                                                                           : UINT32_MAX);
 }
 
-// The corners of a box behind the vertices, and their triangle.
+// The corners of a box behind the vertices, and their triangle. They are elsewhere if another program changed the file.
 void leave_out_box(const GltfValue& primitive, GltfPrimitive& out)
 {
     const GltfValue extras = primitive["extras"];
@@ -111,10 +111,11 @@ void leave_out_box(const GltfValue& primitive, GltfPrimitive& out)
     const GltfValue ours = extras["pliant"];
     if (!ours.exists() || !ours.json().is_object()) return;
     const std::uint64_t own_count = ours["vertex_count"].whole_or(out.vertex_count());
-    if (own_count >= out.vertex_count()) return;
+    if (own_count + 2 != out.vertex_count()) return;
     const auto count = static_cast<Eigen::Index>(own_count);
     const auto is_extra = [&](const Triangle& t) { return std::max({ t[0], t[1], t[2] }) >= count; };
-    out.triangles.erase(std::remove_if(out.triangles.begin(), out.triangles.end(), is_extra), out.triangles.end());
+    const auto extra = std::remove_if(out.triangles.begin(), out.triangles.end(), is_extra);
+    out.triangles.erase(extra, out.triangles.end());
     out.positions.conservativeResize(count, Eigen::NoChange);
     out.weights.conservativeResize(count, Eigen::NoChange);
     out.joints.resize(static_cast<std::size_t>(out.weights.size()));

@@ -1,6 +1,7 @@
 // Which files were read, and what was in them: for dependency files and stamps.
 #pragma once
 
+#include <functional>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -10,7 +11,7 @@ namespace pliant {
 
 struct ReadFile {
     std::string path;   // as it was opened
-    std::string digest; // SHA-256 of its bytes; empty: it could not be read
+    std::string digest; // SHA-256 of its bytes, or of where a link leads that was not followed; empty: could not be read
 };
 
 // While one lives, every read_bytes of its thread is noted in it, each path once, in the order of the first reading. Logs of
@@ -26,6 +27,10 @@ public:
 
 private:
     friend void note_reading(const std::string& path, const std::optional<std::string>& bytes);
+    friend void note_refused_link(const std::string& path);
+
+    // Once each path.
+    void note(const std::string& path, const std::function<std::string()>& digest);
 
     std::vector<ReadFile> files_;
     ReadLog* outer_;
@@ -33,5 +38,9 @@ private:
 
 // Notes that the file was read, or that it could not be. For read_bytes.
 void note_reading(const std::string& path, const std::optional<std::string>& bytes);
+// Notes that a link was not followed.
+void note_refused_link(const std::string& path);
+// The digest of such a link; empty if it is none.
+std::string link_digest(const std::string& path);
 
 } // namespace pliant

@@ -114,6 +114,15 @@ void animate_joints(Glb& glb, const Skin& skin, const std::vector<BonePose>& fra
     glb.json()["animations"] = Json::array({ { { "name", "path" }, { "samplers", samplers }, { "channels", channels } } });
 }
 
+// The bones that go on from the last frame, unless these are far from the shape: a path may jump.
+BonePose better_bones(const Skin& skin, const Eigen::Matrix3Xd& shape, BonePose bones, const BonePose& last)
+{
+    constexpr double clearly = 0.8;
+    BonePose going_on = fit_bones(skin, shape, last);
+    const auto distance = [&](const BonePose& pose) { return (skin.shape(pose) - shape).norm(); };
+    return distance(bones) < clearly * distance(going_on) ? std::move(bones) : std::move(going_on);
+}
+
 } // namespace
 
 Json add_skinned_mesh(Glb& glb, RuntimeBlender& blender, const DrawnSpace& space, const RenderScene& scene,
@@ -131,8 +140,8 @@ Json add_skinned_mesh(Glb& glb, RuntimeBlender& blender, const DrawnSpace& space
         const bool is_frame = i >= judged.cols();
         const Eigen::VectorXf q = is_frame ? path.col(i - judged.cols()) : judged.col(i);
         const Eigen::VectorXd shape = space.shape(q);
-        const BonePose& start = frames.empty() ? nearest_pose(fit, fitted, q) : frames.back();
-        BonePose bones = fit_bones(fit.skin, as_columns(shape), start);
+        BonePose bones = fit_bones(fit.skin, as_columns(shape), nearest_pose(fit, fitted, q));
+        if (!frames.empty()) bones = better_bones(fit.skin, as_columns(shape), std::move(bones), frames.back());
         distances.add(as_columns(shape), fit.skin.shape(bones));
         box.include(shape);
         if (is_frame) frames.push_back(std::move(bones));

@@ -1,8 +1,9 @@
-// PNG and JPEG files in memory, decoded.
+// PNG and JPEG files in memory, decoded by libpng and libjpeg.
 #pragma once
 
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <vector>
 
 namespace pliant::player {
@@ -13,10 +14,7 @@ struct Image {
     std::vector<std::uint8_t> pixels;
 };
 
-// Bytes of pixels that decoding it goes over: those of the image, or more if it has far more scans than other images. 0 if
-// it is not readable.
-std::size_t decoded_size(const std::uint8_t* bytes, std::size_t size);
-
-Image read_image(const std::uint8_t* bytes, std::size_t size);
+// Calls take() with the size of the pixels, in bytes, before it decodes them; take() may throw.
+Image read_image(const std::uint8_t* bytes, std::size_t size, const std::function<void(std::size_t)>& take);
 
 } // namespace pliant::player

@@ -19,9 +19,8 @@ using Json = nlohmann::json;
 enum ComponentType { uint16 = 5123, uint32 = 5125, float32 = 5126 };
 enum Setting { nearest = 9728, clamp_to_edge = 33071, mirrored_repeat = 33648 };
 constexpr std::uint64_t json_size_limit = std::uint64_t(1) << 24; // parsed it takes up to forty times as much
-constexpr std::uint64_t none_view = UINT64_MAX;
 
-// Bytes of images and of their pixels that are believed of any file, and of each of its bytes: images may share bytes.
+// Bytes of pixels that are believed of any file, and of each of its bytes.
 constexpr std::size_t free_pixel_size = std::size_t(1) << 28, pixel_size_per_byte = 64;
 
 constexpr std::uint32_t json_tag = 0x4e4f534a, binary_tag = 0x004e4942;
@@ -136,20 +135,20 @@ void take(std::size_t& left, std::size_t size)
 // Numbers of `painting.images`, one for each image of the file; images of the same bytes are one.
 std::vector<std::size_t> read_images(const Document& document, Painting& painting)
 {
-    std::map<std::uint64_t, std::size_t> known; // by view
-    std::size_t left = free_pixel_size + pixel_size_per_byte * static_cast<std::size_t>(document.binary.size);
+    std::map<std::pair<const std::uint8_t*, std::uint64_t>, std::size_t> known; // by place and size
+    std::size_t pixels_left = free_pixel_size + pixel_size_per_byte * static_cast<std::size_t>(document.binary.size),
+                bytes_left = 2 * static_cast<std::size_t>(document.binary.size); // views may overlap
     std::vector<std::size_t> numbers;
     for (const Json& image : member(document.json, "images")) {
         const Json& view = member(image, "bufferView");
-        const auto [place, is_new] = known.emplace(view.is_null() ? none_view : whole(image, "bufferView"), known.size());
+        const Bytes bytes = view.is_null() ? Bytes {} : document.view(whole(image, "bufferView"));
+        const auto [place, is_new] = known.emplace(std::pair(bytes.data, bytes.size), known.size());
         numbers.push_back(place->second);
         if (!is_new) continue;
-        const Bytes bytes = view.is_null() ? Bytes {} : document.view(place->first);
         const std::size_t size = static_cast<std::size_t>(bytes.size);
-        take(left, size);
-        const std::size_t pixels = decoded_size(bytes.data, size);
-        take(left, pixels);
-        painting.images.push_back(pixels == 0 ? Image {} : read_image(bytes.data, size));
+        take(bytes_left, size);
+        painting.images.push_back(
+            read_image(bytes.data, size, [&](std::size_t pixel_size) { take(pixels_left, pixel_size); }));
     }
     return numbers;
 }

@@ -117,6 +117,16 @@ def test_links(folder):
     bakes, result = outcomes(manifest)
     check(bakes["a"]["outcome"] == "baked", f"by links {result.stderr}")
     check(outcomes(manifest, "--dry-run")[0]["a"]["outcome"] == "up to date", "and again")
+    for version in ("v1", "v2"):
+        (folder / version / "skin.png").rename(folder / f"{version}.png")
+        (folder / version / "skin.png").symlink_to(f"../{version}.png") # which is not read
+    outcomes(manifest, "--force")
+    check(outcomes(manifest, "--dry-run")[0]["a"]["outcome"] == "up to date", "and stays so")
+    (folder / "v1" / "skin.png").unlink()
+    (folder / "v1.png").rename(folder / "v1" / "skin.png")
+    verdict = outcomes(manifest, "--dry-run")[0]["a"]
+    check(verdict.get("reason") == "skin.png has changed", f"a file in the place of a link: {verdict}")
+    outcomes(manifest)
     for link, target in ((folder / "v1" / "mesh data.bin", "buffers/2.bin"), (folder / "now", "v2")):
         link.unlink()
         link.symlink_to(target)
