@@ -324,16 +324,6 @@ void read_weight_path(const std::string& path, const std::function<void(const st
         throw Failure(ExitCode::bad_input, error_at(1223, path, "holds no weights", "write one line of weights per frame"));
 }
 
-std::vector<std::vector<float>> weight_path(const std::string& path, const WeightDomain& domain)
-{
-    std::vector<std::vector<float>> rows;
-    read_weight_path(path, [&](const std::vector<double>& weights) {
-        const Eigen::VectorXf floats = domain.from(weights).cast<float>();
-        rows.emplace_back(floats.data(), floats.data() + floats.size());
-    });
-    return rows;
-}
-
 void require_suffix(const std::string& option, const std::string& path, const std::string& suffix)
 {
     if (path == "-")

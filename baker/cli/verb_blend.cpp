@@ -133,7 +133,12 @@ ExitCode blend_once(const BlendArguments& a, RuntimeBlender& blender, const Writ
 
 ExitCode blend_path(const BlendArguments& a, RuntimeBlender& blender, const Writing& how)
 {
-    const std::vector<std::vector<float>> rows = weight_path(a.path, blender.domain());
+    std::vector<std::vector<float>> rows;
+    const WeightDomain domain = blender.domain();
+    read_weight_path(a.path, [&](const std::vector<double>& weights) {
+        rows.push_back(to_floats(weights));
+        domain.from({ rows.back().begin(), rows.back().end() }); // throws what the solver would
+    });
     std::vector<std::string> outputs;
     for (std::size_t frame = 0; frame < rows.size(); ++frame) outputs.push_back(frame_name(a.output, frame));
     probe_outputs(outputs, { a.asset, a.path });

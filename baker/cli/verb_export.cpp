@@ -31,7 +31,12 @@ constexpr double default_error = 1e-4; // of --meshopt: far below what is seen, 
 std::vector<std::vector<float>> path_of(const ExportArguments& a, const WeightDomain& domain)
 {
     if (a.path.empty()) return default_path(domain, default_seconds(domain), a.frames_per_second);
-    return weight_path(a.path, domain);
+    std::vector<std::vector<float>> path;
+    read_weight_path(a.path, [&](const std::vector<double>& weights) {
+        const Eigen::VectorXf floats = domain.from(weights).cast<float>();
+        path.emplace_back(floats.data(), floats.data() + floats.size());
+    });
+    return path;
 }
 
 void print_targets(const ExportArguments& a, const ExportReport& report)

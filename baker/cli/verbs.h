@@ -62,9 +62,6 @@ std::vector<double> parse_weights(const std::string& text);
 // not one, P1222 naming the line for which `use` throws Failure, P1223 if there is none.
 void read_weight_path(const std::string& path, const std::function<void(const std::vector<double>&)>& use);
 
-// The weights of all lines, as WeightDomain::from().
-std::vector<std::vector<float>> weight_path(const std::string& path, const WeightDomain& domain);
-
 // Nothing is written under a name that promises another format. Throws Failure (usage, P1230) naming the option if `path`
 // has a suffix and it is not this one, in any case, or is "-".
 void require_suffix(const std::string& option, const std::string& path, const std::string& suffix);

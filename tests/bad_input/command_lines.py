@@ -32,6 +32,7 @@ WEIGHTS = {
     "weights_with_semicolons": "1;1\n",
     "weights_of_spreadsheet": "\ufeff1,1\n1,x\n",
     "blend_path_negative": "1,1\r # 1\r-1,1\r",
+    "blend_path_beyond_floats": "1,1\n1e39,0\n",
     "average_two_kinds": "1,1\n",
     "average_path_of_other_poses": "1,1\n1,2,3\n",
     "average_path_empty": "# nothing\n\n",
