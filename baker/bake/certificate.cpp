@@ -253,12 +253,10 @@ std::string write_certificate(const BakeReport& report, const BakeOptions& optio
 
 namespace {
 
-// `missing` if there is none. Throws what the readers of the certificate catch.
-double number_within(const Json& object, const char* name, double missing, const NumberRange& range)
+// Throws what the reader of the certificate catches.
+double within(const NumberRange& range, double number)
 {
-    if (!object.contains(name)) return missing;
-    const double number = object[name].get<double>();
-    if (!(number >= range.least && number <= range.most)) throw std::out_of_range(name);
+    if (!(number >= range.least && number <= range.most)) throw std::out_of_range("certificate");
     return number;
 }
 
@@ -275,17 +273,17 @@ EnergyOptions read_energy_options(const std::string& certificate, bool has_layer
                          { Material::discrete_shells, Material::arap, Material::stvk, Material::mooney_rivlin });
         options.blend = parse_name(energy.value("blend", "average"), { Blend::average, Blend::layers });
         if ((options.blend == Blend::layers) != has_layers) throw std::invalid_argument("blend");
-        options.poisson = number_within(energy, "poisson", -1.0, poisson_range);
-        options.weld_tolerance = number_within(energy, "weld", 0.0, weld_range); // none: nothing was welded
+        if (energy.contains("poisson")) options.poisson = within(poisson_range, energy["poisson"].get<double>());
+        options.weld_tolerance = within(weld_range, energy.value("weld", 0.0)); // none: nothing was welded
         options.fixed_vertices = energy.value("fixed_vertices", std::vector<std::uint32_t>());
         options.keep_placement = !energy.at("aligned").get<bool>();
         if (options.material == Material::discrete_shells) {
             ShellOptions& shell = options.shell;
             shell.membrane = parse_name(energy.at("membrane").get<std::string>(),
                                         { Membrane::neo_hookean, Membrane::stvk, Membrane::edge });
-            shell.thickness = number_within(energy, "thickness", shell.thickness, thickness_range);
+            shell.thickness = within(thickness_range, energy.at("thickness").get<double>());
             shell.foldover_damping
-                = number_within(energy, "foldover_damping", shell.foldover_damping, foldover_damping_range);
+                = within(foldover_damping_range, energy.value("foldover_damping", shell.foldover_damping));
             options.continuity = parse_name(energy.value("continuity", "off"),
                                             { Continuity::automatic, Continuity::off }); // older certificates do not say
         }

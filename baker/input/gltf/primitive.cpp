@@ -103,7 +103,8 @@ void read_influences(const AttributeReader& reader, GltfPrimitive& out)
                                                                           : UINT32_MAX);
 }
 
-// The corners of a box behind the vertices, and their triangle. They are elsewhere if another program changed the file.
+// The corners of a box behind the vertices, and their triangle. Where another program has moved vertices, a face has one of
+// the last two, and nothing is left out.
 void leave_out_box(const GltfValue& primitive, GltfPrimitive& out)
 {
     const GltfValue extras = primitive["extras"];
@@ -113,9 +114,11 @@ void leave_out_box(const GltfValue& primitive, GltfPrimitive& out)
     const std::uint64_t own_count = ours["vertex_count"].whole_or(out.vertex_count());
     if (own_count + 2 != out.vertex_count()) return;
     const auto count = static_cast<Eigen::Index>(own_count);
-    const auto is_extra = [&](const Triangle& t) { return std::max({ t[0], t[1], t[2] }) >= count; };
-    const auto extra = std::remove_if(out.triangles.begin(), out.triangles.end(), is_extra);
-    out.triangles.erase(extra, out.triangles.end());
+    const auto is_own = [&](const Triangle& t) { return std::max({ t[0], t[1], t[2] }) < count; };
+    const auto box = std::partition(out.triangles.begin(), out.triangles.end(), is_own);
+    if (std::any_of(box, out.triangles.end(), [&](const Triangle& t) { return std::min({ t[0], t[1], t[2] }) < count; }))
+        return;
+    out.triangles.erase(box, out.triangles.end());
     out.positions.conservativeResize(count, Eigen::NoChange);
     out.weights.conservativeResize(count, Eigen::NoChange);
     out.joints.resize(static_cast<std::size_t>(out.weights.size()));
