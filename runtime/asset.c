@@ -41,6 +41,7 @@ static int is_known_tag(uint32_t tag)
     case PLIANT_CHUNK_VERTICES:
     case PLIANT_CHUNK_SMOOTHING:
     case PLIANT_CHUNK_MORPH_RANGES:
+    case PLIANT_CHUNK_SCENE:
     case PLIANT_CHUNK_POLYGONS:
     case PLIANT_CHUNK_NAMES:
     case PLIANT_CHUNK_ANSWERS:

@@ -219,7 +219,7 @@ std::string write_certificate(const BakeReport& report, const BakeOptions& optio
             energy["rough_vertices"] = report.input.rough_count;
         if (report.input.rough_count > 0) energy["roughest_vertex"] = report.input.roughest_vertex;
     }
-    energy["aligned"] = !options.energy.keeps_placement();
+    energy["aligned"] = !options.energy.keep_placement;
     energy["solver"] = name_of(options.energy.solver);
     if (report.input.repairs.welded_count > 0) energy["weld"] = options.energy.weld_tolerance;
     if (!report.input.fixed_vertices.empty()) energy["fixed_vertices"] = report.input.fixed_vertices;
@@ -260,6 +260,18 @@ double within(const NumberRange& range, double number)
     return number;
 }
 
+std::vector<std::uint32_t> ascending_numbers(const Json& list)
+{
+    std::vector<std::uint32_t> numbers;
+    for (const Json& item : list) {
+        const bool is_whole = item.is_number_unsigned() && item.get<std::uint64_t>() <= UINT32_MAX;
+        if (!is_whole || (!numbers.empty() && item.get<std::uint64_t>() <= numbers.back()))
+            throw std::invalid_argument("fixed_vertices");
+        numbers.push_back(item.get<std::uint32_t>());
+    }
+    return numbers;
+}
+
 } // namespace
 
 EnergyOptions read_energy_options(const std::string& certificate, bool has_layers, const std::string& path)
@@ -275,7 +287,7 @@ EnergyOptions read_energy_options(const std::string& certificate, bool has_layer
         if ((options.blend == Blend::layers) != has_layers) throw std::invalid_argument("blend");
         if (energy.contains("poisson")) options.poisson = within(poisson_range, energy["poisson"].get<double>());
         options.weld_tolerance = within(weld_range, energy.value("weld", 0.0)); // none: nothing was welded
-        options.fixed_vertices = energy.value("fixed_vertices", std::vector<std::uint32_t>());
+        if (energy.contains("fixed_vertices")) options.fixed_vertices = ascending_numbers(energy["fixed_vertices"]);
         options.keep_placement = !energy.at("aligned").get<bool>();
         if (options.material == Material::discrete_shells) {
             ShellOptions& shell = options.shell;

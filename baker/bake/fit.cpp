@@ -91,7 +91,7 @@ private:
     FittedModel fit_at(Eigen::Index d, const Quartic* quartic);
     TrainingSet train(const ReducedSolver& reduced) const;
     ChosenModel fit_surrogate(const ReducedEnergy& reduced, const Quartic* quartic, FittedModel& out) const;
-    ChosenModel fit_ghost(const Subspace& subspace, FittedModel& out) const;
+    ChosenModel fit_ghost(const Subspace& subspace, const Gauge& gauge, FittedModel& out) const;
 
     const FitProblem& p_;
     const BakeOptions& options_;
@@ -138,26 +138,30 @@ TrainingSet Fitter::train(const ReducedSolver& reduced) const
     return training_of(reduced, averages_, exact_count_, nearness_);
 }
 
-ChosenModel Fitter::fit_ghost(const Subspace& subspace, FittedModel& out) const
+ChosenModel Fitter::fit_ghost(const Subspace& subspace, const Gauge& gauge, FittedModel& out) const
 {
     progress_.update("ghost", 0);
     out.ghost = std::make_unique<Ghost>(make_ghost(p_.set, subspace, options_.ghost_vertex_count));
     out.ghost_energy = make_energy(out.ghost->set, options_.energy);
     std::vector<std::size_t> elements(out.ghost_energy->element_count());
     std::iota(elements.begin(), elements.end(), std::size_t(0));
-    auto surrogate = std::make_shared<const SurrogateEnergy>(*out.ghost_energy, out.ghost->set.shapes[0], out.ghost->basis,
-                                                             elements, Eigen::VectorXd::Ones(Eigen::Index(elements.size())));
-    return fit_model(surrogate, subspace, p_.set, out.training, p_.found.checks, false, surrogate_options());
+    auto surrogate = std::make_shared<SurrogateEnergy>(*out.ghost_energy, out.ghost->set.shapes[0], out.ghost->basis,
+                                                       elements, Eigen::VectorXd::Ones(Eigen::Index(elements.size())));
+    surrogate->hold(gauge);
+    return fit_model(surrogate, subspace, p_.set, out.training, p_.found.checks, gauge.stiffness > 0, surrogate_options());
 }
 
 // `quartic`: of at least as many dimensions; null: another kind.
 ChosenModel Fitter::fit_surrogate(const ReducedEnergy& reduced, const Quartic* quartic, FittedModel& out) const
 {
-    if (options_.surrogate == SurrogateKind::ghost) return fit_ghost(reduced.subspace(), out);
+    if (options_.surrogate == SurrogateKind::ghost) return fit_ghost(reduced.subspace(), reduced.gauge(), out);
     if (!quartic) return choose_cubature(reduced, p_.set, out.training, p_.found.checks, surrogate_options(), &progress_);
-    auto surrogate
-        = std::make_shared<const SurrogateEnergy>(reduced.energy(), quartic->leading(reduced.subspace().dimension()));
-    return fit_model(std::move(surrogate), reduced.subspace(), p_.set, out.training, p_.found.checks, false,
+    Quartic polynomial = quartic->leading(reduced.subspace().dimension());
+    const Gauge& gauge = reduced.gauge();
+    const bool is_held = gauge.stiffness > 0;
+    if (is_held) polynomial.hold(gauge.along, gauge.wanted, gauge.stiffness);
+    auto surrogate = std::make_shared<const SurrogateEnergy>(reduced.energy(), std::move(polynomial));
+    return fit_model(std::move(surrogate), reduced.subspace(), p_.set, out.training, p_.found.checks, is_held,
                      surrogate_options());
 }
 
@@ -165,7 +169,8 @@ FittedModel Fitter::fit_at(Eigen::Index d, const Quartic* quartic)
 {
     FittedModel out;
     out.subspace = leading(all(), d);
-    const ReducedSolver reduced(p_.energy, out.subspace, p_.family.mean_hessian(), p_.family.energy_scale());
+    ReducedSolver reduced(p_.energy, out.subspace, p_.family.mean_hessian(), p_.family.energy_scale());
+    reduced.hold(p_.set);
     out.training = train(reduced);
     ChosenModel chosen = fit_surrogate(reduced.energy(), quartic, out);
     out.model = std::move(chosen.model);

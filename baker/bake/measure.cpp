@@ -141,7 +141,7 @@ std::vector<Measurement> measure(RuntimeBlender& blender, const std::string& ass
                                  const MeasureOptions& options, Progress& listener)
 {
     PlannedProgress progress(listener, { { "ties", 0.1 }, { "mean", 0.3 }, { "unreduced averages", 1 } });
-    const NormalizedPoses set = normalize(poses, energy_options.keeps_placement());
+    const NormalizedPoses set = normalize(poses, energy_options.keep_placement);
     std::optional<Drawn> drawn;
     if (surface) drawn.emplace(Drawn { *surface, render_mesh_shapes(set, *surface) });
     check_same_poses(blender, drawn_set(poses, set, drawn ? &*drawn : nullptr), asset_path);

@@ -43,8 +43,6 @@ struct EnergyOptions {
     // Of surfaces: vertices this near in all poses are one (over the diagonal); 0: none
     double weld_tolerance = default_weld_tolerance;
     SolverKind solver = default_solver();
-
-    bool keeps_placement() const { return keep_placement || blend == Blend::layers; }
 };
 
 // The range of a layer's weight, by the layer's name; without one of all layers that no other names.

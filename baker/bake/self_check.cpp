@@ -207,7 +207,7 @@ CheckReport compare_with_averages(OpenedAsset& opened, const FitProblem& problem
                            !point.branches.empty() });
         if (problem.domain.is_box()) {
             blends.back().kind = problem.domain.kind_of(point.weights, i);
-            blends.back().linear_error = relative_distance(set, linear_blend(set, point.weights), point.reference);
+            blends.back().linear_error = relative_error(set, linear_blend(set, point.weights), point.reference);
         }
         if (ties) add_check(*ties, set, point.weights, point.reference, blend, *tie_report);
     }

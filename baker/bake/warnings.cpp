@@ -1,5 +1,6 @@
 #include "bake/warnings.h"
 
+#include "base/mesh/align.h"
 #include "base/weights/weights.h"
 
 #include <fmt/core.h>
@@ -144,6 +145,20 @@ void warn_of_memory(double needed, double available, Progress& progress)
     progress.warn(4411,
                   fmt::format("needs about {:.1f} GiB of memory, there are {:.1f}", needed / gibibyte, available / gibibyte),
                   "lower --threads, bake a coarser mesh, or use a machine with more memory");
+}
+
+void warn_of_turns(const PoseSet& poses, const EnergyOptions& energy, const NormalizedPoses& set, Progress& progress)
+{
+    const bool is_kept = set.frame.size() > 0 || !set.is_free();
+    if (is_kept || (!energy.keep_placement && !poses.share_frame)) return;
+    std::size_t farthest = 0;
+    for (std::size_t k = 1; k < set.pose_count(); ++k)
+        if (turned_degrees(set, k) > turned_degrees(set, farthest)) farthest = k;
+    progress.warn(4413,
+                  fmt::format("the poses turn too far for blends that turn with them, {} by {:.0f} degrees: all are aligned "
+                              "with the first",
+                              poses.names[farthest], turned_degrees(set, farthest)),
+                  "turn the character where it is drawn, or bake poses that turn less");
 }
 
 void warn_of_foldover(const InputReport& input, const EnergyOptions& energy, Progress& progress)

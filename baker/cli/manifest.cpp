@@ -2,6 +2,7 @@
 
 #include "cli/bake_request.h"
 #include "cli/config_options.h"
+#include "cli/verbs.h"
 #include "input/io/source_file.h"
 #include "input/poses/pose_source.h"
 #include "pipeline/stamp.h"

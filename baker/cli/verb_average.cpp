@@ -215,7 +215,8 @@ ExitCode run_average(AverageArguments a, const CLI::App& verb)
     std::vector<std::string> outputs = { a.list };
     for (const Wanted& one : wanted) outputs.push_back(one.output);
     probe_outputs(outputs, inputs);
-    const NormalizedPoses set = normalize(poses, a.energy.keeps_placement());
+    const NormalizedPoses set = normalize(poses, a.energy.keep_placement);
+    warn_of_turns(poses, a.energy, set, progress);
     EnergyOptions options = a.energy;
     options.material = material_of(options, poses.is_solid());
     const ElasticModel model = make_model(set, options, &progress);

@@ -137,7 +137,7 @@ ExitCode run_check(CheckArguments a, const CLI::App& verb)
         print_to(stdout, "{}\n", json_text(describe_poses(poses, a.bake)));
         return ExitCode::done;
     }
-    const NormalizedPoses set = normalize(poses, a.bake.energy.keeps_placement());
+    const NormalizedPoses set = normalize(poses, a.bake.energy.keep_placement);
     if (a.talk.is_quiet) {
         warn_of_contradictions(contradictions_of(poses, set), poses);
         return ExitCode::done;
@@ -172,7 +172,7 @@ ExitCode run_check(CheckArguments a, const CLI::App& verb)
 
 nlohmann::ordered_json describe_poses(const PoseSet& poses, const BakeOptions& options)
 {
-    const NormalizedPoses set = normalize(poses, options.energy.keeps_placement());
+    const NormalizedPoses set = normalize(poses, options.energy.keep_placement);
     const Material material = material_of(options.energy, poses.is_solid());
     const Folds folds = folds_of(set, options.energy);
     const BakeEstimate e = estimate_bake(poses.vertex_count(), poses.pose_count(), options);

@@ -32,6 +32,14 @@ std::string pose_seen_from(const fs::path& folder, const std::string& pose)
     return seen_from(folder, argument.path) + pose.substr(argument.path.size());
 }
 
+// Of the place that links lead to.
+std::string link_digest(const fs::path& folder, const std::string& place)
+{
+    if (place.empty()) return "";
+    std::error_code ignored;
+    return sha256_hex("leads to " + fs::path(place).lexically_relative(fs::weakly_canonical(folder, ignored)).string());
+}
+
 std::string digest_of(const std::string& path)
 {
     DiagnosticList diagnostics;
@@ -59,7 +67,7 @@ std::string changed_input(const Json& inputs, const fs::path& folder)
         const std::string path = input.at("path").get<std::string>();
         const std::string wanted = input.at("sha256").is_null() ? "" : input.at("sha256").get<std::string>();
         const std::string place = (folder / path).lexically_normal().string();
-        if (digest_of(place) != wanted && (wanted.empty() || link_digest(place) != wanted))
+        if (digest_of(place) != wanted && (wanted.empty() || link_digest(folder, link_place(place)) != wanted))
             return fs::path(path).filename().string();
     }
     return {};
@@ -86,7 +94,10 @@ std::string write_stamp(const StampContent& content)
     Json inputs = Json::array();
     for (const ReadFile& file : content.files) {
         Json input = { { "path", seen_from(folder, file.path) }, { "sha256", nullptr } };
-        if (!file.digest.empty()) input["sha256"] = file.digest;
+        const std::string digest = file.place.empty() ? file.digest : link_digest(folder, file.place);
+        if (!digest.empty()) input["sha256"] = digest;
+        // JSON holds only names of UTF-8; others are not found again, and count as changed.
+        if (Json::parse(json_text(input["path"])) != input["path"]) input["sha256"] = "unknown";
         inputs.push_back(input);
     }
     const Json stamp

@@ -248,7 +248,7 @@ class Asset:
         self.centres = np.frombuffer(data, "<f4", count * m, 64).reshape(count, m).astype(float)
         table = np.frombuffer(data, "<f4", offset=start).reshape(count + m, wide)
         self.coefficients = table[:, :self.dimension].astype(float)
-        require(np.isfinite(self.centres).all() and np.isfinite(self.coefficients).all(), "R10", "PRED")
+        require(np.isfinite(self.centres).all() and np.isfinite(table).all(), "R10", "PRED")
 
     def read_load(self):
         self.load_coefficients = None

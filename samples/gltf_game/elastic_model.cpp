@@ -1,5 +1,7 @@
 #include "elastic_model.h"
 
+#include "draw/image_reader.h"
+
 #include <algorithm>
 #include <cstring>
 #include <stdexcept>
@@ -23,9 +25,29 @@ void* aligned(std::vector<std::uint64_t>& memory, std::size_t size)
     return memory.data() + (address % 16 ? 1 : 0);
 }
 
+// By libpng and libjpeg: stb_image, which tinygltf has, writes out of bounds where a JPEG file of a stranger wants it to.
+// Without pixels the texture is left out.
+bool decode_image(tinygltf::Image* image, int, std::string*, std::string*, int, int, const unsigned char* bytes, int size,
+                  void*)
+{
+    constexpr std::size_t most_bytes = std::size_t(1) << 28;
+    pliant::player::Image read
+        = pliant::player::read_image(bytes, static_cast<std::size_t>(size), [](std::size_t pixel_bytes) {
+              if (pixel_bytes > most_bytes) throw std::runtime_error("a texture is too large");
+          });
+    image->width = read.width;
+    image->height = read.height;
+    image->component = 4;
+    image->bits = 8;
+    image->pixel_type = TINYGLTF_COMPONENT_TYPE_UNSIGNED_BYTE;
+    image->image = std::move(read.pixels);
+    return true;
+}
+
 tinygltf::Model load(const std::string& path)
 {
     tinygltf::TinyGLTF loader;
+    loader.SetImageLoader(decode_image, nullptr);
     tinygltf::Model model;
     std::string error, warning;
     if (!loader.LoadBinaryFromFile(&model, &error, &warning, path))

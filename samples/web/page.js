@@ -73,7 +73,7 @@ function makeSliders() {
   const rows = page.asset.weights.map((weight, k) => {
     const label = document.createElement("label"), input = document.createElement("input"),
           name = document.createElement("span"), value = document.createElement("span");
-    name.textContent = weight.name;
+    name.textContent = weight.name.slice(0, 200); // a file may have any: laying out a long one takes minutes
     value.ariaHidden = "true"; // the slider says it
     Object.assign(input, { type: "range", min: weight.low, max: weight.high, step: 0.01 });
     input.addEventListener("input", () => setOne(k, Number(input.value)));

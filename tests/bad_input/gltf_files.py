@@ -84,6 +84,17 @@ def grid(side):
     return vertices, [face for i in corners for face in ((i, i + side, i + 1), (i + 1, i + side, i + side + 1))]
 
 
+def draco_fan(steps):
+    """An edgebreaker stream whose symbols join one vertex again and again: each S walks around all of its faces."""
+    def number(value):
+        return bytes([value & 127 | 128]) + number(value >> 7) if value > 127 else bytes([value])
+    bits = "111" * steps + "10000" * (steps - 1) # E, then S C C
+    bits += "0" * (-len(bits) % 8)
+    symbols, count = int(bits[::-1], 2).to_bytes(len(bits) // 8, "little"), steps + 3 * (steps - 1)
+    header = b"DRACO\x02\x02\x01\x01\0\0\0" + number(3 * steps) + number(count) + b"\0" + number(count) + number(steps - 1)
+    return header + b"\0" + number(len(symbols)) + symbols + b"\x80\x01" + bytes(65)
+
+
 def add_cases(good):
     """Registers the cases; good() is the mesh of generate.py."""
     def case(name, edit=lambda g: None, file="a.glb", write=lambda g: g.glb()):
@@ -235,6 +246,14 @@ def add_cases(good):
             "KHR_draco_mesh_compression": {"bufferView": view, "attributes": {"POSITION": 0}}}
     case("gltf_draco_damaged", draco)
 
+    def compressed(name, data):
+        def edit(gltf):
+            gltf.json["meshes"][0]["primitives"][0]["extensions"] = {
+                "KHR_draco_mesh_compression": {"bufferView": gltf.view(data), "attributes": {"POSITION": 0}}}
+        case(name, edit)
+    compressed("gltf_draco_metadata", b"DRACO\x02\x02\x01\x01\x00\x80" + b"\x01" * 40)
+    compressed("gltf_draco_fan", draco_fan(20000))
+
     def meshopt(name, view_length=1560, **more):
         """The positions, 130 rows of 12 bytes, as if compressed into bytes that are not."""
         def edit(gltf):
@@ -289,7 +308,8 @@ def add_cases(good):
         gltf = blob(good())
         with open(folder / "large.bin", "wb") as file:
             file.truncate(8 << 20)
-        gltf.json["buffers"] += [{"byteLength": 0, "uri": "./" * (i % 3) + "large.bin"} for i in range(200)]
+        gltf.json["buffers"] += [{"byteLength": 0, "uri": "here/" * (i % 30) + "large.bin"} for i in range(200)]
+        (folder / "here").symlink_to(".")
         (folder / "a.gltf").write_bytes(gltf.gltf())
     CASES["gltf_many_buffers"] = many_buffers
 

@@ -72,6 +72,13 @@ def gltf_depth(depth):
     return check("a.gltf", '{"asset": {"version": "2.0"}, "extras": ' + nested(depth - 1) + "}")
 
 
+def material_text(size):
+    file = gltf_files.Gltf()
+    file.mesh([(0, 0, 0), (1, 0, 0), (0, 1, 0)], [(0, 1, 2)])
+    file.json["materials"] = [{"name": "m" * (size - len('{"name":""}'))}]
+    return check("a.glb", file.glb())
+
+
 def images(count):
     file = gltf_files.Gltf()
     file.mesh([(0, 0, 0), (1, 0, 0), (0, 1, 0)], [(0, 1, 2)])
@@ -177,6 +184,7 @@ def makers(asset):
             lambda size: check("a.gltf", '{"asset": {"version": "2.0"}, "nodes": [{"mesh": 0}], "meshes": [{"name": "'
                                + "n" * size + '"}]}'),
         "images of a glTF file": images,
+        "bytes of the materials, samplers and textures of a glTF file, as JSON without blanks": material_text,
         "depth of configurations and manifests": config_depth,
         "poses": poses,
         "magnitude of a layer's weight, in its range": layer_range,

@@ -159,7 +159,9 @@ def test_wrong_partners(folder, poses):
     check(swapped.returncode == 3 and "error P5104" in swapped.stderr,
           f"measured with poses in another order: {swapped.stderr}")
     for said, other in ((rb'"continuity": "auto"', b'"blend": "layers"'), (rb'"thickness": 0.00\d', b'"thickness": 1e9'),
-                        (rb'"thickness": 0.00\d', b'"thickness": -1')):
+                        (rb'"thickness": 0.00\d', b'"thickness": -1'),
+                        (rb'"aligned": true,\s*"solver": "\w+"', b'"aligned":false,"fixed_vertices":[1.5]'),
+                        (rb'"aligned": true,\s*"solver": "\w+"', b'"aligned":false,"fixed_vertices":[3,2]')):
         changed.write_bytes(change_text(asset.read_bytes(), said, other))
         damaged = run("measure", changed, *poses, "--samples", "1")
         check(damaged.returncode == 3 and "error P5103" in damaged.stderr, f"measured with {other}: {damaged.stderr}")

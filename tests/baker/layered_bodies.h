@@ -31,6 +31,7 @@ inline Positions layered_positions(const Positions& straight, double twist, doub
 inline void set_layers(PoseSet& poses, double twist = 1.5, double bend = 1.5)
 {
     const Positions straight = poses.positions[0];
+    poses.blend = Blend::layers;
     poses.positions = { straight, layered_positions(straight, twist, 0), layered_positions(straight, 0, bend) };
     poses.names = { "straight", "twisted", "bent" };
     poses.paths = poses.names;

@@ -13,18 +13,18 @@ typedef struct test_context {
     EGLContext context;
 } test_context;
 
-/* The versions that tests ask for. Mesa gives the newest that is compatible, so it is told to have no newer one. */
+/* The versions that tests ask for. Drivers give the newest that is compatible; Mesa is told to have no newer one. */
 typedef struct wished_context {
     const char* name;
-    int is_es, major, minor, computes;
+    int is_es, major, minor;
     const char *variable, *value, *glsl;
 } wished_context;
 
 static const wished_context wished_contexts[] = {
-    { "gl33", 0, 3, 3, 0, "MESA_GL_VERSION_OVERRIDE", "3.3", "330" },
-    { "gl43", 0, 4, 3, 1, "MESA_GL_VERSION_OVERRIDE", "4.3", "430" },
-    { "es30", 1, 3, 0, 0, "MESA_GLES_VERSION_OVERRIDE", "3.0", NULL },
-    { "es31", 1, 3, 1, 1, "MESA_GLES_VERSION_OVERRIDE", "3.1", NULL },
+    { "gl33", 0, 3, 3, "MESA_GL_VERSION_OVERRIDE", "3.3", "330" },
+    { "gl43", 0, 4, 3, "MESA_GL_VERSION_OVERRIDE", "4.3", "430" },
+    { "es30", 1, 3, 0, "MESA_GLES_VERSION_OVERRIDE", "3.0", NULL },
+    { "es31", 1, 3, 1, "MESA_GLES_VERSION_OVERRIDE", "3.1", NULL },
 };
 
 static inline const wished_context* find_wished(const char* name)
@@ -75,6 +75,9 @@ static inline test_context make_context(const wished_context* wished)
     printf("%s: %s, %s\n", wished->name, (const char*)glGetString(GL_VERSION), (const char*)glGetString(GL_RENDERER));
     return made;
 }
+
+/* Of the current context. */
+static inline int has_compute_shaders(void) { return epoxy_gl_version() >= (epoxy_is_desktop_gl() ? 43 : 31); }
 
 static inline void drop_context(test_context made)
 {

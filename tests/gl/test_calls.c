@@ -71,7 +71,7 @@ static void check_contexts(void)
     expect_context_error(load_without, PLIANT_GL_PATH_AUTO, "glGetString");
     missing_function = "glTransformFeedbackVaryings";
     expect_context_error(load_without, PLIANT_GL_PATH_FEEDBACK, "glTransformFeedbackVaryings");
-    if (!wished->computes) expect_context_error(eglGetProcAddress, PLIANT_GL_PATH_COMPUTE, "compute shaders need");
+    if (!has_compute_shaders()) expect_context_error(eglGetProcAddress, PLIANT_GL_PATH_COMPUTE, "compute shaders need");
 
     pliant_gl gl;
     CHECK(pliant_gl_init(&gl, load_spoiled, NULL) == PLIANT_GL_ERROR_SHADER, "a shader that is nonsense");
@@ -210,12 +210,12 @@ static void take_down(GLint* state)
     glGetIntegeri_v(GL_TRANSFORM_FEEDBACK_BUFFER_BINDING, 0, &state[at++]);
     glGetIntegeri_v(GL_TRANSFORM_FEEDBACK_BUFFER_START, 0, &state[at++]);
     glGetIntegeri_v(GL_TRANSFORM_FEEDBACK_BUFFER_SIZE, 0, &state[at++]);
-    for (GLuint i = 0; wished->computes && i < 2; ++i) {
+    for (GLuint i = 0; has_compute_shaders() && i < 2; ++i) {
         glGetIntegeri_v(GL_SHADER_STORAGE_BUFFER_BINDING, i, &state[at++]);
         glGetIntegeri_v(GL_SHADER_STORAGE_BUFFER_START, i, &state[at++]);
         glGetIntegeri_v(GL_SHADER_STORAGE_BUFFER_SIZE, i, &state[at++]);
     }
-    if (wished->computes) glGetIntegerv(GL_SHADER_STORAGE_BUFFER_BINDING, &state[at++]);
+    if (has_compute_shaders()) glGetIntegerv(GL_SHADER_STORAGE_BUFFER_BINDING, &state[at++]);
     for (GLuint unit = 0; unit < 3; ++unit) {
         glActiveTexture(GL_TEXTURE0 + unit);
         glGetIntegerv(GL_TEXTURE_BINDING_2D_ARRAY, &state[at++]);
@@ -256,7 +256,7 @@ static void set_unusual_state(void)
     glBindBuffer(GL_COPY_WRITE_BUFFER, buffers[2]);
     glBindBuffer(GL_PIXEL_UNPACK_BUFFER, buffers[3]);
     glBindBufferRange(GL_TRANSFORM_FEEDBACK_BUFFER, 0, buffers[0], 256, 512);
-    if (wished->computes) {
+    if (has_compute_shaders()) {
         glBindBufferRange(GL_SHADER_STORAGE_BUFFER, 0, buffers[1], 1024, 256);
         glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 1, buffers[2]);
     }
@@ -330,13 +330,14 @@ int main(int argc, char** argv)
     check_contexts();
     check_init_arguments();
     CHECK(pliant_gl_init(&gl, eglGetProcAddress, NULL) == PLIANT_GL_OK, "%s", gl.message);
-    CHECK(gl.path == (wished->computes ? PLIANT_GL_PATH_COMPUTE : PLIANT_GL_PATH_FEEDBACK), "the path of its own choice");
+    CHECK(gl.path == (has_compute_shaders() ? PLIANT_GL_PATH_COMPUTE : PLIANT_GL_PATH_FEEDBACK),
+          "the path of its own choice");
     check_arguments(&gl, &small, &large);
     pliant_gl_free(&gl);
     check_limits(&large);
     set_unusual_state();
     check_state(&small, PLIANT_GL_PATH_FEEDBACK);
-    if (wished->computes) check_state(&small, PLIANT_GL_PATH_COMPUTE);
+    if (has_compute_shaders()) check_state(&small, PLIANT_GL_PATH_COMPUTE);
     free_blob(small.blob);
     free_blob(large.blob);
     drop_context(context);

@@ -212,8 +212,8 @@ int main(int argc, char** argv)
         opened o = open_asset(argv[2], argv[i]);
         check_path(&o, PLIANT_GL_PATH_FEEDBACK, 0);
         check_path(&o, PLIANT_GL_PATH_FEEDBACK, 16);
-        if (wished->computes) check_path(&o, PLIANT_GL_PATH_COMPUTE, 0);
-        if (wished->computes) check_path(&o, PLIANT_GL_PATH_COMPUTE, 16);
+        if (has_compute_shaders()) check_path(&o, PLIANT_GL_PATH_COMPUTE, 0);
+        if (has_compute_shaders()) check_path(&o, PLIANT_GL_PATH_COMPUTE, 16);
         free_blob(o.blob);
     }
     drop_context(context);

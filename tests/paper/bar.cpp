@@ -123,7 +123,7 @@ private:
             const Shape start = n == 1 ? truths_[0] : Shape(2 * truths_[n - 1] - truths_[n - 2]);
             NewtonResult result = solver.minimize(weights_.back(), start, exact_newton());
             if (!result.has_converged) tell(fmt::format("the average for weight {} did not converge", t));
-            fix_gauge(set_, result.y);
+            align_to(set_, set_.shapes[0], result.y);
             truths_.push_back(std::move(result.y));
         }
     }

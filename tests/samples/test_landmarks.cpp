@@ -69,7 +69,8 @@ Actor actor_at(const std::vector<Vertex>& vertices, float z) { return { &vertice
 
 TEST_CASE("floor and means of parts without rebuilding all vertices")
 {
-    for (const char* name : { "strip_neo", "tube_neo", "tube_compact", "tube_compact_fine", "beam_mooney" }) {
+    for (const char* name :
+         { "strip_neo", "tube_neo", "tube_compact", "tube_compact_fine", "tube_factored", "beam_mooney" }) {
         CAPTURE(name);
         const AssetFile file(std::string(PLIANT_TINY_ASSETS) + "/" + name + ".pliant");
         compare(file.view(), glm::mat3(1.0f));

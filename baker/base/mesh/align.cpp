@@ -3,12 +3,18 @@
 #include "base/mesh/tets.h"
 
 #include <Eigen/Dense>
+#include <algorithm>
 
 namespace pliant {
 
 namespace {
 
 using RowPoints = Eigen::Map<const Positions>;
+
+// Of a pose against the mean of all. What holds a turn in place is the sine of it.
+constexpr double most_turned = 75; // degrees
+
+double degrees_of(const RigidMotion& motion) { return Eigen::AngleAxisd(motion.rotation).angle() * 57.29577951308232; }
 
 RowPoints rows(const Shape& shape) { return RowPoints(shape.data(), shape.size() / 3, 3); }
 
@@ -70,7 +76,16 @@ void keep_aligned(const NormalizedPoses& set, const Shape& target, const Shape& 
         displacements.middleRows<3>(3 * v) -= cross_matrix(shape.segment<3>(3 * v)) * turns;
 }
 
-NormalizedPoses normalize(const PoseSet& poses, bool keep_placement)
+namespace {
+
+Shape mean_shape(const std::vector<Shape>& shapes)
+{
+    Shape sum = shapes[0];
+    for (std::size_t k = 1; k < shapes.size(); ++k) sum += shapes[k];
+    return sum / double(shapes.size());
+}
+
+NormalizedPoses normalized(const PoseSet& poses, bool keep_placement)
 {
     NormalizedPoses set;
     set.triangles = poses.triangles;
@@ -78,7 +93,6 @@ NormalizedPoses normalize(const PoseSet& poses, bool keep_placement)
     set.regions = poses.regions;
     set.source_vertices = poses.source_vertices;
     set.fixed_vertices = poses.fixed_vertices;
-    keep_placement = keep_placement || poses.share_frame || !set.is_free();
     const Eigen::Index n = Eigen::Index(poses.vertex_count());
 
     // Shapes relative to the middle of pose 0, so that a far-away origin costs no digits in what follows.
@@ -120,10 +134,22 @@ NormalizedPoses normalize(const PoseSet& poses, bool keep_placement)
     return set;
 }
 
-double turned_degrees(const NormalizedPoses& set, std::size_t pose)
+} // namespace
+
+NormalizedPoses normalize(const PoseSet& poses, bool keep_placement)
 {
-    return Eigen::AngleAxisd(set.motions[pose].rotation).angle() * 57.29577951308232;
+    if (!poses.fixed_vertices.empty()) return normalized(poses, true);
+    if (!keep_placement && !poses.share_frame && poses.blend != Blend::layers) return normalized(poses, false);
+    NormalizedPoses set = normalized(poses, true);
+    set.frame = poses.blend == Blend::layers ? set.shapes[0] : mean_shape(set.shapes);
+    const bool has_frame
+        = poses.blend == Blend::layers || std::all_of(set.shapes.begin(), set.shapes.end(), [&](const Shape& shape) {
+              return degrees_of(best_rigid_motion(set.frame, shape, set.masses)) <= most_turned;
+          });
+    return has_frame ? set : normalized(poses, false);
 }
+
+double turned_degrees(const NormalizedPoses& set, std::size_t pose) { return degrees_of(set.motions[pose]); }
 
 Positions to_input_units(const NormalizedPoses& set, const Shape& shape)
 {

@@ -16,7 +16,8 @@ void align_to(const NormalizedPoses& set, const Shape& target, Shape& shape);
 // Turns displacements (columns) of an aligned shape such that it stays closest to `target`, unless fixed vertices hold it.
 void keep_aligned(const NormalizedPoses& set, const Shape& target, const Shape& shape, Eigen::MatrixXd& displacements);
 
-// Aligns (unless `keep_placement`, the poses share a frame, or vertices are fixed) and normalises.
+// Aligns (unless `keep_placement`, the poses share a frame, or vertices are fixed) and normalises. Poses that are turned by
+// more than 75 degrees against their mean are aligned all the same: no blend of such turns depends continuously on weights.
 NormalizedPoses normalize(const PoseSet& poses, bool keep_placement = false);
 
 // By how much a pose was turned to align it with pose 0.

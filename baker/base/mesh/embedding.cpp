@@ -15,6 +15,9 @@ constexpr double weight_rounding = 1e-12; // of barycentric coordinates
 constexpr double tie = 1e-9;              // relative difference of squared distances that are the same
 constexpr std::size_t tets_of_leaf = 4;
 
+// Of tetrahedra at one distance no more are compared: a vertex of a good mesh has some dozens.
+constexpr std::size_t most_ties = 256;
+
 // The point of triangle a b c next to p (Ericson, Real-Time Collision Detection, 2005, section 5.1.5).
 Point closest_in_triangle(const Point& p, const Point& a, const Point& b, const Point& c)
 {
@@ -67,6 +70,7 @@ public:
     {
         Hit best;
         double limit = reach * reach;
+        std::size_t tie_count = 0;
         std::vector<std::size_t> open = { 0 };
         while (!open.empty()) {
             const std::size_t index = open.back();
@@ -74,8 +78,8 @@ public:
             const Node& node = nodes_[index];
             if (!(node.box.squaredExteriorDistance(p) <= limit * (1 + tie))) continue;
             if (node.right == 0) {
-                for (std::size_t i = node.first; i < node.last; ++i) improve(p, order_[i], best, limit);
-                if (best.squared_distance == 0) return best;
+                for (std::size_t i = node.first; i < node.last; ++i) improve(p, order_[i], best, limit, tie_count);
+                if (best.squared_distance == 0 || tie_count > most_ties) return best;
                 continue;
             }
             const std::size_t left = index + 1, right = node.right;
@@ -119,7 +123,8 @@ private:
     }
 
     // Takes the tetrahedron if it is nearer than the best, or as near with smaller coordinates.
-    void improve(const Point& p, std::size_t tet, Hit& best, double& limit) const
+    // Counts the tetrahedra that are as near as the best.
+    void improve(const Point& p, std::size_t tet, Hit& best, double& limit, std::size_t& tie_count) const
     {
         if (!(boxes_[tet].squaredExteriorDistance(p) <= limit * (1 + tie))) return;
         const Point* corners = &points_[4 * tet];
@@ -136,6 +141,7 @@ private:
             }
         if (!(hit.squared_distance <= limit * (1 + tie))) return;
         const bool is_nearer = hit.squared_distance < limit * (1 - tie);
+        tie_count = is_nearer ? 0 : tie_count + 1;
         if (!is_nearer && hit.weights.lpNorm<1>() >= best.weights.lpNorm<1>() && std::isfinite(best.squared_distance))
             return;
         limit = std::min(limit, hit.squared_distance);

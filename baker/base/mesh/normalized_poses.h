@@ -21,7 +21,8 @@ struct NormalizedPoses {
     SolidRegions regions;                       // of a solid
     std::vector<std::uint32_t> source_vertices; // as in PoseSet
     std::vector<std::uint32_t> fixed_vertices;  // ascending; without them bodies are free
-    std::vector<Shape> shapes;                  // per pose, aligned to pose 0; layers are where they are
+    std::vector<Shape> shapes;                  // per pose, aligned to pose 0 unless there is a frame
+    Shape frame;                                // of free poses that stay where they are, a shape between them; else empty
     Eigen::VectorXd masses;                     // per vertex: lumped, mean over the poses; sum 1; all positive
     Eigen::Vector3d centre;                     // input units; each coordinate is exactly a float
     double length = 1;                          // input units

@@ -37,6 +37,7 @@ NormalizedPoses render_mesh_shapes(const NormalizedPoses& solid, const RenderMes
         set.shapes.emplace_back(apply(surface.embedding, shape));
         set.masses += lumped_masses(set.shapes.back(), set.triangles) / double(solid.pose_count());
     }
+    if (solid.frame.size() > 0) set.frame = apply(surface.embedding, solid.frame);
     set.masses /= set.masses.sum();
     const Eigen::Map<const Positions> rest(set.shapes[0].data(), set.shapes[0].size() / 3, 3);
     set.diagonal = box_diagonal(rest);

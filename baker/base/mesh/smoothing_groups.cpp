@@ -15,6 +15,9 @@ constexpr double kSameDirection = 0.99984769515639124;
 // Keeps the cost of a normal small: pliant_normals_init refuses groups that are too large.
 constexpr std::size_t kLargest = 256;
 
+// Of groups at one place only the last ones are looked at: where there are more, vertices were put there to cost time.
+constexpr std::ptrdiff_t kCandidates = 64;
+
 // A normal shorter than this has no direction in single precision, in which files have them.
 constexpr double kShortest = 1e-6;
 
@@ -40,15 +43,14 @@ std::vector<std::uint32_t> smoothing_groups(const std::vector<std::uint32_t>& we
     std::unordered_map<std::uint32_t, std::vector<Group>> groups_at; // a welded vertex
     for (std::uint32_t v = 0; v < welded.size(); ++v) {
         std::vector<Group>& candidates = groups_at[welded[v]];
-        const auto joins = [&](const Group& group) {
-            return group.size < kLargest && (normals.empty() || agree(normals[group.first], normals[v]));
-        };
-        const auto found = std::find_if(candidates.begin(), candidates.end(), joins);
+        const auto joins = [&](const Group& group) { return normals.empty() || agree(normals[group.first], normals[v]); };
+        const auto first = candidates.end() - std::min(kCandidates, candidates.end() - candidates.begin());
+        const auto found = std::find_if(first, candidates.end(), joins);
         groups[v] = found == candidates.end() ? v : found->first;
         if (found == candidates.end())
             candidates.push_back({ v, 1 });
-        else
-            ++found->size;
+        else if (++found->size == kLargest)
+            candidates.erase(found);
     }
     return groups;
 }

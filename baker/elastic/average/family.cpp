@@ -73,6 +73,7 @@ struct AverageFamily::Path {
 AverageFamily::AverageFamily(SolverPool& pool, NewtonOptions options, Progress* progress,
                              std::optional<std::size_t> start_pose, const CoarseBody* coarse)
     : pool_(pool)
+    , placement_(pool.set())
     , options_(options)
     , progress_(progress)
     , start_pose_(start_pose)
@@ -153,7 +154,7 @@ void AverageFamily::follow(Path& path, const Weights& to, bool is_rough) const
         path.has_factor = true;
     }
     path.point.iterations = iterations;
-    place(path.w, path.point.y);
+    placement_.place(path.w, path.point.y);
 }
 
 FamilyPoint AverageFamily::reach_mean(std::size_t pose, std::size_t worker, Progress* progress) const
@@ -187,14 +188,6 @@ bool AverageFamily::refine_coarse_mean()
 }
 
 int AverageFamily::factorization_limit() const { return has_layers() ? layered_path_limit : path_limit; }
-
-void AverageFamily::place(const Weights& w, Shape& shape) const
-{
-    if (has_layers())
-        sum_->place(w, shape);
-    else
-        fix_gauge(pool_.set(), shape);
-}
 
 Weights AverageFamily::centre() const
 {
@@ -270,7 +263,7 @@ void AverageFamily::search_mean()
         if (average.energy - lowest > energy_doubt * std::abs(lowest)) continue;
         if (best < m && relative_distance(set, average.y, means[best].average.y) < branch_distance) continue; // the same one
         NewtonResult fine = pool_.at(0).minimize(w, average.y, options_, &progress);
-        fix_gauge(set, fine.y);
+        placement_.place(w, fine.y);
         average = std::move(fine);
         // Energies closer than Newton's accuracy are those of one average: the first pose stands for it.
         if (best == m || average.energy < means[best].average.energy * (1 - 1e-5)) best = k;
@@ -338,7 +331,7 @@ NewtonResult AverageFamily::beside_guess(const Weights& w, const Shape& guess, i
     result.y = guess;
     if (std::isfinite(energy_value(pool_.energy(), w, guess)))
         result = pool_.at(worker).minimize(w, guess, options, progress);
-    place(w, result.y);
+    placement_.place(w, result.y);
     return result;
 }
 
@@ -367,7 +360,7 @@ NewtonResult AverageFamily::near(const Shape& shape, const Weights& w, std::size
     NewtonOptions options = options_;
     options.has_near_factor = has_near_factor;
     NewtonResult result = pool_.at(worker).minimize(w, shape, options, progress);
-    place(w, result.y);
+    placement_.place(w, result.y);
     return result;
 }
 
@@ -375,10 +368,10 @@ void AverageFamily::compare(CheckPoint& point, const Shape& blend, std::size_t w
                             std::optional<NewtonResult> beside) const
 {
     const NormalizedPoses& set = pool_.set();
-    point.error = point.nearest_error = relative_distance(set, blend, point.reference);
+    point.error = point.nearest_error = relative_error(set, blend, point.reference);
     if (point.error < branch_distance / 2 && point.has_converged) return;
     if (!beside) beside = near(pool_.at(worker).settled(point.weights, blend), point.weights, worker, progress);
-    point.nearest_error = relative_distance(set, blend, beside->y);
+    point.nearest_error = relative_error(set, blend, beside->y);
     const double distance = relative_distance(set, beside->y, point.reference);
     if (distance > branch_distance) {
         point.branches.push_back({ Branch::Kind::other_path, point.weights, growing_pose(point.weights), distance,
@@ -388,7 +381,7 @@ void AverageFamily::compare(CheckPoint& point, const Shape& blend, std::size_t w
         point.reference = std::move(beside->y);
         point.has_converged = true;
     }
-    point.error = relative_distance(set, blend, point.reference);
+    point.error = relative_error(set, blend, point.reference);
 }
 
 CheckPoint AverageFamily::check(const Weights& w, const Shape& blend, double suspicion, std::size_t worker,
@@ -397,7 +390,7 @@ CheckPoint AverageFamily::check(const Weights& w, const Shape& blend, double sus
     std::optional<NewtonResult> beside;
     if (suspicion > 0) {
         beside = near(pool_.at(worker).settled(w, blend), w, worker, progress);
-        const double error = relative_distance(pool_.set(), blend, beside->y);
+        const double error = relative_error(pool_.set(), blend, beside->y);
         if (error <= suspicion && beside->has_converged) return { w, std::move(beside->y), error, error, true, {} };
     }
     CheckPoint point = point_at(w, worker, progress);

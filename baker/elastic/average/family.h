@@ -3,6 +3,7 @@
 
 #include "base/common/time_budget.h"
 #include "elastic/average/hessian.h"
+#include "elastic/average/placement.h"
 #include "elastic/average/pose_sum.h"
 #include "elastic/average/solver_pool.h"
 
@@ -24,7 +25,7 @@ struct Branch {
     std::size_t vertex; // that moves most between them
 };
 
-// A shape that is an average for certain weights, aligned to pose 0; of layers as PoseSum::place() says.
+// A shape that is an average for certain weights, at its place (Placement).
 struct KnownAverage {
     Weights weights;
     Shape shape;
@@ -32,14 +33,14 @@ struct KnownAverage {
 };
 
 struct FamilyPoint {
-    NewtonResult average; // aligned to pose 0
+    NewtonResult average; // at its place
     std::vector<Branch> jumps;
 };
 
 // A blend that was compared with the reference average.
 struct CheckPoint {
     Weights weights;
-    Shape reference;          // aligned to pose 0
+    Shape reference;          // at its place
     double error = 0;         // of the blend, relative L2
     double nearest_error = 0; // its distance from the average next to it: smaller, where that is another one
     bool has_converged = false;
@@ -125,6 +126,7 @@ public:
     CheckPoint check(const Weights& w, const Shape& blend, double suspicion, std::size_t worker, Progress* progress) const;
 
     SolverPool& pool() const { return pool_; }
+    const Placement& placement() const { return placement_; }
 
 private:
     struct Path;
@@ -134,7 +136,6 @@ private:
     void search_mean();
     bool refine_coarse_mean();
     bool has_layers() const { return pool_.energy().blend() == Blend::layers; }
-    void place(const Weights& w, Shape& shape) const;
     double step_length(const Weights& change) const;
     std::size_t growing_pose(const Weights& change) const;
     NewtonResult beside_guess(const Weights& w, const Shape& guess, int iterations, std::size_t worker,
@@ -142,6 +143,7 @@ private:
     FamilyPoint reach_mean(std::size_t pose, std::size_t worker, Progress* progress) const;
 
     SolverPool& pool_;
+    Placement placement_;
     NewtonOptions options_;
     Progress* progress_;
     std::optional<std::size_t> start_pose_;

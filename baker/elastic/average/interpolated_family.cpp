@@ -105,8 +105,9 @@ InterpolatedFamily::Known InterpolatedFamily::with_derivatives(const Weights& w,
                                                                bool has_near_factor) const
 {
     NewtonSolver& solver = family_.pool().at(worker);
-    Eigen::MatrixXd moves = solver.weight_derivatives(w, y, weight_directions(set().pose_count()), has_near_factor);
-    keep_aligned(set(), set().shapes[0], y, moves);
+    const Eigen::MatrixXd directions = weight_directions(set().pose_count());
+    Eigen::MatrixXd moves = solver.weight_derivatives(w, y, directions, has_near_factor);
+    family_.placement().keep(w, directions, y, moves);
     const Eigen::VectorXd value = coordinates_.coordinates(y);
     Known known { w, y, Eigen::MatrixXf(value.size(), 1 + moves.cols()) };
     known.coordinates.col(0) = value.cast<float>();
@@ -138,6 +139,7 @@ std::vector<Shape> InterpolatedFamily::at(const std::vector<Weights>& weights) c
     for_each_task(weights.size(), [&](std::size_t i, std::size_t worker) {
         shared.update("", 0);
         shapes[i] = settled(weights[i], unsettled(weights[i], worker), worker);
+        if (family_.placement().is_kept()) family_.placement().place(weights[i], shapes[i]);
     });
     return shapes;
 }

@@ -74,8 +74,6 @@ NewtonOptions exact_newton(const NormalizedPoses& set)
     return options;
 }
 
-void fix_gauge(const NormalizedPoses& set, Shape& y) { align_to(set, set.shapes[0], y); }
-
 void NewtonSolver::hold(const Shape& y)
 {
     modes_ = set_.is_free() ? rigid_modes(y, set_.masses) : Eigen::MatrixXd(y.size(), 0);

@@ -111,7 +111,4 @@ private:
     Eigen::MatrixXd modes_; // rigid modes of the factored shape, none of a body with fixed vertices
 };
 
-// Moves a free shape rigidly onto pose 0, in place: the gauge of every average that leaves the baker.
-void fix_gauge(const NormalizedPoses& set, Shape& y);
-
 } // namespace pliant

@@ -1,6 +1,7 @@
 // Where the shape of a blend of many poses is looked for.
 #pragma once
 
+#include "elastic/average/placement.h"
 #include "elastic/average/rotation_strain.h"
 #include "elastic/average/solver_pool.h"
 
@@ -18,11 +19,6 @@ public:
     // first call of each worker a factorisation with one unknown per vertex.
     PoseSum(SolverPool& pool, const Shape& base);
 
-    // Of layers: moves the shape rigidly to where it lies as the sum of the displacements does: what is left between them
-    // has no rigid motion of the rest shape in it. Layers so move a character as morph targets do, and a single whole layer
-    // is the pose as it was given.
-    void place(const Weights& v, Shape& shape) const;
-
     // The sum of rotations and strains. Tasks may call it at the same time, each with its worker. Cost: a solve with one
     // unknown per vertex.
     Shape turned(const Weights& w, std::size_t worker) const;
@@ -33,8 +29,8 @@ public:
 
 private:
     SolverPool& pool_;
+    Placement placement_;
     RotationStrain coordinates_;
-    Eigen::MatrixXd modes_;                              // rigid motions of pose 0 times masses; none of a held body
     Eigen::VectorXd rest_;                               // coordinates of pose 0
     Eigen::MatrixXf changes_;                            // of each other pose from them
     mutable std::vector<std::unique_ptr<CellFit>> fits_; // one for each worker, made when it is needed

@@ -9,12 +9,17 @@ namespace pliant {
 
 namespace {
 
-// The reference average moved rigidly onto the blend.
-Shape aligned_reference(const NormalizedPoses& set, const Shape& blend, const Shape& reference)
+// Moved rigidly onto the blend.
+Shape aligned_reference(const NormalizedPoses& set, const Shape& blend, Shape reference)
 {
-    Shape aligned = reference;
-    align_to(set, blend, aligned);
-    return aligned;
+    align_to(set, blend, reference);
+    return reference;
+}
+
+// The same, but where shapes have places of their own, which count.
+Shape placed_reference(const NormalizedPoses& set, const Shape& blend, const Shape& reference)
+{
+    return set.frame.size() > 0 ? reference : aligned_reference(set, blend, reference);
 }
 
 // Mass norm of a shape about its centroid.
@@ -33,9 +38,9 @@ double extent(const NormalizedPoses& set, const Shape& shape)
 
 ShapeError shape_distance(const NormalizedPoses& set, const Shape& blend, const Shape& reference)
 {
-    const Shape aligned = aligned_reference(set, blend, reference), off = aligned - blend;
+    const Shape placed = placed_reference(set, blend, reference), off = placed - blend;
     ShapeError error;
-    error.relative_l2 = mass_norm(off, set.masses) / extent(set, aligned);
+    error.relative_l2 = mass_norm(off, set.masses) / extent(set, placed);
     for (Eigen::Index v = 0; v < set.masses.size(); ++v)
         error.largest_distance = std::max(error.largest_distance, off.segment<3>(3 * v).norm() / set.diagonal);
     return error;
@@ -50,6 +55,12 @@ ShapeError shape_error(const Energy& energy, const NormalizedPoses& set, const W
     const double least = energy_value(energy, w, reference);
     error.energy_excess = (energy_value(energy, w, blend) - least) / std::max(least, 1e-13); // a pose itself has no energy
     return error;
+}
+
+double relative_error(const NormalizedPoses& set, const Shape& blend, const Shape& reference)
+{
+    const Shape placed = placed_reference(set, blend, reference);
+    return mass_norm(placed - blend, set.masses) / extent(set, placed);
 }
 
 double relative_distance(const NormalizedPoses& set, const Shape& blend, const Shape& reference)

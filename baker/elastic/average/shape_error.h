@@ -6,9 +6,10 @@
 
 namespace pliant {
 
-// Relative errors of blended shapes against the unreduced averages.
+// Relative errors of blended shapes against the unreduced averages: after rigid alignment, unless the poses stay where they
+// are (NormalizedPoses::frame).
 struct ShapeError {
-    double relative_l2 = 0;      // mass-weighted, after rigid alignment, relative to the distance from the centroid
+    double relative_l2 = 0;      // mass-weighted, relative to the distance from the centroid
     double largest_distance = 0; // over the bounding-box diagonal of pose 0
     double energy_excess = 0;    // (W(blend) - W(average)) / W(average); of layers not a number
 };
@@ -20,6 +21,9 @@ ShapeError shape_error(const Energy& energy, const NormalizedPoses& set, const W
 ShapeError shape_distance(const NormalizedPoses& set, const Shape& blend, const Shape& reference);
 
 // The first of them alone. Cost: linear in the vertices.
+double relative_error(const NormalizedPoses& set, const Shape& blend, const Shape& reference);
+
+// The same after rigid alignment in any case: how different two shapes are, wherever they lie.
 double relative_distance(const NormalizedPoses& set, const Shape& blend, const Shape& reference);
 
 } // namespace pliant

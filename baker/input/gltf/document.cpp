@@ -83,7 +83,7 @@ void GltfDocument::read(std::string bytes)
     read_container(std::move(bytes));
     check_extensions();
     read_buffers();
-    unpack_views();
+    unpacked_left_ = std::min<std::uint64_t>(buffer_size_limit, meshopt_bytes_a_byte * byte_count_);
 }
 
 void GltfDocument::read_container(std::string bytes)
@@ -166,15 +166,20 @@ std::string GltfDocument::path_beside(const GltfValue& uri_value, const std::str
             2309, fmt::format("{} is not a file in the folder of this one", excerpt(uri)),
             "only files in the folder of the .gltf or below it are opened: put the file there, or pack everything into "
             "one .glb");
+    // Not where a link leads: that may change, and whoever builds again has to notice.
+    std::string beside
+        = (std::filesystem::path(path_).parent_path() / std::filesystem::path(*name).lexically_normal()).string();
     // A link inside the folder may still lead out of it.
     std::error_code ignored;
     const std::filesystem::path home = std::filesystem::weakly_canonical(folder, ignored);
     const std::filesystem::path place = std::filesystem::weakly_canonical(folder / *name, ignored);
-    // Not where a link leads: that may change, and whoever builds again has to notice.
-    std::string beside
-        = (std::filesystem::path(path_).parent_path() / std::filesystem::path(*name).lexically_normal()).string();
+    if (home.empty() || place.empty()) {
+        note_reading(beside, std::nullopt);
+        uri_value.fail(2310, fmt::format("{} cannot be looked up", excerpt(uri)),
+                       "its name is too long, or its links go in circles: give it another name");
+    }
     if (std::mismatch(home.begin(), home.end(), place.begin(), place.end()).first != home.end()) {
-        note_refused_link(beside);
+        note_link(beside);
         uri_value.fail(
             2309, fmt::format("{} leads out of the folder of this one", excerpt(uri)),
             "only files in the folder of the .gltf or below it are opened: put the file there, or pack everything into "
@@ -202,9 +207,11 @@ std::string_view GltfDocument::read_buffer(const GltfValue& buffer)
     }
     const std::string text = uri.text();
     if (!is_data_uri(text)) {
-        const std::string path = path_beside(uri, text);
-        const auto known = files_.find(path);
-        return known != files_.end() ? known->second : files_[path] = read_beside(uri, text, path);
+        const std::string path = path_beside(uri, text), place = link_place(path);
+        const auto known = files_.find(place);
+        if (known == files_.end()) return files_[place] = read_beside(uri, text, path);
+        note_link(path);
+        return known->second;
     }
     std::optional<std::string> bytes = decode_data_uri(text);
     if (!bytes) uri.fail(2310, fmt::format("{} is not base64 data", excerpt(text)), "export the file again, or as .glb");
@@ -249,24 +256,17 @@ bool GltfDocument::is_placeholder(const GltfValue& buffer, bool needs_meshopt) c
     return needs_meshopt || buffer["extensions"][meshopt_extension]["fallback"].reference_or(false);
 }
 
-void GltfDocument::unpack_views()
-{
-    const GltfValue views = (*this)["bufferViews"];
-    std::uint64_t left
-        = std::min<std::uint64_t>(buffer_size_limit, meshopt_bytes_a_byte * byte_count_); // if each is used once
-    for (std::size_t i = 0; i < views.size(); ++i) {
-        const GltfValue extension = views.at(i)["extensions"][meshopt_extension];
-        if (!extension.exists()) continue;
-        const std::size_t buffer = extension["buffer"].index(buffers_.size(), "buffers");
-        const std::string& bytes = unpacked_.emplace(i, decode_meshopt(views.at(i), buffers_[buffer], left)).first->second;
-        left -= bytes.size();
-    }
-}
-
 std::string_view GltfDocument::view(std::size_t index) const
 {
     if (const auto unpacked = unpacked_.find(index); unpacked != unpacked_.end()) return unpacked->second;
     const GltfValue view = (*this)["bufferViews"].at(index);
+    if (const GltfValue extension = view["extensions"][meshopt_extension]; extension.exists()) {
+        const std::size_t buffer = extension["buffer"].index(buffers_.size(), "buffers");
+        const std::string& bytes
+            = unpacked_.emplace(index, decode_meshopt(view, buffers_[buffer], unpacked_left_)).first->second;
+        unpacked_left_ -= bytes.size();
+        return bytes;
+    }
     const std::string_view buffer = buffers_[view["buffer"].index(buffers_.size(), "buffers")];
     const std::uint64_t offset = view["byteOffset"].whole_or(0), length = view["byteLength"].whole();
     if (offset > buffer.size() || length > buffer.size() - offset)
@@ -296,10 +296,16 @@ std::string GltfDocument::image_source(std::size_t index) const
     try {
         if (const GltfValue place = image["bufferView"]; place.exists()) return fmt::format("view {}", place.whole());
         const std::string uri = image["uri"].text();
-        return is_data_uri(uri) ? std::string() : path_beside(image["uri"], uri);
+        return is_data_uri(uri) ? std::string() : link_place(path_beside(image["uri"], uri));
     } catch (const Failure&) {
         return {};
     }
+}
+
+void GltfDocument::note_image(std::size_t index) const
+{
+    const GltfValue uri = (*this)["images"].at(index)["uri"];
+    if (uri.exists() && !is_data_uri(uri.text())) note_link(path_beside(uri, uri.text()));
 }
 
 std::vector<std::string> GltfDocument::named_files() const

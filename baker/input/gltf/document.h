@@ -13,8 +13,7 @@ class GltfDocument {
 public:
     // Reads .glb or .gltf, whatever the extension says. Files that it names must lie in its folder or below; nothing else is
     // opened, no program started, no network used. Throws Failure (bad_input): P2001, P2002, P2008 (the file itself), P2301
-    // to P2305 (container, JSON, version, extensions), P2306 to P2310 (buffers), P2331 (compressed views). Memory: a few
-    // times the size of the files; of compressed ones up to 64 times.
+    // to P2305 (container, JSON, version, extensions), P2306 to P2310 (buffers). Memory: a few times the size of the files.
     explicit GltfDocument(std::string path);
     // The same from bytes; `path` is for messages, and no other file is opened (P2309).
     GltfDocument(std::string path, std::string bytes);
@@ -25,15 +24,18 @@ public:
     GltfValue root() const { return { path_, &json_, "" }; }
     GltfValue operator[](const char* key) const { return root()[key]; }
 
-    // Bytes of a buffer view, which lies inside its buffer or was compressed by EXT_meshopt_compression. P2307, P2308.
+    // Bytes of a buffer view, which lies inside its buffer or is unpacked at its first use (EXT_meshopt_compression: P2331).
+    // P2306 to P2308. Not from several threads.
     std::string_view view(std::size_t index) const;
     // Bytes of an image, wherever they are; empty if it cannot be had (then `why` says so).
     std::string image(std::size_t index, std::string& why) const;
-    // The same for images of the same bytes: a buffer view or the path of a file. Empty for others.
+    // The same for images of the same bytes: a buffer view or the place of a file. Empty for others.
     std::string image_source(std::size_t index) const;
+    // Notes an image that is not read, since one of the same source was, for stamps (read_log.h).
+    void note_image(std::size_t index) const;
     // The files that it names for buffers and images, as paths; whether they are there is not asked.
     std::vector<std::string> named_files() const;
-    // Of the file and of those that it names for buffers, each once; of compressed views as unpacked, too.
+    // Of the file and of those that it names for buffers, each once.
     std::size_t byte_count() const { return byte_count_; }
 
 private:
@@ -42,7 +44,6 @@ private:
     void parse(std::string_view text);
     void check_extensions() const;
     void read_buffers();
-    void unpack_views();
     bool is_placeholder(const GltfValue& buffer, bool needs_meshopt) const;
     std::string_view read_buffer(const GltfValue& buffer);
     std::string path_beside(const GltfValue& uri_value, const std::string& uri) const;
@@ -52,10 +53,11 @@ private:
     GltfJson json_;
     std::string binary_; // the BIN chunk of a .glb
     bool has_binary_ = false, is_alone_ = false;
-    std::map<std::string, std::string> files_;    // by path: many buffers may name one file
-    std::deque<std::string> decoded_;             // buffers in the JSON itself
-    std::vector<std::string_view> buffers_;       // of binary_, files_, decoded_
-    std::map<std::size_t, std::string> unpacked_; // by the numbers of their views
+    std::map<std::string, std::string> files_;            // by place: many buffers may name one file
+    std::deque<std::string> decoded_;                     // buffers in the JSON itself
+    std::vector<std::string_view> buffers_;               // of binary_, files_, decoded_
+    mutable std::map<std::size_t, std::string> unpacked_; // views at their first use, by number
+    mutable std::uint64_t unpacked_left_ = 0;             // bytes that other views may have
     std::size_t byte_count_ = 0;
 };
 

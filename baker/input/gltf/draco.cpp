@@ -1,5 +1,6 @@
 #include "input/gltf/draco.h"
 
+#include "base/common/trial.h"
 #include "input/gltf/render_scene.h"
 #include "input/io/source_file.h"
 
@@ -9,10 +10,11 @@
 #include <draco/compression/point_cloud/point_cloud_decoder.h>
 #include <draco/core/varint_decoding.h>
 #include <draco/mesh/mesh.h>
-#include <draco/metadata/metadata_decoder.h>
 #include <exception>
 #include <fmt/format.h>
+#include <functional>
 #include <memory>
+#include <set>
 
 namespace pliant {
 namespace {
@@ -26,22 +28,25 @@ std::uint32_t number_in(draco::DecoderBuffer& buffer, bool is_varint)
     return is_there ? number : 0;
 }
 
-// Draco makes its tables for as many faces, vertices and attributes with seams as an edgebreaker stream says, before it
-// decodes one of them.
-void take_declared(const GltfValue& extension, const draco::DracoHeader& header, draco::DecoderBuffer buffer,
-                   GltfAllowance& allowance)
+// Of an edgebreaker stream, behind its header.
+struct Declared {
+    std::uint32_t vertex_count = 0, face_count = 0;
+    std::uint8_t seam_count = 0; // attributes with seams
+};
+
+Declared declared_in(const draco::DracoHeader& header, draco::DecoderBuffer buffer)
 {
     const std::uint16_t version = DRACO_BITSTREAM_VERSION(header.version_major, header.version_minor);
-    draco::GeometryMetadata metadata;
     buffer.set_bitstream_version(version);
-    if ((header.flags & METADATA_FLAG_MASK) && !draco::MetadataDecoder().DecodeGeometryMetadata(&buffer, &metadata)) return;
     const bool is_varint = version >= DRACO_BITSTREAM_VERSION(2, 0);
-    std::uint8_t traversal = 0, seam_count = 0;
+    std::uint8_t traversal = 0;
+    Declared declared;
     buffer.Decode(&traversal);
     if (version < DRACO_BITSTREAM_VERSION(2, 2)) number_in(buffer, is_varint);
-    const std::uint32_t vertex_count = number_in(buffer, is_varint), face_count = number_in(buffer, is_varint);
-    buffer.Decode(&seam_count);
-    allowance.take(extension, std::max(vertex_count, face_count), std::uint64_t(seam_count) + 3);
+    declared.vertex_count = number_in(buffer, is_varint);
+    declared.face_count = number_in(buffer, is_varint);
+    buffer.Decode(&declared.seam_count);
+    return declared;
 }
 
 // Charges all attributes before it decodes them: together they can be much larger than the stream.
@@ -57,11 +62,13 @@ public:
 private:
     bool DecodeAllAttributes() override
     {
+        constexpr std::uint64_t numbers_of_attribute = 8000; // of a few bytes: the time for a table of a million entries
         std::uint64_t width = 0;
         for (int a = 0; a < this->mesh()->num_attributes(); ++a)
             width += static_cast<std::uint64_t>(this->mesh()->attribute(a)->num_components());
         try {
             allowance_.take(extension_, this->mesh()->num_points(), std::max<std::uint64_t>(width, 1));
+            allowance_.take(extension_, static_cast<std::uint64_t>(this->mesh()->num_attributes()), numbers_of_attribute);
         } catch (...) {
             refusal_ = std::current_exception(); // for Draco's own frames
             return false;
@@ -74,6 +81,47 @@ private:
     std::exception_ptr& refusal_;
 };
 
+// A mesh, or why there is none.
+struct Decoded {
+    std::unique_ptr<draco::Mesh> mesh;
+    std::string reason;
+};
+
+template <class Decoder> Decoded decode_by(const GltfValue& extension, draco::DecoderBuffer buffer, GltfAllowance& allowance)
+{
+    std::exception_ptr refusal;
+    AllowedDecoder<Decoder> decoder(extension, allowance, refusal);
+    Decoded out { std::make_unique<draco::Mesh>(), {} };
+    try {
+        const draco::Status status = decoder.Decode(draco::DecoderOptions(), &buffer, out.mesh.get());
+        if (status.ok()) return out;
+        out.reason = status.error_msg_string();
+    } catch (const std::exception& error) { // damaged counts ask for impossible vectors
+        out.reason = error.what();
+    }
+    if (refusal) std::rethrow_exception(refusal);
+    out.mesh = nullptr;
+    return out;
+}
+
+// Crafted streams take Draco time that grows with the square of their size, and memory of 750 times it. Of small ones that
+// is little; others are tried in a child process first, with many times of what a good stream needs.
+void require_bounded(const GltfValue& extension, std::size_t size, std::uint32_t face_count,
+                     const std::function<void()>& decode)
+{
+    constexpr std::size_t small_size = 1 << 16;
+    constexpr std::uint32_t small_face_count = 4096;
+    if (size <= small_size && face_count <= small_face_count) return;
+    const double faces = std::min(double(face_count), 8.0 * double(size)); // each has a bit at least
+    const double seconds = 0.2 + 1e-5 * faces + 1e-6 * double(size), bytes = 1e8 + 500.0 * faces + 20.0 * double(size);
+    if (is_bounded(seconds, bytes, decode)) return;
+    extension.fail(
+        2318,
+        fmt::format("its Draco data cannot be decoded: {} bytes for {} faces take more than {:.1f} s or {:.0f} MB", size,
+                    face_count, seconds, bytes / 1e6),
+        damaged);
+}
+
 std::unique_ptr<draco::Mesh> decode(const GltfValue& extension, std::string_view bytes, GltfAllowance& allowance)
 {
     draco::DecoderBuffer buffer;
@@ -83,27 +131,23 @@ std::unique_ptr<draco::Mesh> decode(const GltfValue& extension, std::string_view
     if (!draco::PointCloudDecoder::DecodeHeader(&behind_header, &header).ok()
         || header.encoder_type != draco::TRIANGULAR_MESH)
         extension.fail(2318, "its Draco data do not hold a triangle mesh", damaged);
-    std::exception_ptr refusal;
-    std::unique_ptr<draco::MeshDecoder> decoder;
-    if (header.encoder_method == draco::MESH_EDGEBREAKER_ENCODING) {
-        take_declared(extension, header, behind_header, allowance);
-        decoder = std::make_unique<AllowedDecoder<draco::MeshEdgebreakerDecoder>>(extension, allowance, refusal);
-    } else if (header.encoder_method == draco::MESH_SEQUENTIAL_ENCODING) { // has three bytes for each face
-        decoder = std::make_unique<AllowedDecoder<draco::MeshSequentialDecoder>>(extension, allowance, refusal);
-    } else {
+    if (header.flags & METADATA_FLAG_MASK)
+        extension.fail(2318, "its Draco data hold metadata, which glTF has no use for", "compress it again without them");
+    const bool is_edgebreaker = header.encoder_method == draco::MESH_EDGEBREAKER_ENCODING;
+    if (!is_edgebreaker && header.encoder_method != draco::MESH_SEQUENTIAL_ENCODING)
         extension.fail(2318, "its Draco data are of an unknown method", damaged);
-    }
-    auto mesh = std::make_unique<draco::Mesh>();
-    std::string reason;
-    try {
-        const draco::Status status = decoder->Decode(draco::DecoderOptions(), &buffer, mesh.get());
-        if (status.ok()) return mesh;
-        reason = status.error_msg_string();
-    } catch (const std::exception& error) { // damaged counts ask for impossible vectors
-        reason = error.what();
-    }
-    if (refusal) std::rethrow_exception(refusal);
-    extension.fail(2318, fmt::format("its Draco data cannot be decoded: {}", reason), damaged);
+    Declared declared; // a sequential stream has three bytes for each face
+    if (is_edgebreaker) declared = declared_in(header, behind_header);
+    // Draco makes its tables for as many as an edgebreaker stream says, before it decodes one of them.
+    allowance.take(extension, std::max(declared.vertex_count, declared.face_count), std::uint64_t(declared.seam_count) + 3);
+    const auto decode_with = [&](GltfAllowance& allowed) {
+        return is_edgebreaker ? decode_by<draco::MeshEdgebreakerDecoder>(extension, buffer, allowed)
+                              : decode_by<draco::MeshSequentialDecoder>(extension, buffer, allowed);
+    };
+    require_bounded(extension, bytes.size(), declared.face_count, [&] { decode_with(allowance); });
+    Decoded decoded = decode_with(allowance);
+    if (!decoded.mesh) extension.fail(2318, fmt::format("its Draco data cannot be decoded: {}", decoded.reason), damaged);
+    return std::move(decoded.mesh);
 }
 
 GltfNumbers numbers_of(const draco::Mesh& mesh, const draco::PointAttribute& attribute, bool is_normalised)
@@ -130,7 +174,7 @@ GltfNumbers numbers_of(const draco::Mesh& mesh, const draco::PointAttribute& att
 // not be read.
 bool is_sound(const draco::Mesh& mesh, const draco::PointAttribute& attribute)
 {
-    if (attribute.num_components() < 1 || attribute.num_components() > 16) return false;
+    if (attribute.num_components() < 1 || attribute.num_components() > 4) return false;
     for (draco::PointIndex i(0); i < mesh.num_points(); ++i)
         if (attribute.mapped_index(i).value() >= attribute.size()) return false;
     return true;
@@ -165,13 +209,17 @@ DracoMesh decode_draco(const GltfDocument& document, const GltfValue& extension,
     }
     const GltfValue ids = extension["attributes"];
     if (!ids.exists() || !ids.json().is_object()) ids.fail(2306, "an object expected");
+    std::set<std::uint32_t> unpacked;
     for (const auto& [name, id_json] : ids.json().items()) {
         if (!is_read_attribute(name)) continue;
         const GltfValue id = ids[name];
-        const draco::PointAttribute* attribute = mesh->GetAttributeByUniqueId(static_cast<std::uint32_t>(
-            id.index(std::size_t(1) << 31, "attributes"))); // unique ids have no count; what is not there is found out next
+        // Unique ids have no count; what is not there is found out next.
+        const std::uint32_t unique_id = static_cast<std::uint32_t>(id.index(std::size_t(1) << 31, "attributes"));
+        const draco::PointAttribute* attribute = mesh->GetAttributeByUniqueId(unique_id);
         if (!attribute || !is_sound(*mesh, *attribute))
             id.fail(2318, fmt::format("its Draco data do not hold the attribute {}", excerpt(name)), damaged);
+        if (!unpacked.insert(unique_id).second) // the first use was charged when it was decoded
+            allowance.take(id, mesh->num_points(), std::uint64_t(attribute->num_components()));
         const GltfValue accessor = attributes[name];
         const bool is_normalised = accessor.exists() && accessor_shape(document, accessor).is_normalised;
         out.attributes.emplace(name, numbers_of(*mesh, *attribute, is_normalised));

@@ -82,6 +82,7 @@ GltfJson take_images(const GltfDocument& document, RenderScene& out, std::vector
     for (std::size_t i = 0; i < list.size(); ++i) {
         const std::string source = document.image_source(i);
         if (const auto found = known.find(source); found != known.end()) {
+            document.note_image(i);
             numbers.push_back(found->second);
             continue;
         }
@@ -167,6 +168,23 @@ void check_textures(const GltfValue& value, std::size_t texture_count)
     }
 }
 
+// They are copied more than once, and characters need thousands.
+void limit_text(const GltfDocument& document)
+{
+    constexpr std::size_t most_bytes = std::size_t(1) << 22;
+    std::size_t total = 0;
+    for (const char* key : { "materials", "samplers", "textures" }) {
+        for (std::size_t i = 0; i < document[key].size(); ++i) {
+            const GltfValue entry = document[key].at(i);
+            if (!entry.json().is_object()) entry.fail(2306, "an object expected");
+            total += entry.json().dump(-1, ' ', false, GltfJson::error_handler_t::replace).size();
+            if (total > most_bytes)
+                entry.fail(2306, fmt::format("makes the materials {} bytes of JSON, the limit is {}", total, most_bytes),
+                           "leave out their extras, or the materials");
+        }
+    }
+}
+
 } // namespace
 
 void check_materials(const GltfDocument& document)
@@ -180,9 +198,7 @@ void check_materials(const GltfDocument& document)
         textures.at(i)["source"].index_or_none(document["images"].size(), "images");
         textures.at(i)["sampler"].index_or_none(document["samplers"].size(), "samplers");
     }
-    for (const char* key : { "materials", "samplers", "textures" })
-        for (std::size_t i = 0; i < document[key].size(); ++i)
-            if (!document[key].at(i).json().is_object()) document[key].at(i).fail(2306, "an object expected");
+    limit_text(document);
     for (std::size_t i = 0; i < materials.size(); ++i) {
         check_textures(materials.at(i), textures.size());
         const GltfValue factor = materials.at(i)["pbrMetallicRoughness"]["baseColorFactor"];

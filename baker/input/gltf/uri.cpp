@@ -57,6 +57,8 @@ std::optional<std::string> decode_data_uri(std::string_view uri)
 
 std::optional<std::string> decode_file_uri(std::string_view uri)
 {
+    constexpr std::size_t longest = 4096; // of a path on Linux
+    if (uri.size() > longest) return std::nullopt;
     std::string name;
     for (std::size_t i = 0; i < uri.size(); ++i) {
         if (uri[i] != '%') {

@@ -13,7 +13,7 @@ bool is_data_uri(std::string_view uri);
 std::optional<std::string> decode_data_uri(std::string_view uri);
 
 // A relative name of a file below the folder, percent-decoded. Nothing for absolute names, other schemes (http:, file:),
-// "..", and whatever has control characters or a backslash.
+// "..", more than 4096 bytes, and whatever has control characters or a backslash.
 std::optional<std::string> decode_file_uri(std::string_view uri);
 
 } // namespace pliant

@@ -21,27 +21,28 @@ ReadLog::ReadLog()
 
 ReadLog::~ReadLog() { innermost = outer_; }
 
-void ReadLog::note(const std::string& path, const std::function<std::string()>& digest)
+void ReadLog::note(const std::string& path, const std::function<ReadFile()>& file)
 {
-    const bool is_known = std::any_of(files_.begin(), files_.end(), [&](const ReadFile& file) { return file.path == path; });
-    if (!is_known) files_.push_back({ path, digest() });
+    const bool is_known
+        = std::any_of(files_.begin(), files_.end(), [&](const ReadFile& other) { return other.path == path; });
+    if (!is_known) files_.push_back(file());
 }
 
 void note_reading(const std::string& path, const std::optional<std::string>& bytes)
 {
-    if (innermost) innermost->note(path, [&] { return bytes ? sha256_hex(*bytes) : ""; });
+    if (innermost) innermost->note(path, [&] { return ReadFile { path, bytes ? sha256_hex(*bytes) : "", "" }; });
 }
 
-void note_refused_link(const std::string& path)
+void note_link(const std::string& path)
 {
-    if (innermost) innermost->note(path, [&] { return link_digest(path); });
+    if (innermost) innermost->note(path, [&] { return ReadFile { path, "", link_place(path) }; });
 }
 
-std::string link_digest(const std::string& path)
+std::string link_place(const std::string& path)
 {
     std::error_code error;
-    const std::filesystem::path target = std::filesystem::read_symlink(path, error);
-    return error ? "" : sha256_hex("link to " + target.string());
+    const std::filesystem::path place = std::filesystem::weakly_canonical(path, error);
+    return error ? "" : place.string();
 }
 
 } // namespace pliant

@@ -11,7 +11,8 @@ namespace pliant {
 
 struct ReadFile {
     std::string path;   // as it was opened
-    std::string digest; // SHA-256 of its bytes, or of where a link leads that was not followed; empty: could not be read
+    std::string digest; // SHA-256 of its bytes; empty: could not be read
+    std::string place;  // of a file that was not read by this name: what its links lead to; else empty
 };
 
 // While one lives, every read_bytes of its thread is noted in it, each path once, in the order of the first reading. Logs of
@@ -27,10 +28,10 @@ public:
 
 private:
     friend void note_reading(const std::string& path, const std::optional<std::string>& bytes);
-    friend void note_refused_link(const std::string& path);
+    friend void note_link(const std::string& path);
 
     // Once each path.
-    void note(const std::string& path, const std::function<std::string()>& digest);
+    void note(const std::string& path, const std::function<ReadFile()>& file);
 
     std::vector<ReadFile> files_;
     ReadLog* outer_;
@@ -38,9 +39,10 @@ private:
 
 // Notes that the file was read, or that it could not be. For read_bytes.
 void note_reading(const std::string& path, const std::optional<std::string>& bytes);
-// Notes that a link was not followed.
-void note_refused_link(const std::string& path);
-// The digest of such a link; empty if it is none.
-std::string link_digest(const std::string& path);
+// Notes the place that a name leads to, by links of its own or of folders on the way, in place of what is there: it was not
+// opened, or was by another name.
+void note_link(const std::string& path);
+// That place; empty if it cannot be looked up.
+std::string link_place(const std::string& path);
 
 } // namespace pliant

@@ -132,7 +132,9 @@ std::optional<std::string> read_bytes(const std::string& path, DiagnosticList& d
 std::filesystem::path named_place(const std::string& path)
 {
     std::filesystem::path place;
-    for (const std::filesystem::path& part : std::filesystem::absolute(path)) {
+    std::error_code gone; // the current folder
+    const std::filesystem::path whole = std::filesystem::absolute(path, gone);
+    for (const std::filesystem::path& part : gone ? std::filesystem::path(path) : whole) {
         place /= part;
         if (part != "..") continue;
         std::error_code error;

@@ -243,7 +243,8 @@ void check_plain(const std::string& path)
 {
     const std::string suffix = std::filesystem::path(path).extension().string();
     const std::size_t hash = suffix.find('#');
-    if (hash == std::string::npos || std::filesystem::exists(path)) return;
+    std::error_code ignored;
+    if (hash == std::string::npos || std::filesystem::exists(path, ignored)) return;
     usage(error_at(1211, path, fmt::format("'{}': only glTF files take a choice behind '#'", suffix.substr(hash)),
                    "leave it out: other files hold one pose"));
 }

@@ -122,12 +122,28 @@ BakedElement bake_element(const AssetModel& asset, std::size_t i)
     return baked;
 }
 
+namespace {
+
+// Of layers those at v = 0 and what each of them adds.
+Eigen::MatrixXd tie_numbers(const Eigen::Vector3d& start, const Eigen::MatrixXd& wanted, double stiffness, Blend blend)
+{
+    const bool has_layers = blend == Blend::layers;
+    Eigen::MatrixXd numbers = Eigen::MatrixXd::Zero(wanted.cols() + has_layers, 4);
+    numbers.bottomRightCorner(wanted.cols(), 3) = -2 * stiffness * wanted.transpose();
+    const Eigen::Index begin_count = has_layers ? 1 : numbers.rows();
+    numbers.topLeftCorner(begin_count, 1).setConstant(stiffness);
+    numbers.topRightCorner(begin_count, 3).rowwise() += 2 * stiffness * start.transpose();
+    return numbers;
+}
+
+} // namespace
+
 std::vector<BakedElement> bake_gauge(const AssetModel& asset)
 {
     const BlendModel& model = asset.model;
     const Gauge& gauge = model.surrogate->gauge();
     std::vector<BakedElement> out;
-    for (Eigen::Index first = 0; first < 6 && gauge.stiffness > 0; first += 3) {
+    for (Eigen::Index first = 0; first < gauge.along.rows() && gauge.stiffness > 0; first += 3) {
         const Eigen::MatrixXd along = gauge.along.middleRows<3>(first), wanted = gauge.wanted.middleRows<3>(first);
         const Eigen::Vector3d start = along * model.mean;
         BakedElement held;
@@ -135,10 +151,7 @@ std::vector<BakedElement> bake_gauge(const AssetModel& asset)
         held.rows.setZero(9, 1 + model.whitening.cols());
         held.rows.topRows<3>() << start, along * model.whitening;
         held.rows(3, 0) = held.rows(7, 0) = 1; // e1 and e2
-        held.element.pose_numbers.setZero(1 + wanted.cols(), 4);
-        held.element.pose_numbers(0, 0) = gauge.stiffness;
-        held.element.pose_numbers.row(0).tail<3>() = 2 * gauge.stiffness * start.transpose();
-        held.element.pose_numbers.bottomRightCorner(wanted.cols(), 3) = -2 * gauge.stiffness * wanted.transpose();
+        held.element.pose_numbers = tie_numbers(start, wanted, gauge.stiffness, model.surrogate->energy().blend());
         out.push_back(std::move(held));
     }
     return out;

@@ -18,7 +18,7 @@ struct BakedElement {
 // Element i of the asset's surrogate energy.
 BakedElement bake_element(const AssetModel& asset, std::size_t i);
 
-// The gauge of layers as two ties whose anchors stand still: its translation and its rotation. Empty without one.
+// The gauge as ties whose anchors stand still, one for each affine function. Empty without one.
 std::vector<BakedElement> bake_gauge(const AssetModel& asset);
 
 // Elements of one kind and layout.

@@ -46,7 +46,7 @@ EnergyView::EnergyView(const SourcePoses& poses, const nb::dict& given, const Li
 
 void EnergyView::make(const PoseSet& poses, const EnergyOptions& options, Progress& progress)
 {
-    set_ = normalize(poses, options.keeps_placement());
+    set_ = normalize(poses, options.keep_placement);
     energy_ = make_energy(set_, options, &progress);
     stands_for_ = elastic_vertices(poses);
     vertex_count_ = stands_for_.size();

@@ -4,6 +4,7 @@
 #include "elastic/average/shape_error.h"
 
 #include <Eigen/Dense>
+#include <algorithm>
 
 namespace pliant {
 
@@ -12,14 +13,19 @@ namespace {
 // Vectors are unit: what is left of one below this after projection is rounding.
 constexpr double rank_tolerance = 1e-9;
 
+// Poses that differ by less, in units of the character, are one pose in single precision: what is left of their difference
+// is mostly a turn.
+constexpr double least_difference = 1e-7;
+
 // Orthonormal columns spanning `vectors`, after everything in `done` has been projected out, and the triangular factor:
 // (vectors without done) = result * factor. Gram-Schmidt twice is as good as Householder here (Giraud et al. 2005) and works
-// in any inner product.
+// in any inner product. Vectors of which less than `least` is left are left out.
 struct Factored {
     Eigen::MatrixXd columns, factor;
 };
 
-Factored orthonormalise(const Eigen::MatrixXd& vectors, const Eigen::MatrixXd& done, const Eigen::VectorXd& masses)
+Factored orthonormalise(const Eigen::MatrixXd& vectors, const Eigen::MatrixXd& done, const Eigen::VectorXd& masses,
+                        double least)
 {
     Factored out;
     out.columns.resize(vectors.rows(), vectors.cols());
@@ -29,7 +35,7 @@ Factored orthonormalise(const Eigen::MatrixXd& vectors, const Eigen::MatrixXd& d
     for (Eigen::Index j = 0; j < vectors.cols(); ++j) {
         Eigen::VectorXd v = vectors.col(j);
         const double norm = mass_norm(v, masses);
-        if (norm == 0) continue;
+        if (norm <= least) continue;
         v /= norm;
         for (int pass = 0; pass < 2; ++pass) {
             v -= done * (weighted_done.transpose() * v);
@@ -38,7 +44,7 @@ Factored orthonormalise(const Eigen::MatrixXd& vectors, const Eigen::MatrixXd& d
             out.factor.col(j).head(rank) += along;
         }
         const double left = mass_norm(v, masses);
-        if (left < rank_tolerance) continue;
+        if (left < std::max(rank_tolerance, least / norm)) continue;
         out.columns.col(rank) = v / left;
         out.factor(rank++, j) = left;
     }
@@ -54,9 +60,10 @@ Subspace build_subspace(const NormalizedPoses& set, const Eigen::MatrixXd& vecto
     const Eigen::Index m = Eigen::Index(set.pose_count());
     Eigen::MatrixXd differences(set.dof_count(), m - 1);
     for (Eigen::Index k = 1; k < m; ++k) differences.col(k - 1) = set.shapes[std::size_t(k)] - set.shapes[0];
-    const Eigen::MatrixXd kept = orthonormalise(differences, Eigen::MatrixXd(set.dof_count(), 0), set.masses).columns;
+    const Eigen::MatrixXd none(set.dof_count(), 0);
+    const Eigen::MatrixXd kept = orthonormalise(differences, none, set.masses, least_difference).columns;
 
-    const Factored rest = orthonormalise(vectors, kept, set.masses);
+    const Factored rest = orthonormalise(vectors, kept, set.masses, 0);
     Subspace subspace;
     subspace.rest = set.shapes[0];
     Eigen::Index extra = 0;
@@ -91,7 +98,7 @@ SubspaceError subspace_error(const Subspace& subspace, const NormalizedPoses& se
     SubspaceError out;
     for (const CheckPoint& check : checks) {
         const Shape nearest = subspace.shape(project(subspace, check.reference, set.masses));
-        const double error = relative_distance(set, nearest, check.reference);
+        const double error = relative_error(set, nearest, check.reference);
         out.mean += error / double(checks.size());
         out.largest = std::max(out.largest, error);
     }

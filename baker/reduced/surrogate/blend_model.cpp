@@ -139,7 +139,7 @@ BlendError blend_error(const BlendModel& model, const Subspace& subspace, const 
     std::vector<double> errors(checks.size()), drifts(checks.size(), 0), of_reference(checks.size(), 0);
     for_each_task(checks.size(), [&](std::size_t i, std::size_t) {
         const Shape shape = subspace.shape(model.solve(checks[i].weights).q);
-        errors[i] = relative_distance(set, shape, checks[i].reference);
+        errors[i] = relative_error(set, shape, checks[i].reference);
         if (!ties) return;
         drifts[i] = measure_drift(*ties, set, checks[i].weights, shape).largest;
         of_reference[i] = measure_drift(*ties, set, checks[i].weights, checks[i].reference).largest;

@@ -100,14 +100,12 @@ ChosenModel choose_cubature(const ReducedEnergy& reduced, const NormalizedPoses&
     cubature.seed = options.seed;
     cubature.solver = options.cubature;
     CubatureFit fit(reduced, training, cubature, progress);
-    const bool has_layers = reduced.energy().blend() == Blend::layers;
-    const Gauge gauge = has_layers ? make_gauge(set, subspace, training.energy_scale) : Gauge();
     ChosenModel best;
     for (std::size_t per_dimension : sizes) {
         if (checks.empty() && per_dimension < size_without_checks) continue;
         const std::size_t count
             = options.element_count ? options.element_count : count_for(per_dimension, subspace.dimension());
-        std::shared_ptr<const SurrogateEnergy> surrogate = fit_elements(fit, count, gauge);
+        std::shared_ptr<const SurrogateEnergy> surrogate = fit_elements(fit, count, reduced.gauge());
         if (progress)
             progress->update("cubature", 0.99,
                              fmt::format("d = {}, {} elements: error of blends", subspace.dimension(), count));

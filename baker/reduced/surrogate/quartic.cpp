@@ -120,6 +120,17 @@ Quartic Quartic::leading(Eigen::Index dimension) const
     return out;
 }
 
+// Of pose k stiffness |along q - wanted_k|^2. The first N pairs are those of x_0 = 1 with x.
+void Quartic::hold(const Eigen::MatrixXd& along, const Eigen::MatrixXd& wanted, double stiffness)
+{
+    Eigen::MatrixXd off(along.rows(), dimension_ + 1);
+    off.rightCols(dimension_) = along;
+    for (std::size_t k = 0; k < matrices_.size(); ++k) {
+        off.col(0) = -wanted.col(Eigen::Index(k));
+        matrices_[k].topLeftCorner(off.cols(), off.cols()) += stiffness * off.transpose() * off;
+    }
+}
+
 Quartic Quartic::transformed(const Eigen::VectorXd& mean, const Eigen::MatrixXd& whitening) const
 {
     const Eigen::Index n = dimension_ + 1;

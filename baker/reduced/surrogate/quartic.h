@@ -21,6 +21,9 @@ public:
     // The same polynomial of the first `dimension` coordinates, the others zero.
     Quartic leading(Eigen::Index dimension) const;
 
+    // Adds stiffness |along q - wanted w|^2, up to a constant for each w of sum 1: a Gauge.
+    void hold(const Eigen::MatrixXd& along, const Eigen::MatrixXd& wanted, double stiffness);
+
     // The polynomial of z, where q = mean + whitening z.
     Quartic transformed(const Eigen::VectorXd& mean, const Eigen::MatrixXd& whitening) const;
 

@@ -1,6 +1,7 @@
 #include "reduced/surrogate/reduced_solver.h"
 
 #include <algorithm>
+#include <utility>
 
 namespace pliant {
 
@@ -10,8 +11,25 @@ ReducedSolver::ReducedSolver(const Energy& energy, const Subspace& subspace, con
     , energy_scale_(std::max(energy_scale, least_energy_scale))
 {
     const Eigen::MatrixXd hessian = times_symmetric(subspace.basis.transpose(), mean_hessian) * subspace.basis;
-    whitening_ = whitening_of(0.5 * (hessian + hessian.transpose()), metric_floor);
+    hessian_ = 0.5 * (hessian + hessian.transpose());
+    measure_by(hessian_);
+}
+
+void ReducedSolver::measure_by(const Eigen::MatrixXd& hessian)
+{
+    whitening_ = whitening_of(hessian, metric_floor);
     metric_ = whitening_ * whitening_.transpose();
+}
+
+void ReducedSolver::hold(const NormalizedPoses& set)
+{
+    if (set.frame.size() == 0) return;
+    const double curvature = hessian_.trace() / double(hessian_.rows());
+    Gauge gauge = make_gauge(set, reduced_.energy().blend(), subspace(), energy_scale_, curvature);
+    Eigen::MatrixXd hessian = hessian_;
+    gauge.add_hessian(hessian);
+    measure_by(hessian);
+    reduced_.hold(std::move(gauge));
 }
 
 MinimizeResult ReducedSolver::solve(const Weights& w, const Eigen::VectorXd& start) const

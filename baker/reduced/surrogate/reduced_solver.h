@@ -13,6 +13,9 @@ public:
     // the energy there. Energy and subspace must outlive it; a copy of the subspace is not made.
     ReducedSolver(const Energy& energy, const Subspace& subspace, const SparseLower& mean_hessian, double energy_scale);
 
+    // Holds shapes where the set's frame says, if it has one.
+    void hold(const NormalizedPoses& set);
+
     // The minimizer of W(w, .) in the subspace, by BFGS from `start`. May be called by several tasks at a time.
     // Cost: 5 to 40 gradients of the full mesh.
     MinimizeResult solve(const Weights& w, const Eigen::VectorXd& start) const;
@@ -25,8 +28,11 @@ public:
     const Eigen::MatrixXd& whitening() const { return whitening_; }
 
 private:
+    void measure_by(const Eigen::MatrixXd& hessian);
+
     ReducedEnergy reduced_;
     double energy_scale_;
+    Eigen::MatrixXd hessian_; // of the elastic energy at the mean
     Eigen::MatrixXd whitening_, metric_;
 };
 

@@ -1,9 +1,10 @@
 #include "reduced/surrogate/surrogate_energy.h"
 
 #include "elastic/average/hessian.h"
-#include "elastic/average/rigid_modes.h"
+#include "elastic/average/placement.h"
 
 #include <Eigen/Dense>
+#include <algorithm>
 
 namespace pliant {
 
@@ -35,16 +36,32 @@ SurrogateEnergy::SurrogateEnergy(const Energy& energy, Quartic quartic)
 {
 }
 
-Gauge make_gauge(const NormalizedPoses& set, const Subspace& subspace, double energy_scale)
+Gauge make_gauge(const NormalizedPoses& set, Blend blend, const Subspace& subspace, double energy_scale, double curvature)
 {
-    constexpr double free_play = 0.05; // of the size of the character
-    if (!set.is_free()) return {};
-    const Eigen::MatrixXd modes = times_mass(rigid_modes(set.shapes[0], set.masses), set.masses);
+    // A move by this part of the size of the character costs the unit of energies, which is next to nothing where poses are
+    // turned and hardly bent: then a part of what bending costs.
+    constexpr double free_play = 0.2, least_part = 1e-4;
+    const Placement placement(set);
+    if (!placement.is_kept()) return {};
+    const Eigen::Index weight_count = Eigen::Index(set.pose_count()) - (blend == Blend::layers);
     Gauge gauge;
-    gauge.along = modes.transpose() * subspace.basis;
-    gauge.wanted = gauge.along * subspace.pose_coordinates.rightCols(subspace.pose_coordinates.cols() - 1);
-    gauge.stiffness = energy_scale / (free_play * free_play);
+    gauge.along = placement.affine_part(subspace.basis);
+    gauge.wanted = gauge.along * subspace.pose_coordinates.rightCols(weight_count);
+    gauge.stiffness = std::max(energy_scale / (free_play * free_play), least_part * curvature);
     return gauge;
+}
+
+double Gauge::add_gradient(const Weights& w, const Eigen::VectorXd& q, Eigen::VectorXd& gradient) const
+{
+    if (stiffness == 0) return 0;
+    const Eigen::VectorXd off = along * q - wanted * w;
+    gradient += 2 * stiffness * (along.transpose() * off);
+    return stiffness * off.squaredNorm();
+}
+
+void Gauge::add_hessian(Eigen::MatrixXd& hessian) const
+{
+    if (stiffness > 0) hessian += 2 * stiffness * along.transpose() * along;
 }
 
 double SurrogateEnergy::value(const Weights& w, const Eigen::VectorXd& q) const
@@ -73,11 +90,7 @@ double SurrogateEnergy::gradient(const Weights& w, const Eigen::VectorXd& q, Eig
         sum += weights_[Eigen::Index(i)] * result.value;
         gradient += weights_[Eigen::Index(i)] * (rows_[i].transpose() * result.gradient);
     }
-    if (gauge_.stiffness > 0) {
-        const Eigen::VectorXd off = gauge_.along * q - gauge_.wanted * w;
-        sum += gauge_.stiffness * off.squaredNorm();
-        gradient += 2 * gauge_.stiffness * (gauge_.along.transpose() * off);
-    }
+    sum += gauge_.add_gradient(w, q, gradient);
     return sum;
 }
 
@@ -95,7 +108,7 @@ Eigen::MatrixXd SurrogateEnergy::hessian(const Weights& w, const Eigen::VectorXd
         energy_.evaluate(elements_[i], w.data(), x.data(), Order::hessian, kind, result);
         sum += weights_[Eigen::Index(i)] * (rows_[i].transpose() * (result.hessian * rows_[i]));
     }
-    if (gauge_.stiffness > 0) sum += 2 * gauge_.stiffness * gauge_.along.transpose() * gauge_.along;
+    gauge_.add_hessian(sum);
     return 0.5 * (sum + sum.transpose());
 }
 
@@ -110,14 +123,15 @@ double ReducedEnergy::gradient(const Weights& w, const Eigen::VectorXd& q, Eigen
     Shape full = Shape::Zero(subspace_.rest.size());
     const double value = add_gradient(energy_, w, subspace_.shape(q), full);
     gradient = subspace_.basis.transpose() * full;
-    return value;
+    return value + gauge_.add_gradient(w, q, gradient);
 }
 
 Eigen::MatrixXd ReducedEnergy::hessian(const Weights& w, const Eigen::VectorXd& q, HessianKind kind) const
 {
     HessianAssembler assembler(energy_);
     assembler.assemble(w, subspace_.shape(q), kind);
-    const Eigen::MatrixXd reduced = times_symmetric(subspace_.basis.transpose(), assembler.matrix()) * subspace_.basis;
+    Eigen::MatrixXd reduced = times_symmetric(subspace_.basis.transpose(), assembler.matrix()) * subspace_.basis;
+    gauge_.add_hessian(reduced);
     return 0.5 * (reduced + reduced.transpose());
 }
 

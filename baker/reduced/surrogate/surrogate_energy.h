@@ -12,14 +12,18 @@
 
 namespace pliant {
 
-// Holds what no elastic energy sees: stiffness |along q - wanted v|^2, the rigid motion of the rest shape in a blend of
-// layers against that in their linear sum. Layers are not aligned with each other, so that rigid motions may lie in the
-// subspace.
+// Holds what no elastic energy sees: stiffness |along q - wanted w|^2, the affine part of a blend against that of the linear
+// blend (elastic/average/placement.h). Poses that stay where they are, and layers, may have rigid motions in their subspace.
 struct Gauge {
-    Eigen::MatrixXd along, wanted; // 6 x d, 6 x layers
+    Eigen::MatrixXd along, wanted; // 12 x d (9 x d); columns of poses, or layers
     double stiffness = 0;          // 0: nothing is held
+
+    // Add the term's part.
+    double add_gradient(const Weights& w, const Eigen::VectorXd& q, Eigen::VectorXd& gradient) const; // returns its value
+    void add_hessian(Eigen::MatrixXd& hessian) const;
 };
-Gauge make_gauge(const NormalizedPoses& set, const Subspace& subspace, double energy_scale);
+// Without one if the set has no frame. `curvature`: of the elastic energy, the mean over the coordinates.
+Gauge make_gauge(const NormalizedPoses& set, Blend blend, const Subspace& subspace, double energy_scale, double curvature);
 
 class SurrogateEnergy {
 public:
@@ -62,20 +66,23 @@ private:
     Gauge gauge_;
 };
 
-// The reduced energy on the full mesh: exact, and as expensive as the mesh.
+// The reduced energy on the full mesh, with the gauge: exact, and as expensive as the mesh.
 class ReducedEnergy {
 public:
     ReducedEnergy(const Energy& energy, const Subspace& subspace);
+    void hold(Gauge gauge) { gauge_ = std::move(gauge); }
     double gradient(const Weights& w, const Eigen::VectorXd& q, Eigen::VectorXd& gradient) const;
     Eigen::MatrixXd hessian(const Weights& w, const Eigen::VectorXd& q, HessianKind kind) const;
-    // The exact Hessian times directions (d x c), without the rest of it.
+    // The exact Hessian of the elastic energy alone times directions (d x c).
     Eigen::MatrixXd hessian_times(const Weights& w, const Eigen::VectorXd& q, const Eigen::MatrixXd& directions) const;
     const Energy& energy() const { return energy_; }
     const Subspace& subspace() const { return subspace_; }
+    const Gauge& gauge() const { return gauge_; }
 
 private:
     const Energy& energy_;
     const Subspace& subspace_;
+    Gauge gauge_;
 };
 
 // Newton with projected Hessians where needed, for the few solves that start far away (d small: a factorisation is free).

@@ -9,7 +9,8 @@
 namespace pliant::player {
 namespace {
 
-constexpr std::uint32_t tile_size = 64; // vertices; pliant_reconstruct() is fastest for ranges that start at multiples of 64
+// Vertices. Of a factored basis each range costs as much as the whole units that it touches.
+std::uint32_t tile_size_of(const pliant_asset& asset) { return std::max(64u, pliant_range_unit(&asset)); }
 
 std::vector<glm::vec3> rebuilt(const pliant_asset& asset, const std::vector<float>& q)
 {
@@ -42,11 +43,12 @@ Landmarks::Landmarks(const pliant_asset& asset, const glm::mat3& to_world,
                      const std::vector<std::vector<std::uint32_t>>& groups)
     : asset_(asset)
     , up_(to_world[0].y, to_world[1].y, to_world[2].y)
+    , tile_size_(tile_size_of(asset))
     , columns_(1 + static_cast<std::size_t>(asset.dimension))
     , groups_(groups)
     , means_(groups.size() * columns_)
-    , bottoms_((asset.vertex_count + tile_size - 1) / tile_size)
-    , positions_(tile_size)
+    , bottoms_((asset.vertex_count + tile_size_ - 1) / tile_size_)
+    , positions_(tile_size_)
 {
     centres_.resize(bottoms_.size() * columns_);
     radii_.resize(bottoms_.size() * columns_);
@@ -67,7 +69,7 @@ void Landmarks::probe(const std::vector<glm::vec3>& shape, const std::vector<glm
 {
     for (std::size_t tile = 0; tile < bottoms_.size(); ++tile) {
         float low = std::numeric_limits<float>::max(), high = std::numeric_limits<float>::lowest();
-        for (std::size_t v = tile * tile_size; v < std::min((tile + 1) * tile_size, shape.size()); ++v) {
+        for (std::size_t v = tile * tile_size_; v < std::min((tile + 1) * tile_size_, shape.size()); ++v) {
             const float height = glm::dot(up_, shape[v] - origin[v]) / step;
             low = std::min(low, height);
             high = std::max(high, height);
@@ -85,7 +87,7 @@ void Landmarks::probe(const std::vector<glm::vec3>& shape, const std::vector<glm
 
 float Landmarks::lowest_of_tile(const float* q, std::uint32_t tile)
 {
-    const std::uint32_t first = tile * tile_size, count = std::min(tile_size, asset_.vertex_count - first);
+    const std::uint32_t first = tile * tile_size_, count = std::min(tile_size_, asset_.vertex_count - first);
     pliant_reconstruct(&asset_, q, first, count, &positions_[0].x, sizeof positions_[0]);
     float lowest = std::numeric_limits<float>::max();
     for (std::uint32_t i = 0; i < count; ++i) lowest = std::min(lowest, glm::dot(up_, positions_[i]));

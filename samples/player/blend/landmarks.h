@@ -21,8 +21,8 @@ public:
     // coordinate. The asset must outlive the landmarks.
     Landmarks(const pliant_asset& asset, const glm::mat3& to_world, const std::vector<std::vector<std::uint32_t>>& groups);
 
-    // The height (world y) of the lowest vertex, for coordinates q. Reconstructs only the tiles of 64 vertices that may
-    // contain it: few, unless vertices with neighbouring numbers lie far apart.
+    // The height (world y) of the lowest vertex, for coordinates q. Reconstructs only the tiles that may contain it: few,
+    // unless vertices with neighbouring numbers lie far apart.
     float lowest(const float* q);
     // The mean of each group, in the asset's axes.
     void means(const float* q, std::vector<glm::vec3>& result) const;
@@ -35,8 +35,9 @@ private:
     float lowest_of_tile(const float* q, std::uint32_t tile);
 
     const pliant_asset& asset_;
-    glm::vec3 up_;        // height in the world: dot(up_, position)
-    std::size_t columns_; // 1 + dimension: the constant, then one for each coordinate
+    glm::vec3 up_;            // height in the world: dot(up_, position)
+    std::uint32_t tile_size_; // vertices: 64, or a unit of pliant_reconstruct()
+    std::size_t columns_;     // 1 + dimension: the constant, then one for each coordinate
     std::vector<std::vector<std::uint32_t>> groups_;
     std::vector<float> centres_, radii_;                   // [tile][column] of heights
     std::vector<glm::vec3> means_;                         // [group][column]

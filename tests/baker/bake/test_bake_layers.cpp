@@ -48,6 +48,7 @@ PoseSet bent_sheet()
         left.row(v) << std::max(x, 6.0) - radius * std::sin(before / radius), flat(v, 1),
             radius * (1 - std::cos(before / radius));
     }
+    poses.blend = Blend::layers;
     poses.positions = { flat, left, right };
     poses.names = poses.paths = { "flat", "left", "right" };
     for (std::uint32_t i = 0; i < 12; ++i)

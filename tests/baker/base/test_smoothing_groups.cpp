@@ -51,6 +51,18 @@ TEST_CASE("a group has at most 256 vertices")
     CHECK(groups.back() == 512);
 }
 
+TEST_CASE("of many groups at one place the last 64 are looked at")
+{
+    std::vector<Eigen::Vector3d> normals;
+    for (int i = 0; i < 65; ++i) normals.push_back(tilted(2 * i));
+    for (int i = 0; i < 2; ++i) normals.push_back(tilted(2 * i)); // of the first group, and of the second
+    const Groups groups = smoothing_groups(Groups(67, 0), normals);
+    CHECK(groups[65] == 65);
+    CHECK(groups[66] == 66);
+    normals[66] = tilted(4);
+    CHECK(smoothing_groups(Groups(67, 0), normals)[66] == 2);
+}
+
 TEST_CASE("a normal that says nothing joins")
 {
     const double nan = std::numeric_limits<double>::quiet_NaN();

@@ -151,6 +151,39 @@ def test_links_before_dots(folder):
               f"{pose} is another file than a.gltf {result.stderr}")
 
 
+def with_image(folder, uri):
+    """The manifest of a bake from g/a.gltf with this image, which is not there."""
+    (folder / "g").mkdir()
+    write_gltf(folder / "g" / "a.gltf", folder / "g")
+    (folder / "g" / "skin.png").rename(folder / "skin.png")
+    text = (folder / "g" / "a.gltf").read_text(encoding="utf-8")
+    (folder / "g" / "a.gltf").write_text(text.replace("skin.png", uri), encoding="utf-8")
+    return write_json(folder / "m.json", {"defaults": QUICK, "bakes": [{"name": "a", "poses": ["g/a.gltf"]}]})
+
+
+def test_folders_behind_links(folder):
+    """What a refused link of a folder leads to has not changed."""
+    manifest = with_image(folder, "textures/skin.png")
+    (folder / "g" / "textures").symlink_to("..")
+    bakes, result = outcomes(manifest)
+    check(bakes["a"]["outcome"] == "baked", f"an image behind a link that leads out {result.stderr}")
+    check(outcomes(manifest, "--dry-run")[0]["a"]["outcome"] == "up to date", "and again")
+    (folder / "g" / "textures").unlink()
+    (folder / "g" / "textures").mkdir()
+    (folder / "skin.png").rename(folder / "g" / "textures" / "skin.png")
+    verdict = outcomes(manifest, "--dry-run")[0]["a"]
+    check(verdict.get("reason") == "skin.png has changed", f"a folder in the place of the link: {verdict}")
+
+
+def test_names_of_other_bytes(folder):
+    """A file whose name is not UTF-8 is not taken for unchanged."""
+    manifest = with_image(folder, "%ff.png")
+    bakes, result = outcomes(manifest)
+    check(bakes["a"]["outcome"] == "baked", f"an image that is missing {result.stderr}")
+    (folder / "skin.png").rename(pathlib.Path(str(folder / "g") + "/\udcff.png"))
+    check(outcomes(manifest, "--dry-run")[0]["a"]["outcome"] != "up to date", "and now is there")
+
+
 def refused(folder, value, number, text, what):
     path = write_json(folder / "bad.json", value)
     result = TOOL.run("bake-all", path)
@@ -212,7 +245,8 @@ def test_manifests(folder):
 
 
 with tempfile.TemporaryDirectory(prefix="pliant-stamps-") as name:
-    tests = (test_stamp, test_what_counts, test_other_inputs, test_links, test_links_before_dots, test_manifests)
+    tests = (test_stamp, test_what_counts, test_other_inputs, test_links, test_links_before_dots,
+             test_folders_behind_links, test_names_of_other_bytes, test_manifests)
     for number, test in enumerate(tests):
         place = pathlib.Path(name) / str(number)
         place.mkdir()

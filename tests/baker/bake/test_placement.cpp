@@ -1,0 +1,137 @@
+// Blends of poses that stay where they are, looked at through the C runtime: they go from place to place.
+#include "../tube.h"
+#include "../twisted_bar.h"
+
+#include "bake/bake.h"
+#include "base/mesh/align.h"
+#include "output/asset/runtime_blender.h"
+
+#include <algorithm>
+#include <doctest/doctest.h>
+#include <utility>
+
+using namespace pliant;
+
+namespace {
+
+struct Listener : Progress {
+    std::vector<int> warnings;
+    void warn(int number, const std::string&, const std::string&) override { warnings.push_back(number); }
+};
+
+// Turned about the x axis and moved.
+void place(Positions& pose, double angle, double height)
+{
+    const Eigen::AngleAxisd turn(angle, Eigen::Vector3d::UnitX());
+    pose = (pose * turn.toRotationMatrix().transpose()).eval();
+    pose.col(1).array() += height;
+}
+
+PoseSet placed_tubes(double angle)
+{
+    PoseSet poses = tube_poses(3, { 8, 6 });
+    poses.share_frame = true;
+    place(poses.positions[1], angle, 5);
+    place(poses.positions[2], -angle / 2, -2);
+    return poses;
+}
+
+PoseSet placed_bar()
+{
+    PoseSet poses = twisted_bar(2, 6, 1.5);
+    poses.share_frame = true;
+    place(poses.positions[1], 1, 5);
+    return poses;
+}
+
+// The largest step, without alignment, of a blend that goes from pose 0 to pose k in hundredths, over the mean step; then
+// the distance from pose k at the end over the way.
+std::pair<double, double> walk(RuntimeBlender& blender, const NormalizedPoses& set, std::size_t k)
+{
+    const std::size_t m = set.pose_count();
+    Shape last = set.shapes[0];
+    double largest = 0;
+    for (int i = 1; i <= 100; ++i) {
+        std::vector<float> w(m, 0.0f);
+        w[k] = 0.01f * float(i);
+        w[0] = 1 - w[k];
+        const Shape shape = from_input_units(set, blender.positions(blender.solve(w, false)));
+        largest = std::max(largest, (shape - last).norm());
+        last = shape;
+    }
+    const double way = (set.shapes[k] - set.shapes[0]).norm();
+    return { largest / (way / 100), (last - set.shapes[k]).norm() / way };
+}
+
+void check_walks(const PoseSet& poses, const BakeOptions& options)
+{
+    Listener listener;
+    const BakedAsset baked = bake(poses, options, listener);
+    CHECK(listener.warnings.empty());
+    CHECK(baked.report.check.meets_tolerance);
+    RuntimeBlender blender(baked.bytes, "placed");
+    const NormalizedPoses set = normalize(poses);
+    for (std::size_t k = 1; k < set.pose_count(); ++k) {
+        const auto [largest_step, off] = walk(blender, set, k);
+        CAPTURE(k);
+        CHECK(largest_step < 3);
+        CHECK(off < 2e-3);
+    }
+}
+
+} // namespace
+
+TEST_CASE("averages of poses that stay where they are go from place to place")
+{
+    for (const double angle : { 0.0, 1.0 }) {
+        CAPTURE(angle);
+        check_walks(placed_tubes(angle), {});
+    }
+}
+
+TEST_CASE("a polynomial and elements hold averages of solids in their places")
+{
+    for (const SurrogateKind kind : { SurrogateKind::quartic, SurrogateKind::cubature }) {
+        BakeOptions options;
+        options.surrogate = kind;
+        check_walks(placed_bar(), options);
+    }
+}
+
+TEST_CASE("poses that turn too far are aligned, with a warning")
+{
+    PoseSet poses = placed_tubes(3);
+    CHECK(normalize(poses).frame.size() == 0);
+    CHECK(normalize(placed_tubes(1)).frame.size() > 0);
+    BakeOptions options;
+    options.time_limit = 0;
+    Listener listener;
+    bake(poses, options, listener);
+    CHECK(std::count(listener.warnings.begin(), listener.warnings.end(), 4413) == 1);
+}
+
+TEST_CASE("layers that turn a body, or each bend a thin one a little, stay where the linear sum is")
+{
+    PoseSet turned = tube_poses(3, { 8, 6 });
+    turned.positions[1] = turned.positions[0];
+    place(turned.positions[1], 1, 0);
+    place(turned.positions[2], -0.7, 0);
+    PoseSet bent = tube_poses(4, { 14, 6 });
+    bent.positions[1] = bent.positions[2] = Tube { 14, 6 }.pose(0.3, 0);
+    const Eigen::AngleAxisd quarter(1.5707963267948966, Eigen::Vector3d::UnitZ());
+    bent.positions[2] = (bent.positions[2] * quarter.toRotationMatrix().transpose()).eval();
+    bent.positions[3] = Tube { 14, 6 }.pose(0, 0.3);
+    for (PoseSet* poses : { &turned, &bent }) {
+        poses->blend = Blend::layers;
+        BakeOptions options;
+        options.energy.blend = Blend::layers;
+        Listener listener;
+        const BakedAsset baked = bake(*poses, options, listener);
+        for (const BlendCheck& check : baked.report.check.blends) CHECK(check.error.largest_distance < 2e-2);
+        RuntimeBlender blender(baked.bytes, "layers");
+        const NormalizedPoses set = normalize(*poses);
+        const std::vector<float> zero(set.pose_count() - 1, 0.0f);
+        const Shape rest = from_input_units(set, blender.positions(blender.solve(zero, false)));
+        CHECK((rest - set.shapes[0]).norm() < 2e-4 * set.shapes[0].norm()); // the basis is rounded
+    }
+}
