@@ -19,6 +19,12 @@ constexpr char context_hint[] = "the player needs OpenGL 3.3; without a display 
     throw Error(ErrorNumber::no_context, ExitCode::failed, "no picture can be drawn: " + reason, context_hint);
 }
 
+// The first has compute shaders, which rebuild shapes several times as fast; drivers may give exactly what is asked for.
+struct Version {
+    int major, minor;
+};
+constexpr Version versions[] = { { 4, 3 }, { 3, 3 } };
+
 std::string glfw_reason()
 {
     const char* reason = nullptr;
@@ -57,19 +63,29 @@ EGLDisplay surfaceless_display()
     return eglGetPlatformDisplayEXT(EGL_PLATFORM_SURFACELESS_MESA, EGL_DEFAULT_DISPLAY, nullptr);
 }
 
+EGLContext context_of(EGLDisplay display, EGLConfig config)
+{
+    for (const auto& [major, minor] : versions) {
+        const EGLint wishes[] = {
+            EGL_CONTEXT_MAJOR_VERSION,           major,   EGL_CONTEXT_MINOR_VERSION, minor, EGL_CONTEXT_OPENGL_PROFILE_MASK,
+            EGL_CONTEXT_OPENGL_CORE_PROFILE_BIT, EGL_NONE
+        };
+        const EGLContext context = eglCreateContext(display, config, EGL_NO_CONTEXT, wishes);
+        if (context != EGL_NO_CONTEXT) return context;
+    }
+    return EGL_NO_CONTEXT;
+}
+
 std::unique_ptr<GlContext> try_egl()
 {
     const EGLDisplay display = surfaceless_display();
     if (display == EGL_NO_DISPLAY || !eglInitialize(display, nullptr, nullptr)) return nullptr;
     const EGLint config_wishes[] = { EGL_SURFACE_TYPE, EGL_PBUFFER_BIT, EGL_RENDERABLE_TYPE, EGL_OPENGL_BIT, EGL_NONE };
-    const EGLint context_wishes[]
-        = { EGL_CONTEXT_MAJOR_VERSION,           3,       EGL_CONTEXT_MINOR_VERSION, 3, EGL_CONTEXT_OPENGL_PROFILE_MASK,
-            EGL_CONTEXT_OPENGL_CORE_PROFILE_BIT, EGL_NONE };
     EGLConfig config = nullptr;
     EGLint config_count = 0;
     if (eglBindAPI(EGL_OPENGL_API) && eglChooseConfig(display, config_wishes, &config, 1, &config_count)
         && config_count > 0) {
-        const EGLContext context = eglCreateContext(display, config, EGL_NO_CONTEXT, context_wishes);
+        const EGLContext context = context_of(display, config);
         if (context != EGL_NO_CONTEXT) {
             if (eglMakeCurrent(display, EGL_NO_SURFACE, EGL_NO_SURFACE, context))
                 return std::make_unique<EglContext>(display, context);
@@ -95,13 +111,16 @@ bool GlContext::is_software() const
 WindowContext::WindowContext(const std::string& title, int width, int height, bool visible)
 {
     if (!glfwInit()) refuse_context(glfw_reason());
-    glfwWindowHint(GLFW_CONTEXT_VERSION_MAJOR, 3);
-    glfwWindowHint(GLFW_CONTEXT_VERSION_MINOR, 3);
     glfwWindowHint(GLFW_OPENGL_PROFILE, GLFW_OPENGL_CORE_PROFILE);
     glfwWindowHint(GLFW_OPENGL_FORWARD_COMPAT, GLFW_TRUE);
     glfwWindowHint(GLFW_SCALE_TO_MONITOR, GLFW_TRUE);
     glfwWindowHint(GLFW_VISIBLE, visible ? GLFW_TRUE : GLFW_FALSE);
-    window_ = glfwCreateWindow(width, height, title.c_str(), nullptr, nullptr);
+    for (const auto& [major, minor] : versions) {
+        glfwWindowHint(GLFW_CONTEXT_VERSION_MAJOR, major);
+        glfwWindowHint(GLFW_CONTEXT_VERSION_MINOR, minor);
+        window_ = glfwCreateWindow(width, height, title.c_str(), nullptr, nullptr);
+        if (window_) break;
+    }
     if (!window_) {
         const std::string reason = glfw_reason();
         glfwTerminate();
