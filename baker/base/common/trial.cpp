@@ -39,14 +39,19 @@ void limit_time(double seconds)
     itimerval timer {};
     timer.it_value.tv_sec = static_cast<time_t>(seconds);
     timer.it_value.tv_usec = static_cast<suseconds_t>(std::max(1.0, 1e6 * (seconds - double(timer.it_value.tv_sec))));
+    sigset_t blocked;
+    ::sigemptyset(&blocked);
+    ::sigaddset(&blocked, SIGPROF);
+    ::sigprocmask(SIG_UNBLOCK, &blocked, nullptr);
     std::signal(SIGPROF, SIG_DFL); // ends the process
     ::setitimer(ITIMER_PROF, &timer, nullptr);
 }
 
 [[noreturn]] void try_in_child(int pipe, double seconds, double bytes, const std::function<void()>& work)
 {
-    for (const int standard : { 0, 1, 2 }) ::close(standard); // what is said here is not for the user
-    std::set_new_handler([] { ::_exit(1); });                 // before anyone catches bad_alloc
+    for (const int standard : { 0, 1, 2 })
+        if (standard != pipe) ::close(standard); // what is said here is not for the user
+    std::set_new_handler([] { ::_exit(1); });    // before anyone catches bad_alloc
     if (bytes > 0.0) limit_memory(bytes);
     limit_time(seconds);
     try {
