@@ -13,13 +13,13 @@ namespace {
 // Vectors are unit: what is left of one below this after projection is rounding.
 constexpr double rank_tolerance = 1e-9;
 
-// Poses that differ by less, in units of the character, are one pose in single precision: what is left of their difference
-// is mostly a turn.
+// Poses of which no vertex is farther from the other, in units of the character, are one pose in single precision: what is
+// left of their difference is mostly a turn.
 constexpr double least_difference = 1e-7;
 
 // Orthonormal columns spanning `vectors`, after everything in `done` has been projected out, and the triangular factor:
 // (vectors without done) = result * factor. Gram-Schmidt twice is as good as Householder here (Giraud et al. 2005) and works
-// in any inner product. Vectors of which less than `least` is left are left out.
+// in any inner product. Vectors of which no component above `least` is left are left out.
 struct Factored {
     Eigen::MatrixXd columns, factor;
 };
@@ -35,7 +35,7 @@ Factored orthonormalise(const Eigen::MatrixXd& vectors, const Eigen::MatrixXd& d
     for (Eigen::Index j = 0; j < vectors.cols(); ++j) {
         Eigen::VectorXd v = vectors.col(j);
         const double norm = mass_norm(v, masses);
-        if (norm <= least) continue;
+        if (v.lpNorm<Eigen::Infinity>() <= least) continue;
         v /= norm;
         for (int pass = 0; pass < 2; ++pass) {
             v -= done * (weighted_done.transpose() * v);
@@ -44,7 +44,7 @@ Factored orthonormalise(const Eigen::MatrixXd& vectors, const Eigen::MatrixXd& d
             out.factor.col(j).head(rank) += along;
         }
         const double left = mass_norm(v, masses);
-        if (left < std::max(rank_tolerance, least / norm)) continue;
+        if (left < rank_tolerance || norm * v.lpNorm<Eigen::Infinity>() <= least) continue;
         out.columns.col(rank) = v / left;
         out.factor(rank++, j) = left;
     }

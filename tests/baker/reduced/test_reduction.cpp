@@ -322,3 +322,15 @@ TEST_CASE("the error of a shape does not see rigid motions, and is zero for the 
     CHECK(error.relative_l2 < 1e-12);
     CHECK(std::abs(error.energy_excess) < 1e-9);
 }
+
+TEST_CASE("a pose that moves one vertex of next to no mass has a direction, one that differs by rounding has none")
+{
+    NormalizedPoses set = normalize(tube_poses(2));
+    set.masses[0] = 1e-14;
+    const Eigen::MatrixXd none(set.dof_count(), 0);
+    for (const auto& [move, dimension] : { std::pair(1e-3, 1), std::pair(1e-8, 0) }) {
+        set.shapes[1] = set.shapes[0];
+        set.shapes[1][0] += move;
+        CHECK(build_subspace(set, none, 8).dimension() == dimension);
+    }
+}
