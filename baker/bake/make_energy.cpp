@@ -164,6 +164,9 @@ void check_blend(const BakeOptions& options, const PoseSet& poses)
         if (const char* what = missing_of_layers(options, poses))
             refuse(what, "--blend layers",
                    "leave it out, or bake the poses with --blend average; `pliant average` has both");
+    } else if (options.energy.keep_placement && poses.fixed_vertices.empty() && options.subspace != SubspaceKind::adaptive) {
+        refuse("--subspace krylov and barbic", "poses that stay where they are (--no-align, or all of one glTF file)",
+               "leave it out: these subspaces know no way from place to place");
     } else if (poses.pose_count() > few_poses && options.subspace != SubspaceKind::adaptive) {
         refuse("--subspace krylov and barbic", fmt::format("more than {} poses", few_poses),
                "leave it out, or choose the poses that differ most");

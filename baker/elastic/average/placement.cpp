@@ -15,7 +15,9 @@ Eigen::MatrixXd affine_functions(const NormalizedPoses& set)
     const Eigen::Index n = set.masses.size();
     Eigen::MatrixXd functions(n, 4);
     functions.col(0).setOnes();
-    functions.rightCols<3>() = Eigen::Map<const Positions>(set.frame.data(), n, 3);
+    const Eigen::Map<const Positions> frame(set.frame.data(), n, 3);
+    const Eigen::RowVector3d centroid = set.masses.transpose() * frame / set.masses.sum();
+    functions.rightCols<3>() = frame.rowwise() - centroid; // far from the origin its thickness would be lost
     const Eigen::SelfAdjointEigenSolver<Eigen::Matrix4d> gram(functions.transpose() * set.masses.asDiagonal() * functions);
     const Eigen::Vector4d squares = gram.eigenvalues(); // ascending
     const Eigen::Index rank = (squares.array() > flat * squares[3]).count();

@@ -4,6 +4,7 @@
 
 #include "bake/bake.h"
 #include "base/mesh/align.h"
+#include "elastic/average/placement.h"
 #include "output/asset/runtime_blender.h"
 
 #include <algorithm>
@@ -95,6 +96,22 @@ TEST_CASE("a polynomial and elements hold averages of solids in their places")
         BakeOptions options;
         options.surrogate = kind;
         check_walks(placed_bar(), options);
+    }
+}
+
+TEST_CASE("at a pose the place is the pose's own, however far apart poses are")
+{
+    PoseSet poses = tube_poses(3, { 8, 6 });
+    poses.share_frame = true;
+    place(poses.positions[1], 0.5, 3000);
+    place(poses.positions[2], -0.5, -8000);
+    const NormalizedPoses set = normalize(poses);
+    const Placement placement(set);
+    for (std::size_t k = 0; k < 3; ++k) {
+        Shape shape = set.shapes[k];
+        apply({ Eigen::AngleAxisd(1, Eigen::Vector3d(1, 2, 3).normalized()).toRotationMatrix(), { 4, 5, 6 } }, shape);
+        placement.place(corner_weights(3, k), shape);
+        CHECK((shape - set.shapes[k]).norm() < 1e-9 * set.shapes[k].norm());
     }
 }
 

@@ -21,7 +21,7 @@ KINDS = {"morph": [], "embed": ["--embed"], "skin": ["--skin", "6"], "integers":
 
 def bake(tool, source, output):
     result = subprocess.run([tool, "bake", source, "--blend", "average", "-o", output, "--dim", "6", "--elements", "10",
-                             "--subspace", "krylov", "--no-align", "--quiet"], capture_output=True, text=True, timeout=200)
+                             "--no-align", "--quiet"], capture_output=True, text=True, timeout=200)
     check(result.returncode == 0, f"bake: exit code {result.returncode}\n{result.stdout}{result.stderr}")
 
 
