@@ -59,6 +59,7 @@ InputReport describe(const PoseSet& poses, const NormalizedPoses& set, const Ene
     report.tet_count = set.tets.size();
     report.pose_count = set.pose_count();
     report.repairs = poses.repairs;
+    report.is_aligned = set.is_free() && set.frame.size() == 0;
     if (poses.render_mesh) {
         report.drawn_vertex_count = poses.render_mesh->embedding.count();
         report.drawn_triangle_count = poses.render_mesh->triangles.size();

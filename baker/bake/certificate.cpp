@@ -219,7 +219,7 @@ std::string write_certificate(const BakeReport& report, const BakeOptions& optio
             energy["rough_vertices"] = report.input.rough_count;
         if (report.input.rough_count > 0) energy["roughest_vertex"] = report.input.roughest_vertex;
     }
-    energy["aligned"] = !options.energy.keep_placement;
+    energy["aligned"] = report.input.is_aligned;
     energy["solver"] = name_of(options.energy.solver);
     if (report.input.repairs.welded_count > 0) energy["weld"] = options.energy.weld_tolerance;
     if (!report.input.fixed_vertices.empty()) energy["fixed_vertices"] = report.input.fixed_vertices;

@@ -27,6 +27,7 @@ struct InputReport {
     Material material = Material::discrete_shells;
     std::size_t drawn_vertex_count = 0, drawn_triangle_count = 0; // of a render mesh that repairs made; else 0
     SurfaceRepairs repairs;
+    bool is_aligned = true;                       // the poses were, with the first
     std::size_t rough_count = 0;                  // vertices with an ARAP cell, of reinforced shells
     std::uint32_t roughest_vertex = 0;            // of them
     std::size_t foldover_count = 0;               // hinges whose bending is damped

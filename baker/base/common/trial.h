@@ -7,8 +7,8 @@
 namespace pliant {
 
 // False if `work` took more seconds of the processor or more bytes of memory than these, or ended the child. True if it
-// returned or threw, and where no process can be started. Where /proc does not say what this process has (macOS), memory
-// has no limit. `work` must not start threads or take locks: of the other threads the child has only what they held.
+// returned or threw, and where no process can be started. Where there is no /proc (macOS) memory has no limit. `work` must
+// not start threads, and must not take locks that other threads may hold: in the child nobody releases them.
 bool is_bounded(double seconds, double bytes, const std::function<void()>& work);
 
 } // namespace pliant

@@ -11,7 +11,7 @@ namespace {
 
 using RowPoints = Eigen::Map<const Positions>;
 
-// Of a pose against the mean of all. What holds a turn in place is the sine of it.
+// Of a pose against the mean of all. Poses that turn by 90 degrees to both sides leave no linear blend to lie at.
 constexpr double most_turned = 75; // degrees
 
 double degrees_of(const RigidMotion& motion) { return Eigen::AngleAxisd(motion.rotation).angle() * 57.29577951308232; }

@@ -15,7 +15,7 @@ constexpr double kSameDirection = 0.99984769515639124;
 // Keeps the cost of a normal small: pliant_normals_init refuses groups that are too large.
 constexpr std::size_t kLargest = 256;
 
-// Of groups at one place only the last ones are looked at: where there are more, vertices were put there to cost time.
+// Only so many groups at one place, the last ones, are compared with a vertex: the cost stays linear.
 constexpr std::ptrdiff_t kCandidates = 64;
 
 // A normal shorter than this has no direction in single precision, in which files have them.

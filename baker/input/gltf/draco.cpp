@@ -140,12 +140,12 @@ std::unique_ptr<draco::Mesh> decode(const GltfValue& extension, std::string_view
     if (is_edgebreaker) declared = declared_in(header, behind_header);
     // Draco makes its tables for as many as an edgebreaker stream says, before it decodes one of them.
     allowance.take(extension, std::max(declared.vertex_count, declared.face_count), std::uint64_t(declared.seam_count) + 3);
-    const auto decode_with = [&](GltfAllowance& allowed) {
-        return is_edgebreaker ? decode_by<draco::MeshEdgebreakerDecoder>(extension, buffer, allowed)
-                              : decode_by<draco::MeshSequentialDecoder>(extension, buffer, allowed);
+    const auto decoded_mesh = [&] {
+        return is_edgebreaker ? decode_by<draco::MeshEdgebreakerDecoder>(extension, buffer, allowance)
+                              : decode_by<draco::MeshSequentialDecoder>(extension, buffer, allowance);
     };
-    require_bounded(extension, bytes.size(), declared.face_count, [&] { decode_with(allowance); });
-    Decoded decoded = decode_with(allowance);
+    require_bounded(extension, bytes.size(), declared.face_count, decoded_mesh);
+    Decoded decoded = decoded_mesh();
     if (!decoded.mesh) extension.fail(2318, fmt::format("its Draco data cannot be decoded: {}", decoded.reason), damaged);
     return std::move(decoded.mesh);
 }

@@ -39,8 +39,8 @@ private:
 
 // Notes that the file was read, or that it could not be. For read_bytes.
 void note_reading(const std::string& path, const std::optional<std::string>& bytes);
-// Notes the place that a name leads to, by links of its own or of folders on the way, in place of what is there: it was not
-// opened, or was by another name.
+// Notes where the links of a name lead, in place of the content: the file was refused, or was read by another name. The
+// links are its own and those of the folders on the way.
 void note_link(const std::string& path);
 // That place; empty if it cannot be looked up.
 std::string link_place(const std::string& path);

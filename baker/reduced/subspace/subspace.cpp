@@ -13,8 +13,8 @@ namespace {
 // Vectors are unit: what is left of one below this after projection is rounding.
 constexpr double rank_tolerance = 1e-9;
 
-// Poses of which no vertex is farther from the other, in units of the character, are one pose in single precision: what is
-// left of their difference is mostly a turn.
+// Two poses whose vertices are all nearer to each other than this, in units of the character, are one pose in single
+// precision. What is left of their difference is mostly a turn.
 constexpr double least_difference = 1e-7;
 
 // Orthonormal columns spanning `vectors`, after everything in `done` has been projected out, and the triangular factor:

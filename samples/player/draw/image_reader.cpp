@@ -92,7 +92,7 @@ public:
         jpeg_.progress = &progress_;
         jpeg_mem_src(&jpeg_, bytes, size);
         jpeg_read_header(&jpeg_, TRUE);
-        if (jpeg_.arith_code) return false; // goes on for all pixels of each scan where its data has ended; nobody writes it
+        if (jpeg_.arith_code) return false; // rare, and decoded for all pixels of every scan, also after the data has ended
         jpeg_.out_color_space = JCS_EXT_RGBA;
         width = jpeg_.image_width;
         height = jpeg_.image_height;

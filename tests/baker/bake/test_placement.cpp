@@ -69,6 +69,7 @@ void check_walks(const PoseSet& poses, const BakeOptions& options)
     Listener listener;
     const BakedAsset baked = bake(poses, options, listener);
     CHECK(listener.warnings.empty());
+    CHECK_FALSE(baked.report.input.is_aligned);
     CHECK(baked.report.check.meets_tolerance);
     RuntimeBlender blender(baked.bytes, "placed");
     const NormalizedPoses set = normalize(poses);
@@ -123,7 +124,7 @@ TEST_CASE("poses that turn too far are aligned, with a warning")
     BakeOptions options;
     options.time_limit = 0;
     Listener listener;
-    bake(poses, options, listener);
+    CHECK(bake(poses, options, listener).report.input.is_aligned);
     CHECK(std::count(listener.warnings.begin(), listener.warnings.end(), 4413) == 1);
 }
 
@@ -144,6 +145,7 @@ TEST_CASE("layers that turn a body, or each bend a thin one a little, stay where
         options.energy.blend = Blend::layers;
         Listener listener;
         const BakedAsset baked = bake(*poses, options, listener);
+        CHECK_FALSE(baked.report.input.is_aligned);
         for (const BlendCheck& check : baked.report.check.blends) CHECK(check.error.largest_distance < 2e-2);
         RuntimeBlender blender(baked.bytes, "layers");
         const NormalizedPoses set = normalize(*poses);
