@@ -5,21 +5,35 @@
 
 #include <fmt/format.h>
 
+#include <filesystem>
+#include <string_view>
+
 namespace pliant {
 namespace {
 
-// What nothing escapes for Make and Ninja alike: ends of lines and of prerequisites. What follows a ';' Make runs, so a
-// stranger's glTF file, which names others, could run a command in the build.
+// What Make and Ninja have no common escape for, empty if the name has nothing of it. A stranger's glTF file names others:
+// Make runs what follows ';' or "!=", and takes a rule with '=', ':' or '%' for something else than a list of files.
+std::string forbidden_part(const std::string& path)
+{
+    const std::size_t drive = std::filesystem::path(path).root_name().native().size(); // C: on Windows
+    for (std::size_t i = drive; i < path.size(); ++i) {
+        const char c = path[i];
+        if (static_cast<unsigned char>(c) < ' ' && c != '\t')
+            return c == '\n' || c == '\r' ? "contains a line break" : "contains a control character";
+        if (std::string_view(";|=:%*?[]&").find(c) != std::string_view::npos) return fmt::format("contains '{}'", c);
+    }
+    if (path.front() == '~' || path.front() == '-') return fmt::format("begins with '{}'", path.front());
+    if (path.back() == ')') return "ends with ')'";
+    return path.back() == '\\' ? "ends with a backslash" : "";
+}
+
 void check_name(const std::string& path)
 {
-    const std::size_t at = path.find_first_of("\r\n;|");
-    if (at == std::string::npos && path.back() != '\\') return;
-    const std::string what = at == std::string::npos ? "ends with a backslash"
-        : path[at] < ' '                             ? "contains a line break"
-                                                     : fmt::format("contains '{}'", path[at]);
+    const std::string part = forbidden_part(path);
+    if (part.empty()) return;
     throw Failure(ExitCode::failed,
                   error_at(4604, "",
-                           fmt::format("the name {} {}, which a dependency file cannot express", excerpt(path), what),
+                           fmt::format("the name {} {}, which a dependency file cannot express", excerpt(path), part),
                            "rename it, or leave --depfile out"));
 }
 

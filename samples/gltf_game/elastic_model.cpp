@@ -55,14 +55,14 @@ tinygltf::Model load(const std::string& path)
     return model;
 }
 
-// The first byte of an element of an accessor, and the bytes from one to the next. Accessors come from the file: a game
-// that loads files of strangers checks more than this.
+// The first byte of an element of an accessor, and the bytes from one to the next. Every element lies in the buffer, and
+// has at least `least_size` bytes.
 struct Elements {
     const unsigned char* first;
     std::size_t stride, count;
 };
 
-Elements elements_of(const tinygltf::Model& model, int number)
+Elements elements_of(const tinygltf::Model& model, int number, std::size_t least_size)
 {
     const tinygltf::Accessor& accessor = model.accessors.at(std::size_t(number));
     const tinygltf::BufferView& view = model.bufferViews.at(std::size_t(accessor.bufferView));
@@ -70,22 +70,28 @@ Elements elements_of(const tinygltf::Model& model, int number)
     const int stride = accessor.ByteStride(view);
     const std::size_t size = std::size_t(tinygltf::GetComponentSizeInBytes(std::uint32_t(accessor.componentType))
                                          * tinygltf::GetNumComponentsInType(std::uint32_t(accessor.type))),
-                      begin = view.byteOffset + accessor.byteOffset,
-                      end = begin + (accessor.count ? (accessor.count - 1) * std::size_t(stride) + size : 0);
-    if (stride <= 0 || end > buffer.data.size()) throw std::runtime_error("an accessor reaches beyond its buffer");
+                      room = buffer.data.size();
+    if (stride <= 0 || size < least_size || view.byteOffset > room || accessor.byteOffset > room - view.byteOffset)
+        throw std::runtime_error("an accessor has other numbers than it should, or begins beyond its buffer");
+    const std::size_t begin = view.byteOffset + accessor.byteOffset, left = room - begin;
+    if (accessor.count > 0 && (left < size || accessor.count - 1 > (left - size) / std::size_t(stride)))
+        throw std::runtime_error("an accessor reaches beyond its buffer");
     return { buffer.data.data() + begin, std::size_t(stride), accessor.count };
 }
 
 std::vector<std::uint32_t> indices_of(const tinygltf::Model& model, const tinygltf::Primitive& primitive)
 {
     const tinygltf::Accessor& accessor = model.accessors.at(std::size_t(primitive.indices));
-    const Elements elements = elements_of(model, primitive.indices);
+    const std::size_t size = accessor.componentType == TINYGLTF_COMPONENT_TYPE_UNSIGNED_BYTE ? 1
+        : accessor.componentType == TINYGLTF_COMPONENT_TYPE_UNSIGNED_SHORT                   ? 2
+                                                                                             : 4;
+    const Elements elements = elements_of(model, primitive.indices, size);
     std::vector<std::uint32_t> indices(elements.count);
     for (std::size_t i = 0; i < indices.size(); ++i) {
         const unsigned char* at = elements.first + i * elements.stride;
-        if (accessor.componentType == TINYGLTF_COMPONENT_TYPE_UNSIGNED_BYTE) {
+        if (size == 1) {
             indices[i] = *at;
-        } else if (accessor.componentType == TINYGLTF_COMPONENT_TYPE_UNSIGNED_SHORT) {
+        } else if (size == 2) {
             std::uint16_t index;
             std::memcpy(&index, at, 2);
             indices[i] = index;
@@ -169,7 +175,7 @@ void ElasticModel::read_part(const tinygltf::Primitive& primitive)
     const auto uv = primitive.attributes.find("TEXCOORD_0");
     if (uv != primitive.attributes.end()
         && gltf_.accessors.at(std::size_t(uv->second)).componentType == TINYGLTF_COMPONENT_TYPE_FLOAT) {
-        const Elements elements = elements_of(gltf_, uv->second);
+        const Elements elements = elements_of(gltf_, uv->second, sizeof(Vertex::uv));
         for (std::size_t i = 0; i < std::min<std::size_t>(elements.count, count) && first + i < vertices_.size(); ++i)
             std::memcpy(vertices_[first + i].uv, elements.first + i * elements.stride, sizeof(Vertex::uv));
     }

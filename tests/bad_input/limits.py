@@ -4,6 +4,7 @@ hostile files of every format stay below. ASSET: any good asset, of which the he
 larger the costly files are (default: 1, which says little of memory; 20 takes half a minute)."""
 import array
 import itertools
+import json
 import math
 import os
 import re
@@ -84,6 +85,11 @@ def images(count):
     file.mesh([(0, 0, 0), (1, 0, 0), (0, 1, 0)], [(0, 1, 2)])
     file.json["images"] = [{"uri": "a.png"}] * count
     return check("a.glb", file.glb())
+
+
+def uri_folders(count):
+    buffers = json.dumps([{"byteLength": 1, "uri": "a/" * count + "a.bin"}])
+    return check("a.gltf", '{"asset": {"version": "2.0"}, "buffers": ' + buffers + "}")
 
 
 def config_depth(depth):
@@ -184,6 +190,7 @@ def makers(asset):
             lambda size: check("a.gltf", '{"asset": {"version": "2.0"}, "nodes": [{"mesh": 0}], "meshes": [{"name": "'
                                + "n" * size + '"}]}'),
         "images of a glTF file": images,
+        "folders in the URI of a buffer or image": uri_folders,
         "bytes of the materials, samplers and textures of a glTF file, as JSON without blanks": material_text,
         "depth of configurations and manifests": config_depth,
         "poses": poses,

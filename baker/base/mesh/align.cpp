@@ -134,6 +134,40 @@ NormalizedPoses normalized(const PoseSet& poses, bool keep_placement)
     return set;
 }
 
+// The directions of edges of `from` against those of `to`, where both are long: by edges, not by moments, since a thin body
+// that bends to both sides has a mean without width as well.
+Eigen::Matrix3d edge_covariance(const NormalizedPoses& set, const Shape& from, const Shape& to)
+{
+    Eigen::Matrix3d sum = Eigen::Matrix3d::Zero();
+    const auto add = [&](std::uint32_t a, std::uint32_t b) {
+        const Eigen::Vector3d x = from.segment<3>(3 * b) - from.segment<3>(3 * a),
+                              y = to.segment<3>(3 * b) - to.segment<3>(3 * a);
+        const double length2 = y.squaredNorm();
+        if (length2 > 0) sum += (set.masses[a] + set.masses[b]) / length2 * x * y.transpose();
+    };
+    for (const Triangle& t : set.triangles)
+        for (int i = 0; i < 3; ++i) add(t[std::size_t(i)], t[std::size_t((i + 1) % 3)]);
+    return sum;
+}
+
+// A mean of poses that turn by half a turn against each other has collapsed, and how a pose turns against it is rounding.
+bool is_collapsed(const NormalizedPoses& set, const Shape& mean, const Shape& pose)
+{
+    constexpr double least = 0.2; // of the pose's own; turns by most_turned to both sides leave 0.26
+    const auto across = [](const Eigen::Matrix3d& covariance) {
+        const Eigen::Vector3d values = covariance.jacobiSvd().singularValues();
+        return values[1] + (covariance.determinant() < 0 ? -values[2] : values[2]);
+    };
+    return across(edge_covariance(set, mean, pose)) < least * across(edge_covariance(set, pose, pose));
+}
+
+bool is_frame(const NormalizedPoses& set, const Shape& mean)
+{
+    return std::all_of(set.shapes.begin(), set.shapes.end(), [&](const Shape& shape) {
+        return degrees_of(best_rigid_motion(mean, shape, set.masses)) <= most_turned && !is_collapsed(set, mean, shape);
+    });
+}
+
 } // namespace
 
 NormalizedPoses normalize(const PoseSet& poses, bool keep_placement)
@@ -142,10 +176,7 @@ NormalizedPoses normalize(const PoseSet& poses, bool keep_placement)
     if (!keep_placement && !poses.share_frame && poses.blend != Blend::layers) return normalized(poses, false);
     NormalizedPoses set = normalized(poses, true);
     set.frame = poses.blend == Blend::layers ? set.shapes[0] : mean_shape(set.shapes);
-    const bool has_frame
-        = poses.blend == Blend::layers || std::all_of(set.shapes.begin(), set.shapes.end(), [&](const Shape& shape) {
-              return degrees_of(best_rigid_motion(set.frame, shape, set.masses)) <= most_turned;
-          });
+    const bool has_frame = poses.blend == Blend::layers || is_frame(set, set.frame);
     return has_frame ? set : normalized(poses, false);
 }
 

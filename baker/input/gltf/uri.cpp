@@ -57,7 +57,8 @@ std::optional<std::string> decode_data_uri(std::string_view uri)
 
 std::optional<std::string> decode_file_uri(std::string_view uri)
 {
-    constexpr std::size_t longest = 4096; // of a path on Linux
+    constexpr std::size_t longest = 4096;       // of a path on Linux
+    constexpr std::ptrdiff_t most_folders = 64; // looking one up takes time with the square of their number
     if (uri.size() > longest) return std::nullopt;
     std::string name;
     for (std::size_t i = 0; i < uri.size(); ++i) {
@@ -71,7 +72,7 @@ std::optional<std::string> decode_file_uri(std::string_view uri)
         name.push_back(static_cast<char>(high * 16 + low));
         i += 2;
     }
-    if (name.empty() || name[0] == '/') return std::nullopt;
+    if (name.empty() || name[0] == '/' || std::count(name.begin(), name.end(), '/') > most_folders) return std::nullopt;
     for (const char c : name)
         if (static_cast<unsigned char>(c) < ' ' || c == '\\') return std::nullopt;
     // A colon before the first slash makes it a scheme, or a drive.

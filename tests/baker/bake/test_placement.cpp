@@ -128,6 +128,41 @@ TEST_CASE("poses that turn too far are aligned, with a warning")
     CHECK(std::count(listener.warnings.begin(), listener.warnings.end(), 4413) == 1);
 }
 
+// The mean has no width left: how a pose turns against it is a matter of rounding.
+TEST_CASE("poses turned by half a turn are aligned, thin bodies that bend to both sides are not")
+{
+    PoseSet poses = twisted_bar(2, 6, 0.7);
+    poses.share_frame = true;
+    CHECK(normalize(poses).frame.size() > 0);
+    for (const double angle : { 3.0, 3.14159265358979323846 }) {
+        CAPTURE(angle);
+        PoseSet turned = poses;
+        place(turned.positions[1], angle, 0);
+        CHECK(normalize(turned).frame.size() == 0);
+    }
+    for (int axis = 0; axis < 3; ++axis) {
+        CAPTURE(axis);
+        PoseSet turned = tube_poses(2, { 8, 6 });
+        turned.share_frame = true;
+        turned.positions[1] = turned.positions[0];
+        for (int other = 0; other < 3; ++other)
+            if (other != axis) turned.positions[1].col(other) *= -1;
+        CHECK(normalize(turned).frame.size() == 0);
+    }
+    PoseSet bent = tube_poses(2, { 8, 60 });
+    bent.share_frame = true;
+    const double length = bent.positions[0].maxCoeff() - bent.positions[0].minCoeff();
+    Eigen::Index along = 0;
+    (bent.positions[0].colwise().maxCoeff() - bent.positions[0].colwise().minCoeff()).maxCoeff(&along);
+    bent.positions[1] = bent.positions[0];
+    for (int side = 0; side < 2; ++side) {
+        Positions& pose = bent.positions[std::size_t(side)];
+        const Eigen::ArrayXd s = pose.col(along).array() / length;
+        pose.col((along + 1) % 3).array() += (side ? -1 : 1) * length * s.square();
+    }
+    CHECK(normalize(bent).frame.size() > 0);
+}
+
 TEST_CASE("layers that turn a body, or each bend a thin one a little, stay where the linear sum is")
 {
     PoseSet turned = tube_poses(3, { 8, 6 });

@@ -112,6 +112,12 @@ def test_never_half(folder):
                         cwd=folder)
     check(stranger.returncode == 1 and "error P4604" in stranger.stderr and "contains ';'" in stranger.stderr,
           f"a name that Make would run is refused {stranger.stderr}")
+    (folder / "hero.gltf").write_text(text.replace("skin.png", "!=touch$IFS%22PWNED%22"), encoding="utf-8")
+    (folder / '!=touch$IFS"PWNED"').write_bytes((folder / "skin.png").read_bytes())
+    assigned = TOOL.run("bake", "hero.gltf#rest", "rest.obj", "-o", "x.pliant", "--depfile", "x.d", *QUICK_OPTIONS,
+                        cwd=folder)
+    check(assigned.returncode == 1 and "error P4604" in assigned.stderr and "contains '='" in assigned.stderr,
+          f"and one that Make would assign {assigned.stderr}")
     folder = folder / "line\nbreak"
     support.poses(folder)
     broken = TOOL.run("bake", folder / "rest.obj", folder / "bent.obj", "-o", "x.pliant", "--depfile", "x.d", *QUICK_OPTIONS,

@@ -62,7 +62,9 @@ TEST_CASE("dependency files escape what Make and Ninja take for something else")
     CHECK(write_depfile("o", { "my pose.ply", "a#b.obj", "c$d.obj" })
           == "o: \\\n  my\\ pose.ply \\\n  a\\#b.obj \\\n  c$$d.obj\n");
     CHECK(write_depfile("o", { "a\\b", "a\\ b" }) == "o: \\\n  a\\b \\\n  a\\\\\\ b\n");
-    for (const char* name : { "a\nb", "x;touch PWNED;.png", "a|b", "a\\" })
+    CHECK(write_depfile("o", { "a/~-(1).ply" }) == "o: \\\n  a/~-(1).ply\n");
+    for (const char* name : { "a\nb", "x;touch PWNED;.png", "a|b", "a\\", "!=touch PWNED", "a:=b", "a:b", "a%", "a*", "a?",
+                              "[a]", "o&", "~root", "-lm", "x(1)", "a\x01" })
         CHECK_THROWS_AS(write_depfile("o", { name }), Failure); // P4604
 }
 

@@ -142,6 +142,15 @@ def encodings(folder, scratch):
         "values": {"bufferView": sparse.view(np.array([vertices[3], vertices[7]], "<f4").tobytes())}}
     same("sparse.glb", sparse)
 
+    # Of zeros that all are replaced: without a view, which the specification allows.
+    alone = gltf_files.Gltf()
+    primitive = alone.mesh(vertices, faces)
+    accessor = alone.json["accessors"][primitive["attributes"]["POSITION"]]
+    accessor["sparse"] = {
+        "count": len(vertices), "values": {"bufferView": accessor.pop("bufferView")},
+        "indices": {"bufferView": alone.view(np.arange(len(vertices), dtype="<u4").tobytes()), "componentType": 5125}}
+    same("sparse_alone.glb", alone)
+
     strided = gltf_files.Gltf()
     primitive = strided.mesh(vertices, faces)
     accessor = strided.json["accessors"][primitive["attributes"]["POSITION"]]
