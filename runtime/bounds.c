@@ -1,7 +1,7 @@
 /* What is known of a shape without rebuilding it: boxes, how far columns reach, how many of them a frame needs. */
 #include "internal.h"
 
-#define EPSILON 0x1p-24 /* of single precision: half a unit in the last place of 1 */
+#define EPSILON 5.9604644775390625e-8 /* 2^-24, of single precision: half a unit in the last place of 1 */
 
 /* ------------------------------------------------------------------------------------------------------- columns ---- */
 

@@ -108,8 +108,7 @@ BakedAsset bake(const PoseSet& poses, const BakeOptions& given, Progress& listen
     Stopwatch watch;
     const TimeBudget budget(options.time_limit);
     progress.update("poses", 0);
-    const NormalizedPoses set = normalize(poses, options.energy.keep_placement);
-    warn_of_turns(poses, options.energy, set, progress);
+    const NormalizedPoses set = normalize_poses(poses, options.energy, progress);
     const WeightDomain domain = domain_of(options, poses);
     const ElasticModel model = make_model(set, options.energy, &progress);
     const Energy& energy = *model.energy;

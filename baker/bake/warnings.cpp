@@ -147,10 +147,11 @@ void warn_of_memory(double needed, double available, Progress& progress)
                   "lower --threads, bake a coarser mesh, or use a machine with more memory");
 }
 
-void warn_of_turns(const PoseSet& poses, const EnergyOptions& energy, const NormalizedPoses& set, Progress& progress)
+NormalizedPoses normalize_poses(const PoseSet& poses, const EnergyOptions& energy, Progress& progress)
 {
+    NormalizedPoses set = normalize(poses, energy.keep_placement);
     const bool is_kept = set.frame.size() > 0 || !set.is_free();
-    if (is_kept || (!energy.keep_placement && !poses.share_frame)) return;
+    if (is_kept || (!energy.keep_placement && !poses.share_frame)) return set;
     std::size_t farthest = 0;
     for (std::size_t k = 1; k < set.pose_count(); ++k)
         if (turned_degrees(set, k) > turned_degrees(set, farthest)) farthest = k;
@@ -159,6 +160,7 @@ void warn_of_turns(const PoseSet& poses, const EnergyOptions& energy, const Norm
                               "with the first",
                               poses.names[farthest], turned_degrees(set, farthest)),
                   "turn the character where it is drawn, or bake poses that turn less");
+    return set;
 }
 
 void warn_of_foldover(const InputReport& input, const EnergyOptions& energy, Progress& progress)

@@ -44,8 +44,8 @@ void warn_of_jumps(const FamilyPoint& point, const PoseSet& poses, Material mate
 // P4411 where a bake needs more bytes than there are.
 void warn_of_memory(double needed, double available, Progress& progress);
 
-// P4413: poses that were to stay where they are and are aligned (normalize()).
-void warn_of_turns(const PoseSet& poses, const EnergyOptions& energy, const NormalizedPoses& set, Progress& progress);
+// normalize(), with P4413 for poses that were to stay where they are and are aligned.
+NormalizedPoses normalize_poses(const PoseSet& poses, const EnergyOptions& energy, Progress& progress);
 
 // P4403: hinges whose bending is damped.
 void warn_of_foldover(const InputReport& input, const EnergyOptions& energy, Progress& progress);

@@ -215,8 +215,7 @@ ExitCode run_average(AverageArguments a, const CLI::App& verb)
     std::vector<std::string> outputs = { a.list };
     for (const Wanted& one : wanted) outputs.push_back(one.output);
     probe_outputs(outputs, inputs);
-    const NormalizedPoses set = normalize(poses, a.energy.keep_placement);
-    warn_of_turns(poses, a.energy, set, progress);
+    const NormalizedPoses set = normalize_poses(poses, a.energy, progress);
     EnergyOptions options = a.energy;
     options.material = material_of(options, poses.is_solid());
     const ElasticModel model = make_model(set, options, &progress);

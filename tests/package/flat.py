@@ -1,7 +1,7 @@
 """The runtime compiles in one folder without an include path: flat.py ROOT FORM COMPILER WORK PROGRAM ASSETS
 
 FORM `copied`: the files that README.md says to copy, as C99. `copied_gl`: with those of pliant_gl. `single`: the files that
-runtime/make_single.py writes, as C99 and as C++17. Each form is compiled without a warning by COMPILER (gcc or clang) and
+runtime/make_single.py writes, as C99 and as C++11. Each form is compiled without a warning by COMPILER (gcc or clang) and
 linked to tests/runtime/test_bits.c. It must print the same hash of blends of ASSETS as PROGRAM, which uses the library.
 """
 import shutil
@@ -11,7 +11,7 @@ from pathlib import Path
 
 STRICT = ["-pedantic", "-Wall", "-Wextra", "-Werror", "-O2", "-ffp-contract=off", "-fno-math-errno", "-fno-trapping-math"]
 C99 = ["-std=c99"]
-CPP17 = ["-x", "c++", "-std=c++17"]
+CPP11 = ["-x", "c++", "-std=c++11"]
 CPP_COMPILERS = {"gcc": "g++", "clang": "clang++"}
 
 
@@ -42,7 +42,7 @@ def hash_of(root, command, compiler, folder, assets):
 
 
 def main(root, form, compiler, work, library_program, assets):
-    commands = [[compiler, *C99]] + ([[CPP_COMPILERS[compiler], *CPP17]] if form == "single" else [])
+    commands = [[compiler, *C99]] + ([[CPP_COMPILERS[compiler], *CPP11]] if form == "single" else [])
     missing = [command[0] for command in commands if not shutil.which(command[0])]
     if missing:
         print(f"skipped: {' and '.join(missing)} not installed")

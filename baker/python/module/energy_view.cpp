@@ -5,7 +5,7 @@
 #include "unlocked.h"
 
 #include "bake/make_energy.h"
-#include "base/mesh/align.h"
+#include "bake/warnings.h"
 #include "base/mesh/render_mesh.h"
 
 #include <cmath>
@@ -46,7 +46,7 @@ EnergyView::EnergyView(const SourcePoses& poses, const nb::dict& given, const Li
 
 void EnergyView::make(const PoseSet& poses, const EnergyOptions& options, Progress& progress)
 {
-    set_ = normalize(poses, options.keep_placement);
+    set_ = normalize_poses(poses, options, progress);
     energy_ = make_energy(set_, options, &progress);
     stands_for_ = elastic_vertices(poses);
     vertex_count_ = stands_for_.size();

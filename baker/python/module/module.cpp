@@ -153,7 +153,7 @@ void check_average(const FamilyPoint& point, const Weights& weights, const PoseS
 std::vector<double> averages(const PoseSet& poses, const std::vector<Weights>& wanted, EnergyOptions options,
                              Progress& progress)
 {
-    const NormalizedPoses set = normalize(poses, options.keep_placement);
+    const NormalizedPoses set = normalize_poses(poses, options, progress);
     options.material = material_of(options, poses.is_solid());
     const ElasticModel model = make_model(set, options, &progress);
     SolverPool pool(*model.energy, set, options.solver);

@@ -126,6 +126,16 @@ class Arguments(unittest.TestCase):
             with self.assertRaises(pliant.PliantWarning):
                 pliant.average(seam, faces, [1, 1])
 
+    def test_poses_aligned_in_spite_of_no_align(self):
+        turned = POSES.copy()
+        turned[1] = POSES[0] * [-1, 1, -1]  # by half a turn
+        for work in (lambda: pliant.average(turned, FACES, [1, 1], no_align=True),
+                     lambda: pliant.energy(turned, FACES, no_align=True)):
+            with warnings.catch_warnings(record=True) as told:
+                warnings.simplefilter("always")
+                work()
+            self.assertEqual([w.message.finding.number for w in told], ["P4413"])
+
 
 if __name__ == "__main__":
     unittest.main(verbosity=2)

@@ -336,6 +336,9 @@ class WithClient(Folder):
         done = subprocess.run([*words, "--only", "c"], capture_output=True, text=True)
         self.assertEqual((done.returncode, done.stdout), (2, ""))
         self.assertIn("P1304", done.stderr)
+        done = subprocess.run([*words, "--memory", "1e400"], capture_output=True, text=True)
+        self.assertEqual((done.returncode, done.stdout), (2, ""))
+        self.assertNotIn("Traceback", done.stderr)
 
 
 class WithoutDask(Folder):

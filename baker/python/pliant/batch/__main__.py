@@ -71,7 +71,7 @@ def main(words: Optional[List[str]] = None) -> int:
     except Error as error:
         print(f"pliant.batch: {error}", file=sys.stderr)
         return error.exit_code
-    except ValueError as error:
+    except (ValueError, OverflowError) as error:  # --memory 1e400
         print(f"pliant.batch: {error}", file=sys.stderr)
         return 2
     except (ImportError, OSError, RuntimeError) as error:
