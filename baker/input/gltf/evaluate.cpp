@@ -69,34 +69,46 @@ struct Rows {
     }
 };
 
-void put_primitive(const GltfPrimitive& primitive, const std::vector<Eigen::Matrix4d>& matrices, bool is_skinned,
-                   const GltfNumbers& positions, const GltfNumbers* normals, const Rows& rows)
-{
-    const Eigen::Index columns = primitive.weights.cols();
-    for (Eigen::Index v = 0; v < positions.rows(); ++v) {
-        if (!is_skinned) {
-            rows.put(v, matrices[0], positions, normals);
-            continue;
+// The matrices that place vertices, in a state of the nodes.
+class Placing {
+public:
+    Placing(const GltfScene& scene, const GltfState& state)
+        : world_(world_matrices(scene, state))
+    {
+        for (const GltfSkin& skin : scene.skins) { // nodes share them
+            of_skins_.emplace_back();
+            of_skins_.back().reserve(skin.joints.size());
+            for (std::size_t j = 0; j < skin.joints.size(); ++j)
+                of_skins_.back().push_back(world_[skin.joints[j]] * skin.inverse_bind[j]);
         }
+    }
+
+    // Of a vertex: of the joints of its skin, or of the node.
+    Eigen::Matrix4d at(const GltfInstance& instance, const GltfPrimitive& primitive, Eigen::Index v) const
+    {
+        if (instance.skin < 0) return world_[instance.node];
+        const std::vector<Eigen::Matrix4d>& matrices = of_skins_[static_cast<std::size_t>(instance.skin)];
+        const Eigen::Index columns = primitive.weights.cols();
         Eigen::Matrix4d blend = Eigen::Matrix4d::Zero();
         for (Eigen::Index c = 0; c < columns; ++c)
             if (primitive.weights(v, c) != 0)
                 blend += primitive.weights(v, c) * matrices[primitive.joints[static_cast<std::size_t>(v * columns + c)]];
-        rows.put(v, blend, positions, normals);
+        return blend;
     }
-}
 
-// Of each joint of each skin. Nodes share skins, and a skin may have many more joints than a mesh uses.
-std::vector<std::vector<Eigen::Matrix4d>> skin_matrices(const GltfScene& scene, const std::vector<Eigen::Matrix4d>& world)
+private:
+    std::vector<Eigen::Matrix4d> world_;
+    std::vector<std::vector<Eigen::Matrix4d>> of_skins_;
+};
+
+// Whether most of its vertices are placed by matrices that mirror.
+bool is_mirrored(const GltfScene& scene, const GltfInstance& instance, const Placing& placing)
 {
-    std::vector<std::vector<Eigen::Matrix4d>> out;
-    for (const GltfSkin& skin : scene.skins) {
-        out.emplace_back();
-        out.back().reserve(skin.joints.size());
-        for (std::size_t j = 0; j < skin.joints.size(); ++j)
-            out.back().push_back(world[skin.joints[j]] * skin.inverse_bind[j]);
-    }
-    return out;
+    Eigen::Index side = 0;
+    for (const GltfPrimitive& primitive : scene.meshes[instance.mesh].primitives)
+        for (Eigen::Index v = 0; v < primitive.positions.rows(); ++v)
+            side += placing.at(instance, primitive, v).topLeftCorner<3, 3>().determinant() < 0 ? -1 : 1;
+    return side < 0;
 }
 
 } // namespace
@@ -106,21 +118,19 @@ Positions evaluate(const GltfScene& scene, const GltfState& state, Positions* no
     const Eigen::Index count = static_cast<Eigen::Index>(scene.vertex_count());
     Positions positions(count, 3);
     if (normals) *normals = Positions::Zero(count, 3);
-    const std::vector<Eigen::Matrix4d> world = world_matrices(scene, state);
-    const std::vector<std::vector<Eigen::Matrix4d>> of_skins = skin_matrices(scene, world);
+    const Placing placing(scene, state);
     GltfAllowance allowance(*scene.document);
     std::vector<MorphedMesh> meshes(scene.meshes.size());
     Eigen::Index first = 0;
     for (const GltfInstance& instance : scene.instances) {
-        const std::vector<Eigen::Matrix4d> own = { world[instance.node] };
-        const auto& matrices = instance.skin < 0 ? own : of_skins[static_cast<std::size_t>(instance.skin)];
         const GltfMesh& mesh = scene.meshes[instance.mesh];
         MorphedMesh& shape = meshes[instance.mesh];
         morph(*scene.document, mesh, state.weights[instance.node], normals != nullptr, allowance, shape);
         for (std::size_t i = 0; i < mesh.primitives.size(); ++i) {
             const GltfNumbers &p = shape.positions[i], &n = shape.normals[i];
-            put_primitive(mesh.primitives[i], matrices, instance.skin >= 0, p, n.size() == 0 ? nullptr : &n,
-                          { positions, normals, first });
+            const Rows rows { positions, normals, first };
+            for (Eigen::Index v = 0; v < p.rows(); ++v)
+                rows.put(v, placing.at(instance, mesh.primitives[i], v), p, n.size() == 0 ? nullptr : &n);
             first += p.rows();
         }
     }
@@ -131,11 +141,13 @@ std::vector<Triangle> triangles_of(const GltfScene& scene)
 {
     std::vector<Triangle> out;
     std::uint32_t first = 0;
+    const Placing placing(scene, scene.rest);
     for (const GltfInstance& instance : scene.instances) {
+        const bool is_turned = is_mirrored(scene, instance, placing);
         for (const GltfPrimitive& primitive : scene.meshes[instance.mesh].primitives) {
             for (Triangle t : primitive.triangles) {
                 for (std::uint32_t& v : t) v += first;
-                if (instance.is_mirrored) std::swap(t[1], t[2]);
+                if (is_turned) std::swap(t[1], t[2]);
                 out.push_back(t);
             }
             first += static_cast<std::uint32_t>(primitive.vertex_count());

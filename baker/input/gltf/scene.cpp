@@ -202,7 +202,7 @@ void read_instances(GltfScene& scene, GltfAllowance& allowance, std::vector<Diag
         if (vertex_count > vertex_count_limit)
             place.fail(2007, fmt::format("makes {} vertices, the limit is {}", vertex_count, vertex_count_limit),
                        "simplify the mesh");
-        scene.instances.push_back({ node, mesh, scene.nodes[node].skin, false });
+        scene.instances.push_back({ node, mesh, scene.nodes[node].skin });
     }
     if (left_out.primitives != 0)
         warnings.push_back(warning_at(2313, document.path(),
@@ -354,9 +354,6 @@ GltfScene read_scene(std::shared_ptr<const GltfDocument> document, std::vector<D
     check_skins(scene, warnings);
     read_weights(scene, drawn);
     name_targets(scene);
-    const std::vector<Eigen::Matrix4d> world = world_matrices(scene, scene.rest);
-    for (GltfInstance& instance : scene.instances)
-        instance.is_mirrored = instance.skin < 0 && world[instance.node].topLeftCorner<3, 3>().determinant() < 0;
     return scene;
 }
 

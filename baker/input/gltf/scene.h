@@ -37,7 +37,6 @@ struct GltfMesh {
 struct GltfInstance {
     std::size_t node = 0, mesh = 0;
     std::ptrdiff_t skin = -1;
-    bool is_mirrored = false; // at rest; its triangles run the other way round
 };
 
 // The state that animations change. weights[node][k]: of the k-th target of the node's mesh.

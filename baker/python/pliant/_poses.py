@@ -84,9 +84,10 @@ def load_poses(paths: PathLike | Sequence[PathLike], *, blend: Blend | None = No
            tetrahedra from .msh, .mesh, .veg, .vtk. After the name of a glTF file, '#rest', '#target=NAME,NAME' or
            '#animation=NAME@0,0.3' selects poses, as in 'hero.glb#animation=Run@0,0.3,0.6'.
            Or USD files (.usd, .usda, .usdc, .usdz), not together with others; these need pip install 'pliant[usd]'. Their
-           meshes that are drawn become one, placed in the stage and, for frames, skinned. One file is its blend shapes as
-           layers, or without them its frames; '#rest', '#target=NAME,NAME' or '#time=FRAME,FRAME' selects, as in
-           'hero.usd#time=1,12,24'. In-between shapes, materials and images of USD are not read.
+           meshes that are drawn become one, placed in the stage and skinned: for '#rest' and blend shapes by the rest pose
+           of the skeleton, for frames by its animation. One file is its blend shapes as layers, or without them its frames;
+           a file among others is its first frame. '#rest', '#target=NAME,NAME' or '#time=FRAME,FRAME' selects, as in
+           'hero.usd#time=1,12,24'. In-between shapes as layers, instances of points, materials and images are not read.
 
     Raises Error: P2xxx for a file that cannot be read, with file and line; P3001 and P3002 for too few and too many poses;
     P1211 to P1213 for a choice that the file does not have. ValueError for USD meshes that are none, ImportError without
@@ -107,6 +108,11 @@ def _load_usd(paths: Sequence[str], blend: Blend | None) -> Poses:
     if other is not None:
         raise ValueError(f"paths: {other!r} is no USD file; these are not mixed with others")
     files = [_usd.read_poses(path, len(paths) == 1, blend) for path in paths]
+    warn = warner(4)
+    for path, file in zip(paths, files):
+        if file.instancers:
+            what = f"{path}: instances of points are ignored: {', '.join(file.instancers[:3])}"
+            warn(2313, what, "turn them into meshes, or into instances of prims")
     shapes = [shape for file in files for shape in file.poses]
     kind: Blend = blend or ("layers" if files[0].has_layers else "average")
     limit = pose_limit(kind)

@@ -12,10 +12,11 @@ import numpy as np
 import numpy.typing as npt
 
 from ._errors import Error, finding
+from ._usd_skin import Skin, skins_of
 
 SUFFIXES = (".usd", ".usda", ".usdc", ".usdz")
 _LIMIT = 64  # poses, or layers
-# Points and corners that a file draws: some for any file, and more for each of its bytes, as of glTF.
+# Points, corners and joints that a file draws: some for any file, and more for each of its bytes, as of glTF.
 _DRAWN, _DRAWN_FOR_BYTE, _DRAWN_BY_PRIM, _DRAWN_BY_LEVEL = 4000000, 8, 64, 16
 _INPUT = 3  # the exit code
 _USAGE = 2
@@ -26,11 +27,13 @@ Faces = npt.NDArray[np.int64]
 
 
 class NamedPoses(NamedTuple):
-    """Poses of one file: (name, (n, 3)) each, their faces (f, k), and whether they are a rest shape and its layers."""
+    """Poses of one file: (name, (n, 3)) each, their faces (f, k), whether they are a rest shape and its layers, and which
+    instances of points are left out."""
 
     poses: list[tuple[str, Positions]]
     faces: Faces
     has_layers: bool
+    instancers: list[str]
 
 
 def _error(exit_code: int, number: int, where: str, what: str, hint: str) -> Error:
@@ -43,7 +46,7 @@ def is_usd(path: str) -> bool:
 
 def _usd(path: str) -> Any:
     try:
-        for name in ("Gf", "Tf", "Usd", "UsdGeom", "UsdSkel"):
+        for name in ("Gf", "Tf", "Usd", "UsdGeom", "UsdSkel", "Vt"):
             importlib.import_module(f"pxr.{name}")
     except ImportError:
         message = f"{path}: reading USD needs usd-core: pip install 'pliant[usd]'"
@@ -68,6 +71,7 @@ class _Part:
 
     def __init__(self, pxr: Any, prim: Any, path: str) -> None:
         self._usd = pxr
+        self.skin: Skin | None = None
         self.prim = prim
         self.mesh = pxr.UsdGeom.Mesh(prim)
         self.where = f"{path}: {prim.GetPath()}"
@@ -91,32 +95,47 @@ class _Part:
     def _points(self, time: Any) -> Positions:
         return self._vectors(self.mesh.GetPointsAttr(), time)
 
-    def positions(self, time: Any, offsets: Positions | None = None) -> Positions:
-        """In the space of the stage; `offsets` are added before."""
-        points = self._points(time)
-        if len(points) != self.count:
-            what = f"has {len(points)} points at frame {time.GetValue():g} and {self.count} at first"
-            raise ValueError(f"{self.where}: {what}; poses share vertices and faces")
-        if offsets is not None:
-            points = points + offsets
-        matrix = np.array(self._usd.UsdGeom.Imageable(self.prim).ComputeLocalToWorldTransform(time))
+    def _place(self) -> Any:
+        return self.skin.place() if self.skin else self.prim
+
+    def _placed(self, points: Positions, time: Any, is_rest: bool) -> Positions:
+        """In the space of the stage."""
+        if self.skin:
+            points = self.skin.skinned(points, time, is_rest)
+        matrix = np.array(self._usd.UsdGeom.Imageable(self._place()).ComputeLocalToWorldTransform(time))
         if np.array_equal(matrix, np.eye(4)):
             return points
         placed: Positions = points @ matrix[:3, :3] + matrix[3, :3]
         return placed
 
-    def rest(self, offsets: Positions | None = None) -> Positions:
-        return self.positions(self._rest_time, offsets)
+    def at(self, time: Any) -> Positions:
+        """As it is drawn at that time."""
+        points = self._points(time)
+        if len(points) != self.count:
+            what = f"has {len(points)} points at frame {time.GetValue():g} and {self.count} at first"
+            raise ValueError(f"{self.where}: {what}; poses share vertices and faces")
+        return self._placed(self.skin.morphed(points, time) if self.skin else points, time, False)
+
+    def rest(self, offsets: Positions | float = 0.0) -> Positions:
+        """Without animation of its skeleton; `offsets` are added to its own points."""
+        return self._placed(self._points(self._rest_time) + offsets, self._rest_time, True)
 
     def times(self) -> set[float]:
-        """At which points or the place of the mesh are given."""
-        out = set(self.mesh.GetPointsAttr().GetTimeSamples())
-        prim = self.prim
+        """At which points, joints or the place of the mesh are given."""
+        out = set(self.mesh.GetPointsAttr().GetTimeSamples()) | (self.skin.skeleton.times() if self.skin else set())
+        prim = self._place()
         while prim and not prim.IsPseudoRoot():
             if prim.IsA(self._usd.UsdGeom.Xformable):
                 out |= set(self._usd.UsdGeom.Xformable(prim).GetTimeSamples())
             prim = prim.GetParent()
         return out
+
+    def _is_mirrored(self) -> bool:
+        """Whether most points at rest are placed by matrices that mirror."""
+        size = np.abs(self._points(self._rest_time)).max(initial=0.0) or 1.0
+        origin = self.rest()
+        axes = np.stack([self.rest(size * axis) - origin for axis in np.eye(3)], 1)
+        return bool((np.linalg.det(axes / size) < 0).mean() > 0.5)
 
     def corner_count(self) -> int:
         return self._numbers(self.mesh.GetFaceVertexIndicesAttr(), self._rest_time).size
@@ -130,7 +149,8 @@ class _Part:
             raise ValueError(f"{self.where}: a face has a corner that is not among its {self.count} points")
         faces = np.split(corners.astype(np.int64), np.cumsum(counts.astype(np.int64))[:-1])
         is_left = self.mesh.GetOrientationAttr().Get() == self._usd.UsdGeom.Tokens.leftHanded
-        return [face[::-1] if is_left else face for face in faces if len(face)]
+        is_turned = is_left != self._is_mirrored()
+        return [face[::-1] if is_turned else face for face in faces if len(face)]
 
     def targets(self) -> dict[str, Any]:
         """The paths of the blend shapes of the mesh, by name."""
@@ -161,6 +181,7 @@ class _Stage:
     def __init__(self, path: str) -> None:
         self.path = path
         self._usd, self._stage = _open(path)
+        self.instancers: list[str] = []
         self._parts = self._find_parts()
         if not self._parts:
             raise ValueError(f"{path}: has no mesh that is drawn")
@@ -184,15 +205,27 @@ class _Stage:
         out = []
         limit = _DRAWN + _DRAWN_FOR_BYTE * self._byte_count()
         left = limit
-        for prim in self._stage.Traverse(self._usd.Usd.TraverseInstanceProxies()):
+        prims = iter(self._usd.Usd.PrimRange(self._stage.GetPseudoRoot(), self._usd.Usd.TraverseInstanceProxies()))
+        for prim in prims:
             left -= _DRAWN_BY_PRIM + _DRAWN_BY_LEVEL * prim.GetPath().pathElementCount
             if self._is_drawn(prim):
                 out.append(_Part(self._usd, prim, self.path))
                 left -= out[-1].count + out[-1].corner_count()
-            if left < 0:
-                what = f"at {prim.GetPath()} more than {limit} points and corners are drawn, the limit for its files"
-                raise _error(_INPUT, 2333, self.path, what, "simplify the mesh, or use fewer instances")
+            if prim.IsA(self._usd.UsdGeom.PointInstancer):  # what lies below is not drawn where it is
+                self.instancers.append(str(prim.GetPath()))
+                prims.PruneChildren()
+            self._require(left, limit, prim)
+        skins = skins_of(self._usd, self._stage, self.path)  # not before the file's prims are counted
+        for part in out:
+            part.skin = skins.get(part.prim.GetPath())
+            left -= part.skin.skeleton.joint_count if part.skin else 0
+            self._require(left, limit, part.prim)
         return out
+
+    def _require(self, left: int, limit: int, prim: Any) -> None:
+        if left < 0:
+            what = f"at {prim.GetPath()} more than {limit} points, corners and joints are drawn, the limit for its files"
+            raise _error(_INPUT, 2333, self.path, what, "simplify the mesh, or use fewer instances")
 
     def faces(self) -> Faces:
         """(f, k) if all faces have k corners, otherwise their triangles, each face a fan from its first corner."""
@@ -215,42 +248,18 @@ class _Stage:
             what = ", ".join(self.targets) or "none"
             raise _error(_USAGE, 1212, self.path, f"there is no morph target '{name}'", f"it has {what}")
         pairs = zip(self._parts, self._targets)
-        return np.concatenate([part.rest(part.offsets(name, own[name]) if name in own else None) for part, own in pairs])
-
-    def _skin(self, time: float) -> None:
-        """Turns skeletons and weights of blend shapes into points, in memory, at the frames next to this one."""
-        times = self.times()
-        low = max((t for t in times if t <= time), default=times[0])
-        high = min((t for t in times if t >= time), default=times[-1])
-        self._stage.GetSessionLayer().Clear()
-        self._stage.SetEditTarget(self._stage.GetSessionLayer())
-        self._usd.UsdSkel.BakeSkinning(self._stage.Traverse(), self._usd.Gf.Interval(low, high))
-
-    def _skeleton_times(self) -> set[float]:
-        skel, cache = self._usd.UsdSkel, self._usd.UsdSkel.Cache()
-        out: set[float] = set()
-        for prim in self._stage.Traverse():
-            if not prim.IsA(skel.Root):
-                continue
-            root, predicate = skel.Root(prim), self._usd.Usd.PrimDefaultPredicate
-            cache.Populate(root, predicate)
-            for binding in cache.ComputeSkelBindings(root, predicate):
-                animation = cache.GetSkelQuery(binding.GetSkeleton()).GetAnimQuery()
-                if animation:
-                    out |= set(animation.GetJointTransformTimeSamples()) | set(animation.GetBlendShapeWeightTimeSamples())
-        return out
+        return np.concatenate([part.rest(part.offsets(name, own[name]) if name in own else 0.0) for part, own in pairs])
 
     def times(self) -> list[float]:
         """Ascending."""
         if self._times is None:
-            self._times = sorted(self._skeleton_times().union(*(part.times() for part in self._parts)))
+            self._times = sorted(set().union(*(part.times() for part in self._parts)))
         return self._times
 
-    def at(self, time: float) -> Positions:
-        if self.times():
-            self._skin(time)
-        code = self._usd.Usd.TimeCode(time)
-        return np.concatenate([part.positions(code) for part in self._parts])
+    def at(self, time: float | None) -> Positions:
+        """At a frame; None: at the first one, or as the stage is if it has none."""
+        code = self._usd.Usd.TimeCode.EarliestTime() if time is None else self._usd.Usd.TimeCode(time)
+        return np.concatenate([part.at(code) for part in self._parts])
 
 
 def _times_of(text: str, where: str) -> list[float]:
@@ -292,7 +301,7 @@ def _all(stage: _Stage, has_layers: bool) -> list[tuple[str, Positions]]:
 
 def read_poses(path: str, is_alone: bool, blend: str | None) -> NamedPoses:
     """The poses that a path chooses. Without a choice: of a file that is alone its blend shapes as layers, or its frames; of
-    one among others its rest shape."""
+    one among others its first frame."""
     try:
         return _read_poses(path, is_alone, blend)
     except RuntimeError as error:  # OpenUSD's own
@@ -309,5 +318,5 @@ def _read_poses(path: str, is_alone: bool, blend: str | None) -> NamedPoses:
     elif is_alone:
         poses = _all(stage, has_layers)
     else:
-        poses = [(pathlib.PurePath(file).stem, stage.rest())]
-    return NamedPoses(poses, stage.faces(), has_layers)
+        poses = [(pathlib.PurePath(file).stem, stage.at(None))]
+    return NamedPoses(poses, stage.faces(), has_layers, stage.instancers)

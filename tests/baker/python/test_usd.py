@@ -1,4 +1,5 @@
 """USD files as poses: blend shapes, frames, skeletons, places; against arrays and the glTF file of the same shapes."""
+import math
 import subprocess
 import sys
 import tempfile
@@ -67,6 +68,40 @@ def write_frames(name, times=(1, 12, 24)):
         points.Set(vectors(POSES[k % 3]), time)
     stage.Save()
     return path
+
+
+def add_skin(stage, prim, bones, move, joints, **options):
+    """Binds a mesh to new bones at `bones`, one at the origin and one a unit above, with an animation whose second bone
+    turns by move[time] about x; a time of None is no time. joints: of each vertex. Options: the place of the mesh among
+    them."""
+    skeleton = UsdSkel.Skeleton.Define(stage, bones)
+    skeleton.CreateJointsAttr(["a", "a/b"])
+    up = Gf.Matrix4d().SetTranslate((0, 0, 1))
+    skeleton.CreateBindTransformsAttr([Gf.Matrix4d(1), up])
+    skeleton.CreateRestTransformsAttr([Gf.Matrix4d(1), up])
+    animation = UsdSkel.Animation.Define(stage, bones + "/move")
+    animation.CreateJointsAttr(["a", "a/b"])
+    animation.CreateTranslationsAttr([(0, 0, 0), (0, 0, 1)])
+    animation.CreateScalesAttr([Gf.Vec3h(1)] * 2)
+    for time, angle in move.items():
+        turn = Gf.Quatf(math.cos(angle / 2), math.sin(angle / 2), 0, 0)
+        code = Usd.TimeCode.Default() if time is None else time
+        animation.CreateRotationsAttr().Set([Gf.Quatf(1), turn], code)
+    UsdSkel.BindingAPI.Apply(skeleton.GetPrim()).CreateAnimationSourceRel().SetTargets([animation.GetPath()])
+    binding = UsdSkel.BindingAPI.Apply(prim)
+    binding.CreateSkeletonRel().SetTargets([skeleton.GetPath()])
+    binding.CreateJointIndicesPrimvar(False, 1).Set([int(joint) for joint in joints])
+    binding.CreateJointWeightsPrimvar(False, 1).Set([1.0] * len(joints))
+    if "bind" in options:
+        binding.CreateGeomBindTransformAttr(Gf.Matrix4d().SetTranslate(options["bind"]))
+
+
+def turned(positions, joints, angle):
+    """What add_skin's second bone does to those of its vertices."""
+    y, z = positions[:, 1], positions[:, 2] - 1
+    moved = np.stack([positions[:, 0], y * math.cos(angle) - z * math.sin(angle),
+                      1 + y * math.sin(angle) + z * math.cos(angle)], 1)
+    return np.where(joints[:, None] == 1, moved, positions)
 
 
 def number_of(call, *arguments, **options):
@@ -162,7 +197,114 @@ class Frames(unittest.TestCase):
         self.assertEqual(Path(path).read_bytes(), before)
 
 
+class Skeletons(unittest.TestCase):
+    JOINTS = np.arange(len(POSES[0])) % 2
+
+    def hero(self, name, move, **options):
+        path, stage = new_mesh(name, POSES[0], FACES, "/hero/tube")
+        UsdSkel.Root.Define(stage, "/hero")
+        add_skin(stage, stage.GetPrimAtPath("/hero/tube"), "/hero/bones", move, self.JOINTS, **options)
+        return path, stage
+
+    def same(self, got, wanted):
+        self.assertLess(np.abs(got - wanted).max(), 2e-6)
+
+    def test_joints_turn_between_keys(self):
+        path, stage = self.hero("turn.usda", {0: 0.0, 24: 2.4})
+        stage.Save()
+        for pose, angle in zip(pliant.load_poses(path + "#time=0,6,12,24,30").positions, (0, 0.6, 1.2, 2.4, 2.4)):
+            self.same(pose, turned(POSES[0], self.JOINTS, angle))
+
+    def test_instances(self):
+        path, stage = self.hero("instances.usda", {0: 0.0, 1: 0.7})
+        for k in range(2):
+            copy = UsdSkel.Root.Define(stage, f"/copy{k}")
+            copy.GetPrim().GetReferences().AddInternalReference("/hero")
+            copy.GetPrim().SetInstanceable(True)
+            copy.AddTranslateOp().Set((5 * k, 0, 0))
+        stage.GetPrimAtPath("/hero").SetSpecifier(Sdf.SpecifierClass)
+        stage.Save()
+        one = turned(POSES[0], self.JOINTS, 0.7)
+        self.same(pliant.load_poses(path).positions[1], np.concatenate([one, one + [5, 0, 0]]))
+
+    def test_where_parts_are_bound(self):
+        path, stage = self.hero("bound.usda", {0: 0.0, 1: 0.7}, bind=(0, 2, 0))
+        UsdGeom.Xformable(stage.GetPrimAtPath("/hero/tube")).AddTranslateOp().Set((9, 9, 9))  # does not count
+        UsdGeom.Xformable(stage.GetPrimAtPath("/hero/bones")).AddTranslateOp().Set((0, 0, 3), 2)
+        stage.Save()
+        bound = POSES[0] + [0, 2, 0]
+        self.assertEqual(pliant.load_poses(path).names, ["frame 0", "frame 1", "frame 2"])
+        for pose, angle in zip(pliant.load_poses([path + "#rest", path + "#time=0,1,2"]).positions, (0, 0, 0.7, 0.7)):
+            self.same(pose, turned(bound, self.JOINTS, angle) + [0, 0, 3])
+
+    def test_files_that_are_poses(self):
+        paths = []
+        for angle in (0.0, 1.2):
+            path, stage = self.hero(f"pose{angle}.usda", {None: angle})
+            stage.Save()
+            paths.append(path)
+        for choice in ("", "#time=0"):
+            poses = pliant.load_poses([path + choice for path in paths])
+            self.same(poses.positions[1], turned(POSES[0], self.JOINTS, 1.2))
+        self.same(pliant.load_poses([paths[0], paths[1] + "#rest"]).positions[1], POSES[0])
+
+    # Against what OpenUSD itself writes at keys.
+    def test_as_openusd_bakes_them(self):
+        path, stage = self.hero("baked.usda", {0: 0.2, 1: 0.9}, bind=(1, 0, 0))
+        tube, bones = stage.GetPrimAtPath("/hero/tube"), stage.GetPrimAtPath("/hero/bones")
+        for where, op in (("/hero/bones", (1, 2, 3)), ("/hero/tube", (3, 2, 1)), ("/hero", (0, 1, 0))):
+            UsdGeom.Xformable(stage.GetPrimAtPath(where)).AddTranslateOp().Set(op)
+        shape = UsdSkel.BlendShape.Define(stage, "/hero/tube/bend")
+        shape.CreateOffsetsAttr(vectors(POSES[1] - POSES[0]))
+        shape.CreateInbetween("half").SetOffsets(vectors(POSES[2] - POSES[0]))
+        shape.GetInbetween("half").SetWeight(0.5)
+        UsdSkel.BindingAPI(tube).CreateBlendShapesAttr(["bend"])
+        UsdSkel.BindingAPI(tube).CreateBlendShapeTargetsRel().SetTargets([shape.GetPath()])
+        animation = UsdSkel.Animation.Get(stage, "/hero/bones/move")
+        animation.CreateBlendShapesAttr(["other", "bend"])
+        for time in (0, 1):
+            animation.CreateBlendShapeWeightsAttr().Set([1, 0.3 + 0.5 * time], time)
+        stage.Save()
+        poses = pliant.load_poses(path + "#time=0,1").positions
+        self.assertTrue(bones and UsdSkel.BakeSkinning(stage.Traverse()))
+        for time in (0, 1):
+            points = np.array(UsdGeom.Mesh(tube).GetPointsAttr().Get(time), float)
+            place = np.array(UsdGeom.Imageable(tube).ComputeLocalToWorldTransform(time))
+            self.same(poses[time], points @ place[:3, :3] + place[3, :3])
+
+    def test_wrong_joints(self):
+        path, stage = self.hero("joints.usda", {0: 0.0, 1: 0.7})
+        UsdSkel.BindingAPI(stage.GetPrimAtPath("/hero/tube")).GetJointIndicesPrimvar().Set([7] * len(POSES[0]))
+        stage.Save()
+        with self.assertRaisesRegex(ValueError, "joints.usda: /hero/tube: its joints do not fit its skeleton"):
+            pliant.load_poses(path)
+        UsdSkel.BindingAPI(stage.GetPrimAtPath("/hero/tube")).GetJointIndicesPrimvar().Set([0])
+        stage.Save()
+        with self.assertRaisesRegex(ValueError, "joints.usda: "):
+            pliant.load_poses(path)
+
+
 class Meshes(unittest.TestCase):
+    def test_mirrored_parts_stay_outside_out(self):
+        path, stage = new_mesh("mirrored.usda", POSES[0], FACES, "/left/tube")
+        UsdGeom.Xform.Define(stage, "/left").AddScaleOp().Set(Gf.Vec3f(-1, 1, 1))
+        UsdSkel.Root.Define(stage, "/hero").AddScaleOp().Set(Gf.Vec3f(1, -2, 1))
+        mesh = add_mesh(stage, POSES[0], FACES, "/hero/tube")
+        add_skin(stage, mesh.GetPrim(), "/hero/bones", {0: 0.0, 1: 0.7}, np.zeros(len(POSES[0])))
+        mesh.CreateOrientationAttr(UsdGeom.Tokens.leftHanded)
+        stage.Save()
+        np.testing.assert_array_equal(pliant.load_poses([path, path]).faces,
+                                      np.concatenate([FACES[:, ::-1], len(POSES[0]) + FACES]))
+
+    def test_instances_of_points(self):
+        path, stage = new_mesh("points.usda", POSES[0], FACES)
+        UsdGeom.PointInstancer.Define(stage, "/buttons")
+        add_mesh(stage, POSES[1], FACES, "/buttons/button")
+        stage.Save()
+        with self.assertWarnsRegex(pliant.PliantWarning, "P2313: .*points.usda: instances of points are ignored: /buttons"):
+            poses = pliant.load_poses([path, path])
+        np.testing.assert_array_equal(poses.positions[0], POSES[0])
+
     def test_parts_places_and_what_is_not_drawn(self):
         path, stage = new_mesh("parts.usda", POSES[0], FACES, "/group/tube")
         group = UsdGeom.Xform.Define(stage, "/group")

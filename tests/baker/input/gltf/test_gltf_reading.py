@@ -185,14 +185,20 @@ def encodings(folder, scratch):
         primitive.update(mode=mode, indices=other.accessor(range(5), 5123))
         same(f"mode{mode}.glb", other, order)
 
-    mirrored = gltf_files.Gltf()
-    mirrored.mesh(vertices, faces, NORMAL=mirrored.accessor([(0, 0, 1)] * count))
-    mirrored.json["nodes"][0]["scale"] = [-2, 1, 1]
-    (folder / "mirrored.glb").write_bytes(mirrored.glb())
-    got = Poses(scratch, folder / "mirrored.glb", folder / "mirrored.glb")
-    p, t = got.positions[0], got.triangles.reshape(-1, 3)
-    outside = np.cross(p[t[:, 1]] - p[t[:, 0]], p[t[:, 2]] - p[t[:, 0]])[:, 2]
-    check((outside > 0).all() and np.allclose(got.normals.reshape(-1, 3), [0, 0, 1]), "a mirrored node keeps its outside")
+    for name in ("mirrored", "mirrored_skin"):
+        mirrored = gltf_files.Gltf()
+        primitive = mirrored.mesh(vertices, faces, NORMAL=mirrored.accessor([(0, 0, 1)] * count))
+        mirrored.json["nodes"][0]["scale"] = [-2, 1, 1]
+        if name == "mirrored_skin":  # a joint below the mirrored node
+            primitive["attributes"]["JOINTS_0"] = mirrored.accessor([(0, 0, 0, 0)] * count, 5121)
+            primitive["attributes"]["WEIGHTS_0"] = mirrored.accessor([(1, 0, 0, 0)] * count)
+            mirrored.json["nodes"] = [{**mirrored.json["nodes"][0], "skin": 0, "children": [1]}, {}]
+            mirrored.json["skins"] = [{"joints": [1]}]
+        (folder / f"{name}.glb").write_bytes(mirrored.glb())
+        got = Poses(scratch, folder / f"{name}.glb", folder / f"{name}.glb")
+        p, t = got.positions[0], got.triangles.reshape(-1, 3)
+        outside = np.cross(p[t[:, 1]] - p[t[:, 0]], p[t[:, 2]] - p[t[:, 0]])[:, 2]
+        check((outside > 0).all() and np.allclose(got.normals.reshape(-1, 3), [0, 0, 1]), f"{name}: the outside stays there")
 
 
 COUNTS = { # vertices, triangles, parts; poses without a choice (SOURCE.txt beside the files)
