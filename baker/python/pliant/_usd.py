@@ -150,7 +150,8 @@ class _Part:
         faces = np.split(corners.astype(np.int64), np.cumsum(counts.astype(np.int64))[:-1])
         is_left = self.mesh.GetOrientationAttr().Get() == self._usd.UsdGeom.Tokens.leftHanded
         is_turned = is_left != self._is_mirrored()
-        return [face[::-1] if is_turned else face for face in faces if len(face)]
+        holes = set(self._numbers(self.mesh.GetHoleIndicesAttr(), self._rest_time).ravel())
+        return [face[::-1] if is_turned else face for k, face in enumerate(faces) if len(face) and k not in holes]
 
     def targets(self) -> dict[str, Any]:
         """The paths of the blend shapes of the mesh, by name."""

@@ -296,6 +296,12 @@ class Meshes(unittest.TestCase):
         np.testing.assert_array_equal(pliant.load_poses([path, path]).faces,
                                       np.concatenate([FACES[:, ::-1], len(POSES[0]) + FACES]))
 
+    def test_faces_that_are_holes(self):
+        path, stage = new_mesh("holes.usda", POSES[0], FACES)
+        UsdGeom.Mesh.Get(stage, "/tube").CreateHoleIndicesAttr([0, 5])
+        stage.Save()
+        np.testing.assert_array_equal(pliant.load_poses([path, path]).faces, np.delete(FACES, [0, 5], 0))
+
     def test_instances_of_points(self):
         path, stage = new_mesh("points.usda", POSES[0], FACES)
         UsdGeom.PointInstancer.Define(stage, "/buttons")
