@@ -5,8 +5,8 @@
 #include <csignal>
 #include <cstdio>
 #include <exception>
-#include <fcntl.h>
 #include <new>
+#include <sys/mman.h>
 #include <sys/resource.h>
 #include <sys/time.h>
 #include <sys/wait.h>
@@ -47,46 +47,36 @@ void limit_time(double seconds)
     ::setitimer(ITIMER_PROF, &timer, nullptr);
 }
 
-[[noreturn]] void try_in_child(int pipe, double seconds, double bytes, const std::function<void()>& work)
+[[noreturn]] void try_in_child(volatile char* is_done, double seconds, double bytes, const std::function<void()>& work)
 {
-    for (const int standard : { 0, 1, 2 })
-        if (standard != pipe) ::close(standard); // what is said here is not for the user
-    std::set_new_handler([] { ::_exit(1); });    // before anyone catches bad_alloc
+    for (const int standard : { 0, 1, 2 }) ::close(standard); // what is said here is not for the user
+    std::set_new_handler([] { ::_exit(1); });                 // before anyone catches bad_alloc
     if (bytes > 0.0) limit_memory(bytes);
     limit_time(seconds);
     try {
         work();
     } catch (const std::exception&) { // the parent meets it again
     }
-    const char done = 1;
-    ::_exit(::write(pipe, &done, 1) == 1 ? 0 : 1);
-}
-
-// Not by waitpid: a host may have the system collect its children.
-bool is_told(int pipe)
-{
-    char done = 0;
-    ssize_t count = 0;
-    do count = ::read(pipe, &done, 1);
-    while (count < 0 && errno == EINTR);
-    return count == 1;
+    *is_done = 1;
+    ::_exit(0);
 }
 
 } // namespace
 
 bool is_bounded(double seconds, double bytes, const std::function<void()>& work)
 {
-    int ends[2];
-    if (::pipe(ends) != 0) return true;
-    for (const int end : ends) ::fcntl(end, F_SETFD, FD_CLOEXEC); // another thread may start a program
+    // Neither an exit code, since a host may have the system collect its children, nor a pipe, since what another thread
+    // forks would keep it open.
+    void* shared = ::mmap(nullptr, 1, PROT_READ | PROT_WRITE, MAP_SHARED | MAP_ANONYMOUS, -1, 0);
+    if (shared == MAP_FAILED) return true;
+    volatile char* is_done = static_cast<char*>(shared);
     const double taken = address_space();
     const pid_t child = ::fork();
-    if (child == 0) try_in_child(ends[1], seconds, taken > 0.0 ? taken + bytes : 0.0, work);
-    ::close(ends[1]);
-    const bool is_done = child < 0 || is_told(ends[0]);
-    ::close(ends[0]);
+    if (child == 0) try_in_child(is_done, seconds, taken > 0.0 ? taken + bytes : 0.0, work);
     while (child > 0 && ::waitpid(child, nullptr, 0) < 0 && errno == EINTR) {}
-    return is_done;
+    const bool is_bounded = child < 0 || *is_done == 1;
+    ::munmap(shared, 1);
+    return is_bounded;
 }
 
 } // namespace pliant
