@@ -1,6 +1,8 @@
 /* What is known of a shape without rebuilding it: boxes, how far columns reach, how many of them a frame needs. */
 #include "internal.h"
 
+#include <math.h>
+
 #define EPSILON 5.9604644775390625e-8 /* 2^-24, of single precision: half a unit in the last place of 1 */
 
 /* ------------------------------------------------------------------------------------------------------- columns ---- */
@@ -80,7 +82,9 @@ static void include_cluster(box* b, const pliant_asset* asset, const pliant_form
             size += asset->columns ? terms * (qj < 0.0 ? -qj : qj) * (double)asset->columns[j].reach
                                    : (moved < 0.0 ? -moved : moved) + spread;
         }
-        include(b, c, centre - radius - roundings * size, centre + radius + roundings * size);
+        const double lowest = centre - radius - roundings * size, highest = centre + radius + roundings * size;
+        const int is_known = lowest <= highest; /* else q is not of numbers, and may leave some vertices where they are */
+        include(b, c, is_known ? lowest : -HUGE_VAL, is_known ? highest : HUGE_VAL);
     }
     b->is_empty = 0;
 }

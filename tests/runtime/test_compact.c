@@ -264,6 +264,23 @@ static void check_bounds_of_nan(const opened* o, const float* q)
     for (int c = 0; c < 3; ++c) CHECK(low[c] <= high[c], "%s: the box is not one of numbers", o->name);
 }
 
+/* Coordinates that are not numbers leave vertices where they are that do not depend on them. */
+static void check_bounds_of_lost_coordinates(const opened* o, float* positions)
+{
+    const uint32_t n = o->asset.vertex_count, d = o->asset.dimension;
+    const float lost[] = { NAN, INFINITY, -INFINITY };
+    float q[256] = { 0.0f }, low[3], high[3];
+    for (uint32_t j = 0; j < 3 * d; ++j) {
+        q[j / 3] = lost[j % 3];
+        CHECK(pliant_bounds(&o->asset, q, low, high) == PLIANT_OK, "%s", o->name);
+        pliant_reconstruct(&o->asset, q, 0, n, positions, 12);
+        q[j / 3] = 0.0f;
+        for (uint32_t i = 0; i < 3 * n; ++i)
+            if (isfinite(positions[i]))
+                CHECK(low[i % 3] <= positions[i] && positions[i] <= high[i % 3], "%s: q[%u]", o->name, j / 3);
+    }
+}
+
 static void check_bounds(const opened* o)
 {
     const uint32_t n = o->asset.vertex_count, d = o->asset.dimension;
@@ -290,6 +307,7 @@ static void check_bounds(const opened* o)
         }
     }
     check_bounds_of_nan(o, q);
+    check_bounds_of_lost_coordinates(o, positions);
     CHECK(pliant_bounds(NULL, q, low, high) == PLIANT_ERROR_ARGUMENT, "%s", o->name);
     CHECK(pliant_bounds(&o->asset, NULL, low, high) == PLIANT_ERROR_ARGUMENT, "%s", o->name);
     CHECK(pliant_bounds(&o->asset, q, NULL, high) == PLIANT_ERROR_ARGUMENT, "%s", o->name);
