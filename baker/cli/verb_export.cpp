@@ -161,7 +161,7 @@ Verb add_export(CLI::App& app)
         ->type_name("B");
     verb->add_option("--quantize", a->quantisation_error,
                      "Store positions and targets as integers (KHR_mesh_quantization), every vertex of a blend within E of "
-                     "the diagonal (1e-4 is not seen), and normals as bytes")
+                     "the diagonal of the box around all blends (1e-4 is not seen), and normals as bytes")
         ->check(number_in(1e-9, 0.1))
         ->type_name("E");
     verb->add_flag("--meshopt", a->with_compression,

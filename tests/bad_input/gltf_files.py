@@ -95,6 +95,13 @@ def draco_fan(steps):
     return header + b"\0" + number(len(symbols)) + symbols + b"\x80\x01" + bytes(65)
 
 
+def draco_valence():
+    """A triangle whose stream has the six tables of a large mesh, of 2^20 entries each."""
+    symbols = bytes([1, 1, 18, 1, 2, 0, 64, 1, 0])
+    return (b"DRACO\x02\x02\x01\x01\0\0\x02" + bytes([3, 1, 0, 1, 0, 0, 255, 1, 1]) + 6 * symbols
+            + bytes([1, 255, 0, 0, 1, 0, 9, 3, 0, 0, 0]) + struct.pack("<9f", 0, 0, 0, 1, 0, 0, 0, 1, 0))
+
+
 def add_cases(good):
     """Registers the cases; good() is the mesh of generate.py."""
     def case(name, edit=lambda g: None, file="a.glb", write=lambda g: g.glb()):
@@ -253,6 +260,13 @@ def add_cases(good):
         case(name, edit)
     compressed("gltf_draco_metadata", b"DRACO\x02\x02\x01\x01\x00\x80" + b"\x01" * 40)
     compressed("gltf_draco_fan", draco_fan(20000))
+
+    def tables(gltf):
+        extension = {"bufferView": gltf.view(draco_valence()), "attributes": {"POSITION": 0}}
+        gltf.json["accessors"][0]["count"] = 3
+        gltf.json["meshes"][0]["primitives"] = [
+            {"attributes": {"POSITION": 0}, "extensions": {"KHR_draco_mesh_compression": extension}}] * 400
+    case("gltf_draco_tables", tables)
 
     def meshopt(name, view_length=1560, **more):
         """The positions, 130 rows of 12 bytes, as if compressed into bytes that are not."""

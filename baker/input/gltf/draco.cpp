@@ -28,10 +28,11 @@ std::uint32_t number_in(draco::DecoderBuffer& buffer, bool is_varint)
     return is_there ? number : 0;
 }
 
-// Of an edgebreaker stream, behind its header.
+// Behind the header.
 struct Declared {
-    std::uint32_t vertex_count = 0, face_count = 0;
-    std::uint8_t seam_count = 0; // attributes with seams
+    std::uint32_t vertex_count = 0, face_count = 0; // of a sequential stream 0: it has three bytes for each face
+    std::uint8_t seam_count = 0;                    // attributes with seams
+    std::uint64_t table_count = 1;                  // of the symbols of the triangles
 };
 
 Declared declared_in(const draco::DracoHeader& header, draco::DecoderBuffer buffer)
@@ -46,6 +47,7 @@ Declared declared_in(const draco::DracoHeader& header, draco::DecoderBuffer buff
     declared.vertex_count = number_in(buffer, is_varint);
     declared.face_count = number_in(buffer, is_varint);
     buffer.Decode(&declared.seam_count);
+    declared.table_count = traversal == draco::MESH_EDGEBREAKER_VALENCE_ENCODING ? 6 : 0;
     return declared;
 }
 
@@ -80,6 +82,17 @@ private:
     GltfAllowance& allowance_;
     std::exception_ptr& refusal_;
 };
+
+// Of a stream, before it is decoded.
+void charge(const GltfValue& extension, std::size_t size, const Declared& declared, GltfAllowance& allowance)
+{
+    // Draco makes its tables for as many as an edgebreaker stream says, before it decodes one of them.
+    allowance.take(extension, std::max(declared.vertex_count, declared.face_count), std::uint64_t(declared.seam_count) + 3);
+    // A few bytes ask for a table of a million entries. Good streams that have tables are not shorter.
+    constexpr std::uint64_t bytes_of_table = 500, numbers_of_byte = 8;
+    const std::uint64_t least = bytes_of_table * declared.table_count;
+    if (size < least) allowance.take(extension, least - size, numbers_of_byte);
+}
 
 // A mesh, or why there is none.
 struct Decoded {
@@ -136,10 +149,8 @@ std::unique_ptr<draco::Mesh> decode(const GltfValue& extension, std::string_view
     const bool is_edgebreaker = header.encoder_method == draco::MESH_EDGEBREAKER_ENCODING;
     if (!is_edgebreaker && header.encoder_method != draco::MESH_SEQUENTIAL_ENCODING)
         extension.fail(2318, "its Draco data are of an unknown method", damaged);
-    Declared declared; // a sequential stream has three bytes for each face
-    if (is_edgebreaker) declared = declared_in(header, behind_header);
-    // Draco makes its tables for as many as an edgebreaker stream says, before it decodes one of them.
-    allowance.take(extension, std::max(declared.vertex_count, declared.face_count), std::uint64_t(declared.seam_count) + 3);
+    const Declared declared = is_edgebreaker ? declared_in(header, behind_header) : Declared();
+    charge(extension, bytes.size(), declared, allowance);
     const auto decoded_mesh = [&] {
         return is_edgebreaker ? decode_by<draco::MeshEdgebreakerDecoder>(extension, buffer, allowance)
                               : decode_by<draco::MeshSequentialDecoder>(extension, buffer, allowance);

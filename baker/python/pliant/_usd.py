@@ -221,7 +221,7 @@ class _Stage:
             part.skin = skins.get(part.prim.GetPath())
             left -= part.skin.skeleton.joint_count if part.skin else 0
             self._require(left, limit, part.prim)
-        return out
+        return sorted(out, key=lambda part: str(part.prim.GetPath()))  # programs list them in any order
 
     def _require(self, left: int, limit: int, prim: Any) -> None:
         if left < 0:

@@ -294,7 +294,18 @@ class Meshes(unittest.TestCase):
         mesh.CreateOrientationAttr(UsdGeom.Tokens.leftHanded)
         stage.Save()
         np.testing.assert_array_equal(pliant.load_poses([path, path]).faces,
-                                      np.concatenate([FACES[:, ::-1], len(POSES[0]) + FACES]))
+                                      np.concatenate([FACES, len(POSES[0]) + FACES[:, ::-1]]))
+
+    def test_parts_in_another_order(self):
+        paths = []
+        for name, order in (("order.usda", (0, 1)), ("reversed.usda", (1, 0))):
+            path, stage = new_mesh(name, POSES[0], FACES, "/body")
+            for k in order:
+                add_mesh(stage, POSES[0] + [0, 0, 3 + k], FACES, f"/eye{k}")
+            stage.Save()
+            paths.append(path)
+        poses = pliant.load_poses(paths)
+        np.testing.assert_array_equal(poses.positions[0], poses.positions[1])
 
     def test_faces_that_are_holes(self):
         path, stage = new_mesh("holes.usda", POSES[0], FACES)
