@@ -95,11 +95,10 @@ def draco_fan(steps):
     return header + b"\0" + number(len(symbols)) + symbols + b"\x80\x01" + bytes(65)
 
 
-def draco_valence():
-    """A triangle whose stream has the six tables of a large mesh, of 2^20 entries each."""
-    symbols = bytes([1, 1, 18, 1, 2, 0, 64, 1, 0])
-    return (b"DRACO\x02\x02\x01\x01\0\0\x02" + bytes([3, 1, 0, 1, 0, 0, 255, 1, 1]) + 6 * symbols
-            + bytes([1, 255, 0, 0, 1, 0, 9, 3, 0, 0, 0]) + struct.pack("<9f", 0, 0, 0, 1, 0, 0, 0, 1, 0))
+def draco_triangle(table, data_type=9, values=struct.pack("<9f", 0, 0, 0, 1, 0, 0, 0, 1, 0)):
+    """An edgebreaker stream with valences, which has six tables of symbols."""
+    return (b"DRACO\x02\x02\x01\x01\0\0\x02" + bytes([3, 1, 0, 1, 0, 0, 255, 1, 1]) + 6 * table
+            + bytes([1, 255, 0, 0, 1, 0, data_type, 3, 0, 0, 0]) + values)
 
 
 def add_cases(good):
@@ -261,8 +260,11 @@ def add_cases(good):
     compressed("gltf_draco_metadata", b"DRACO\x02\x02\x01\x01\x00\x80" + b"\x01" * 40)
     compressed("gltf_draco_fan", draco_fan(20000))
 
+    compressed("gltf_draco_bool", draco_triangle(b"\0", 11, bytes([0, 0, 0, 2, 0, 0, 0, 255, 0])))
+
     def tables(gltf):
-        extension = {"bufferView": gltf.view(draco_valence()), "attributes": {"POSITION": 0}}
+        of_a_million = bytes([1, 1, 18, 1, 2, 0, 64, 1, 0])
+        extension = {"bufferView": gltf.view(draco_triangle(of_a_million)), "attributes": {"POSITION": 0}}
         gltf.json["accessors"][0]["count"] = 3
         gltf.json["meshes"][0]["primitives"] = [
             {"attributes": {"POSITION": 0}, "extensions": {"KHR_draco_mesh_compression": extension}}] * 400

@@ -186,6 +186,7 @@ GltfNumbers numbers_of(const draco::Mesh& mesh, const draco::PointAttribute& att
 bool is_sound(const draco::Mesh& mesh, const draco::PointAttribute& attribute)
 {
     if (attribute.num_components() < 1 || attribute.num_components() > 4) return false;
+    if (attribute.data_type() == draco::DT_BOOL) return false; // its bytes need not be one; glTF has no such type
     for (draco::PointIndex i(0); i < mesh.num_points(); ++i)
         if (attribute.mapped_index(i).value() >= attribute.size()) return false;
     return true;

@@ -101,16 +101,6 @@ private:
     std::vector<std::vector<Eigen::Matrix4d>> of_skins_;
 };
 
-// Whether most of its vertices are placed by matrices that mirror.
-bool is_mirrored(const GltfScene& scene, const GltfInstance& instance, const Placing& placing)
-{
-    Eigen::Index side = 0;
-    for (const GltfPrimitive& primitive : scene.meshes[instance.mesh].primitives)
-        for (Eigen::Index v = 0; v < primitive.positions.rows(); ++v)
-            side += placing.at(instance, primitive, v).topLeftCorner<3, 3>().determinant() < 0 ? -1 : 1;
-    return side < 0;
-}
-
 } // namespace
 
 Positions evaluate(const GltfScene& scene, const GltfState& state, Positions* normals)
@@ -141,9 +131,10 @@ std::vector<Triangle> triangles_of(const GltfScene& scene)
 {
     std::vector<Triangle> out;
     std::uint32_t first = 0;
-    const Placing placing(scene, scene.rest);
+    const std::vector<Eigen::Matrix4d> world = world_matrices(scene, scene.rest);
     for (const GltfInstance& instance : scene.instances) {
-        const bool is_turned = is_mirrored(scene, instance, placing);
+        // Of a skinned mesh, too: "the determinant of the node's global transform defines the winding order".
+        const bool is_turned = world[instance.node].topLeftCorner<3, 3>().determinant() < 0;
         for (const GltfPrimitive& primitive : scene.meshes[instance.mesh].primitives) {
             for (Triangle t : primitive.triangles) {
                 for (std::uint32_t& v : t) v += first;

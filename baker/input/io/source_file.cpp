@@ -68,7 +68,7 @@ bool is_underflow(std::string_view word)
     const bool is_negative = i + 1 < word.size() && word[i + 1] == '-';
     const std::optional<std::int64_t> exponent = parse_integer(word.substr(i + 1));
     if (!exponent) return is_negative; // more digits than an integer has: its sign decides
-    return leading + *exponent < 0;
+    return *exponent < -leading;       // their sum may be too large for an integer
 }
 
 // std::from_chars takes no leading plus; one in front of a digit or a point is fine in all our formats.

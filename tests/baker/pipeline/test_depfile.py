@@ -118,6 +118,14 @@ def test_never_half(folder):
                         cwd=folder)
     check(assigned.returncode == 1 and "error P4604" in assigned.stderr and "contains '='" in assigned.stderr,
           f"and one that Make would assign {assigned.stderr}")
+    for image, part in (("hero's.png", "contains '''"), ("'skin.png", "contains '''"), ("a<b.png", "contains '<'"),
+                        ("skin%20", "ends with a space")):
+        (folder / "hero.gltf").write_text(text.replace("skin.png", image), encoding="utf-8")
+        (folder / image.replace("%20", " ")).write_bytes((folder / "skin.png").read_bytes())
+        lost = TOOL.run("bake", "hero.gltf#rest", "rest.obj", "-o", "x.pliant", "--depfile", "x.d", *QUICK_OPTIONS,
+                        cwd=folder)
+        check(lost.returncode == 1 and "error P4604" in lost.stderr and part in lost.stderr,
+              f"and one that Ninja would lose: {image} {lost.stderr}")
     folder = folder / "line\nbreak"
     support.poses(folder)
     broken = TOOL.run("bake", folder / "rest.obj", folder / "bent.obj", "-o", "x.pliant", "--depfile", "x.d", *QUICK_OPTIONS,

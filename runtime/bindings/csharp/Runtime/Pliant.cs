@@ -284,7 +284,8 @@ namespace Pliant
             for (int i = 0; i < sizes.Length; ++i) starts[i] += RoundedUp(handle.ToInt64());
         }
 
-        static long RoundedUp(long number) => (number + Alignment - 1) / Alignment * Alignment;
+        // Addresses are negative above 2 GiB of a 32-bit process: a division would round them towards zero.
+        static long RoundedUp(long number) => (number + Alignment - 1) & ~(Alignment - 1L);
 
         public IntPtr Start(int block) => (IntPtr)starts[block];
 

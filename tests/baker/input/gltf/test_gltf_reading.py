@@ -151,6 +151,14 @@ def encodings(folder, scratch):
         "indices": {"bufferView": alone.view(np.arange(len(vertices), dtype="<u4").tobytes()), "componentType": 5125}}
     same("sparse_alone.glb", alone)
 
+    still = gltf_files.Gltf()
+    still.mesh(vertices, faces)
+    still.animation("still", (0, "translation", "LINEAR", [0, 1], [(0, 0, 0)] * 2))
+    del still.json["accessors"][-1]["bufferView"]  # zeros, as gltf-transform stores them
+    (folder / "still.glb").write_bytes(still.glb())
+    got = Poses(scratch, f"{folder / 'still.glb'}#animation=still@0,1")
+    check(got.code == 0 and np.array_equal(got.positions[1], wanted.positions[0]), f"still.glb {got.errors[:200]}")
+
     strided = gltf_files.Gltf()
     primitive = strided.mesh(vertices, faces)
     accessor = strided.json["accessors"][primitive["attributes"]["POSITION"]]
@@ -185,15 +193,20 @@ def encodings(folder, scratch):
         primitive.update(mode=mode, indices=other.accessor(range(5), 5123))
         same(f"mode{mode}.glb", other, order)
 
-    for name in ("mirrored", "mirrored_skin"):
+    for name in ("mirrored", "mirrored_skin", "mirrored_bind"):
         mirrored = gltf_files.Gltf()
-        primitive = mirrored.mesh(vertices, faces, NORMAL=mirrored.accessor([(0, 0, 1)] * count))
+        is_bound = name == "mirrored_bind"  # as Blender does it: the vertices hold the mirror, joints move none at rest
+        turned = [face[::-1] for face in faces] if is_bound else faces
+        primitive = mirrored.mesh(vertices, turned, NORMAL=mirrored.accessor([(0, 0, 1)] * count))
         mirrored.json["nodes"][0]["scale"] = [-2, 1, 1]
-        if name == "mirrored_skin":  # a joint below the mirrored node
+        if name != "mirrored":  # a joint below the mirrored node
             primitive["attributes"]["JOINTS_0"] = mirrored.accessor([(0, 0, 0, 0)] * count, 5121)
             primitive["attributes"]["WEIGHTS_0"] = mirrored.accessor([(1, 0, 0, 0)] * count)
             mirrored.json["nodes"] = [{**mirrored.json["nodes"][0], "skin": 0, "children": [1]}, {}]
             mirrored.json["skins"] = [{"joints": [1]}]
+            if is_bound:
+                inverse = (-0.5, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1)
+                mirrored.json["skins"][0]["inverseBindMatrices"] = mirrored.accessor([inverse])
         (folder / f"{name}.glb").write_bytes(mirrored.glb())
         got = Poses(scratch, folder / f"{name}.glb", folder / f"{name}.glb")
         p, t = got.positions[0], got.triangles.reshape(-1, 3)

@@ -264,11 +264,12 @@ TEST_CASE("numbers: nearest double, no locale, nothing but numbers")
     CHECK(x_of("0.00000001e-320") == 0.0);
     CHECK(x_of("1e-99999999999999999999") == 0.0);
     CHECK(x_of("0e999999") == 0.0);
+    CHECK(x_of("0.001e-9223372036854775808") == 0.0);
     CHECK(x_of("1e18") == 1e18);
     const auto error_in
         = [](const std::string& word) { return error_of("a.obj", "v " + word + " 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n"); };
-    for (const char* word :
-         { "nan", "NaN", "-nan", "inf", "-Infinity", "1e400", "-1e400", "1e99999999999999999999", "123e307" })
+    for (const char* word : { "nan", "NaN", "-nan", "inf", "-Infinity", "1e400", "-1e400", "1e99999999999999999999",
+                              "123e307", "100e9223372036854775807" })
         CHECK_MESSAGE(error_in(word) == 2105, word);
     for (const char* word :
          { "0,5", "abc", "1.5f", "0x10", "1e", "--1", "+-1", "+", "-", ".", "1.2.3", "1_000", "\xd9\xa1" })
