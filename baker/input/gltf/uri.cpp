@@ -58,7 +58,7 @@ std::optional<std::string> decode_data_uri(std::string_view uri)
 std::optional<std::string> decode_file_uri(std::string_view uri)
 {
     constexpr std::size_t longest = 4096;       // of a path on Linux
-    constexpr std::ptrdiff_t most_folders = 64; // looking one up takes time with the square of their number
+    constexpr std::ptrdiff_t most_folders = 16; // looking one up takes time with the square of their number
     if (uri.size() > longest) return std::nullopt;
     std::string name;
     for (std::size_t i = 0; i < uri.size(); ++i) {
