@@ -12,7 +12,7 @@ from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).parents[1] / "bad_input"))
 import solids  # noqa: E402
-from gltf_files import Gltf  # noqa: E402
+from gltf_files import Gltf, draco_triangle  # noqa: E402
 
 POINTS = [(0, 0, 0), (1, 0, 0), (1, 1, 0.5), (0, 1, 0), (0.5, 0.5, 1)]
 FACES = [(0, 1, 2, 3), (0, 1, 4), (1, 2, 4)]
@@ -24,6 +24,7 @@ def surfaces():
     off = f"OFF\n{len(POINTS)} {len(FACES)} 0\n" + "".join(f"{x} {y} {z}\n" for x, y, z in POINTS) \
         + "".join(" ".join(map(str, (len(f), *f))) + "\n" for f in FACES)
     yield "obj", "mesh", obj
+    yield "obj", "exponents", "v 100e9223372036854775807 0.001e-9223372036854775808 1e-400\nv 1 0 0\nv 0 1 0\nf 1 2 3\n"
     yield "off", "mesh", off
     header = "ply\nformat {} 1.0\ncomment none\nelement vertex 5\nproperty {} x\nproperty float y\nproperty float z\n" \
         "property uchar red\nelement face 3\nproperty list uchar int vertex_indices\nend_header\n"
@@ -79,6 +80,13 @@ def gltf():
     out.json["textures"] = [{"source": 0}]
     out.json["materials"] = [{"pbrMetallicRoughness": {"baseColorTexture": {"index": 0}}}]
     out.json["meshes"][0]["primitives"][0]["material"] = 0
+    for name, stream in (("tables", draco_triangle(bytes([1, 1, 18, 1, 2, 0, 64, 1, 0]))),
+                         ("bool", draco_triangle(b"\0", 11, bytes([0, 0, 0, 2, 0, 0, 0, 255, 0])))):
+        packed = Gltf()
+        primitive = packed.mesh(POINTS[:3], [(0, 1, 2)])
+        primitive["extensions"] = {
+            "KHR_draco_mesh_compression": {"bufferView": packed.view(stream), "attributes": {"POSITION": 0}}}
+        yield "gltf", f"draco_{name}.glb", packed.glb()
     yield "gltf", "plain.glb", plain.glb()
     yield "gltf", "rich.glb", out.glb()
     yield "gltf", "plain.gltf", plain.gltf()
