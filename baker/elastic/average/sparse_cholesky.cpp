@@ -3,6 +3,7 @@
 #include "base/common/diagnostics.h"
 #include "base/common/memory.h"
 #include "base/common/parallel.h"
+#include "base/common/process_mutex.h"
 
 #include <Eigen/SparseCholesky>
 #include <algorithm>
@@ -88,15 +89,10 @@ class BlasLock {
 public:
     BlasLock()
     {
-        if (!openblas_get_parallel || openblas_get_parallel() == 0) lock_ = std::unique_lock<std::mutex>(mutex());
+        if (!openblas_get_parallel || openblas_get_parallel() == 0) lock_ = std::unique_lock(process_mutex<BlasLock>());
     }
 
 private:
-    static std::mutex& mutex()
-    {
-        static std::mutex instance;
-        return instance;
-    }
     std::unique_lock<std::mutex> lock_;
 };
 
@@ -182,12 +178,16 @@ struct SparseCholesky::Backend {
     void start()
     {
         // Once, before any factorisation: it may not be called while another thread is inside.
-        static std::once_flag once;
-        std::call_once(once, [] {
-            install_allocator();
-            if (openblas_set_num_threads) openblas_set_num_threads(1);
-            map_blas_buffers(worker_count());
-        });
+        static bool has_started = false;
+        {
+            const std::lock_guard<std::mutex> one_at_a_time(process_mutex<SparseCholesky>());
+            if (!has_started) {
+                install_allocator();
+                if (openblas_set_num_threads) openblas_set_num_threads(1);
+                map_blas_buffers(worker_count());
+                has_started = true;
+            }
+        }
         cholmod_l_start(&common);
         common.supernodal = CHOLMOD_SUPERNODAL;
         common.nmethods = 1;
@@ -213,8 +213,7 @@ struct SparseCholesky::Backend {
     void analyze(cholmod_sparse& a)
     {
         // METIS draws from one generator of the process: two analyses at a time would order by chance.
-        static std::mutex mutex;
-        const std::lock_guard<std::mutex> one_at_a_time(mutex);
+        const std::lock_guard<std::mutex> one_at_a_time(process_mutex<Analysis>());
         const Analysis analysis;
         factor = cholmod_l_analyze(&a, &common);
         if (!factor || (factor->ordering != CHOLMOD_METIS && has_metis())) throw_out_of_memory(Eigen::Index(a.ncol));

@@ -201,11 +201,11 @@ GltfNumbers read_numbers(const GltfDocument& document, const GltfValue& referenc
     const AccessorShape shape = accessor_shape(document, reference);
     check_components(reference, shape, components);
     const GltfValue accessor = accessor_of(document, reference);
-    // Before memory is taken: the bytes must be there. Zeros take none, but whatever uses them takes a byte for each.
+    // Before memory is taken: the bytes must be there. Zeros take none, but whatever uses them takes a byte for each number.
     if (shape.has_view) {
         elements_of(document, accessor, shape.count,
                     size_of(shape.component_type) * static_cast<std::size_t>(shape.components));
-    } else if (shape.count > document.byte_count()) {
+    } else if (shape.count > document.byte_count() / static_cast<std::size_t>(shape.components)) {
         accessor["bufferView"].fail(2308, "is missing: there are no data", "export the file again");
     }
     return read_all(document, accessor, shape);

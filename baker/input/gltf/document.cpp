@@ -157,41 +157,50 @@ void GltfDocument::check_extensions() const
     }
 }
 
-std::string GltfDocument::path_beside(const GltfValue& uri_value, const std::string& uri) const
+std::filesystem::path GltfDocument::place_of(const std::filesystem::path& file) const
 {
+    std::error_code error;
+    const auto [folder, is_new] = folders_.try_emplace(file.parent_path().string());
+    if (is_new) folder->second = std::filesystem::weakly_canonical(file.parent_path(), error).string();
+    if (folder->second.empty()) return {};
+    const std::filesystem::path place = std::filesystem::path(folder->second) / file.filename();
+    return std::filesystem::is_symlink(place, error) ? std::filesystem::weakly_canonical(place, error) : place;
+}
+
+const GltfDocument::FileBeside& GltfDocument::file_beside(const GltfValue& uri_value, const std::string& uri) const
+{
+    if (const auto known = beside_.find(uri); known != beside_.end()) return known->second;
     const std::optional<std::string> name = decode_file_uri(uri);
-    const std::filesystem::path folder = std::filesystem::absolute(path_).parent_path();
     if (!name || is_alone_)
         uri_value.fail(
             2309, fmt::format("{} is not a file in the folder of this one", excerpt(uri)),
             "only files in the folder of the .gltf or below it are opened: put the file there, or pack everything into "
             "one .glb");
+    const std::filesystem::path inside = std::filesystem::path(*name).lexically_normal(),
+                                folder = std::filesystem::absolute(path_).parent_path();
     // Not where a link leads: that may change, and whoever builds again has to notice.
-    std::string beside
-        = (std::filesystem::path(path_).parent_path() / std::filesystem::path(*name).lexically_normal()).string();
+    const std::string path = (std::filesystem::path(path_).parent_path() / inside).string();
     // A link inside the folder may still lead out of it.
-    std::error_code ignored;
-    const std::filesystem::path home = std::filesystem::weakly_canonical(folder, ignored);
-    const std::filesystem::path place = std::filesystem::weakly_canonical(folder / *name, ignored);
+    const std::filesystem::path home = place_of(folder / "a").parent_path(), place = place_of(folder / inside);
     if (home.empty() || place.empty()) {
-        note_reading(beside, std::nullopt);
+        note_reading(path, std::nullopt);
         uri_value.fail(2310, fmt::format("{} cannot be looked up", excerpt(uri)),
                        "its name is too long, or its links go in circles: give it another name");
     }
     if (std::mismatch(home.begin(), home.end(), place.begin(), place.end()).first != home.end()) {
-        note_link(beside);
+        note_link(path);
         uri_value.fail(
             2309, fmt::format("{} leads out of the folder of this one", excerpt(uri)),
             "only files in the folder of the .gltf or below it are opened: put the file there, or pack everything into "
             "one .glb");
     }
-    return beside;
+    return beside_[uri] = { path, place.string() };
 }
 
-std::string GltfDocument::read_beside(const GltfValue& uri_value, const std::string& uri, const std::string& path) const
+std::string GltfDocument::read_beside(const GltfValue& uri_value, const std::string& uri) const
 {
     DiagnosticList diagnostics;
-    std::optional<std::string> bytes = read_bytes(path, diagnostics);
+    std::optional<std::string> bytes = read_bytes(file_beside(uri_value, uri).path, diagnostics);
     if (!bytes)
         uri_value.fail(2310, fmt::format("{} {}", excerpt(uri), diagnostics.diagnostics().at(0).what), "put the file there");
     return std::move(*bytes);
@@ -207,10 +216,10 @@ std::string_view GltfDocument::read_buffer(const GltfValue& buffer)
     }
     const std::string text = uri.text();
     if (!is_data_uri(text)) {
-        const std::string path = path_beside(uri, text), place = link_place(path);
-        const auto known = files_.find(place);
-        if (known == files_.end()) return files_[place] = read_beside(uri, text, path);
-        note_link(path);
+        const FileBeside& file = file_beside(uri, text);
+        const auto known = files_.find(file.place);
+        if (known == files_.end()) return files_[file.place] = read_beside(uri, text);
+        note_link(file.path);
         return known->second;
     }
     std::optional<std::string> bytes = decode_data_uri(text);
@@ -278,10 +287,15 @@ std::string GltfDocument::image(std::size_t index, std::string& why) const
 {
     const GltfValue image = (*this)["images"].at(index);
     try {
-        if (const GltfValue place = image["bufferView"]; place.exists())
-            return std::string(view(place.index((*this)["bufferViews"].size(), "buffer views")));
+        if (const GltfValue place = image["bufferView"]; place.exists()) {
+            const GltfValue views = (*this)["bufferViews"];
+            const std::size_t number = place.index(views.size(), "buffer views");
+            if (!views.at(number)["extensions"][meshopt_extension].exists()) return std::string(view(number));
+            why = "its view is compressed as one of meshes";
+            return {};
+        }
         const std::string uri = image["uri"].text();
-        if (!is_data_uri(uri)) return read_beside(image["uri"], uri, path_beside(image["uri"], uri));
+        if (!is_data_uri(uri)) return read_beside(image["uri"], uri);
         if (std::optional<std::string> bytes = decode_data_uri(uri)) return std::move(*bytes);
         why = "it is not base64 data";
     } catch (const Failure& failure) {
@@ -296,7 +310,7 @@ std::string GltfDocument::image_source(std::size_t index) const
     try {
         if (const GltfValue place = image["bufferView"]; place.exists()) return fmt::format("view {}", place.whole());
         const std::string uri = image["uri"].text();
-        return is_data_uri(uri) ? std::string() : link_place(path_beside(image["uri"], uri));
+        return is_data_uri(uri) ? std::string() : file_beside(image["uri"], uri).place;
     } catch (const Failure&) {
         return {};
     }
@@ -305,7 +319,7 @@ std::string GltfDocument::image_source(std::size_t index) const
 void GltfDocument::note_image(std::size_t index) const
 {
     const GltfValue uri = (*this)["images"].at(index)["uri"];
-    if (uri.exists() && !is_data_uri(uri.text())) note_link(path_beside(uri, uri.text()));
+    if (uri.exists() && !is_data_uri(uri.text())) note_link(file_beside(uri, uri.text()).path);
 }
 
 std::vector<std::string> GltfDocument::named_files() const

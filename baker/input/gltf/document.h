@@ -4,6 +4,7 @@
 #include "input/gltf/value.h"
 
 #include <deque>
+#include <filesystem>
 #include <map>
 #include <string_view>
 
@@ -46,14 +47,23 @@ private:
     void read_buffers();
     bool is_placeholder(const GltfValue& buffer, bool needs_meshopt) const;
     std::string_view read_buffer(const GltfValue& buffer);
-    std::string path_beside(const GltfValue& uri_value, const std::string& uri) const;
-    std::string read_beside(const GltfValue& uri_value, const std::string& uri, const std::string& path) const;
+    // A file that it names: how it is opened, and where the links of that name lead.
+    struct FileBeside {
+        std::string path, place;
+    };
+    // Of a URI; looked up once.
+    const FileBeside& file_beside(const GltfValue& uri_value, const std::string& uri) const;
+    // Where the links of an absolute path lead, empty if it cannot be looked up. Folders are looked up once.
+    std::filesystem::path place_of(const std::filesystem::path& file) const;
+    std::string read_beside(const GltfValue& uri_value, const std::string& uri) const;
 
     std::string path_;
     GltfJson json_;
     std::string binary_; // the BIN chunk of a .glb
     bool has_binary_ = false, is_alone_ = false;
     std::map<std::string, std::string> files_;            // by place: many buffers may name one file
+    mutable std::map<std::string, FileBeside> beside_;    // by URI
+    mutable std::map<std::string, std::string> folders_;  // where their links lead
     std::deque<std::string> decoded_;                     // buffers in the JSON itself
     std::vector<std::string_view> buffers_;               // of binary_, files_, decoded_
     mutable std::map<std::size_t, std::string> unpacked_; // views at their first use, by number

@@ -2,7 +2,6 @@
 
 #include "base/common/sha256.h"
 
-#include <algorithm>
 #include <filesystem>
 #include <system_error>
 
@@ -23,9 +22,7 @@ ReadLog::~ReadLog() { innermost = outer_; }
 
 void ReadLog::note(const std::string& path, const std::function<ReadFile()>& file)
 {
-    const bool is_known
-        = std::any_of(files_.begin(), files_.end(), [&](const ReadFile& other) { return other.path == path; });
-    if (!is_known) files_.push_back(file());
+    if (paths_.insert(path).second) files_.push_back(file());
 }
 
 void note_reading(const std::string& path, const std::optional<std::string>& bytes)

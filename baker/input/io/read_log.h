@@ -5,6 +5,7 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <unordered_set>
 #include <vector>
 
 namespace pliant {
@@ -34,6 +35,7 @@ private:
     void note(const std::string& path, const std::function<ReadFile()>& file);
 
     std::vector<ReadFile> files_;
+    std::unordered_set<std::string> paths_; // of files_
     ReadLog* outer_;
 };
 

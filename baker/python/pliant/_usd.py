@@ -59,7 +59,11 @@ def _open(path: str) -> tuple[Any, Any]:
     try:
         with open(path, "rb"):
             pass
-        return pxr, pxr.Usd.Stage.Open(path)
+        stage = pxr.Usd.Stage.Open(path)
+        for layer in stage.GetUsedLayers():  # others may have held them, while their files were written again
+            if not layer.dirty:
+                layer.Reload()
+        return pxr, stage
     except (OSError, pxr.Tf.ErrorException) as error:
         reason = (error.strerror if isinstance(error, OSError) else None) or str(error).strip().splitlines()[-1].strip()
         what = f"cannot be read: {reason}"
@@ -114,6 +118,11 @@ class _Part:
         if len(points) != self.count:
             what = f"has {len(points)} points at frame {time.GetValue():g} and {self.count} at first"
             raise ValueError(f"{self.where}: {what}; poses share vertices and faces")
+        for attribute in (self.mesh.GetFaceVertexCountsAttr(), self.mesh.GetFaceVertexIndicesAttr()):
+            if attribute.ValueMightBeTimeVarying() and not np.array_equal(
+                    self._numbers(attribute, time), self._numbers(attribute, self._rest_time)):
+                what = f"has other faces at frame {time.GetValue():g} than at first"
+                raise ValueError(f"{self.where}: {what}; poses share vertices and faces")
         return self._placed(self.skin.morphed(points, time) if self.skin else points, time, False)
 
     def rest(self, offsets: Positions | float = 0.0) -> Positions:
@@ -132,6 +141,8 @@ class _Part:
 
     def _is_mirrored(self) -> bool:
         """Whether most points at rest are placed by matrices that mirror."""
+        if self.count == 0:
+            return False
         size = np.abs(self._points(self._rest_time)).max(initial=0.0) or 1.0
         origin = self.rest()
         axes = np.stack([self.rest(size * axis) - origin for axis in np.eye(3)], 1)
@@ -199,7 +210,7 @@ class _Stage:
         if not prim.IsA(geom.Mesh):
             return False
         drawn = geom.Imageable(prim)
-        is_hidden = drawn.ComputeVisibility() == geom.Tokens.invisible
+        is_hidden = drawn.ComputeVisibility(self._usd.Usd.TimeCode.EarliestTime()) == geom.Tokens.invisible
         return not is_hidden and drawn.ComputePurpose() in (geom.Tokens.default_, geom.Tokens.render)
 
     def _find_parts(self) -> list[_Part]:

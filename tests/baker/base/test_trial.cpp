@@ -1,4 +1,5 @@
-// Work that is tried in a child process.
+// Work that is tried in a child process, and locks of children.
+#include "base/common/process_mutex.h"
 #include "base/common/trial.h"
 
 #include <chrono>
@@ -83,6 +84,17 @@ TEST_CASE("children that are forked meanwhile do not keep a trial from its end")
     REQUIRE(bystander > 0);
     ::kill(bystander, SIGKILL);
     ::waitpid(bystander, nullptr, 0);
+}
+
+TEST_CASE("a child that is forked while a thread holds a mutex of the process finds it free")
+{
+    std::mutex& mutex = process_mutex<struct Held>();
+    const std::lock_guard<std::mutex> held(mutex);
+    const pid_t child = ::fork();
+    if (child == 0) ::_exit(mutex.try_lock() ? 0 : 1);
+    int status = -1;
+    REQUIRE(::waitpid(child, &status, 0) == child);
+    CHECK(status == 0);
 }
 
 TEST_CASE("a host may have the system collect its children")

@@ -329,6 +329,7 @@ class Meshes(unittest.TestCase):
         group.GetOrderedXformOps()[0].Set((0, 7, 0), 2)
         add_mesh(stage, POSES[1], QUADS, "/other").CreateOrientationAttr(UsdGeom.Tokens.leftHanded)
         UsdGeom.Imageable(add_mesh(stage, POSES[1], FACES, "/hidden")).MakeInvisible()
+        UsdGeom.Imageable(add_mesh(stage, POSES[1], FACES, "/later")).CreateVisibilityAttr().Set("invisible", 1)
         add_mesh(stage, POSES[1], FACES, "/guide").CreatePurposeAttr(UsdGeom.Tokens.guide)
         stage.Save()
         poses = pliant.load_poses(path)
@@ -339,6 +340,26 @@ class Meshes(unittest.TestCase):
         flipped = QUADS[:, ::-1]
         fans = np.stack([flipped[:, [0, 1, 2]], flipped[:, [0, 2, 3]]], 1).reshape(-1, 3)
         np.testing.assert_array_equal(poses.faces, np.concatenate([FACES, n + fans]))
+
+    def test_files_that_are_written_again(self):
+        path, stage = new_mesh("again.usda", POSES[0], FACES)
+        stage.Save()
+        held = Usd.Stage.Open(path)  # as an error in a notebook holds one
+        other, stage = new_mesh("before.usda", POSES[1], FACES)
+        stage.Save()
+        Path(path).write_bytes(Path(other).read_bytes())
+        np.testing.assert_array_equal(pliant.load_poses([path, path]).positions[0], POSES[1])
+        self.assertTrue(held)
+
+    def test_faces_that_change(self):
+        path = write_frames("faces.usda")
+        stage = Usd.Stage.Open(path)
+        corners = UsdGeom.Mesh.Get(stage, "/tube").GetFaceVertexIndicesAttr()
+        corners.Set([int(v) for v in FACES.ravel()], 1)
+        corners.Set([int(v) for v in FACES[:, ::-1].ravel()], 12)
+        stage.Save()
+        with self.assertRaisesRegex(ValueError, "/tube: has other faces at frame 12 than at first"):
+            pliant.load_poses(path)
 
     def test_many_blend_shapes(self):
         path, stage = new_mesh("many.usda", POSES[0], FACES)
