@@ -183,6 +183,14 @@ void GltfAllowance::take_all_of(const GltfValue& reference)
     take(reference, numbers_of_use);
 }
 
+bool GltfAllowance::has_own(std::uint64_t size)
+{
+    const std::uint64_t left = document_.byte_count() - stream_bytes_;
+    if (size > left) return false;
+    stream_bytes_ += size;
+    return true;
+}
+
 GltfNumbers read_numbers(const GltfDocument& document, const GltfValue& reference, std::initializer_list<int> components,
                          std::uint64_t count)
 {

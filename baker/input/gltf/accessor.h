@@ -45,10 +45,12 @@ public:
     void take(const GltfValue& place, std::uint64_t count, std::uint64_t width = 1);
     // The same for all elements of the accessor that `reference` names, and for its use.
     void take_all_of(const GltfValue& reference);
+    // Whether compressed streams, with one more of so many bytes, still fit into the file beside each other.
+    bool has_own(std::uint64_t size);
 
 private:
     const GltfDocument& document_;
-    std::uint64_t limit_, left_;
+    std::uint64_t limit_, left_, stream_bytes_ = 0;
 };
 
 // The elements as doubles; normalized integers as what they stand for. Without a buffer view they are zero, apart from

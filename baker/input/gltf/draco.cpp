@@ -84,14 +84,17 @@ private:
 };
 
 // Of a stream, before it is decoded.
-void charge(const GltfValue& extension, std::size_t size, const Declared& declared, GltfAllowance& allowance)
+void charge(const GltfValue& extension, std::size_t size, bool has_own_bytes, const Declared& declared,
+            GltfAllowance& allowance)
 {
     // Draco makes its tables for as many as an edgebreaker stream says, before it decodes one of them.
     allowance.take(extension, std::max(declared.vertex_count, declared.face_count), std::uint64_t(declared.seam_count) + 3);
     // A few bytes ask for a table of a million entries. Good streams that have tables are not shorter.
-    constexpr std::uint64_t bytes_of_table = 500, numbers_of_byte = 8;
+    constexpr std::uint64_t bytes_of_table = 600, numbers_of_byte = 8;
     const std::uint64_t least = bytes_of_table * declared.table_count;
     if (size < least) allowance.take(extension, least - size, numbers_of_byte);
+    // Streams that share their bytes, as views may, pay again for them.
+    if (!has_own_bytes) allowance.take(extension, std::max<std::uint64_t>(size, least) + least, numbers_of_byte);
 }
 
 // A mesh, or why there is none.
@@ -135,7 +138,8 @@ void require_bounded(const GltfValue& extension, std::size_t size, std::uint32_t
         damaged);
 }
 
-std::unique_ptr<draco::Mesh> decode(const GltfValue& extension, std::string_view bytes, GltfAllowance& allowance)
+std::unique_ptr<draco::Mesh> decode(const GltfValue& extension, std::string_view bytes, bool has_own_bytes,
+                                    GltfAllowance& allowance)
 {
     draco::DecoderBuffer buffer;
     buffer.Init(bytes.data(), bytes.size());
@@ -150,7 +154,7 @@ std::unique_ptr<draco::Mesh> decode(const GltfValue& extension, std::string_view
     if (!is_edgebreaker && header.encoder_method != draco::MESH_SEQUENTIAL_ENCODING)
         extension.fail(2318, "its Draco data are of an unknown method", damaged);
     const Declared declared = is_edgebreaker ? declared_in(header, behind_header) : Declared();
-    charge(extension, bytes.size(), declared, allowance);
+    charge(extension, bytes.size(), has_own_bytes, declared, allowance);
     const auto decoded_mesh = [&] {
         return is_edgebreaker ? decode_by<draco::MeshEdgebreakerDecoder>(extension, buffer, allowance)
                               : decode_by<draco::MeshSequentialDecoder>(extension, buffer, allowance);
@@ -208,7 +212,7 @@ DracoMesh decode_draco(const GltfDocument& document, const GltfValue& extension,
     const std::size_t view = extension["bufferView"].index(document["bufferViews"].size(), "buffer views");
     const std::string_view bytes = document.view(view);
     allowance.take(extension, bytes.size()); // also of what is decoded and not read
-    const std::unique_ptr<draco::Mesh> mesh = decode(extension, bytes, allowance);
+    const std::unique_ptr<draco::Mesh> mesh = decode(extension, bytes, allowance.has_own(bytes.size()), allowance);
     DracoMesh out;
     out.vertex_count = mesh->num_points();
     out.triangles.reserve(mesh->num_faces());
