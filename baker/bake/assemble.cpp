@@ -10,16 +10,29 @@ namespace pliant {
 
 namespace {
 
-// Welded vertices share a normal unless the file's own normals say that there is an edge.
-std::vector<std::uint32_t> smoothing_of(const RenderMesh& drawn, const RenderScene* scene)
+// Of the triangles of each drawn vertex, in the first pose.
+std::vector<Eigen::Vector3d> sides_of(const RenderMesh& drawn, const Positions& positions)
 {
+    const auto at = [&](std::uint32_t v) -> Eigen::Vector3d { return positions.row(drawn.embedding.corners[v][0]); };
+    std::vector<Eigen::Vector3d> sides(drawn.embedding.count(), Eigen::Vector3d::Zero());
+    for (const Triangle& t : drawn.triangles) {
+        const Eigen::Vector3d normal = (at(t[1]) - at(t[0])).cross(at(t[2]) - at(t[0]));
+        for (const std::uint32_t v : t) sides[v] += normal;
+    }
+    return sides;
+}
+
+// Welded vertices share a normal unless the file's own normals say that there is an edge, or they are two sides.
+std::vector<std::uint32_t> smoothing_of(const RenderMesh& drawn, const PoseSet& poses)
+{
+    const RenderScene* const scene = poses.scene.get();
     std::vector<std::uint32_t> welded;
     for (const Tetrahedron& corners : drawn.embedding.corners) welded.push_back(corners[0]);
     std::vector<Eigen::Vector3d> normals;
     const VertexAttribute* given = scene && scene->vertex_count == welded.size() ? scene->find("NORMAL") : nullptr;
     for (std::size_t v = 0; given && v < welded.size(); ++v)
         normals.push_back(Eigen::Map<const Eigen::Vector3f>(given->values.data() + 3 * v).cast<double>());
-    return smoothing_groups(welded, normals);
+    return smoothing_groups(welded, normals, sides_of(drawn, poses.positions[0]));
 }
 
 // What the vertices are drawn with, if that is known of just these.
@@ -68,7 +81,7 @@ StoredMesh stored_render_mesh(const RenderMesh& drawn, const PoseSet& poses, con
     mesh.polygons = drawn.polygons;
     mesh.embedding = drawn.embedding;
     mesh.vertex_count = drawn.embedding.count();
-    if (!options.render_mesh) mesh.smoothing = smoothing_of(drawn, poses.scene.get());
+    if (!options.render_mesh) mesh.smoothing = smoothing_of(drawn, poses);
     mesh.scene = scene_of(poses, mesh.vertex_count, options);
     return mesh;
 }

@@ -364,5 +364,6 @@ def add_cases(good):
         gltf = blob(good())
         (folder / "outside.bin").write_bytes(gltf.bytes)
         (folder / "inside/link.bin").symlink_to("../outside.bin")
+        (folder / "inside/a").symlink_to("..")  # another link beside it changes nothing
         (folder / "inside/a.gltf").write_bytes(gltf.gltf("link.bin"))
     CASES["gltf_link_outside"] = link

@@ -32,18 +32,28 @@ bool agree(const Eigen::Vector3d& a, const Eigen::Vector3d& b)
     return !(lengths > kShortest * kShortest) || a.dot(b) >= kSameDirection * lengths; // NaN has no direction either
 }
 
+// Cosine of 154 degrees: the sides of a blade are closer, those of a sheet without thickness are at 180.
+constexpr double kOpposite = -0.9;
+
+bool oppose(const Eigen::Vector3d& a, const Eigen::Vector3d& b) { return a.dot(b) < kOpposite * a.norm() * b.norm(); }
+
 } // namespace
 
 std::vector<std::uint32_t> smoothing_groups(const std::vector<std::uint32_t>& welded,
-                                            const std::vector<Eigen::Vector3d>& normals)
+                                            const std::vector<Eigen::Vector3d>& normals,
+                                            const std::vector<Eigen::Vector3d>& sides)
 {
-    if (!normals.empty() && normals.size() != welded.size())
-        throw std::invalid_argument("smoothing_groups needs no normals or one for each vertex");
+    for (const auto* given : { &normals, &sides })
+        if (!given->empty() && given->size() != welded.size())
+            throw std::invalid_argument("smoothing_groups needs no normals or one for each vertex");
     std::vector<std::uint32_t> groups(welded.size());
     std::unordered_map<std::uint32_t, std::vector<Group>> groups_at; // a welded vertex
     for (std::uint32_t v = 0; v < welded.size(); ++v) {
         std::vector<Group>& candidates = groups_at[welded[v]];
-        const auto joins = [&](const Group& group) { return normals.empty() || agree(normals[group.first], normals[v]); };
+        const auto joins = [&](const Group& group) {
+            return (normals.empty() || agree(normals[group.first], normals[v]))
+                && (sides.empty() || !oppose(sides[group.first], sides[v]));
+        };
         const auto first = candidates.end() - std::min(kCandidates, candidates.end() - candidates.begin());
         const auto found = std::find_if(first, candidates.end(), joins);
         groups[v] = found == candidates.end() ? v : found->first;

@@ -157,13 +157,20 @@ void GltfDocument::check_extensions() const
     }
 }
 
+const std::filesystem::path& GltfDocument::place_of_folder(const std::filesystem::path& folder) const
+{
+    const auto [known, is_new] = folders_.try_emplace(folder.string());
+    std::error_code error;
+    if (is_new) known->second = std::filesystem::weakly_canonical(folder, error); // empty after an error
+    return known->second;
+}
+
 std::filesystem::path GltfDocument::place_of(const std::filesystem::path& file) const
 {
+    const std::filesystem::path& folder = place_of_folder(file.parent_path());
+    if (folder.empty()) return {};
     std::error_code error;
-    const auto [folder, is_new] = folders_.try_emplace(file.parent_path().string());
-    if (is_new) folder->second = std::filesystem::weakly_canonical(file.parent_path(), error).string();
-    if (folder->second.empty()) return {};
-    const std::filesystem::path place = std::filesystem::path(folder->second) / file.filename();
+    const std::filesystem::path place = folder / file.filename();
     return std::filesystem::is_symlink(place, error) ? std::filesystem::weakly_canonical(place, error) : place;
 }
 
@@ -181,7 +188,7 @@ const GltfDocument::FileBeside& GltfDocument::file_beside(const GltfValue& uri_v
     // Not where a link leads: that may change, and whoever builds again has to notice.
     const std::string path = (std::filesystem::path(path_).parent_path() / inside).string();
     // A link inside the folder may still lead out of it.
-    const std::filesystem::path home = place_of(folder / "a").parent_path(), place = place_of(folder / inside);
+    const std::filesystem::path home = place_of_folder(folder), place = place_of(folder / inside);
     if (home.empty() || place.empty()) {
         note_reading(path, std::nullopt);
         uri_value.fail(2310, fmt::format("{} cannot be looked up", excerpt(uri)),

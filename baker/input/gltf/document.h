@@ -54,6 +54,7 @@ private:
     // Of a URI; looked up once.
     const FileBeside& file_beside(const GltfValue& uri_value, const std::string& uri) const;
     // Where the links of an absolute path lead, empty if it cannot be looked up. Folders are looked up once.
+    const std::filesystem::path& place_of_folder(const std::filesystem::path& folder) const;
     std::filesystem::path place_of(const std::filesystem::path& file) const;
     std::string read_beside(const GltfValue& uri_value, const std::string& uri) const;
 
@@ -61,13 +62,13 @@ private:
     GltfJson json_;
     std::string binary_; // the BIN chunk of a .glb
     bool has_binary_ = false, is_alone_ = false;
-    std::map<std::string, std::string> files_;            // by place: many buffers may name one file
-    mutable std::map<std::string, FileBeside> beside_;    // by URI
-    mutable std::map<std::string, std::string> folders_;  // where their links lead
-    std::deque<std::string> decoded_;                     // buffers in the JSON itself
-    std::vector<std::string_view> buffers_;               // of binary_, files_, decoded_
-    mutable std::map<std::size_t, std::string> unpacked_; // views at their first use, by number
-    mutable std::uint64_t unpacked_left_ = 0;             // bytes that other views may have
+    std::map<std::string, std::string> files_;                     // by place: many buffers may name one file
+    mutable std::map<std::string, FileBeside> beside_;             // by URI
+    mutable std::map<std::string, std::filesystem::path> folders_; // where their links lead
+    std::deque<std::string> decoded_;                              // buffers in the JSON itself
+    std::vector<std::string_view> buffers_;                        // of binary_, files_, decoded_
+    mutable std::map<std::size_t, std::string> unpacked_;          // views at their first use, by number
+    mutable std::uint64_t unpacked_left_ = 0;                      // bytes that other views may have
     std::size_t byte_count_ = 0;
 };
 

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <fmt/format.h>
+#include <optional>
 #include <set>
 #include <utility>
 
@@ -122,19 +123,31 @@ std::vector<std::size_t> shown_nodes(const GltfScene& scene)
     return numbers;
 }
 
+// Exporters write them into the extras of the mesh, as the specification suggests; those of VRM into its primitives'.
+std::optional<GltfValue> given_target_names(const GltfValue& mesh)
+{
+    const auto names_in = [](const GltfValue& holder) -> std::optional<GltfValue> {
+        const GltfValue extras = holder["extras"];
+        if (!extras.exists() || !extras.json().is_object()) return std::nullopt;
+        const GltfValue names = extras["targetNames"];
+        return names.exists() && names.json().is_array() ? std::optional<GltfValue>(names) : std::nullopt;
+    };
+    if (const std::optional<GltfValue> names = names_in(mesh)) return names;
+    const GltfValue primitives = mesh["primitives"];
+    for (std::size_t i = 0; i < primitives.size(); ++i)
+        if (const std::optional<GltfValue> names = names_in(primitives.at(i))) return names;
+    return std::nullopt;
+}
+
 std::vector<std::string> target_names_of(const GltfValue& mesh, std::size_t count)
 {
     std::vector<std::string> names;
     std::set<std::string> known;
     std::size_t next = 1;
-    // Exporters write them into the extras of the mesh, as the specification suggests; who does otherwise has none.
-    const GltfValue extras = mesh["extras"];
-    const bool has_names = extras.exists() && extras.json().is_object() && extras["targetNames"].exists()
-        && extras["targetNames"].json().is_array();
+    const std::optional<GltfValue> given = given_target_names(mesh);
     for (std::size_t i = 0; i < count; ++i) {
         std::string name;
-        if (has_names && i < extras["targetNames"].size() && extras["targetNames"].at(i).json().is_string())
-            name = name_of(extras["targetNames"].at(i));
+        if (given && i < given->size() && given->at(i).json().is_string()) name = name_of(given->at(i));
         for (next = std::max(next, i + 1); name.empty() || !known.insert(name).second; ++next)
             name = fmt::format("target_{}", next); // others may have such a name, too
         names.push_back(std::move(name));

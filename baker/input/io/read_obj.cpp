@@ -70,7 +70,8 @@ bool ObjReader::read()
     std::string joined; // a statement over several lines, ended by backslashes
     while (lines.next()) {
         std::string_view line = lines.line();
-        const bool goes_on = !line.empty() && line.back() == '\\';
+        const bool goes_on = !line.empty() && line.back() == '\\'
+            && line.find('#') == std::string_view::npos; // comments end with folders of Windows
         if (goes_on) line.remove_suffix(1);
         if (joined.empty()) line_ = lines.number();
         if (goes_on || !joined.empty()) {

@@ -209,9 +209,15 @@ class _Stage:
         geom = self._usd.UsdGeom
         if not prim.IsA(geom.Mesh):
             return False
-        drawn = geom.Imageable(prim)
-        is_hidden = drawn.ComputeVisibility(self._usd.Usd.TimeCode.EarliestTime()) == geom.Tokens.invisible
-        return not is_hidden and drawn.ComputePurpose() in (geom.Tokens.default_, geom.Tokens.render)
+        return geom.Imageable(prim).ComputePurpose() in (geom.Tokens.default_, geom.Tokens.render)
+
+    def _is_hidden(self, prim: Any) -> bool:
+        """At all times, and what is below it with it."""
+        if not prim.IsA(self._usd.UsdGeom.Imageable):
+            return False
+        attribute = self._usd.UsdGeom.Imageable(prim).GetVisibilityAttr()
+        values = [attribute.Get(time) for time in attribute.GetTimeSamples()] or [attribute.Get()]
+        return all(value == self._usd.UsdGeom.Tokens.invisible for value in values)
 
     def _find_parts(self) -> list[_Part]:
         out = []
@@ -220,12 +226,14 @@ class _Stage:
         prims = iter(self._usd.Usd.PrimRange(self._stage.GetPseudoRoot(), self._usd.Usd.TraverseInstanceProxies()))
         for prim in prims:
             left -= _DRAWN_BY_PRIM + _DRAWN_BY_LEVEL * prim.GetPath().pathElementCount
-            if self._is_drawn(prim):
-                out.append(_Part(self._usd, prim, self.path))
-                left -= out[-1].count + out[-1].corner_count()
-            if prim.IsA(self._usd.UsdGeom.PointInstancer):  # what lies below is not drawn where it is
+            if self._is_hidden(prim):
+                prims.PruneChildren()
+            elif prim.IsA(self._usd.UsdGeom.PointInstancer):  # what lies below is not drawn where it is
                 self.instancers.append(str(prim.GetPath()))
                 prims.PruneChildren()
+            elif self._is_drawn(prim):
+                out.append(_Part(self._usd, prim, self.path))
+                left -= out[-1].count + out[-1].corner_count()
             self._require(left, limit, prim)
         skins = skins_of(self._usd, self._stage, self.path)  # not before the file's prims are counted
         for part in out:
@@ -291,7 +299,8 @@ def _chosen(stage: _Stage, choice: str) -> list[tuple[str, Positions]]:
     if choice == "rest":
         return [("rest", stage.rest())]
     if kind == "target" and names:
-        return [(name, stage.target(name)) for name in names.split(",")]
+        chosen = [names] if names in stage.targets else names.split(",")
+        return [(name, stage.target(name)) for name in chosen]
     if kind == "time" and names:
         return [(f"frame {time:g}", stage.at(time)) for time in _times_of(names, stage.path)]
     raise _error(_USAGE, 1211, stage.path, f"'#{choice}' after a USD file is not understood", _CHOICES)

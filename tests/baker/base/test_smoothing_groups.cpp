@@ -35,6 +35,15 @@ TEST_CASE("vertices of a place share a normal if their input normals do")
     CHECK(smoothing_groups(welded, normals) == Groups { 0, 1, 0, 3, 4, 5, 6, 5 });
 }
 
+TEST_CASE("the sides of a sheet do not share a normal, whatever the file says")
+{
+    const std::vector<Eigen::Vector3d> sides { tilted(0), tilted(180), 1e-9 * tilted(10), tilted(150), { 0, 0, 0 } };
+    CHECK(smoothing_groups({ 0, 0, 0, 0, 0 }, {}, sides) == Groups { 0, 1, 0, 0, 0 });
+    CHECK(smoothing_groups({ 0, 0 }, { tilted(0), tilted(0) }, { tilted(20), tilted(200) }) == Groups { 0, 1 });
+    CHECK(smoothing_groups({ 0, 1 }, {}, { tilted(0), tilted(180) }) == Groups { 0, 1 });
+    CHECK_THROWS_AS(smoothing_groups({ 0, 0 }, {}, { tilted(0) }), std::invalid_argument);
+}
+
 TEST_CASE("one degree is the limit")
 {
     CHECK(smoothing_groups({ 0, 0 }, { tilted(30), tilted(30.99) }) == Groups { 0, 0 });

@@ -341,6 +341,16 @@ class Meshes(unittest.TestCase):
         fans = np.stack([flipped[:, [0, 1, 2]], flipped[:, [0, 2, 3]]], 1).reshape(-1, 3)
         np.testing.assert_array_equal(poses.faces, np.concatenate([FACES, n + fans]))
 
+    def test_parts_that_appear_later(self):
+        path, stage = new_mesh("later.usda", POSES[0], FACES)
+        seen = UsdGeom.Imageable(add_mesh(stage, POSES[1], FACES, "/with/helmet")).CreateVisibilityAttr()
+        for time, value in ((1, "invisible"), (20, "inherited")):
+            seen.Set(value, time)
+        add_mesh(stage, POSES[1], FACES, "/without/helmet")
+        UsdGeom.Imageable(UsdGeom.Xform.Define(stage, "/without")).CreateVisibilityAttr().Set("invisible", 1)
+        stage.Save()
+        self.assertEqual(len(pliant.load_poses([path, path]).positions[0]), 2 * len(POSES[0]))
+
     def test_files_that_are_written_again(self):
         path, stage = new_mesh("again.usda", POSES[0], FACES)
         stage.Save()

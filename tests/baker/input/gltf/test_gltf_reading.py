@@ -151,6 +151,13 @@ def encodings(folder, scratch):
         "indices": {"bufferView": alone.view(np.arange(len(vertices), dtype="<u4").tobytes()), "componentType": 5125}}
     same("sparse_alone.glb", alone)
 
+    named = gltf_files.Gltf()
+    primitive = named.mesh(vertices, faces, [vertices, vertices])
+    primitive["extras"] = {"targetNames": ["Blink", "Joy"]}  # as exporters of VRM write them
+    (folder / "named.vrm").write_bytes(named.glb())
+    names = Poses(scratch, folder / "named.vrm").names
+    check(names[1:] == ["Blink", "Joy"], f"names of targets in a primitive {names}")
+
     still = gltf_files.Gltf()
     still.mesh(vertices, faces)
     still.animation("still", (0, "translation", "LINEAR", [0, 1], [(0, 0, 0)] * 2))
