@@ -16,8 +16,8 @@ from ._usd_skin import Skin, skins_of
 
 SUFFIXES = (".usd", ".usda", ".usdc", ".usdz")
 _LIMIT = 64  # poses, or layers
-# Points, corners and joints that a file draws: some for any file, and more for each of its bytes, as of glTF.
-_DRAWN, _DRAWN_FOR_BYTE, _DRAWN_BY_PRIM, _DRAWN_BY_LEVEL = 4000000, 8, 64, 16
+# Points, corners, joints and samples that a file draws: some for any file, and more for each of its bytes, as of glTF.
+_DRAWN, _DRAWN_FOR_BYTE, _DRAWN_BY_PRIM, _DRAWN_BY_LEVEL, _DRAWN_BY_SAMPLE = 4000000, 8, 64, 16, 4
 _INPUT = 3  # the exit code
 _USAGE = 2
 _CHOICES = "write #rest, #target=NAME,NAME or #time=FRAME,FRAME"
@@ -129,15 +129,15 @@ class _Part:
         """Without animation of its skeleton; `offsets` are added to its own points."""
         return self._placed(self._points(self._rest_time) + offsets, self._rest_time, True)
 
-    def times(self) -> set[float]:
-        """At which points, joints or the place of the mesh are given."""
-        out = set(self.mesh.GetPointsAttr().GetTimeSamples()) | (self.skin.skeleton.times() if self.skin else set())
+    def add_times(self, times: set[float], seen: set[Any]) -> None:
+        """At which points, joints or the place of the mesh are given. `seen`: the prims that have been asked."""
+        times |= set(self.mesh.GetPointsAttr().GetTimeSamples()) | (self.skin.skeleton.times() if self.skin else set())
         prim = self._place()
-        while prim and not prim.IsPseudoRoot():
+        while prim and not prim.IsPseudoRoot() and prim.GetPath() not in seen:
+            seen.add(prim.GetPath())
             if prim.IsA(self._usd.UsdGeom.Xformable):
-                out |= set(self._usd.UsdGeom.Xformable(prim).GetTimeSamples())
+                times |= set(self._usd.UsdGeom.Xformable(prim).GetTimeSamples())
             prim = prim.GetParent()
-        return out
 
     def _is_mirrored(self) -> bool:
         """Whether most points at rest are placed by matrices that mirror."""
@@ -216,8 +216,17 @@ class _Stage:
         if not prim.IsA(self._usd.UsdGeom.Imageable):
             return False
         attribute = self._usd.UsdGeom.Imageable(prim).GetVisibilityAttr()
-        values = [attribute.Get(time) for time in attribute.GetTimeSamples()] or [attribute.Get()]
-        return all(value == self._usd.UsdGeom.Tokens.invisible for value in values)
+        times = attribute.GetTimeSamples() or [self._usd.Usd.TimeCode.Default()]
+        return all(attribute.Get(time) == self._usd.UsdGeom.Tokens.invisible for time in times)
+
+    def _sample_count(self, prim: Any) -> int:
+        """What asking for its times costs."""
+        geom, count = self._usd.UsdGeom, 0
+        if prim.IsA(geom.Imageable):
+            count += geom.Imageable(prim).GetVisibilityAttr().GetNumTimeSamples()
+        if prim.IsA(geom.Xformable):
+            count += sum(op.GetNumTimeSamples() for op in geom.Xformable(prim).GetOrderedXformOps())
+        return count + (geom.Mesh(prim).GetPointsAttr().GetNumTimeSamples() if prim.IsA(geom.Mesh) else 0)
 
     def _find_parts(self) -> list[_Part]:
         out = []
@@ -226,6 +235,8 @@ class _Stage:
         prims = iter(self._usd.Usd.PrimRange(self._stage.GetPseudoRoot(), self._usd.Usd.TraverseInstanceProxies()))
         for prim in prims:
             left -= _DRAWN_BY_PRIM + _DRAWN_BY_LEVEL * prim.GetPath().pathElementCount
+            left -= _DRAWN_BY_SAMPLE * self._sample_count(prim)
+            self._require(left, limit, prim)
             if self._is_hidden(prim):
                 prims.PruneChildren()
             elif prim.IsA(self._usd.UsdGeom.PointInstancer):  # what lies below is not drawn where it is
@@ -238,13 +249,14 @@ class _Stage:
         skins = skins_of(self._usd, self._stage, self.path)  # not before the file's prims are counted
         for part in out:
             part.skin = skins.get(part.prim.GetPath())
-            left -= part.skin.skeleton.joint_count if part.skin else 0
+            if part.skin:
+                left -= part.skin.skeleton.joint_count + _DRAWN_BY_SAMPLE * len(part.skin.skeleton.times())
             self._require(left, limit, part.prim)
         return sorted(out, key=lambda part: str(part.prim.GetPath()))  # programs list them in any order
 
     def _require(self, left: int, limit: int, prim: Any) -> None:
         if left < 0:
-            what = f"at {prim.GetPath()} more than {limit} points, corners and joints are drawn, the limit for its files"
+            what = f"at {prim.GetPath()} more than {limit} points, corners, joints and samples are drawn, the limit for its files"
             raise _error(_INPUT, 2333, self.path, what, "simplify the mesh, or use fewer instances")
 
     def faces(self) -> Faces:
@@ -273,7 +285,11 @@ class _Stage:
     def times(self) -> list[float]:
         """Ascending."""
         if self._times is None:
-            self._times = sorted(set().union(*(part.times() for part in self._parts)))
+            times: set[float] = set()
+            seen: set[Any] = set()
+            for part in self._parts:
+                part.add_times(times, seen)
+            self._times = sorted(times)
         return self._times
 
     def at(self, time: float | None) -> Positions:

@@ -19,11 +19,14 @@ class _Skeleton:
         self.animation = query.GetAnimQuery()
         self.joint_count = len(query.GetJointOrder())
         self._last: tuple[Any, Any] | None = None
+        self._times: set[float] | None = None
 
     def times(self) -> set[float]:
-        if not self.animation:
-            return set()
-        return set(self.animation.GetJointTransformTimeSamples()) | set(self.animation.GetBlendShapeWeightTimeSamples())
+        if self._times is None:
+            moved = self.animation
+            self._times = set(moved.GetJointTransformTimeSamples() if moved else [])
+            self._times |= set(moved.GetBlendShapeWeightTimeSamples() if moved else [])
+        return self._times
 
     def transforms(self, time: Any) -> Any:
         """Of the joints, from where they were bound. A time of None is the rest pose, and so is any time without animation;
