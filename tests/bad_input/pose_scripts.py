@@ -43,6 +43,7 @@ case("pose_all", "box 0 0 0  1 1 1  move 0.1 0 0\n")
 case("pose_all_held", HOLD + "box 0 0 0.9  1 1 1  hold\n")
 case("pose_noise", random.Random(4).randbytes(1 << 20))
 case("pose_overflow", HOLD + "box 0 0 0.9  1 1 1  move 0 0 1e308\n")
+case("pose_far_pivot", HOLD + "box 0 0 0.9  1 1 1  turn 100 0.5 0.5  0 0 1  180\n")
 for stuck in ("pose_stuck", "pose_stuck_stvk"):
     case(stuck, HOLD + "box 0 0 0.9  1 1 1  move 0 0 -2\n")
 for good_script in ("pose_surface", "pose_rest_missing", "pose_script_missing", "pose_output_kind", "pose_ply_kind",

@@ -2,6 +2,7 @@
 
 #include "input/io/source_file.h"
 
+#include <algorithm>
 #include <charconv>
 #include <cmath>
 #include <fmt/format.h>
@@ -15,7 +16,7 @@ constexpr char shapes_hint[] = "a line begins with box x0 y0 z0 x1 y1 z1, sphere
 constexpr char motions_hint[] = "after the region write hold, move dx dy dz or turn px py pz ax ay az degrees";
 
 // Of a line, all motions together; beyond them is a typing error rather than a pose, and each degree takes time.
-constexpr double degrees_limit = 3600, diagonals_limit = 100;
+constexpr double degrees_limit = 3600, diagonals_limit = 10;
 constexpr std::size_t motions_limit = 100;
 
 bool is_motion(std::string_view word) { return word == "hold" || word == "move" || word == "turn"; }
@@ -151,12 +152,20 @@ bool LineParser::read_turn(Motion& motion)
     return true;
 }
 
+// How far a turn about a pivot far from the box moves what is in it, in diagonals or less (pivots are fractions of edges).
+double reach_of(const Motion& turn)
+{
+    const double beyond = std::max(0.0, (turn.pivot.array() - 0.5).abs().maxCoeff() - 1.0);
+    return beyond * std::abs(turn.degrees) * (3.14159265358979323846 / 180);
+}
+
 bool LineParser::check_extent(const std::vector<Motion>& motions)
 {
     double degrees = 0, diagonals = 0;
     for (const Motion& motion : motions) {
-        degrees += motion.kind == Motion::Kind::turn ? std::abs(motion.degrees) : 0;
-        diagonals += motion.kind == Motion::Kind::move ? motion.by.stableNorm() : 0;
+        const bool is_turn = motion.kind == Motion::Kind::turn;
+        degrees += is_turn ? std::abs(motion.degrees) : 0;
+        diagonals += is_turn ? reach_of(motion) : motion.by.stableNorm();
     }
     if (!(degrees <= degrees_limit))
         return fail(2810, fmt::format("turns by {} degrees, the limit is {}", degrees, degrees_limit),

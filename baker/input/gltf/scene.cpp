@@ -130,7 +130,8 @@ std::optional<GltfValue> given_target_names(const GltfValue& mesh)
         const GltfValue extras = holder["extras"];
         if (!extras.exists() || !extras.json().is_object()) return std::nullopt;
         const GltfValue names = extras["targetNames"];
-        return names.exists() && names.json().is_array() ? std::optional<GltfValue>(names) : std::nullopt;
+        return names.exists() && names.json().is_array() && names.size() > 0 ? std::optional<GltfValue>(names)
+                                                                             : std::nullopt;
     };
     if (const std::optional<GltfValue> names = names_in(mesh)) return names;
     const GltfValue primitives = mesh["primitives"];

@@ -220,12 +220,12 @@ class _Stage:
         return all(attribute.Get(time) == self._usd.UsdGeom.Tokens.invisible for time in times)
 
     def _sample_count(self, prim: Any) -> int:
-        """What asking for its times costs."""
+        """What asking for its times and its place costs, in samples."""
         geom, count = self._usd.UsdGeom, 0
         if prim.IsA(geom.Imageable):
             count += geom.Imageable(prim).GetVisibilityAttr().GetNumTimeSamples()
         if prim.IsA(geom.Xformable):
-            count += sum(op.GetNumTimeSamples() for op in geom.Xformable(prim).GetOrderedXformOps())
+            count += sum(16 + op.GetNumTimeSamples() for op in geom.Xformable(prim).GetOrderedXformOps())
         return count + (geom.Mesh(prim).GetPointsAttr().GetNumTimeSamples() if prim.IsA(geom.Mesh) else 0)
 
     def _find_parts(self) -> list[_Part]:
@@ -256,7 +256,7 @@ class _Stage:
 
     def _require(self, left: int, limit: int, prim: Any) -> None:
         if left < 0:
-            what = f"at {prim.GetPath()} more than {limit} points, corners, joints and samples are drawn, the limit for its files"
+            what = f"at {prim.GetPath()} more than {limit} points, corners, joints and samples, the limit for its files"
             raise _error(_INPUT, 2333, self.path, what, "simplify the mesh, or use fewer instances")
 
     def faces(self) -> Faces:
