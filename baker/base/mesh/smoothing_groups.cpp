@@ -32,8 +32,8 @@ bool agree(const Eigen::Vector3d& a, const Eigen::Vector3d& b)
     return !(lengths > kShortest * kShortest) || a.dot(b) >= kSameDirection * lengths; // NaN has no direction either
 }
 
-// Cosine of 154 degrees: the sides of a blade are closer, those of a sheet without thickness are at 180.
-constexpr double kOpposite = -0.9;
+// Cosine of 177 degrees: those of a sheet without thickness are at 180, those of the sharpest blade are closer.
+constexpr double kOpposite = -0.9986;
 
 bool oppose(const Eigen::Vector3d& a, const Eigen::Vector3d& b) { return a.dot(b) < kOpposite * a.norm() * b.norm(); }
 

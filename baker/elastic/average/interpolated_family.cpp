@@ -139,7 +139,7 @@ std::vector<Shape> InterpolatedFamily::at(const std::vector<Weights>& weights) c
     for_each_task(weights.size(), [&](std::size_t i, std::size_t worker) {
         shared.update("", 0);
         shapes[i] = settled(weights[i], unsettled(weights[i], worker), worker);
-        if (family_.placement().is_kept()) family_.placement().place(weights[i], shapes[i]);
+        family_.placement().place(weights[i], shapes[i]); // settling moves them
     });
     return shapes;
 }
