@@ -4,28 +4,15 @@
    diagonal of the shape's own box, on average and at most, and the median time of a box. Asserts nothing. */
 #define _POSIX_C_SOURCE 199309L
 #include "layer_weights.h"
+#include "timing.h"
 
 #include <math.h>
-#include <time.h>
 
 enum { max_poses = 65, max_dimension = 256, blend_count = 1000 };
 
 typedef struct box {
     float lowest[3], highest[3];
 } box;
-
-static double now(void)
-{
-    struct timespec t;
-    clock_gettime(CLOCK_MONOTONIC, &t);
-    return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
-}
-
-static int compare(const void* a, const void* b)
-{
-    const double x = *(const double*)a, y = *(const double*)b;
-    return (x > y) - (x < y);
-}
 
 static box box_of(const float* positions, uint32_t vertex_count)
 {
@@ -73,7 +60,7 @@ static int measure(const char* path)
     made_solver made = make_solver(&asset, &desc);
     float* positions = malloc(12 * (size_t)asset.vertex_count);
     if (!positions) exit(2);
-    double seconds[blend_count], sum = 0, largest = 0;
+    double times[blend_count], sum = 0, largest = 0;
     uint64_t state = 20261127;
     for (int i = 0; i < blend_count; ++i) {
         float weights[max_poses], q[max_dimension];
@@ -83,14 +70,13 @@ static int measure(const char* path)
         pliant_solve(made.solver, weights, q, NULL);
         const double start = now();
         pliant_bounds(&asset, q, outer.lowest, outer.highest);
-        seconds[i] = now() - start;
+        times[i] = now() - start;
         pliant_reconstruct(&asset, q, 0, asset.vertex_count, positions, 12);
         const box inner = box_of(positions, asset.vertex_count);
         add_overshoot(&outer, &inner, &sum, &largest);
     }
-    qsort(seconds, blend_count, sizeof *seconds, compare);
     printf("%s: %u vertices, d %u: wider by %.2f %%, at most %.2f %%; %.1f us\n", path, asset.vertex_count, asset.dimension,
-           100 * sum / (6 * blend_count), 100 * largest, 1e6 * seconds[blend_count / 2]);
+           100 * sum / (6 * blend_count), 100 * largest, median(times, blend_count));
     free(positions);
     free(made.memory);
     free_blob(blob);

@@ -12,10 +12,10 @@
 #include "../runtime/support.h"
 #include "engine_mesh.h"
 #include "layer_weights.h"
+#include "timing.h"
 
 #include <math.h>
 #include <pthread.h>
-#include <time.h>
 
 enum { max_assets = 16, max_poses = 65, max_dimension = 256, max_threads = 64 };
 
@@ -33,25 +33,6 @@ typedef struct measured {
     double evaluations[2]; /* of DRAG and of JUMP */
     uint64_t random;
 } measured;
-
-static double now(void)
-{
-    struct timespec t;
-    clock_gettime(CLOCK_MONOTONIC, &t);
-    return 1e6 * (double)t.tv_sec + 1e-3 * (double)t.tv_nsec;
-}
-
-static int compare(const void* a, const void* b)
-{
-    const double x = *(const double*)a, y = *(const double*)b;
-    return (x > y) - (x < y);
-}
-
-static double median(double* values, int count)
-{
-    qsort(values, (size_t)count, sizeof *values, compare);
-    return values[count / 2];
-}
 
 static void* allocate(size_t size)
 {

@@ -6,27 +6,14 @@
    takes the place of the average, a third mixes all, a third every second one, a third four of them. Asserts nothing. */
 #define _POSIX_C_SOURCE 199309L
 #include "layer_weights.h"
+#include "timing.h"
 
 #include <math.h>
-#include <time.h>
 
 enum { max_poses = 65, max_dimension = 256 };
 
 /* In parts of the energy scale: single precision leaves about 1e-5, other minima lie 1e-2 and more apart. */
 static const double other_minimum = 1e-3;
-
-static double now(void)
-{
-    struct timespec t;
-    clock_gettime(CLOCK_MONOTONIC, &t);
-    return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
-}
-
-static int compare(const void* a, const void* b)
-{
-    const double x = *(const double*)a, y = *(const double*)b;
-    return (x > y) - (x < y);
-}
 
 static void draw_weights(const pliant_asset* asset, float* weights, int jump, uint64_t* state)
 {
@@ -57,8 +44,8 @@ static int measure(const char* path, int jumps, float tolerance)
     if (!zeros) exit(2);
     cold_asset.predictor_coefficients = zeros;
     made_solver warm = make_solver(&asset, &desc), cold = make_solver(&cold_asset, &desc);
-    double* seconds = malloc((size_t)jumps * sizeof *seconds);
-    if (!seconds) exit(2);
+    double* times = malloc((size_t)jumps * sizeof *times);
+    if (!times) exit(2);
     int higher = 0, lower = 0, unconverged = 0;
     double evaluations = 0;
     uint64_t state = 20261121;
@@ -70,7 +57,7 @@ static int measure(const char* path, int jumps, float tolerance)
         pliant_solver_reset(cold.solver);
         const double start = now();
         pliant_solve(warm.solver, weights, q, &a);
-        seconds[i] = now() - start;
+        times[i] = now() - start;
         pliant_solve(cold.solver, weights, q, &b);
         const double difference = ((double)a.energy - (double)b.energy) / (double)asset.energy_scale;
         higher += difference > other_minimum;
@@ -78,12 +65,11 @@ static int measure(const char* path, int jumps, float tolerance)
         unconverged += a.status != PLIANT_STATUS_CONVERGED;
         evaluations += (double)a.evaluations / jumps;
     }
-    qsort(seconds, (size_t)jumps, sizeof *seconds, compare);
+    const double middle = median(times, jumps);
     printf("%s: d %u, %d jumps: %d end higher than from the average, %d lower, %d unconverged; %.1f evaluations, %.1f us "
            "(p95 %.1f)\n",
-           path, asset.dimension, jumps, higher, lower, unconverged, evaluations, 1e6 * seconds[jumps / 2],
-           1e6 * seconds[(size_t)jumps * 19 / 20]);
-    free(seconds);
+           path, asset.dimension, jumps, higher, lower, unconverged, evaluations, middle, times[(size_t)jumps * 19 / 20]);
+    free(times);
     free(zeros);
     free(warm.memory);
     free(cold.memory);

@@ -32,7 +32,7 @@ bool agree(const Eigen::Vector3d& a, const Eigen::Vector3d& b)
     return !(lengths > kShortest * kShortest) || a.dot(b) >= kSameDirection * lengths; // NaN has no direction either
 }
 
-// Cosine of 177 degrees: those of a sheet without thickness are at 180, those of the sharpest blade are closer.
+// Cosine of 177 degrees. The sides of a sheet without thickness are 180 degrees apart, those of a sharp blade less.
 constexpr double kOpposite = -0.9986;
 
 bool oppose(const Eigen::Vector3d& a, const Eigen::Vector3d& b) { return a.dot(b) < kOpposite * a.norm() * b.norm(); }

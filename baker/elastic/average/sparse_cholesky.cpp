@@ -3,7 +3,7 @@
 #include "base/common/diagnostics.h"
 #include "base/common/memory.h"
 #include "base/common/parallel.h"
-#include "base/common/process_mutex.h"
+#include "base/common/per_process.h"
 
 #include <Eigen/SparseCholesky>
 #include <algorithm>
@@ -89,7 +89,8 @@ class BlasLock {
 public:
     BlasLock()
     {
-        if (!openblas_get_parallel || openblas_get_parallel() == 0) lock_ = std::unique_lock(process_mutex<BlasLock>());
+        if (!openblas_get_parallel || openblas_get_parallel() == 0)
+            lock_ = std::unique_lock(per_process<std::mutex, BlasLock>());
     }
 
 private:
@@ -180,7 +181,7 @@ struct SparseCholesky::Backend {
         // Once, before any factorisation: it may not be called while another thread is inside.
         static bool has_started = false;
         {
-            const std::lock_guard<std::mutex> one_at_a_time(process_mutex<SparseCholesky>());
+            const std::lock_guard<std::mutex> one_at_a_time(per_process<std::mutex, SparseCholesky>());
             if (!has_started) {
                 install_allocator();
                 if (openblas_set_num_threads) openblas_set_num_threads(1);
@@ -213,7 +214,7 @@ struct SparseCholesky::Backend {
     void analyze(cholmod_sparse& a)
     {
         // METIS draws from one generator of the process: two analyses at a time would order by chance.
-        const std::lock_guard<std::mutex> one_at_a_time(process_mutex<Analysis>());
+        const std::lock_guard<std::mutex> one_at_a_time(per_process<std::mutex, Analysis>());
         const Analysis analysis;
         factor = cholmod_l_analyze(&a, &common);
         if (!factor || (factor->ordering != CHOLMOD_METIS && has_metis())) throw_out_of_memory(Eigen::Index(a.ncol));

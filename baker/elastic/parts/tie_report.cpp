@@ -116,8 +116,8 @@ void warn_about_drift(const TieReport& report, double limit, Progress& progress)
                               "{}, weights {}",
                               report.parts[worst.drift.part].vertex, 100 * worst.drift.largest, worst.drift.vertex,
                               weights_text(worst.weights)),
-                  "add a pose in between, or lower --tolerance; if it was one with its neighbour in the original of a "
-                  "compressed file, --weld 1e-4");
+                  "add a pose in between, or lower --tolerance; --weld 1e-4 (or 1e-3) joins borders that compression "
+                  "has moved apart");
 }
 
 } // namespace

@@ -214,7 +214,7 @@ GltfNumbers read_numbers(const GltfDocument& document, const GltfValue& referenc
         elements_of(document, accessor, shape.count,
                     size_of(shape.component_type) * static_cast<std::size_t>(shape.components));
     } else if (shape.count > document.byte_count() / static_cast<std::size_t>(shape.components)) {
-        accessor["bufferView"].fail(2308, "is missing: there are no data", "export the file again");
+        accessor["bufferView"].fail(2308, "is missing, for more numbers than the file has bytes", "export the file again");
     }
     return read_all(document, accessor, shape);
 }

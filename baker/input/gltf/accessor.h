@@ -59,7 +59,7 @@ private:
 // make the reader take memory for more. P2308: bytes outside of the view; all of P2306 and P2307.
 GltfNumbers read_numbers(const GltfDocument& document, const GltfValue& reference, std::initializer_list<int> components,
                          std::uint64_t count);
-// The same where any count is right; then there must be a buffer view (P2308).
+// The same where any count is right. P2308 for more zeros without a buffer view than the file has bytes.
 GltfNumbers read_numbers(const GltfDocument& document, const GltfValue& reference, std::initializer_list<int> components);
 
 // Unsigned integers (indices of vertices or joints), as they are.

@@ -187,7 +187,7 @@ void Checker::find_components()
         warning_at(2208, mesh_.path,
                    fmt::format("has {} components: {}{}", components.size(), list, components.size() > 5 ? ", ..." : ""),
                    "ties hold each component to the one next to it, and a bake reports how far it drifts; join them if they "
-                   "should be one: --weld 1e-4 (or 1e-3) joins borders that compression has moved apart"),
+                   "should be one; --weld 1e-4 (or 1e-3) joins borders that compression has moved apart"),
         smaller));
 }
 

@@ -3,6 +3,7 @@
 #include "unlocked.h"
 
 #include "base/common/parallel.h"
+#include "base/common/per_process.h"
 
 #include <chrono>
 #include <condition_variable>
@@ -11,7 +12,6 @@
 #include <memory>
 #include <mutex>
 #include <nanobind/stl/string.h>
-#include <new>
 #include <pthread.h>
 #include <stdexcept>
 #include <thread>
@@ -121,13 +121,7 @@ struct Turns {
     Relay* relay = nullptr; // while a thread of our own works
 };
 
-Turns& turns()
-{
-    // A child that is forked during a work has neither the worker nor the threads that wait.
-    static Turns instance;
-    [[maybe_unused]] static const int is_set = ::pthread_atfork(nullptr, nullptr, [] { new (&instance) Turns; });
-    return instance;
-}
+Turns& turns() { return per_process<Turns>(); }
 
 class Turn {
 public:

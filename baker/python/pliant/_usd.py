@@ -16,8 +16,9 @@ from ._usd_skin import Skin, skins_of
 
 SUFFIXES = (".usd", ".usda", ".usdc", ".usdz")
 _LIMIT = 64  # poses, or layers
-# Points, corners, joints and samples that a file draws: some for any file, and more for each of its bytes, as of glTF.
-_DRAWN, _DRAWN_FOR_BYTE, _DRAWN_BY_PRIM, _DRAWN_BY_LEVEL, _DRAWN_BY_SAMPLE = 4000000, 8, 64, 16, 4
+# Points, corners and joints that a file draws: some for any file, and more for each of its bytes, as of glTF. Prims, the
+# levels of their paths and their time samples count as some.
+_DRAWN, _DRAWN_FOR_BYTE, _OF_PRIM, _OF_LEVEL, _OF_SAMPLE = 4000000, 8, 64, 16, 4
 _INPUT = 3  # the exit code
 _USAGE = 2
 _CHOICES = "write #rest, #target=NAME,NAME or #time=FRAME,FRAME"
@@ -68,6 +69,21 @@ def _open(path: str) -> tuple[Any, Any]:
         reason = (error.strerror if isinstance(error, OSError) else None) or str(error).strip().splitlines()[-1].strip()
         what = f"cannot be read: {reason}"
         raise _error(_INPUT, 2001, path, what, "check the name and the permissions of the file") from None
+
+
+class _Allowance:
+    """What the files of a stage may still draw."""
+
+    def __init__(self, path: str, byte_count: int) -> None:
+        self._path = path
+        self._limit = self._left = _DRAWN + _DRAWN_FOR_BYTE * byte_count
+
+    def take(self, count: int, prim: Any) -> None:
+        self._left -= count
+        if self._left < 0:
+            limit = f"{self._limit} points, corners and joints are drawn, the limit for its files"
+            what = f"at {prim.GetPath()} more than {limit}"
+            raise _error(_INPUT, 2333, self._path, what, "simplify the mesh, or use fewer instances")
 
 
 class _Part:
@@ -230,13 +246,11 @@ class _Stage:
 
     def _find_parts(self) -> list[_Part]:
         out = []
-        limit = _DRAWN + _DRAWN_FOR_BYTE * self._byte_count()
-        left = limit
+        allowance = _Allowance(self.path, self._byte_count())
         prims = iter(self._usd.Usd.PrimRange(self._stage.GetPseudoRoot(), self._usd.Usd.TraverseInstanceProxies()))
         for prim in prims:
-            left -= _DRAWN_BY_PRIM + _DRAWN_BY_LEVEL * prim.GetPath().pathElementCount
-            left -= _DRAWN_BY_SAMPLE * self._sample_count(prim)
-            self._require(left, limit, prim)
+            allowance.take(_OF_PRIM + _OF_LEVEL * prim.GetPath().pathElementCount, prim)
+            allowance.take(_OF_SAMPLE * self._sample_count(prim), prim)
             if self._is_hidden(prim):
                 prims.PruneChildren()
             elif prim.IsA(self._usd.UsdGeom.PointInstancer):  # what lies below is not drawn where it is
@@ -244,20 +258,17 @@ class _Stage:
                 prims.PruneChildren()
             elif self._is_drawn(prim):
                 out.append(_Part(self._usd, prim, self.path))
-                left -= out[-1].count + out[-1].corner_count()
-            self._require(left, limit, prim)
-        skins = skins_of(self._usd, self._stage, self.path)  # not before the file's prims are counted
-        for part in out:
-            part.skin = skins.get(part.prim.GetPath())
-            if part.skin:
-                left -= part.skin.skeleton.joint_count + _DRAWN_BY_SAMPLE * len(part.skin.skeleton.times())
-            self._require(left, limit, part.prim)
+                allowance.take(out[-1].count + out[-1].corner_count(), prim)
+        self._bind_skins(out, allowance)  # not before the file's prims are counted
         return sorted(out, key=lambda part: str(part.prim.GetPath()))  # programs list them in any order
 
-    def _require(self, left: int, limit: int, prim: Any) -> None:
-        if left < 0:
-            what = f"at {prim.GetPath()} more than {limit} points, corners, joints and samples, the limit for its files"
-            raise _error(_INPUT, 2333, self.path, what, "simplify the mesh, or use fewer instances")
+    def _bind_skins(self, parts: list[_Part], allowance: _Allowance) -> None:
+        skins = skins_of(self._usd, self._stage, self.path)
+        for part in parts:
+            part.skin = skins.get(part.prim.GetPath())
+            if part.skin:
+                skeleton = part.skin.skeleton
+                allowance.take(skeleton.joint_count + _OF_SAMPLE * len(skeleton.times()), part.prim)
 
     def faces(self) -> Faces:
         """(f, k) if all faces have k corners, otherwise their triangles, each face a fan from its first corner."""

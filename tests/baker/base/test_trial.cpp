@@ -1,11 +1,12 @@
 // Work that is tried in a child process, and locks of children.
-#include "base/common/process_mutex.h"
+#include "base/common/per_process.h"
 #include "base/common/trial.h"
 
 #include <chrono>
 #include <csignal>
 #include <cstdlib>
 #include <doctest/doctest.h>
+#include <mutex>
 #include <new>
 #include <stdexcept>
 #include <vector>
@@ -88,7 +89,7 @@ TEST_CASE("children that are forked meanwhile do not keep a trial from its end")
 
 TEST_CASE("a child that is forked while a thread holds a mutex of the process finds it free")
 {
-    std::mutex& mutex = process_mutex<struct Held>();
+    std::mutex& mutex = per_process<std::mutex>();
     const std::lock_guard<std::mutex> held(mutex);
     const pid_t child = ::fork();
     if (child == 0) ::_exit(mutex.try_lock() ? 0 : 1);

@@ -130,6 +130,32 @@ class ReducedModel(unittest.TestCase):
         self.assertTrue(np.isnan(TUBE.energy_gradient(WEIGHTS, np.full(6, 1e30))).all())
 
 
+def bent(positions, angle):
+    turn, radius = positions[:, 0] * angle / 6, 6 / angle - positions[:, 2]
+    return np.stack([radius * np.sin(turn), positions[:, 1], 6 / angle - radius * np.cos(turn)], 1)
+
+
+def turned_behind(positions, rest, place, angle):
+    """By a soft joint at x = place of the rest pose."""
+    turn, x, y = angle / (1 + np.exp(3 * (place - rest[:, 0]))), positions[:, 0] - place, positions[:, 1]
+    return np.stack([x * np.cos(turn) - y * np.sin(turn) + place, x * np.sin(turn) + y * np.cos(turn), positions[:, 2]], 1)
+
+
+class Place(unittest.TestCase):
+    # A coarse open tube whose hinges fold sharply: interpolated averages were moved by what settles there, the basis had
+    # translations, and blends drifted by a third of the body.
+    def test_blends_of_aligned_poses_stay(self):
+        rest, faces = shapes.tube(0, rings=9, sides=5)
+        rest = (rest + [2, 0, 0]) * [1.5, 0.498, 0.498]
+        poses = np.stack([rest, turned_behind(rest, rest, 2.58, -0.23),
+                          turned_behind(bent(bent(rest, -1.41), -1.32), rest, 3.44, -1.08), bent(rest, -0.71)])
+        asset, energy = pliant.bake(poses, faces), pliant.energy(poses, faces)
+        shares = energy.masses / energy.masses.sum()
+        size = np.sqrt(shares @ ((rest - shares @ rest) ** 2).sum(1))
+        blends = asset.blend(np.random.default_rng(2).dirichlet(np.ones(4), 100)).astype(float)
+        self.assertLess(np.linalg.norm(np.einsum("v,kvc->kc", shares, blends) - shares @ rest, axis=1).max(), 1e-3 * size)
+
+
 class Readme(unittest.TestCase):
     def test_what_it_shows_runs(self):
         text = Path(os.environ["PLIANT_SOURCE"], "baker/python/README.md").read_text(encoding="utf-8")
