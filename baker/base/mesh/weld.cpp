@@ -2,9 +2,12 @@
 
 #include "base/common/random.h"
 #include "base/common/sha256.h"
+#include "base/common/union_find.h"
+#include "base/mesh/point_tree.h"
 
 #include <Eigen/Geometry>
 #include <algorithm>
+#include <iterator>
 #include <numeric>
 #include <optional>
 #include <string>
@@ -88,7 +91,123 @@ std::optional<std::vector<Index>> Welder::weld(std::uint64_t limit, std::uint64_
     return result;
 }
 
+// Ascending.
+std::vector<Index> border_vertices(const std::vector<Triangle>& triangles, const std::vector<Index>& targets)
+{
+    std::vector<std::array<Index, 2>> edges;
+    for (const Triangle& t : triangles)
+        for (std::size_t i = 0; i < 3; ++i) {
+            const Index a = targets[t[i]], b = targets[t[(i + 1) % 3]];
+            if (a != b) edges.push_back({ std::min(a, b), std::max(a, b) });
+        }
+    std::sort(edges.begin(), edges.end());
+    std::vector<Index> out;
+    for (std::size_t i = 0, end; i < edges.size(); i = end) {
+        end = i + 1;
+        while (end < edges.size() && edges[end] == edges[i]) ++end;
+        if (end == i + 1) out.insert(out.end(), edges[i].begin(), edges[i].end());
+    }
+    std::sort(out.begin(), out.end());
+    out.erase(std::unique(out.begin(), out.end()), out.end());
+    return out;
+}
+
+// Border vertices, numbered by their place in `border`, and the clusters that they have been joined to.
+class SeamWelder {
+public:
+    SeamWelder(const std::vector<const Positions*>& poses, const RoundedParts& parts, const std::vector<Index>& border)
+        : clusters_(border.size())
+        , columns_(3 * Eigen::Index(poses.size()), Eigen::Index(border.size()))
+    {
+        for (std::size_t i = 0; i < border.size(); ++i) {
+            for (std::size_t k = 0; k < poses.size(); ++k)
+                columns_.block<3, 1>(3 * Eigen::Index(k), Eigen::Index(i))
+                    = (poses[k]->row(border[i]) - poses[k]->row(border[0])).transpose() / parts.reaches[k];
+            parts_.push_back({ parts.of_vertex[border[i]] });
+        }
+    }
+
+    // Each cluster to the nearest one that has other parts; false if none was joined.
+    bool join_nearest();
+    Index first_of(std::size_t i) { return clusters_.find(Index(i)); }
+
+private:
+    struct Pair {
+        double squared_distance;
+        Index a, b;
+    };
+    std::vector<Pair> nearest_pairs();
+    bool join(Index a, Index b);
+
+    UnionFind clusters_;
+    Eigen::MatrixXd columns_;               // positions in all poses, in units of the reaches
+    std::vector<std::vector<Index>> parts_; // of a cluster, at its first vertex; ascending
+};
+
+std::vector<SeamWelder::Pair> SeamWelder::nearest_pairs()
+{
+    std::vector<TreePoint> points;
+    std::vector<Index> labels;
+    for (Index i = 0; i < parts_.size(); ++i) {
+        if (first_of(i) != i) continue;
+        points.push_back({ i, 0 });
+        labels.push_back(parts_[i][0]);
+    }
+    PointTree tree(columns_, points);
+    tree.relabel(labels);
+    const double limit = double(columns_.rows()) / 3 + 1e-9; // a reach in every pose
+    std::vector<Pair> pairs;
+    for (std::size_t p = 0; p < points.size(); ++p) {
+        const Neighbour found = tree.nearest(points[p].vertex, labels[p], limit);
+        if (found.point == points.size()) continue;
+        const Index a = points[p].vertex, b = points[found.point].vertex;
+        const Eigen::VectorXd apart = columns_.col(a) - columns_.col(b);
+        if (apart.reshaped(3, apart.size() / 3).colwise().squaredNorm().maxCoeff() <= 1 + 1e-9)
+            pairs.push_back({ found.squared_distance, a, b });
+    }
+    std::stable_sort(pairs.begin(), pairs.end(),
+                     [](const Pair& a, const Pair& b) { return a.squared_distance < b.squared_distance; });
+    return pairs;
+}
+
+bool SeamWelder::join_nearest()
+{
+    bool has_joined = false;
+    for (const Pair& pair : nearest_pairs()) has_joined |= join(first_of(pair.a), first_of(pair.b));
+    return has_joined;
+}
+
+bool SeamWelder::join(Index a, Index b)
+{
+    constexpr std::size_t part_limit = 64; // of a cluster: more parts do not meet in a point
+    std::vector<Index> all;
+    std::merge(parts_[a].begin(), parts_[a].end(), parts_[b].begin(), parts_[b].end(), std::back_inserter(all));
+    if (all.size() > part_limit || std::adjacent_find(all.begin(), all.end()) != all.end()) return false;
+    clusters_.join(a, b);
+    parts_[std::min(a, b)] = std::move(all);
+    return true;
+}
+
 } // namespace
+
+std::size_t weld_seams(const std::vector<const Positions*>& poses, const std::vector<Triangle>& triangles,
+                       const RoundedParts& parts, std::vector<Index>& targets)
+{
+    const std::vector<Index> border = border_vertices(triangles, targets);
+    if (border.empty()) return 0;
+    SeamWelder welder(poses, parts, border);
+    constexpr int round_limit = 8; // each doubles the parts of a cluster
+    for (int round = 0; round < round_limit && welder.join_nearest(); ++round) {}
+    std::size_t joined_count = 0;
+    for (std::size_t i = 0; i < border.size(); ++i) {
+        const Index first = border[welder.first_of(i)];
+        if (first == border[i]) continue;
+        targets[border[i]] = first;
+        ++joined_count;
+    }
+    for (Index& target : targets) target = targets[target];
+    return joined_count;
+}
 
 std::vector<Index> weld(const std::vector<const Positions*>& poses, double tolerance)
 {

@@ -8,14 +8,26 @@ namespace pliant {
 
 // Part of the bounding-box diagonal within which vertices count as one by default. What exporters and skinning in single
 // precision make of one point differs by a few units of its last place, 6e-8 of the largest coordinate; the runtime's own
-// positions are no finer than 1e-6 of the size. Compressed files (Draco) quantise all vertices of a part alike, so those
-// still coincide exactly.
-constexpr double default_weld_tolerance = 1e-6;
+// positions are no finer than 1e-6 of the size.
+constexpr double default_weld_tolerance = 1e-6, greatest_weld_tolerance = 1e-3;
 
 // Per vertex the one that stands for it: the lowest number of those that lie within 2 `tolerance` diagonals of it in all
 // poses, by which vertices that touch in one pose only stay apart; itself if there is none. A `tolerance` of 0: every vertex
 // stands for itself. Cost: sorting, and at most 576 comparisons for each vertex. A mesh that needs more has thousands of
 // vertices that lie within a few `tolerance` and are still apart; some of its vertices stay apart that could be one.
 std::vector<std::uint32_t> weld(const std::vector<const Positions*>& poses, double tolerance);
+
+// Where a compressed file cuts a body into parts, each part has its vertices rounded to a grid of its own, and the two
+// copies of a vertex of the cut no longer coincide.
+struct RoundedParts {
+    std::vector<std::uint32_t> of_vertex; // per vertex the number of its part
+    std::vector<double> reaches;          // per pose how far apart rounding moves two copies of a vertex, at most
+};
+
+// Joins border vertices of different parts that lie within the reaches of each other in all poses, the nearest first, and
+// never two of one part: within a part equal vertices are rounded alike, and weld() joins them. `targets`: what weld()
+// returned; changed. The number of vertices joined. Cost: n log n in the border vertices, for honest ones.
+std::size_t weld_seams(const std::vector<const Positions*>& poses, const std::vector<Triangle>& triangles,
+                       const RoundedParts& parts, std::vector<std::uint32_t>& targets);
 
 } // namespace pliant

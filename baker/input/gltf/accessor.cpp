@@ -156,6 +156,19 @@ AccessorShape accessor_shape(const GltfDocument& document, const GltfValue& refe
     return shape;
 }
 
+double step_of(const AccessorShape& shape)
+{
+    if (shape.component_type == gltf_float32) return 0;
+    if (!shape.is_normalised) return 1;
+    switch (shape.component_type) {
+    case gltf_int8: return 1.0 / 127;
+    case gltf_uint8: return 1.0 / 255;
+    case gltf_int16: return 1.0 / 32767;
+    case gltf_uint16: return 1.0 / 65535;
+    default: return 1;
+    }
+}
+
 GltfAllowance::GltfAllowance(const GltfDocument& document, std::uint64_t free_count, std::uint64_t per_byte)
     : document_(document)
     , limit_(free_count + per_byte * document.byte_count())

@@ -34,6 +34,9 @@ struct AccessorShape {
 // `reference` is the value that names the accessor, as primitive["indices"]; errors are told there. P2306, P2307, P2311.
 AccessorShape accessor_shape(const GltfDocument& document, const GltfValue& reference);
 
+// Distance of two integers in a row, as what they stand for; 0 for floats.
+double step_of(const AccessorShape& shape);
+
 // How many numbers may be read of a file for one purpose. Primitives, skins and channels may share accessors, and accessors
 // may share bytes: without a limit a small file takes hours and gigabytes.
 class GltfAllowance {

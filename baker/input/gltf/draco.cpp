@@ -5,6 +5,8 @@
 #include "input/io/source_file.h"
 
 #include <algorithm>
+#include <cmath>
+#include <draco/attributes/attribute_quantization_transform.h>
 #include <draco/compression/mesh/mesh_edgebreaker_decoder.h>
 #include <draco/compression/mesh/mesh_sequential_decoder.h>
 #include <draco/compression/point_cloud/point_cloud_decoder.h>
@@ -100,17 +102,30 @@ void charge(const GltfValue& extension, std::size_t size, bool has_own_bytes, co
 // A mesh, or why there is none.
 struct Decoded {
     std::unique_ptr<draco::Mesh> mesh;
+    std::vector<double> steps; // per attribute, of the grid that it was rounded to; 0: none
     std::string reason;
 };
+
+double step_of(const draco::PointAttribute* portable)
+{
+    draco::AttributeQuantizationTransform rounding;
+    if (!portable || !rounding.InitFromAttribute(*portable)) return 0;
+    const double step = double(rounding.range()) / (std::exp2(rounding.quantization_bits()) - 1);
+    return std::isfinite(step) && step > 0 ? step : 0;
+}
 
 template <class Decoder> Decoded decode_by(const GltfValue& extension, draco::DecoderBuffer buffer, GltfAllowance& allowance)
 {
     std::exception_ptr refusal;
     AllowedDecoder<Decoder> decoder(extension, allowance, refusal);
-    Decoded out { std::make_unique<draco::Mesh>(), {} };
+    Decoded out { std::make_unique<draco::Mesh>(), {}, {} };
     try {
         const draco::Status status = decoder.Decode(draco::DecoderOptions(), &buffer, out.mesh.get());
-        if (status.ok()) return out;
+        if (status.ok()) {
+            for (int a = 0; a < out.mesh->num_attributes(); ++a)
+                out.steps.push_back(step_of(decoder.GetPortableAttribute(a)));
+            return out;
+        }
         out.reason = status.error_msg_string();
     } catch (const std::exception& error) { // damaged counts ask for impossible vectors
         out.reason = error.what();
@@ -138,8 +153,7 @@ void require_bounded(const GltfValue& extension, std::size_t size, std::uint32_t
         damaged);
 }
 
-std::unique_ptr<draco::Mesh> decode(const GltfValue& extension, std::string_view bytes, bool has_own_bytes,
-                                    GltfAllowance& allowance)
+Decoded decode(const GltfValue& extension, std::string_view bytes, bool has_own_bytes, GltfAllowance& allowance)
 {
     draco::DecoderBuffer buffer;
     buffer.Init(bytes.data(), bytes.size());
@@ -162,7 +176,7 @@ std::unique_ptr<draco::Mesh> decode(const GltfValue& extension, std::string_view
     require_bounded(extension, bytes.size(), declared.face_count, decoded_mesh);
     Decoded decoded = decoded_mesh();
     if (!decoded.mesh) extension.fail(2318, fmt::format("its Draco data cannot be decoded: {}", decoded.reason), damaged);
-    return std::move(decoded.mesh);
+    return decoded;
 }
 
 GltfNumbers numbers_of(const draco::Mesh& mesh, const draco::PointAttribute& attribute, bool is_normalised)
@@ -212,7 +226,8 @@ DracoMesh decode_draco(const GltfDocument& document, const GltfValue& extension,
     const std::size_t view = extension["bufferView"].index(document["bufferViews"].size(), "buffer views");
     const std::string_view bytes = document.view(view);
     allowance.take(extension, bytes.size()); // also of what is decoded and not read
-    const std::unique_ptr<draco::Mesh> mesh = decode(extension, bytes, allowance.has_own(bytes.size()), allowance);
+    const Decoded decoded = decode(extension, bytes, allowance.has_own(bytes.size()), allowance);
+    const draco::Mesh* const mesh = decoded.mesh.get();
     DracoMesh out;
     out.vertex_count = mesh->num_points();
     out.triangles.reserve(mesh->num_faces());
@@ -239,6 +254,8 @@ DracoMesh decode_draco(const GltfDocument& document, const GltfValue& extension,
         const GltfValue accessor = attributes[name];
         const bool is_normalised = accessor.exists() && accessor_shape(document, accessor).is_normalised;
         out.attributes.emplace(name, numbers_of(*mesh, *attribute, is_normalised));
+        if (name == "POSITION")
+            out.position_step = decoded.steps[static_cast<std::size_t>(mesh->GetAttributeIdByUniqueId(unique_id))];
     }
     return out;
 }

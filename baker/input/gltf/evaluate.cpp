@@ -1,5 +1,7 @@
 #include "input/gltf/evaluate.h"
 
+#include <algorithm>
+#include <cmath>
 #include <fmt/format.h>
 
 namespace pliant {
@@ -96,6 +98,17 @@ public:
         return blend;
     }
 
+    // By how much the matrices of an instance stretch, at most.
+    double scale_of(const GltfInstance& instance) const
+    {
+        const auto scale = [](const Eigen::Matrix4d& m) { return m.topLeftCorner<3, 3>().colwise().norm().maxCoeff(); };
+        if (instance.skin < 0) return scale(world_[instance.node]);
+        double largest = 0;
+        for (const Eigen::Matrix4d& m : of_skins_[static_cast<std::size_t>(instance.skin)])
+            largest = std::max(largest, scale(m));
+        return largest;
+    }
+
 private:
     std::vector<Eigen::Matrix4d> world_;
     std::vector<std::vector<Eigen::Matrix4d>> of_skins_;
@@ -125,6 +138,27 @@ Positions evaluate(const GltfScene& scene, const GltfState& state, Positions* no
         }
     }
     return positions;
+}
+
+double position_step(const GltfScene& scene, const GltfState& state)
+{
+    const auto step_of = [&](const GltfInstance& instance) {
+        double step = 0;
+        for (const GltfPrimitive& primitive : scene.meshes[instance.mesh].primitives)
+            step = std::max(step, primitive.position_step);
+        return step;
+    };
+    std::unique_ptr<const Placing> placing;
+    double coarsest = 0;
+    for (const GltfInstance& instance : scene.instances) {
+        const double step = step_of(instance);
+        if (step == 0) continue;
+        if (!placing) placing = std::make_unique<const Placing>(scene, state);
+        double grids = 1; // deltas of targets are rounded, too
+        for (const double weight : state.weights[instance.node]) grids += std::abs(weight);
+        coarsest = std::max(coarsest, grids * step * placing->scale_of(instance));
+    }
+    return coarsest;
 }
 
 std::vector<Triangle> triangles_of(const GltfScene& scene)

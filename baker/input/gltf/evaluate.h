@@ -12,6 +12,10 @@ namespace pliant {
 // Throws Failure: P2317 and what read_numbers throws, for morph targets.
 Positions evaluate(const GltfScene& scene, const GltfState& state, Positions* normals = nullptr);
 
+// Of the coarsest grid that a primitive's positions were rounded to, in the file's units, with what weights of morph targets
+// and the places of nodes and joints make of it; 0: of none.
+double position_step(const GltfScene& scene, const GltfState& state);
+
 // Triangles of the same, with the numbers of those rows; turned round in mirrored instances, so that the outside stays
 // outside.
 std::vector<Triangle> triangles_of(const GltfScene& scene);

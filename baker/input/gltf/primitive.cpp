@@ -41,6 +41,7 @@ void read_plain(const GltfDocument& document, const GltfValue& primitive, GltfAl
     allowance.take_all_of(position);
     allowance.take(index_value.exists() ? index_value : position, corner_count, mode == triangles ? 1 : 3);
     out.positions = read_numbers(document, position, { 3 });
+    out.position_step = step_of(shape);
     std::vector<std::uint32_t> corners;
     if (index_value.exists()) {
         corners = read_indices(document, index_value, 1);
@@ -156,6 +157,7 @@ GltfPrimitive read_primitive(const GltfDocument& document, const GltfValue& prim
         if (positions == draco.attributes.end() || positions->second.cols() != 3)
             extension.fail(2318, "its Draco data have no positions", "compress it again from the original");
         out.positions = std::move(positions->second);
+        out.position_step = draco.position_step;
         draco.attributes.erase(positions);
     } else {
         read_plain(document, primitive, allowance, out);

@@ -2,9 +2,11 @@
 
 #include "base/mesh/surface.h"
 #include "base/mesh/weld.h"
+#include "input/gltf/render_scene.h"
 #include "input/poses/check_surface.h"
 
 #include <algorithm>
+#include <cmath>
 #include <fmt/format.h>
 
 namespace pliant {
@@ -30,6 +32,7 @@ public:
 
 private:
     void join_vertices(double tolerance);
+    std::size_t join_seams(const std::vector<const Positions*>& poses, double tolerance);
     void leave_out_repeated();
     void leave_out_flat();
     void leave_out_duplicates();
@@ -84,17 +87,42 @@ void Builder::join_vertices(double tolerance)
     std::vector<const Positions*> poses;
     for (const MeshFile* mesh : meshes_) poses.push_back(&mesh->positions);
     out_.targets = weld(poses, tolerance);
+    const std::size_t seam_count = tolerance > 0 ? join_seams(poses, tolerance) : 0;
     std::vector<Index> joined;
     for (Index v = 0; v < out_.targets.size(); ++v)
         if (out_.is_welded(v)) joined.push_back(v);
     out_.repairs.welded_count = joined.size();
     if (joined.empty()) return;
-    Diagnostic diagnostic
-        = warning_at(2220, first_.path,
-                     fmt::format("{} of {} vertices coincide with others in all poses and are welded to them: {}",
-                                 joined.size(), out_.targets.size(), first_few(joined)),
-                     "correct for seams; --weld 0 keeps them apart");
+    Diagnostic diagnostic = warning_at(
+        2220, first_.path,
+        fmt::format("{} of {} vertices coincide with others in all poses{} and are welded to them: {}", joined.size(),
+                    out_.targets.size(),
+                    seam_count > 0 ? fmt::format(" ({} within the rounding of compressed parts)", seam_count) : "",
+                    first_few(joined)),
+        "correct for seams; --weld 0 keeps them apart");
     diagnostics_.add(about_vertices(std::move(diagnostic), joined));
+}
+
+// The number of vertices joined where parts of compressed files meet.
+std::size_t Builder::join_seams(const std::vector<const Positions*>& poses, double tolerance)
+{
+    if (!first_.scene || first_.scene->parts.size() < 2) return 0;
+    RoundedParts parts;
+    bool is_rounded = false;
+    for (const MeshFile* mesh : meshes_) {
+        // Half a step in each coordinate, of both copies.
+        const double diagonal = box_diagonal(mesh->positions), reach = std::sqrt(3.0) * mesh->position_step;
+        if (!(diagonal > 0 && std::isfinite(diagonal))) return 0;
+        parts.reaches.push_back(std::max(tolerance * diagonal, std::min(reach, greatest_weld_tolerance * diagonal)));
+        is_rounded = is_rounded || reach > tolerance * diagonal;
+    }
+    if (!is_rounded) return 0;
+    parts.of_vertex.resize(out_.targets.size());
+    for (Index p = 0; p < first_.scene->parts.size(); ++p) {
+        const ScenePart& part = first_.scene->parts[p];
+        std::fill_n(parts.of_vertex.begin() + part.first_vertex, part.vertex_count, p);
+    }
+    return weld_seams(poses, drawn_.triangles, parts, out_.targets);
 }
 
 void Builder::leave_out_repeated()

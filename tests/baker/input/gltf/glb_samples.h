@@ -149,24 +149,31 @@ inline int add_draco_attribute(draco::Mesh& mesh, draco::GeometryAttribute::Type
     return id;
 }
 
+// Positions (attribute 0) and triangles.
+inline std::unique_ptr<draco::Mesh> draco_mesh(const std::vector<float>& positions,
+                                               const std::vector<std::uint32_t>& corners)
+{
+    auto mesh = std::make_unique<draco::Mesh>();
+    mesh->set_num_points(static_cast<std::uint32_t>(positions.size()) / 3);
+    mesh->SetNumFaces(corners.size() / 3);
+    for (std::uint32_t f = 0; f < corners.size() / 3; ++f)
+        mesh->SetFace(draco::FaceIndex(f),
+                      { draco::PointIndex(corners[3 * f]), draco::PointIndex(corners[3 * f + 1]),
+                        draco::PointIndex(corners[3 * f + 2]) });
+    add_draco_attribute(*mesh, draco::GeometryAttribute::POSITION, 3, positions);
+    return mesh;
+}
+
 // The grid with a texture coordinate per vertex. `method`: MESH_SEQUENTIAL_ENCODING or MESH_EDGEBREAKER_ENCODING.
 inline std::string encode_draco(int method)
 {
-    draco::Mesh mesh;
     const std::vector<float> positions = grid_positions();
-    const std::vector<std::uint32_t> corners = grid_corners();
-    mesh.set_num_points(static_cast<std::uint32_t>(positions.size()) / 3);
-    mesh.SetNumFaces(corners.size() / 3);
-    for (std::uint32_t f = 0; f < corners.size() / 3; ++f)
-        mesh.SetFace(draco::FaceIndex(f),
-                     { draco::PointIndex(corners[3 * f]), draco::PointIndex(corners[3 * f + 1]),
-                       draco::PointIndex(corners[3 * f + 2]) });
-    add_draco_attribute(mesh, draco::GeometryAttribute::POSITION, 3, positions);
+    const std::unique_ptr<draco::Mesh> mesh = draco_mesh(positions, grid_corners());
     std::vector<float> places;
     for (std::size_t v = 0; v < positions.size(); v += 3)
         places.insert(places.end(), { positions[v] / 8, positions[v + 1] / 8 });
-    add_draco_attribute(mesh, draco::GeometryAttribute::TEX_COORD, 2, places);
-    draco::ExpertEncoder encoder(mesh);
+    add_draco_attribute(*mesh, draco::GeometryAttribute::TEX_COORD, 2, places);
+    draco::ExpertEncoder encoder(*mesh);
     encoder.SetEncodingMethod(method);
     encoder.SetAttributeQuantization(0, 14);
     encoder.SetAttributeQuantization(1, 12);

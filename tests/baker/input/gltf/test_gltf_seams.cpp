@@ -1,0 +1,153 @@
+// A body cut into parts of three materials, each compressed with a grid of its own: it is one body all the same.
+#include <doctest/doctest.h>
+
+#include "../../tube.h"
+#include "../io/files.h"
+#include "base/mesh/render_mesh.h"
+#include "base/mesh/weld.h"
+#include "glb_samples.h"
+#include "input/poses/load_poses.h"
+
+#include <algorithm>
+
+using namespace pliant;
+using pliant_test::GlbBuilder, pliant_test::Json;
+
+namespace {
+
+const Tube body { 10, 6 };
+constexpr std::size_t copy_count = 6 + 2 + 11; // above the cut, where three parts meet once more; between the two sides
+
+// Faces and vertices of one part, in the body's order.
+struct Part {
+    std::vector<std::uint32_t> corners, vertices;
+    std::vector<float> rest, moves;
+};
+
+// 0: below; 1 and 2: the two sides above.
+std::uint32_t part_of(const Triangle& t)
+{
+    const auto last_ring = [](std::uint32_t v) { return v / 6; };
+    const std::uint32_t lowest = std::min({ last_ring(t[0]), last_ring(t[1]), last_ring(t[2]) });
+    if (lowest < 4 || t[0] == 60) return 0;
+    double y = 0;
+    for (const std::uint32_t v : t) y += body.pose(0, 0)(v, 1);
+    return y > 0 ? 1 : 2;
+}
+
+Part part(std::uint32_t number)
+{
+    Part out;
+    const Positions rest = body.pose(0, 0), bent = body.pose(1.2, 0.5);
+    for (const Triangle& t : body.triangles())
+        if (part_of(t) == number) out.corners.insert(out.corners.end(), t.begin(), t.end());
+    out.vertices = out.corners;
+    std::sort(out.vertices.begin(), out.vertices.end());
+    out.vertices.erase(std::unique(out.vertices.begin(), out.vertices.end()), out.vertices.end());
+    for (std::uint32_t& c : out.corners)
+        c = static_cast<std::uint32_t>(std::lower_bound(out.vertices.begin(), out.vertices.end(), c) - out.vertices.begin());
+    for (const std::uint32_t v : out.vertices)
+        for (int i = 0; i < 3; ++i) {
+            out.rest.push_back(static_cast<float>(rest(v, i)));
+            out.moves.push_back(static_cast<float>(bent(v, i) - rest(v, i)));
+        }
+    return out;
+}
+
+std::vector<std::int16_t> rounded(const std::vector<float>& values, float low, float step)
+{
+    std::vector<std::int16_t> out;
+    for (const float value : values) out.push_back(static_cast<std::int16_t>(std::lround((value - low) / step)));
+    return out;
+}
+
+// As KHR_mesh_quantization has it: whole numbers, and a node that scales them.
+Json shorts(GlbBuilder& glb, const Part& part, Json& node)
+{
+    const auto [low, high] = std::minmax_element(part.rest.begin(), part.rest.end());
+    const float step = (*high - *low) / 4095;
+    node["translation"] = { *low, *low, *low };
+    node["scale"] = { step, step, step };
+    Json primitive = Json::object(), target = Json::object();
+    primitive["attributes"]["POSITION"] = glb.add(rounded(part.rest, *low, step), 5122, 3, "VEC3");
+    primitive["indices"] = glb.add(part.corners, 5125, 1, "SCALAR");
+    target["POSITION"] = glb.add(rounded(part.moves, 0, step), 5122, 3, "VEC3");
+    primitive["targets"].push_back(target);
+    return primitive;
+}
+
+Json draco_data(GlbBuilder& glb, const Part& part)
+{
+    const std::unique_ptr<draco::Mesh> mesh = pliant_test::draco_mesh(part.rest, part.corners);
+    draco::ExpertEncoder encoder(*mesh);
+    encoder.SetEncodingMethod(draco::MESH_SEQUENTIAL_ENCODING); // keeps the order of vertices, which targets have
+    encoder.SetAttributeQuantization(0, 11);
+    draco::EncoderBuffer buffer;
+    REQUIRE(encoder.EncodeToBuffer(&buffer).ok());
+    const std::size_t n = part.vertices.size();
+    Json primitive = Json::object(), target = Json::object();
+    primitive["attributes"]["POSITION"] = glb.add_accessor(-1, 5126, n, "VEC3");
+    primitive["indices"] = glb.add_accessor(-1, 5125, part.corners.size(), "SCALAR");
+    Json extension = Json::parse(R"({"attributes":{"POSITION":0}})");
+    extension["bufferView"] = glb.add_view({ buffer.data(), buffer.size() });
+    primitive["extensions"]["KHR_draco_mesh_compression"] = extension;
+    target["POSITION"] = glb.add(part.moves, 5126, 3, "VEC3");
+    primitive["targets"].push_back(target);
+    return primitive;
+}
+
+std::string compressed_body(bool by_draco)
+{
+    GlbBuilder glb;
+    glb.json["scenes"][0]["nodes"] = { 0, 1, 2 };
+    glb.json["nodes"] = Json::array();
+    for (std::uint32_t number = 0; number < 3; ++number) {
+        Json node = { { "mesh", number } }, mesh = Json::object();
+        mesh["primitives"].push_back(by_draco ? draco_data(glb, part(number)) : shorts(glb, part(number), node));
+        glb.json["meshes"].push_back(mesh);
+        glb.json["nodes"].push_back(node);
+    }
+    return glb.glb();
+}
+
+} // namespace
+
+TEST_CASE("parts that a compressed file rounds apart are one body, and nothing else is joined")
+{
+    const pliant_test::TemporaryFolder folder;
+    for (const bool by_draco : { false, true }) {
+        CAPTURE(by_draco);
+        pliant_test::write_bytes(folder / "body.glb", compressed_body(by_draco));
+        const PoseSet whole = load_poses({ folder / "body.glb" });
+        CHECK(whole.repairs.component_count == 1);
+        CHECK(whole.repairs.welded_count == copy_count);
+        CHECK(whole.vertex_count() == 62);
+        CHECK(whole.triangles.size() == body.triangles().size());
+        CHECK(whole.render_mesh->embedding.corners.size() == 62 + copy_count);
+        LoadOptions apart;
+        apart.weld_tolerance = 0;
+        CHECK(load_poses({ folder / "body.glb" }, apart).repairs.component_count == 3);
+    }
+}
+
+TEST_CASE("seams join the nearest vertices of other parts, never two of one part, and only borders")
+{
+    // Two strips side by side; the third vertex of the second one lies near two of the first.
+    Positions p(8, 3);
+    p << 0, 0, 0, 1, 0, 0, 1.4, 0, 0, 0, 1, 0, 0.2, 0, 0, 1.1, 0, 0, 1.3, 0, 0, 0, -1, 0;
+    const std::vector<Triangle> triangles = { { 0, 1, 3 }, { 1, 2, 3 }, { 4, 7, 5 }, { 5, 7, 6 } };
+    std::vector<std::uint32_t> targets = { 0, 1, 2, 3, 4, 5, 6, 7 };
+    const RoundedParts parts { { 0, 0, 0, 0, 1, 1, 1, 1 }, { 0.35 } };
+    CHECK(weld_seams({ &p }, triangles, parts, targets) == 3);
+    CHECK(targets == std::vector<std::uint32_t> { 0, 1, 2, 3, 0, 1, 2, 7 });
+    // Near in one pose only.
+    Positions moved = p;
+    moved.row(4) << 0.2, 0.5, 0;
+    targets = { 0, 1, 2, 3, 4, 5, 6, 7 };
+    CHECK(weld_seams({ &p, &moved }, triangles, { parts.of_vertex, { 0.35, 0.35 } }, targets) == 2);
+    CHECK(targets[4] == 4);
+    // A tetrahedron has no border.
+    const std::vector<Triangle> closed = { { 0, 1, 2 }, { 0, 3, 1 }, { 1, 3, 2 }, { 2, 3, 0 }, { 4, 7, 5 }, { 5, 7, 6 } };
+    targets = { 0, 1, 2, 3, 4, 5, 6, 7 };
+    CHECK(weld_seams({ &p }, closed, parts, targets) == 0);
+}
