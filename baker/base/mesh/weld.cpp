@@ -2,12 +2,11 @@
 
 #include "base/common/random.h"
 #include "base/common/sha256.h"
-#include "base/common/union_find.h"
 #include "base/mesh/point_tree.h"
 
 #include <Eigen/Geometry>
 #include <algorithm>
-#include <iterator>
+#include <map>
 #include <numeric>
 #include <optional>
 #include <string>
@@ -116,42 +115,56 @@ std::vector<Index> border_vertices(const std::vector<Triangle>& triangles, const
 class SeamWelder {
 public:
     SeamWelder(const std::vector<const Positions*>& poses, const RoundedParts& parts, const std::vector<Index>& border)
-        : clusters_(border.size())
-        , columns_(3 * Eigen::Index(poses.size()), Eigen::Index(border.size()))
+        : columns_(3 * Eigen::Index(poses.size()), Eigen::Index(border.size()))
+        , first_(border.size())
     {
         for (std::size_t i = 0; i < border.size(); ++i) {
             for (std::size_t k = 0; k < poses.size(); ++k)
                 columns_.block<3, 1>(3 * Eigen::Index(k), Eigen::Index(i))
                     = (poses[k]->row(border[i]) - poses[k]->row(border[0])).transpose() / parts.reaches[k];
-            parts_.push_back({ parts.of_vertex[border[i]] });
+            parts_.push_back(parts.of_vertex[border[i]]);
+            members_.push_back({ Index(i) });
         }
+        std::iota(first_.begin(), first_.end(), Index(0));
     }
 
     // Each cluster to the nearest one that has other parts; false if none was joined.
     bool join_nearest();
-    Index first_of(std::size_t i) { return clusters_.find(Index(i)); }
+    Index first_of(std::size_t i) const { return first_[i]; }
 
 private:
     struct Pair {
         double squared_distance;
         Index a, b;
+        std::pair<Index, Index> parts; // ascending
     };
-    std::vector<Pair> nearest_pairs();
+    std::vector<Pair> nearest_pairs() const;
+    void leave_out_layers(std::vector<Pair>& pairs) const;
+    Eigen::VectorXd squares_apart(Index i, Index j) const;
+    bool is_near(Index i, Index j) const { return squares_apart(i, j).maxCoeff() <= 1 + 1e-9; }
     bool join(Index a, Index b);
 
-    UnionFind clusters_;
-    Eigen::MatrixXd columns_;               // positions in all poses, in units of the reaches
-    std::vector<std::vector<Index>> parts_; // of a cluster, at its first vertex; ascending
+    Eigen::MatrixXd columns_;                 // positions in all poses, in units of the reaches
+    std::vector<Index> parts_;                // of each vertex
+    std::vector<std::vector<Index>> members_; // of each cluster, at its first vertex
+    std::vector<Index> first_;                // of the cluster of each vertex
 };
 
-std::vector<SeamWelder::Pair> SeamWelder::nearest_pairs()
+// Of the distances of two vertices in each pose.
+Eigen::VectorXd SeamWelder::squares_apart(Index i, Index j) const
+{
+    const Eigen::VectorXd apart = columns_.col(i) - columns_.col(j);
+    return apart.reshaped(3, apart.size() / 3).colwise().squaredNorm();
+}
+
+std::vector<SeamWelder::Pair> SeamWelder::nearest_pairs() const
 {
     std::vector<TreePoint> points;
     std::vector<Index> labels;
-    for (Index i = 0; i < parts_.size(); ++i) {
-        if (first_of(i) != i) continue;
+    for (Index i = 0; i < first_.size(); ++i) {
+        if (first_[i] != i) continue;
         points.push_back({ i, 0 });
-        labels.push_back(parts_[i][0]);
+        labels.push_back(parts_[i]);
     }
     PointTree tree(columns_, points);
     tree.relabel(labels);
@@ -161,30 +174,57 @@ std::vector<SeamWelder::Pair> SeamWelder::nearest_pairs()
         const Neighbour found = tree.nearest(points[p].vertex, labels[p], limit);
         if (found.point == points.size()) continue;
         const Index a = points[p].vertex, b = points[found.point].vertex;
-        const Eigen::VectorXd apart = columns_.col(a) - columns_.col(b);
-        if (apart.reshaped(3, apart.size() / 3).colwise().squaredNorm().maxCoeff() <= 1 + 1e-9)
-            pairs.push_back({ found.squared_distance, a, b });
+        if (is_near(a, b)) pairs.push_back({ found.squared_distance, a, b, std::minmax(parts_[a], parts_[b]) });
     }
-    std::stable_sort(pairs.begin(), pairs.end(),
-                     [](const Pair& a, const Pair& b) { return a.squared_distance < b.squared_distance; });
     return pairs;
+}
+
+// Copies are within a step of each other in each coordinate, and only a seam along an axis has two coordinates in which all
+// of its vertices are rounded alike. What is farther apart on average are borders of layers.
+void SeamWelder::leave_out_layers(std::vector<Pair>& pairs) const
+{
+    constexpr double greatest_mean = 0.75; // of squared distances, in any pose, in those of the reach: 1.5 steps
+    struct Sums {
+        Eigen::VectorXd squares;
+        double count = 0;
+    };
+    std::map<std::pair<Index, Index>, Sums> sums;
+    for (const Pair& pair : pairs) {
+        Sums& of_parts = sums[pair.parts];
+        if (of_parts.count == 0) of_parts.squares = Eigen::VectorXd::Zero(columns_.rows() / 3);
+        of_parts.squares += squares_apart(pair.a, pair.b);
+        ++of_parts.count;
+    }
+    const auto is_layer = [&](const Pair& pair) {
+        const Sums& of_parts = sums[pair.parts];
+        return of_parts.squares.maxCoeff() > greatest_mean * of_parts.count;
+    };
+    pairs.erase(std::remove_if(pairs.begin(), pairs.end(), is_layer), pairs.end());
 }
 
 bool SeamWelder::join_nearest()
 {
+    std::vector<Pair> pairs = nearest_pairs();
+    leave_out_layers(pairs);
+    std::stable_sort(pairs.begin(), pairs.end(),
+                     [](const Pair& a, const Pair& b) { return a.squared_distance < b.squared_distance; });
     bool has_joined = false;
-    for (const Pair& pair : nearest_pairs()) has_joined |= join(first_of(pair.a), first_of(pair.b));
+    for (const Pair& pair : pairs) has_joined |= join(first_[pair.a], first_[pair.b]);
     return has_joined;
 }
 
+// If all of them are of different parts and near each other: no chain of short steps can join what is apart.
 bool SeamWelder::join(Index a, Index b)
 {
-    constexpr std::size_t part_limit = 64; // of a cluster: more parts do not meet in a point
-    std::vector<Index> all;
-    std::merge(parts_[a].begin(), parts_[a].end(), parts_[b].begin(), parts_[b].end(), std::back_inserter(all));
-    if (all.size() > part_limit || std::adjacent_find(all.begin(), all.end()) != all.end()) return false;
-    clusters_.join(a, b);
-    parts_[std::min(a, b)] = std::move(all);
+    constexpr std::size_t member_limit = 16; // more parts do not meet in a point
+    if (a == b || members_[a].size() + members_[b].size() > member_limit) return false;
+    for (const Index i : members_[a])
+        for (const Index j : members_[b])
+            if (parts_[i] == parts_[j] || !is_near(i, j)) return false;
+    if (b < a) std::swap(a, b);
+    for (const Index j : members_[b]) first_[j] = a;
+    members_[a].insert(members_[a].end(), members_[b].begin(), members_[b].end());
+    members_[b].clear();
     return true;
 }
 
@@ -196,7 +236,7 @@ std::size_t weld_seams(const std::vector<const Positions*>& poses, const std::ve
     const std::vector<Index> border = border_vertices(triangles, targets);
     if (border.empty()) return 0;
     SeamWelder welder(poses, parts, border);
-    constexpr int round_limit = 8; // each doubles the parts of a cluster
+    constexpr int round_limit = 8; // the second joins the pairs of points where four parts meet
     for (int round = 0; round < round_limit && welder.join_nearest(); ++round) {}
     std::size_t joined_count = 0;
     for (std::size_t i = 0; i < border.size(); ++i) {

@@ -25,8 +25,9 @@ struct RoundedParts {
 };
 
 // Joins border vertices of different parts that lie within the reaches of each other in all poses, the nearest first, and
-// never two of one part: within a part equal vertices are rounded alike, and weld() joins them. `targets`: what weld()
-// returned; changed. The number of vertices joined. Cost: n log n in the border vertices, for honest ones.
+// never two of one part: within a part equal vertices are rounded alike, and weld() joins them. Two parts whose nearest
+// vertices are farther apart than rounding explains on average stay apart: layers. `targets`: what weld() returned; changed.
+// The number of vertices joined. Cost: n log n in the border vertices, for honest ones.
 std::size_t weld_seams(const std::vector<const Positions*>& poses, const std::vector<Triangle>& triangles,
                        const RoundedParts& parts, std::vector<std::uint32_t>& targets);
 

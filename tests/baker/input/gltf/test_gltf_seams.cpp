@@ -140,6 +140,23 @@ TEST_CASE("seams join the nearest vertices of other parts, never two of one part
     const RoundedParts parts { { 0, 0, 0, 0, 1, 1, 1, 1 }, { 0.35 } };
     CHECK(weld_seams({ &p }, triangles, parts, targets) == 3);
     CHECK(targets == std::vector<std::uint32_t> { 0, 1, 2, 3, 0, 1, 2, 7 });
+    // A stack: each part near the next one, the first and the last apart.
+    Positions stack(12, 3);
+    std::vector<Triangle> sheets;
+    std::vector<std::uint32_t> of_vertex, apart;
+    for (std::uint32_t v = 0; v < 12; ++v) {
+        stack.row(v) << v % 3 / 2, v % 3 % 2, 0.01 * (v / 3);
+        of_vertex.push_back(v / 3);
+        apart.push_back(v);
+        if (v % 3 == 0) sheets.push_back({ v, v + 1, v + 2 });
+    }
+    targets = apart;
+    CHECK(weld_seams({ &stack }, sheets, { of_vertex, { 0.025 } }, targets) == 6);
+    for (const std::uint32_t v : apart) CHECK(stack(v, 2) - stack(targets[v], 2) < 0.025);
+    // Layers at the distance that rounding reaches at most.
+    targets = apart;
+    CHECK(weld_seams({ &stack }, sheets, { of_vertex, { 0.011 } }, targets) == 0);
+    CHECK(targets == apart);
     // Near in one pose only.
     Positions moved = p;
     moved.row(4) << 0.2, 0.5, 0;
