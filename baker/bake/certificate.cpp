@@ -81,12 +81,10 @@ Json surrogate_of(const BakeReport& report, const BakeOptions& options)
 
 Json findings_of(const BakeReport& report, const std::vector<std::string>& pose_names)
 {
+    constexpr const char* kinds[] = { "other mean", "jump", "other path", "turn" };
     Json branches = Json::array();
     for (const Branch& branch : report.branches)
-        branches.push_back({ { "kind",
-                               branch.kind == Branch::Kind::other_mean ? "other mean"
-                                   : branch.kind == Branch::Kind::jump ? "jump"
-                                                                       : "other path" },
+        branches.push_back({ { "kind", kinds[std::size_t(branch.kind)] },
                              { "weights", json_of(branch.weights) },
                              { "pose", pose_names[branch.pose] },
                              { "distance", branch.distance },

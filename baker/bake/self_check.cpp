@@ -1,8 +1,10 @@
 #include "bake/self_check.h"
 
 #include "base/common/parallel.h"
+#include "base/mesh/align.h"
 #include "base/mesh/tets.h"
 #include "elastic/average/rigid_modes.h"
+#include "elastic/average/shape_error.h"
 #include "elastic/parts/tied_energy.h"
 #include "output/asset/asset_facts.h"
 #include "output/asset/runtime_blender.h"
@@ -223,6 +225,32 @@ std::vector<Branch> found_branches(const std::vector<CheckPoint>& points)
     return branches;
 }
 
+// Where blends turn at once between the mean and a pose: the place closest to pose 0 may flip. Layers lie at places of their
+// own.
+void find_turns(OpenedAsset& opened, const FitProblem& problem, std::vector<Branch>& branches)
+{
+    constexpr int step_count = 16;
+    constexpr double turned = 60; // degrees in a step
+    const NormalizedPoses& set = problem.family.pool().set();
+    if (problem.domain.is_box() || !set.is_free()) return;
+    const Weights mean = equal_weights(set.pose_count());
+    const Shape first = opened.blend(mean);
+    for (std::size_t k = 0; k < set.pose_count(); ++k) {
+        Shape here = first;
+        for (int step = 1; step <= step_count; ++step) {
+            const Weights w = mean + double(step) / step_count * (corner_weights(set.pose_count(), k) - mean);
+            Shape next = opened.blend(w);
+            if (degrees_of(best_rigid_motion(here, next, set.masses)) > turned) {
+                Eigen::Index farthest = 0;
+                Eigen::Matrix3Xd((next - here).reshaped(3, set.masses.size())).colwise().squaredNorm().maxCoeff(&farthest);
+                branches.push_back(
+                    { Branch::Kind::turn, w, k, relative_move(set, here, next), static_cast<std::size_t>(farthest) });
+            }
+            here = std::move(next);
+        }
+    }
+}
+
 // Positions that the runtime rebuilds at these coordinates against the subspace in double precision.
 BasisReport check_basis(const RuntimeBlender& blender, const AssetModel& asset, const Eigen::MatrixXd& reachable)
 {
@@ -267,11 +295,13 @@ CheckedAsset self_check(const CheckProblem& p, const BakeOptions& options, Progr
     std::vector<CheckPoint> points = p.fit.found.checks;
     points.insert(points.end(), fresh.begin(), fresh.end());
     CheckReport report = compare_with_averages(opened, p.fit, points, fresh.size(), options);
+    std::vector<Branch> branches = found_branches(points);
+    find_turns(opened, p.fit, branches);
     const auto complete = [&](OpenedAsset& last, AssetModel asset) -> CheckedAsset {
         report.basis = check_basis(last.blender(), asset, reachable);
         AssetRecord record = make_record(last, training);
         report.runtime_error = std::max(report.runtime_error, compare_with_model(last, asset, record.answers));
-        return { std::move(asset), std::move(record), std::move(report), found_branches(points) };
+        return { std::move(asset), std::move(record), std::move(report), branches };
     };
     const std::shared_ptr<const RenderMesh> drawn = render_mesh_of(p.poses, options);
     if (!drawn) return complete(opened, simulated);

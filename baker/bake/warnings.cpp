@@ -26,10 +26,12 @@ std::string remedy(const BakeReport& r, const BakeOptions& options)
         return *options.time_limit > 0 ? "raise --time-limit or leave it out, " : "leave out --preview, ";
     const bool is_shell = r.input.material == Material::discrete_shells;
     const bool has_layers = !r.input.ranges.empty();
-    if (!r.branches.empty() && is_shell)
+    const bool has_jumps = std::any_of(r.branches.begin(), r.branches.end(),
+                                       [](const Branch& branch) { return branch.kind != Branch::Kind::turn; });
+    if (has_jumps && is_shell)
         return has_layers ? "sums of layers jump (P4406): use --material arap, take a smaller --range, "
                           : "averages jump (P4406): use --material arap, ";
-    if (!r.branches.empty())
+    if (has_jumps)
         return has_layers ? "sums of layers jump (P4406): take a smaller --range, leave a layer out, "
                           : "averages jump (P4406): add a pose in between, leave a pose out, ";
     return choice_at_fault(r, options)
@@ -51,6 +53,7 @@ std::string describe(const Branch& branch, const std::vector<std::string>& pose_
                            is_jump ? "the sum of layers jumps" : "there is a second sum of layers", pose);
     if (branch.kind == Branch::Kind::other_mean)
         return fmt::format("there is a second average of all poses, found from pose {}", pose);
+    if (branch.kind == Branch::Kind::turn) return fmt::format("blends turn at once on the path towards pose {}", pose);
     return is_jump ? fmt::format("the average jumps on the path towards pose {}", pose)
                    : fmt::format("there is a second average on the path to pose {}", pose);
 }
@@ -127,6 +130,12 @@ void warn_of_jumps(const FamilyPoint& point, const PoseSet& poses, Material mate
 
 namespace {
 
+const char* hint_for_turns(bool is_aligned)
+{
+    return is_aligned ? "place the poses as blends are to move from one to the other, and keep them there: --no-align"
+                      : "bake poses that turn less against each other";
+}
+
 void warn_of_inversion(const BakeReport& report, Progress& progress)
 {
     if (!report.input.tet_count || report.check.blends.empty() || report.check.cell_ratio > 0) return;
@@ -178,7 +187,9 @@ void warn_of_blends(const BakeReport& report, const PoseSet& poses, Progress& pr
         progress.warn(4406,
                       fmt::format("{}: distance {:.1f} %, largest at vertex {}, weights {}", describe(branch, poses.names),
                                   100 * branch.distance, branch.vertex, blend_text(branch.weights, poses.names)),
-                      hint_for_jumps(report.input.material, !report.input.ranges.empty()));
+                      branch.kind == Branch::Kind::turn
+                          ? hint_for_turns(report.input.is_aligned)
+                          : hint_for_jumps(report.input.material, !report.input.ranges.empty()));
     warn_of_inversion(report, progress);
     if (report.check.ties) warn_about_ties(*report.check.ties, drift_limit, progress);
 }

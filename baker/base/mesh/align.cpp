@@ -14,8 +14,6 @@ using RowPoints = Eigen::Map<const Positions>;
 // Of a pose against the mean of all. Poses that turn by 90 degrees to both sides leave no linear blend to lie at.
 constexpr double most_turned = 75; // degrees
 
-double degrees_of(const RigidMotion& motion) { return Eigen::AngleAxisd(motion.rotation).angle() * 57.29577951308232; }
-
 RowPoints rows(const Shape& shape) { return RowPoints(shape.data(), shape.size() / 3, 3); }
 
 Eigen::Vector3d centroid(const Shape& shape, const Eigen::VectorXd& masses)
@@ -39,6 +37,8 @@ RigidMotion best_rigid_motion(const Shape& from, const Shape& to, const Eigen::V
     motion.translation = to_centre - motion.rotation * from_centre;
     return motion;
 }
+
+double degrees_of(const RigidMotion& motion) { return Eigen::AngleAxisd(motion.rotation).angle() * 57.29577951308232; }
 
 void apply(const RigidMotion& motion, Shape& shape)
 {

@@ -8,6 +8,8 @@ namespace pliant {
 // The proper rigid motion that brings `from` closest to `to` in the sum of masses times squared distances (Kabsch 1976).
 RigidMotion best_rigid_motion(const Shape& from, const Shape& to, const Eigen::VectorXd& masses);
 
+double degrees_of(const RigidMotion& motion);
+
 void apply(const RigidMotion& motion, Shape& shape);
 
 // Moves `shape` rigidly to where it is closest to `target`, unless fixed vertices hold it.

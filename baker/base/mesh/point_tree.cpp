@@ -65,11 +65,11 @@ void PointTree::relabel(const std::vector<std::uint32_t>& labels)
     for (std::size_t p = 0; p < points_.size(); ++p) labels_[p] = labels[points_[p].label];
     for (std::size_t i = nodes_.size(); i-- > 0;) { // children before their parents
         Node& node = nodes_[i];
-        node.label = labels_[order_[node.first]];
         if (node.right != 0) {
-            if (nodes_[i + 1].label != nodes_[node.right].label) node.label = mixed;
+            node.label = nodes_[i + 1].label == nodes_[node.right].label ? nodes_[i + 1].label : mixed;
             continue;
         }
+        node.label = labels_[order_[node.first]];
         for (std::size_t j = node.first; j < node.last; ++j)
             if (labels_[order_[j]] != node.label) node.label = mixed;
     }
@@ -80,12 +80,12 @@ double PointTree::gap(const Eigen::Ref<const Eigen::VectorXd>& x, std::size_t no
     return std::max(0.0, (x - centres_[node]).norm() - nodes_[node].radius);
 }
 
-Neighbour PointTree::nearest(std::uint32_t v, std::uint32_t label, double squared_limit) const
+Neighbour PointTree::nearest(std::uint32_t v, std::uint32_t label, double squared_limit, std::size_t visit_limit) const
 {
     Neighbour best = { points_.size(), squared_limit };
     std::vector<std::pair<double, std::size_t>> open;
     if (!nodes_.empty()) open.push_back({ gap(columns_.col(v), 0), 0 });
-    while (!open.empty()) {
+    while (!open.empty() && visit_limit-- > 0) {
         const auto [distance, index] = open.back();
         open.pop_back();
         const Node& node = nodes_[index];

@@ -59,7 +59,7 @@ struct MeshFile {
 
     std::shared_ptr<const RenderScene> scene; // of a glTF file: what its vertices and faces are drawn with
     double initial_weight = 0;                // of a morph target: what the file draws it with
-    double position_step = 0;                 // of the coarsest grid that a part's positions were rounded to; 0: none
+    std::vector<double> position_steps;       // per part of the scene, of the grid that it was rounded to; 0: none
 };
 
 // How the surface that files draw differs from the one that the elastic energy lives on, and what is unusual about the

@@ -2,11 +2,9 @@
 
 #include "base/common/random.h"
 #include "base/common/sha256.h"
-#include "base/mesh/point_tree.h"
 
 #include <Eigen/Geometry>
 #include <algorithm>
-#include <map>
 #include <numeric>
 #include <optional>
 #include <string>
@@ -90,164 +88,7 @@ std::optional<std::vector<Index>> Welder::weld(std::uint64_t limit, std::uint64_
     return result;
 }
 
-// Ascending.
-std::vector<Index> border_vertices(const std::vector<Triangle>& triangles, const std::vector<Index>& targets)
-{
-    std::vector<std::array<Index, 2>> edges;
-    for (const Triangle& t : triangles)
-        for (std::size_t i = 0; i < 3; ++i) {
-            const Index a = targets[t[i]], b = targets[t[(i + 1) % 3]];
-            if (a != b) edges.push_back({ std::min(a, b), std::max(a, b) });
-        }
-    std::sort(edges.begin(), edges.end());
-    std::vector<Index> out;
-    for (std::size_t i = 0, end; i < edges.size(); i = end) {
-        end = i + 1;
-        while (end < edges.size() && edges[end] == edges[i]) ++end;
-        if (end == i + 1) out.insert(out.end(), edges[i].begin(), edges[i].end());
-    }
-    std::sort(out.begin(), out.end());
-    out.erase(std::unique(out.begin(), out.end()), out.end());
-    return out;
-}
-
-// Border vertices, numbered by their place in `border`, and the clusters that they have been joined to.
-class SeamWelder {
-public:
-    SeamWelder(const std::vector<const Positions*>& poses, const RoundedParts& parts, const std::vector<Index>& border)
-        : columns_(3 * Eigen::Index(poses.size()), Eigen::Index(border.size()))
-        , first_(border.size())
-    {
-        for (std::size_t i = 0; i < border.size(); ++i) {
-            for (std::size_t k = 0; k < poses.size(); ++k)
-                columns_.block<3, 1>(3 * Eigen::Index(k), Eigen::Index(i))
-                    = (poses[k]->row(border[i]) - poses[k]->row(border[0])).transpose() / parts.reaches[k];
-            parts_.push_back(parts.of_vertex[border[i]]);
-            members_.push_back({ Index(i) });
-        }
-        std::iota(first_.begin(), first_.end(), Index(0));
-    }
-
-    // Each cluster to the nearest one that has other parts; false if none was joined.
-    bool join_nearest();
-    Index first_of(std::size_t i) const { return first_[i]; }
-
-private:
-    struct Pair {
-        double squared_distance;
-        Index a, b;
-        std::pair<Index, Index> parts; // ascending
-    };
-    std::vector<Pair> nearest_pairs() const;
-    void leave_out_layers(std::vector<Pair>& pairs) const;
-    Eigen::VectorXd squares_apart(Index i, Index j) const;
-    bool is_near(Index i, Index j) const { return squares_apart(i, j).maxCoeff() <= 1 + 1e-9; }
-    bool join(Index a, Index b);
-
-    Eigen::MatrixXd columns_;                 // positions in all poses, in units of the reaches
-    std::vector<Index> parts_;                // of each vertex
-    std::vector<std::vector<Index>> members_; // of each cluster, at its first vertex
-    std::vector<Index> first_;                // of the cluster of each vertex
-};
-
-// Of the distances of two vertices in each pose.
-Eigen::VectorXd SeamWelder::squares_apart(Index i, Index j) const
-{
-    const Eigen::VectorXd apart = columns_.col(i) - columns_.col(j);
-    return apart.reshaped(3, apart.size() / 3).colwise().squaredNorm();
-}
-
-std::vector<SeamWelder::Pair> SeamWelder::nearest_pairs() const
-{
-    std::vector<TreePoint> points;
-    std::vector<Index> labels;
-    for (Index i = 0; i < first_.size(); ++i) {
-        if (first_[i] != i) continue;
-        points.push_back({ i, 0 });
-        labels.push_back(parts_[i]);
-    }
-    PointTree tree(columns_, points);
-    tree.relabel(labels);
-    const double limit = double(columns_.rows()) / 3 + 1e-9; // a reach in every pose
-    std::vector<Pair> pairs;
-    for (std::size_t p = 0; p < points.size(); ++p) {
-        const Neighbour found = tree.nearest(points[p].vertex, labels[p], limit);
-        if (found.point == points.size()) continue;
-        const Index a = points[p].vertex, b = points[found.point].vertex;
-        if (is_near(a, b)) pairs.push_back({ found.squared_distance, a, b, std::minmax(parts_[a], parts_[b]) });
-    }
-    return pairs;
-}
-
-// Copies are within a step of each other in each coordinate, and only a seam along an axis has two coordinates in which all
-// of its vertices are rounded alike. What is farther apart on average are borders of layers.
-void SeamWelder::leave_out_layers(std::vector<Pair>& pairs) const
-{
-    constexpr double greatest_mean = 0.75; // of squared distances, in any pose, in those of the reach: 1.5 steps
-    struct Sums {
-        Eigen::VectorXd squares;
-        double count = 0;
-    };
-    std::map<std::pair<Index, Index>, Sums> sums;
-    for (const Pair& pair : pairs) {
-        Sums& of_parts = sums[pair.parts];
-        if (of_parts.count == 0) of_parts.squares = Eigen::VectorXd::Zero(columns_.rows() / 3);
-        of_parts.squares += squares_apart(pair.a, pair.b);
-        ++of_parts.count;
-    }
-    const auto is_layer = [&](const Pair& pair) {
-        const Sums& of_parts = sums[pair.parts];
-        return of_parts.squares.maxCoeff() > greatest_mean * of_parts.count;
-    };
-    pairs.erase(std::remove_if(pairs.begin(), pairs.end(), is_layer), pairs.end());
-}
-
-bool SeamWelder::join_nearest()
-{
-    std::vector<Pair> pairs = nearest_pairs();
-    leave_out_layers(pairs);
-    std::stable_sort(pairs.begin(), pairs.end(),
-                     [](const Pair& a, const Pair& b) { return a.squared_distance < b.squared_distance; });
-    bool has_joined = false;
-    for (const Pair& pair : pairs) has_joined |= join(first_[pair.a], first_[pair.b]);
-    return has_joined;
-}
-
-// If all of them are of different parts and near each other: no chain of short steps can join what is apart.
-bool SeamWelder::join(Index a, Index b)
-{
-    constexpr std::size_t member_limit = 16; // more parts do not meet in a point
-    if (a == b || members_[a].size() + members_[b].size() > member_limit) return false;
-    for (const Index i : members_[a])
-        for (const Index j : members_[b])
-            if (parts_[i] == parts_[j] || !is_near(i, j)) return false;
-    if (b < a) std::swap(a, b);
-    for (const Index j : members_[b]) first_[j] = a;
-    members_[a].insert(members_[a].end(), members_[b].begin(), members_[b].end());
-    members_[b].clear();
-    return true;
-}
-
 } // namespace
-
-std::size_t weld_seams(const std::vector<const Positions*>& poses, const std::vector<Triangle>& triangles,
-                       const RoundedParts& parts, std::vector<Index>& targets)
-{
-    const std::vector<Index> border = border_vertices(triangles, targets);
-    if (border.empty()) return 0;
-    SeamWelder welder(poses, parts, border);
-    constexpr int round_limit = 8; // the second joins the pairs of points where four parts meet
-    for (int round = 0; round < round_limit && welder.join_nearest(); ++round) {}
-    std::size_t joined_count = 0;
-    for (std::size_t i = 0; i < border.size(); ++i) {
-        const Index first = border[welder.first_of(i)];
-        if (first == border[i]) continue;
-        targets[border[i]] = first;
-        ++joined_count;
-    }
-    for (Index& target : targets) target = targets[target];
-    return joined_count;
-}
 
 std::vector<Index> weld(const std::vector<const Positions*>& poses, double tolerance)
 {

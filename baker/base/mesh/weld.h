@@ -17,18 +17,4 @@ constexpr double default_weld_tolerance = 1e-6, greatest_weld_tolerance = 1e-3;
 // vertices that lie within a few `tolerance` and are still apart; some of its vertices stay apart that could be one.
 std::vector<std::uint32_t> weld(const std::vector<const Positions*>& poses, double tolerance);
 
-// Where a compressed file cuts a body into parts, each part has its vertices rounded to a grid of its own, and the two
-// copies of a vertex of the cut no longer coincide.
-struct RoundedParts {
-    std::vector<std::uint32_t> of_vertex; // per vertex the number of its part
-    std::vector<double> reaches;          // per pose how far apart rounding moves two copies of a vertex, at most
-};
-
-// Joins border vertices of different parts that lie within the reaches of each other in all poses, the nearest first, and
-// never two of one part: within a part equal vertices are rounded alike, and weld() joins them. Two parts whose nearest
-// vertices are farther apart than rounding explains on average stay apart: layers. `targets`: what weld() returned; changed.
-// The number of vertices joined. Cost: n log n in the border vertices, for honest ones.
-std::size_t weld_seams(const std::vector<const Positions*>& poses, const std::vector<Triangle>& triangles,
-                       const RoundedParts& parts, std::vector<std::uint32_t>& targets);
-
 } // namespace pliant

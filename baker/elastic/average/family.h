@@ -17,11 +17,12 @@ struct Branch {
     enum class Kind {
         other_mean, // continuation from a pose ends in another average of all poses
         jump,       // the average jumps on the way from the mean to some weights
-        other_path  // another way to the same weights ends in another average
+        other_path, // another way to the same weights ends in another average
+        turn        // the place of blends turns at once on the way from the mean to a pose
     } kind;
     Weights weights;    // where it was seen
-    std::size_t pose;   // other_mean: the pose; jump: the pose whose weight grows most on the way
-    double distance;    // between the two shapes, relative L2
+    std::size_t pose;   // other_mean, turn: the pose; jump: the pose whose weight grows most on the way
+    double distance;    // between the two shapes, relative L2; turn: of the two places, too
     std::size_t vertex; // that moves most between them
 };
 

@@ -63,6 +63,11 @@ double relative_error(const NormalizedPoses& set, const Shape& blend, const Shap
     return mass_norm(placed - blend, set.masses) / extent(set, placed);
 }
 
+double relative_move(const NormalizedPoses& set, const Shape& from, const Shape& to)
+{
+    return mass_norm(to - from, set.masses) / extent(set, from);
+}
+
 double relative_distance(const NormalizedPoses& set, const Shape& blend, const Shape& reference)
 {
     const Shape aligned = aligned_reference(set, blend, reference);

@@ -23,6 +23,9 @@ ShapeError shape_distance(const NormalizedPoses& set, const Shape& blend, const 
 // The first of them alone. Cost: linear in the vertices.
 double relative_error(const NormalizedPoses& set, const Shape& blend, const Shape& reference);
 
+// The same without alignment in any case: how far a shape has moved.
+double relative_move(const NormalizedPoses& set, const Shape& from, const Shape& to);
+
 // The same after rigid alignment in any case: how different two shapes are, wherever they lie.
 double relative_distance(const NormalizedPoses& set, const Shape& blend, const Shape& reference);
 

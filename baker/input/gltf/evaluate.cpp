@@ -80,8 +80,11 @@ public:
         for (const GltfSkin& skin : scene.skins) { // nodes share them
             of_skins_.emplace_back();
             of_skins_.back().reserve(skin.joints.size());
-            for (std::size_t j = 0; j < skin.joints.size(); ++j)
+            skin_scales_.push_back(0);
+            for (std::size_t j = 0; j < skin.joints.size(); ++j) {
                 of_skins_.back().push_back(world_[skin.joints[j]] * skin.inverse_bind[j]);
+                skin_scales_.back() = std::max(skin_scales_.back(), scale(of_skins_.back().back()));
+            }
         }
     }
 
@@ -101,17 +104,15 @@ public:
     // By how much the matrices of an instance stretch, at most.
     double scale_of(const GltfInstance& instance) const
     {
-        const auto scale = [](const Eigen::Matrix4d& m) { return m.topLeftCorner<3, 3>().colwise().norm().maxCoeff(); };
-        if (instance.skin < 0) return scale(world_[instance.node]);
-        double largest = 0;
-        for (const Eigen::Matrix4d& m : of_skins_[static_cast<std::size_t>(instance.skin)])
-            largest = std::max(largest, scale(m));
-        return largest;
+        return instance.skin < 0 ? scale(world_[instance.node]) : skin_scales_[static_cast<std::size_t>(instance.skin)];
     }
 
 private:
+    static double scale(const Eigen::Matrix4d& m) { return m.topLeftCorner<3, 3>().colwise().norm().maxCoeff(); }
+
     std::vector<Eigen::Matrix4d> world_;
     std::vector<std::vector<Eigen::Matrix4d>> of_skins_;
+    std::vector<double> skin_scales_; // the largest of their matrices
 };
 
 } // namespace
@@ -140,25 +141,17 @@ Positions evaluate(const GltfScene& scene, const GltfState& state, Positions* no
     return positions;
 }
 
-double position_step(const GltfScene& scene, const GltfState& state)
+std::vector<double> position_steps(const GltfScene& scene, const GltfState& state)
 {
-    const auto step_of = [&](const GltfInstance& instance) {
-        double step = 0;
-        for (const GltfPrimitive& primitive : scene.meshes[instance.mesh].primitives)
-            step = std::max(step, primitive.position_step);
-        return step;
-    };
-    std::unique_ptr<const Placing> placing;
-    double coarsest = 0;
+    const Placing placing(scene, state);
+    std::vector<double> steps;
     for (const GltfInstance& instance : scene.instances) {
-        const double step = step_of(instance);
-        if (step == 0) continue;
-        if (!placing) placing = std::make_unique<const Placing>(scene, state);
         double grids = 1; // deltas of targets are rounded, too
         for (const double weight : state.weights[instance.node]) grids += std::abs(weight);
-        coarsest = std::max(coarsest, grids * step * placing->scale_of(instance));
+        for (const GltfPrimitive& primitive : scene.meshes[instance.mesh].primitives)
+            steps.push_back(grids * primitive.position_step * placing.scale_of(instance));
     }
-    return coarsest;
+    return steps;
 }
 
 std::vector<Triangle> triangles_of(const GltfScene& scene)

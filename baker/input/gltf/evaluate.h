@@ -12,9 +12,9 @@ namespace pliant {
 // Throws Failure: P2317 and what read_numbers throws, for morph targets.
 Positions evaluate(const GltfScene& scene, const GltfState& state, Positions* normals = nullptr);
 
-// Of the coarsest grid that a primitive's positions were rounded to, in the file's units, with what weights of morph targets
-// and the places of nodes and joints make of it; 0: of none.
-double position_step(const GltfScene& scene, const GltfState& state);
+// Steps of the grids that positions were rounded to, instance after instance, primitive after primitive, in the units of the
+// file, with what weights of morph targets and the places of nodes and joints make of them; 0: of none.
+std::vector<double> position_steps(const GltfScene& scene, const GltfState& state);
 
 // Triangles of the same, with the numbers of those rows; turned round in mirrored instances, so that the outside stays
 // outside.

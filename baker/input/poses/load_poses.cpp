@@ -97,9 +97,11 @@ void take_elastic(PoseSet& poses, Triangulation drawn, SimulationMesh surface)
     if (poses.repairs.welded_count == 0 && poses.repairs.left_out_count() == 0) return;
     std::vector<std::uint32_t> places(surface.targets.size()), sources;
     for (std::uint32_t v = 0; v < places.size(); ++v) {
-        if (!surface.is_welded(v)) sources.push_back(v);
-        places[v] = surface.is_welded(v) ? places[surface.targets[v]] : static_cast<std::uint32_t>(sources.size() - 1);
+        if (surface.is_welded(v)) continue;
+        places[v] = static_cast<std::uint32_t>(sources.size());
+        sources.push_back(v);
     }
+    for (std::uint32_t v = 0; v < places.size(); ++v) places[v] = places[surface.targets[v]];
     poses.render_mesh = copy_to_render_mesh(poses.polygons, std::move(drawn.triangles), places);
     for (Triangle& triangle : poses.triangles)
         for (std::uint32_t& vertex : triangle) vertex = places[vertex];

@@ -219,7 +219,7 @@ MeshFile make_pose(GltfFile& file, const Plan& plan, DiagnosticList& diagnostics
         for (Diagnostic& warning : warnings) diagnostics.add(std::move(warning));
     }
     mesh.scene = file.drawn;
-    mesh.position_step = position_step(scene, state);
+    mesh.position_steps = position_steps(scene, state);
     const SourceFile source { mesh.path, "", &diagnostics };
     for (Eigen::Index v = 0; v < mesh.positions.rows(); ++v)
         for (int c = 0; c < 3; ++c)

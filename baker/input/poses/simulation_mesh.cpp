@@ -2,6 +2,7 @@
 
 #include "base/mesh/surface.h"
 #include "base/mesh/weld.h"
+#include "base/mesh/weld_seams.h"
 #include "input/gltf/render_scene.h"
 #include "input/poses/check_surface.h"
 
@@ -107,18 +108,24 @@ void Builder::join_vertices(double tolerance)
 std::size_t Builder::join_seams(const std::vector<const Positions*>& poses, double tolerance)
 {
     if (!first_.scene || first_.scene->parts.size() < 2) return 0;
-    RoundedParts parts;
+    const std::size_t part_count = first_.scene->parts.size();
+    RoundedParts parts { {}, Eigen::MatrixXd(Eigen::Index(part_count), Eigen::Index(meshes_.size())) };
     bool is_rounded = false;
-    for (const MeshFile* mesh : meshes_) {
-        // Half a step in each coordinate, of both copies.
-        const double diagonal = box_diagonal(mesh->positions), reach = std::sqrt(3.0) * mesh->position_step;
-        if (!(diagonal > 0 && std::isfinite(diagonal))) return 0;
-        parts.reaches.push_back(std::max(tolerance * diagonal, std::min(reach, greatest_weld_tolerance * diagonal)));
-        is_rounded = is_rounded || reach > tolerance * diagonal;
+    for (std::size_t k = 0; k < meshes_.size(); ++k) {
+        const std::vector<double>& steps = meshes_[k]->position_steps;
+        const double diagonal = box_diagonal(meshes_[k]->positions);
+        if (!(diagonal > 0 && std::isfinite(diagonal)) || (!steps.empty() && steps.size() != part_count)) return 0;
+        for (std::size_t p = 0; p < part_count; ++p) {
+            // Half a step in each coordinate. What weld() joins lies within the tolerance.
+            const double reach = steps.empty() ? 0 : 0.5 * std::sqrt(3.0) * steps[p];
+            is_rounded = is_rounded || 2 * reach > tolerance * diagonal;
+            parts.reaches(Eigen::Index(p), Eigen::Index(k))
+                = 0.5 * diagonal * std::max(tolerance, std::min(2 * reach / diagonal, greatest_weld_tolerance));
+        }
     }
     if (!is_rounded) return 0;
     parts.of_vertex.resize(out_.targets.size());
-    for (Index p = 0; p < first_.scene->parts.size(); ++p) {
+    for (Index p = 0; p < part_count; ++p) {
         const ScenePart& part = first_.scene->parts[p];
         std::fill_n(parts.of_vertex.begin() + part.first_vertex, part.vertex_count, p);
     }

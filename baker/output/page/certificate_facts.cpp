@@ -132,6 +132,7 @@ std::string jump_text(const std::string& kind, const std::string& pose, bool has
         return fmt::format("{} on the path towards layer {}",
                            kind == "jump" ? "The sum of layers jumps" : "There is a second sum of layers", pose);
     if (kind == "other mean") return fmt::format("There is a second average of all poses, found from pose {}", pose);
+    if (kind == "turn") return fmt::format("Blends turn at once on the path towards pose {}", pose);
     return kind == "jump" ? fmt::format("The average jumps on the path towards pose {}", pose)
                           : fmt::format("There is a second average on the path to pose {}", pose);
 }

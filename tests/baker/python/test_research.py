@@ -155,6 +155,17 @@ class Place(unittest.TestCase):
         blends = asset.blend(np.random.default_rng(2).dirichlet(np.ones(4), 100)).astype(float)
         self.assertLess(np.linalg.norm(np.einsum("v,kvc->kc", shares, blends) - shares @ rest, axis=1).max(), 1e-3 * size)
 
+    # Against a straight tube, the closest place of one that coils by more than 1.4 turns flips.
+    def test_places_that_flip_are_named(self):
+        rest, faces = shapes.tube(0, rings=33, sides=6)
+        rest = rest * [1, 0.5, 0.5]
+        poses = np.stack([rest, bent(rest, 15)])
+        with self.assertWarnsRegex(Warning, "blends turn at once on the path towards pose"):
+            asset = pliant.bake(poses, faces, **QUICK)
+        self.assertIn("turn", [branch["kind"] for branch in asset.certificate["branches"]])
+        kept = pliant.bake(poses, faces, no_align=True, **QUICK)
+        self.assertNotIn("turn", [branch["kind"] for branch in kept.certificate["branches"]])
+
 
 class Readme(unittest.TestCase):
     def test_what_it_shows_runs(self):

@@ -4,11 +4,13 @@
 #include "../../tube.h"
 #include "../io/files.h"
 #include "base/mesh/render_mesh.h"
-#include "base/mesh/weld.h"
+#include "base/mesh/weld_seams.h"
 #include "glb_samples.h"
 #include "input/poses/load_poses.h"
 
 #include <algorithm>
+#include <chrono>
+#include <numeric>
 
 using namespace pliant;
 using pliant_test::GlbBuilder, pliant_test::Json;
@@ -130,41 +132,112 @@ TEST_CASE("parts that a compressed file rounds apart are one body, and nothing e
     }
 }
 
+namespace {
+
+// The same reach of each part in each pose.
+RoundedParts alike(std::vector<std::uint32_t> of_vertex, double reach_together, Eigen::Index pose_count = 1)
+{
+    const Eigen::Index part_count = *std::max_element(of_vertex.begin(), of_vertex.end()) + 1;
+    return { std::move(of_vertex), Eigen::MatrixXd::Constant(part_count, pose_count, reach_together / 2) };
+}
+
+std::vector<std::uint32_t> numbers_to(std::uint32_t n)
+{
+    std::vector<std::uint32_t> out(n);
+    std::iota(out.begin(), out.end(), 0u);
+    return out;
+}
+
+} // namespace
+
 TEST_CASE("seams join the nearest vertices of other parts, never two of one part, and only borders")
 {
     // Two strips side by side; the third vertex of the second one lies near two of the first.
     Positions p(8, 3);
     p << 0, 0, 0, 1, 0, 0, 1.4, 0, 0, 0, 1, 0, 0.2, 0, 0, 1.1, 0, 0, 1.3, 0, 0, 0, -1, 0;
     const std::vector<Triangle> triangles = { { 0, 1, 3 }, { 1, 2, 3 }, { 4, 7, 5 }, { 5, 7, 6 } };
-    std::vector<std::uint32_t> targets = { 0, 1, 2, 3, 4, 5, 6, 7 };
-    const RoundedParts parts { { 0, 0, 0, 0, 1, 1, 1, 1 }, { 0.35 } };
+    std::vector<std::uint32_t> targets = numbers_to(8);
+    RoundedParts parts = alike({ 0, 0, 0, 0, 1, 1, 1, 1 }, 0.35);
     CHECK(weld_seams({ &p }, triangles, parts, targets) == 3);
     CHECK(targets == std::vector<std::uint32_t> { 0, 1, 2, 3, 0, 1, 2, 7 });
-    // A stack: each part near the next one, the first and the last apart.
-    Positions stack(12, 3);
-    std::vector<Triangle> sheets;
-    std::vector<std::uint32_t> of_vertex, apart;
-    for (std::uint32_t v = 0; v < 12; ++v) {
-        stack.row(v) << v % 3 / 2, v % 3 % 2, 0.01 * (v / 3);
-        of_vertex.push_back(v / 3);
-        apart.push_back(v);
-        if (v % 3 == 0) sheets.push_back({ v, v + 1, v + 2 });
-    }
-    targets = apart;
-    CHECK(weld_seams({ &stack }, sheets, { of_vertex, { 0.025 } }, targets) == 6);
-    for (const std::uint32_t v : apart) CHECK(stack(v, 2) - stack(targets[v], 2) < 0.025);
-    // Layers at the distance that rounding reaches at most.
-    targets = apart;
-    CHECK(weld_seams({ &stack }, sheets, { of_vertex, { 0.011 } }, targets) == 0);
-    CHECK(targets == apart);
+    // The finest part knows best where the seam is.
+    parts.reaches << 0.3, 0.05;
+    targets = numbers_to(8);
+    CHECK(weld_seams({ &p }, triangles, parts, targets) == 3);
+    CHECK(targets == std::vector<std::uint32_t> { 4, 5, 6, 3, 4, 5, 6, 7 });
     // Near in one pose only.
     Positions moved = p;
     moved.row(4) << 0.2, 0.5, 0;
-    targets = { 0, 1, 2, 3, 4, 5, 6, 7 };
-    CHECK(weld_seams({ &p, &moved }, triangles, { parts.of_vertex, { 0.35, 0.35 } }, targets) == 2);
+    targets = numbers_to(8);
+    CHECK(weld_seams({ &p, &moved }, triangles, alike(parts.of_vertex, 0.35, 2), targets) == 2);
     CHECK(targets[4] == 4);
     // A tetrahedron has no border.
     const std::vector<Triangle> closed = { { 0, 1, 2 }, { 0, 3, 1 }, { 1, 3, 2 }, { 2, 3, 0 }, { 4, 7, 5 }, { 5, 7, 6 } };
-    targets = { 0, 1, 2, 3, 4, 5, 6, 7 };
-    CHECK(weld_seams({ &p }, closed, parts, targets) == 0);
+    targets = numbers_to(8);
+    CHECK(weld_seams({ &p }, closed, alike(parts.of_vertex, 0.35), targets) == 0);
+}
+
+TEST_CASE("parts that are near each other and no one body stay apart")
+{
+    // A stack of triangles: each near the next one, the first and the last apart.
+    Positions stack(12, 3);
+    std::vector<Triangle> sheets;
+    std::vector<std::uint32_t> of_vertex;
+    for (std::uint32_t v = 0; v < 12; ++v) {
+        stack.row(v) << v % 3 / 2, v % 3 % 2, 0.01 * (v / 3);
+        of_vertex.push_back(v / 3);
+        if (v % 3 == 0) sheets.push_back({ v, v + 1, v + 2 });
+    }
+    std::vector<std::uint32_t> targets = numbers_to(12);
+    CHECK(weld_seams({ &stack }, sheets, alike(of_vertex, 0.025), targets) == 6);
+    for (const std::uint32_t v : numbers_to(12)) CHECK(stack(v, 2) - stack(targets[v], 2) < 0.025);
+    // Layers at the distance that rounding reaches at most.
+    targets = numbers_to(12);
+    CHECK(weld_seams({ &stack }, sheets, alike(of_vertex, 0.011), targets) == 0);
+    CHECK(targets == numbers_to(12));
+    // Fine layers between coarse ones.
+    RoundedParts mixed = alike(of_vertex, 0.04);
+    mixed.reaches.middleRows(1, 2).setConstant(1e-4);
+    CHECK(weld_seams({ &stack }, { sheets[1], sheets[2] }, mixed, targets) == 0);
+    // Corners that touch, and no edge.
+    stack.row(3) << 0, 0, 0.01;
+    stack.row(4) << -1, 0, 0.01;
+    stack.row(5) << 0, -1, 0.01;
+    CHECK(weld_seams({ &stack }, { sheets[0], sheets[1] }, alike(of_vertex, 0.025), targets) == 0);
+}
+
+TEST_CASE("vertices beside each other in one part are nearer than their copies in the other one")
+{
+    constexpr std::uint32_t n = 40;
+    Positions p(4 * n, 3);
+    std::vector<Triangle> triangles;
+    std::vector<std::uint32_t> of_vertex;
+    for (std::uint32_t v = 0; v < 4 * n; ++v) {
+        const std::uint32_t row = v / n;
+        p.row(v) << 0.01 * (v % n), row < 2 ? row : 0.02 - (row - 2), 0;
+        of_vertex.push_back(row / 2);
+        if (row % 2 == 0 && v % n + 1 < n) {
+            triangles.push_back({ v, v + 1, v + n });
+            triangles.push_back({ v + 1, v + n + 1, v + n });
+        }
+    }
+    std::vector<std::uint32_t> targets = numbers_to(4 * n);
+    CHECK(weld_seams({ &p }, triangles, alike(of_vertex, 0.03), targets) == n);
+    for (std::uint32_t v = 0; v < n; ++v) CHECK(targets[2 * n + v] == v);
+}
+
+TEST_CASE("vertices that crowd within a reach take linear time")
+{
+    constexpr std::uint32_t n = 60000;
+    Positions p(n, 3);
+    p.setRandom();
+    std::vector<Triangle> triangles;
+    std::vector<std::uint32_t> of_vertex, targets = numbers_to(n);
+    for (std::uint32_t v = 0; v < n; ++v) {
+        of_vertex.push_back(v / (n / 2));
+        if (v % 3 == 0) triangles.push_back({ v, v + 1, v + 2 });
+    }
+    const auto start = std::chrono::steady_clock::now();
+    weld_seams({ &p, &p, &p, &p }, triangles, alike(of_vertex, 4, 4), targets);
+    CHECK(std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count() < 20); // without a limit: minutes
 }
