@@ -27,7 +27,7 @@ struct NumberRange {
     double least, most;
 };
 constexpr NumberRange poisson_range { 0, 0.499 }, thickness_range { 1e-6, 1 }, foldover_damping_range { 0, 1 },
-    weld_range { 0, greatest_weld_tolerance };
+    weld_range { 0, 1e-3 };
 
 // What an elastic energy is made of: shared by all verbs that need one.
 struct EnergyOptions {

@@ -13,15 +13,19 @@ namespace {
 using Index = std::uint32_t;
 using Edge = std::pair<Index, Index>; // ascending
 
-// Those of one triangle, ascending.
-std::vector<Edge> border_edges(const std::vector<Triangle>& triangles, const std::vector<Index>& targets)
+// Those of one triangle, ascending, of parts that are joined.
+std::vector<Edge> border_edges(const std::vector<Triangle>& triangles, const RoundedParts& parts,
+                               const std::vector<Index>& targets)
 {
+    const Eigen::VectorXd least_reaches = parts.reaches.rowwise().minCoeff();
     std::vector<Edge> edges, out;
-    for (const Triangle& t : triangles)
+    for (const Triangle& t : triangles) {
+        if (least_reaches[parts.of_vertex[t[0]]] == 0) continue;
         for (std::size_t i = 0; i < 3; ++i) {
             const Edge edge = std::minmax(Index(targets[t[i]]), Index(targets[t[(i + 1) % 3]]));
             if (edge.first != edge.second) edges.push_back(edge);
         }
+    }
     std::sort(edges.begin(), edges.end());
     for (std::size_t i = 0, end; i < edges.size(); i = end) {
         end = i + 1;
@@ -212,7 +216,7 @@ Index SeamWelder::standing_for(Index i) const
 std::size_t weld_seams(const std::vector<const Positions*>& poses, const std::vector<Triangle>& triangles,
                        const RoundedParts& parts, std::vector<Index>& targets)
 {
-    const std::vector<Edge> edges = border_edges(triangles, targets);
+    const std::vector<Edge> edges = border_edges(triangles, parts, targets);
     const std::vector<Index> border = ends_of(edges);
     if (border.empty()) return 0;
     SeamWelder welder(poses, parts, border, edges);

@@ -8,7 +8,8 @@ namespace pliant {
 
 struct RoundedParts {
     std::vector<std::uint32_t> of_vertex; // per vertex the number of its part
-    Eigen::MatrixXd reaches;              // parts x poses: how far rounding moves a vertex, at most
+    // Parts x poses: how far rounding moves a vertex, at most; 0: too far, the part stays as it is.
+    Eigen::MatrixXd reaches;
 };
 
 // Joins border edges of different parts whose ends lie within their two reaches of each other in all poses, the nearest

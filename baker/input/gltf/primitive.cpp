@@ -4,6 +4,7 @@
 #include "input/gltf/render_scene.h"
 
 #include <algorithm>
+#include <cmath>
 #include <fmt/format.h>
 #include <numeric>
 
@@ -31,6 +32,30 @@ std::vector<Triangle> assemble(const std::vector<std::uint32_t>& corners, std::u
     return out;
 }
 
+// Whether a whole number of so many bits has the pattern of programs that round to fewer: these, and below them the highest
+// of them again.
+bool is_widened(std::uint32_t number, int bits, int fewer)
+{
+    const std::uint32_t kept = number >> (bits - fewer);
+    return (kept << (bits - fewer) | kept >> (2 * fewer - bits)) == number;
+}
+
+// Of the grid that positions in whole numbers were rounded to: coarser than a unit where normalized shorts were made of
+// fewer bits.
+double position_step(const AccessorShape& shape, const GltfNumbers& positions)
+{
+    constexpr int fewest = 8;
+    const bool is_short = shape.component_type == gltf_int16 || shape.component_type == gltf_uint16;
+    if (!shape.is_normalised || !is_short) return step_of(shape);
+    const int bits = shape.component_type == gltf_int16 ? 15 : 16;
+    const double units = std::exp2(bits) - 1;
+    for (int fewer = fewest; fewer < bits; ++fewer) {
+        const auto is_one = [&](double p) { return is_widened(std::uint32_t(std::abs(p) * units + 0.5), bits, fewer); };
+        if (std::all_of(positions.data(), positions.data() + positions.size(), is_one)) return 1 / (std::exp2(fewer) - 1);
+    }
+    return step_of(shape);
+}
+
 void read_plain(const GltfDocument& document, const GltfValue& primitive, GltfAllowance& allowance, GltfPrimitive& out)
 {
     const GltfValue position = primitive["attributes"]["POSITION"];
@@ -41,7 +66,7 @@ void read_plain(const GltfDocument& document, const GltfValue& primitive, GltfAl
     allowance.take_all_of(position);
     allowance.take(index_value.exists() ? index_value : position, corner_count, mode == triangles ? 1 : 3);
     out.positions = read_numbers(document, position, { 3 });
-    out.position_step = step_of(shape);
+    out.position_step = position_step(shape, out.positions);
     std::vector<std::uint32_t> corners;
     if (index_value.exists()) {
         corners = read_indices(document, index_value, 1);

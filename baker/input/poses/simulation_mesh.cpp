@@ -15,6 +15,10 @@ namespace {
 
 using Index = std::uint32_t;
 
+// What rounding may move two copies apart, of the diagonal, for seams to be joined: 11 bits, of a part as large as the body
+// and of its morph targets.
+constexpr double seam_limit = 2e-3;
+
 constexpr const char* left_out = "left out of the simulation mesh";
 constexpr const char* drawn_hint = "it is still rendered; remove it from all poses to avoid this warning";
 
@@ -117,10 +121,11 @@ std::size_t Builder::join_seams(const std::vector<const Positions*>& poses, doub
         if (!(diagonal > 0 && std::isfinite(diagonal)) || (!steps.empty() && steps.size() != part_count)) return 0;
         for (std::size_t p = 0; p < part_count; ++p) {
             // Half a step in each coordinate. What weld() joins lies within the tolerance.
-            const double reach = steps.empty() ? 0 : 0.5 * std::sqrt(3.0) * steps[p];
+            double& reach = parts.reaches(Eigen::Index(p), Eigen::Index(k));
+            reach = steps.empty() ? 0 : 0.5 * std::sqrt(3.0) * steps[p];
             is_rounded = is_rounded || 2 * reach > tolerance * diagonal;
-            parts.reaches(Eigen::Index(p), Eigen::Index(k))
-                = 0.5 * diagonal * std::max(tolerance, std::min(2 * reach / diagonal, greatest_weld_tolerance));
+            reach = std::max(reach, 0.5 * tolerance * diagonal);
+            if (2 * reach > seam_limit * diagonal) reach = 0;
         }
     }
     if (!is_rounded) return 0;

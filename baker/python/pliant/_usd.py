@@ -16,9 +16,10 @@ from ._usd_skin import Skin, skins_of
 
 SUFFIXES = (".usd", ".usda", ".usdc", ".usdz")
 _LIMIT = 64  # poses, or layers
-# Points, corners and joints that a file draws: some for any file, and more for each of its bytes, as of glTF. Prims, the
-# levels of their paths and their time samples count as some.
-_DRAWN, _DRAWN_FOR_BYTE, _OF_PRIM, _OF_LEVEL, _OF_SAMPLE = 4000000, 8, 64, 16, 4
+# What reading a file may cost: some for any file, and more for each of its bytes, as of glTF. Numbers of arrays, prims, the
+# levels of their paths, their time samples, the names of their blend shapes, and a mesh in a pose take their shares.
+_COST, _COST_FOR_BYTE = 64000000, 128
+_OF_NUMBER, _OF_PRIM, _OF_LEVEL, _OF_SAMPLE, _OF_NAME, _OF_POSED, _OF_POSED_NUMBER = 16, 1024, 256, 64, 256, 2048, 4
 _INPUT = 3  # the exit code
 _USAGE = 2
 _CHOICES = "write #rest, #target=NAME,NAME or #time=FRAME,FRAME"
@@ -72,54 +73,59 @@ def _open(path: str) -> tuple[Any, Any]:
 
 
 class _Allowance:
-    """What the files of a stage may still draw."""
+    """What reading the files of a stage may still cost."""
 
     def __init__(self, path: str, byte_count: int) -> None:
         self._path = path
-        self._limit = self._left = _DRAWN + _DRAWN_FOR_BYTE * byte_count
+        self._limit = self._left = _COST + _COST_FOR_BYTE * byte_count
 
     def take(self, count: int, prim: Any) -> None:
         self._left -= count
         if self._left < 0:
-            limit = f"{self._limit} points, corners and joints are drawn, the limit for its files"
+            limit = f"{self._limit // _OF_NUMBER} numbers are read, the limit for its files"
             what = f"at {prim.GetPath()} more than {limit}"
-            raise _error(_INPUT, 2333, self._path, what, "simplify the mesh, or use fewer instances")
+            raise _error(_INPUT, 2333, self._path, what, "simplify the mesh, or use fewer instances, poses and blend shapes")
 
 
 class _Part:
     """A mesh of the stage."""
 
-    def __init__(self, pxr: Any, prim: Any, path: str) -> None:
+    def __init__(self, pxr: Any, prim: Any, path: str, allowance: _Allowance) -> None:
         self._usd = pxr
+        self._allowance = allowance
         self.skin: Skin | None = None
         self.prim = prim
         self.mesh = pxr.UsdGeom.Mesh(prim)
         self.where = f"{path}: {prim.GetPath()}"
         self._rest_time = pxr.Usd.TimeCode.EarliestTime()
-        self.count = len(self._points(self._rest_time))
+        self.count = len(self._points(self._rest_time, _OF_NUMBER))
 
-    def _numbers(self, attribute: Any, time: Any = None) -> Positions:
+    def _numbers(self, attribute: Any, time: Any = None, cost: int = _OF_NUMBER) -> Positions:
         """Of an attribute, which files may give any type; none if it has no value."""
         values = attribute.Get() if time is None else attribute.Get(time)
+        self._allowance.take(cost * (len(values) if hasattr(values, "__len__") else 1), self.prim)
         try:
             return np.asarray([] if values is None else values, np.float64)
         except (TypeError, ValueError):
             raise ValueError(f"{self.where}: {attribute.GetName()} are not numbers") from None
 
-    def _vectors(self, attribute: Any, time: Any = None) -> Positions:
-        numbers = self._numbers(attribute, time)
+    def _vectors(self, attribute: Any, time: Any = None, cost: int = _OF_NUMBER) -> Positions:
+        numbers = self._numbers(attribute, time, cost)
         if numbers.size % 3 != 0:
             raise ValueError(f"{self.where}: {attribute.GetName()} are not vectors of three numbers")
         return numbers.reshape(-1, 3)
 
-    def _points(self, time: Any) -> Positions:
-        return self._vectors(self.mesh.GetPointsAttr(), time)
+    def _points(self, time: Any, cost: int = _OF_POSED_NUMBER) -> Positions:
+        return self._vectors(self.mesh.GetPointsAttr(), time, cost)
 
     def _place(self) -> Any:
         return self.skin.place() if self.skin else self.prim
 
     def _placed(self, points: Positions, time: Any, is_rest: bool) -> Positions:
         """In the space of the stage."""
+        moves = self.skin.influence_count if self.skin else 0
+        joints = self.skin.skeleton.joint_count if self.skin else 0
+        self._allowance.take(_OF_POSED + _OF_POSED_NUMBER * (self.count * (1 + moves) + joints), self.prim)
         if self.skin:
             points = self.skin.skinned(points, time, is_rest)
         matrix = np.array(self._usd.UsdGeom.Imageable(self._place()).ComputeLocalToWorldTransform(time))
@@ -164,9 +170,6 @@ class _Part:
         axes = np.stack([self.rest(size * axis) - origin for axis in np.eye(3)], 1)
         return bool((np.linalg.det(axes / size) < 0).mean() > 0.5)
 
-    def corner_count(self) -> int:
-        return self._numbers(self.mesh.GetFaceVertexIndicesAttr(), self._rest_time).size
-
     def faces(self) -> list[npt.NDArray[np.int64]]:
         counts = self._numbers(self.mesh.GetFaceVertexCountsAttr(), self._rest_time).ravel()
         corners = self._numbers(self.mesh.GetFaceVertexIndicesAttr(), self._rest_time).ravel()
@@ -177,16 +180,19 @@ class _Part:
         faces = np.split(corners.astype(np.int64), np.cumsum(counts.astype(np.int64))[:-1])
         is_left = self.mesh.GetOrientationAttr().Get() == self._usd.UsdGeom.Tokens.leftHanded
         is_turned = is_left != self._is_mirrored()
-        holes = set(self._numbers(self.mesh.GetHoleIndicesAttr(), self._rest_time).ravel())
-        return [face[::-1] if is_turned else face for k, face in enumerate(faces) if len(face) and k not in holes]
+        is_hole = np.isin(np.arange(len(faces)), self._numbers(self.mesh.GetHoleIndicesAttr(), self._rest_time))
+        return [face[::-1] if is_turned else face for face, hole in zip(faces, is_hole) if len(face) and not hole]
 
     def targets(self) -> dict[str, Any]:
         """The paths of the blend shapes of the mesh, by name."""
         binding = self._usd.UsdSkel.BindingAPI(self.prim)
         names = binding.GetBlendShapesAttr().Get() or []
-        if not hasattr(names, "__iter__"):
+        if not hasattr(names, "__len__"):
             raise ValueError(f"{self.where}: skel:blendShapes are not names")
-        return {str(name): path for name, path in zip(names, binding.GetBlendShapeTargetsRel().GetTargets())}
+        self._allowance.take(_OF_NAME * len(names), self.prim)
+        paths = binding.GetBlendShapeTargetsRel().GetTargets()
+        self._allowance.take(_OF_NAME * len(paths), self.prim)
+        return {str(name): path for name, path in zip(names, paths)}
 
     def offsets(self, name: str, path: Any) -> Positions:
         """Of the blend shape there, as displacements of the points."""
@@ -216,6 +222,7 @@ class _Stage:
         self._targets = [part.targets() for part in self._parts]
         self.targets = list(dict.fromkeys(name for one in self._targets for name in one))
         self._times: list[float] | None = None
+        self._rests: list[Positions] | None = None
 
     def _byte_count(self) -> int:
         files = {layer.realPath.split("[")[0] for layer in self._stage.GetUsedLayers()}  # a.usdz[b.usdc]
@@ -245,7 +252,7 @@ class _Stage:
         return count + (geom.Mesh(prim).GetPointsAttr().GetNumTimeSamples() if prim.IsA(geom.Mesh) else 0)
 
     def _find_parts(self) -> list[_Part]:
-        out = []
+        out: list[_Part] = []
         allowance = _Allowance(self.path, self._byte_count())
         prims = iter(self._usd.Usd.PrimRange(self._stage.GetPseudoRoot(), self._usd.Usd.TraverseInstanceProxies()))
         for prim in prims:
@@ -257,8 +264,7 @@ class _Stage:
                 self.instancers.append(str(prim.GetPath()))
                 prims.PruneChildren()
             elif self._is_drawn(prim):
-                out.append(_Part(self._usd, prim, self.path))
-                allowance.take(out[-1].count + out[-1].corner_count(), prim)
+                out.append(_Part(self._usd, prim, self.path, allowance))
         self._bind_skins(out, allowance)  # not before the file's prims are counted
         return sorted(out, key=lambda part: str(part.prim.GetPath()))  # programs list them in any order
 
@@ -268,7 +274,7 @@ class _Stage:
             part.skin = skins.get(part.prim.GetPath())
             if part.skin:
                 skeleton = part.skin.skeleton
-                allowance.take(skeleton.joint_count + _OF_SAMPLE * len(skeleton.times()), part.prim)
+                allowance.take(_OF_NUMBER * skeleton.joint_count + _OF_SAMPLE * len(skeleton.times()), part.prim)
 
     def faces(self) -> Faces:
         """(f, k) if all faces have k corners, otherwise their triangles, each face a fan from its first corner."""
@@ -283,15 +289,20 @@ class _Stage:
             faces = [face[[0, k, k + 1]] for face in faces for k in range(1, len(face) - 1)]
         return np.array(faces, np.int64).reshape(len(faces), -1)
 
+    def _rest_of_parts(self) -> list[Positions]:
+        if self._rests is None:
+            self._rests = [part.rest() for part in self._parts]
+        return self._rests
+
     def rest(self) -> Positions:
-        return np.concatenate([part.rest() for part in self._parts])
+        return np.concatenate(self._rest_of_parts())
 
     def target(self, name: str) -> Positions:
         if name not in self.targets:
             what = ", ".join(self.targets) or "none"
             raise _error(_USAGE, 1212, self.path, f"there is no morph target '{name}'", f"it has {what}")
-        pairs = zip(self._parts, self._targets)
-        return np.concatenate([part.rest(part.offsets(name, own[name]) if name in own else 0.0) for part, own in pairs])
+        parts = zip(self._parts, self._targets, self._rest_of_parts())
+        return np.concatenate([part.rest(part.offsets(name, own[name])) if name in own else rest for part, own, rest in parts])
 
     def times(self) -> list[float]:
         """Ascending."""

@@ -52,6 +52,7 @@ class Skin:
         self._query = query
         self._where = f"{path}: {query.GetPrim().GetPath()}"
         self.skeleton = skeleton
+        self.influence_count = query.GetNumInfluencesPerComponent()
 
     def place(self) -> Any:
         """The prim whose space moved points are in."""

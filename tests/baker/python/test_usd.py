@@ -405,6 +405,55 @@ class Meshes(unittest.TestCase):
             number, message = number_of(pliant.load_poses, path)
             self.assertEqual(number, "P2333", message)
 
+    # 50 kB: an array of many equal numbers takes crate files nothing.
+    def test_long_arrays(self):
+        for name in ("holeIndices", "faceVertexCounts", "pointIndices"):
+            path, stage = new_mesh(f"long_{name}.usdc", POSES[0], FACES)
+            shape = UsdSkel.BlendShape.Define(stage, "/tube/a")
+            shape.CreateOffsetsAttr([(0, 0, 1)])
+            shape.CreatePointIndicesAttr([0])
+            prim = shape.GetPrim()
+            binding = UsdSkel.BindingAPI.Apply(stage.GetPrimAtPath("/tube"))
+            binding.CreateBlendShapesAttr(["a"])
+            binding.CreateBlendShapeTargetsRel().SetTargets([prim.GetPath()])
+            if name != "pointIndices":
+                prim = stage.GetPrimAtPath("/tube")
+            prim.GetAttribute(name).Set(Vt.IntArray(20000000, 0))
+            stage.Save()
+            number, message = number_of(pliant.load_poses, path)
+            self.assertEqual(number, "P2333", message)
+
+    # Some kB: 3,600 meshes that share 300 names, 2,500 that share 60 blend shapes, 400 that share 100 influences a point.
+    def test_what_instances_share(self):
+        for name, widths, shape_count, influence_count in (("names", [60, 60], 300, 0), ("poses", [50, 50], 60, 0),
+                                                           ("influences", [20, 20], 1, 300)):
+            path = str(Path(FOLDER.name, f"shared_{name}.usda"))
+            stage = Usd.Stage.CreateNew(path)
+            mesh = UsdGeom.Mesh.Define(stage, "/L0/m")
+            mesh.CreatePointsAttr([(0, 0, 0), (1, 0, 0), (0, 1, 0)] * (1 if influence_count == 0 else 20))
+            mesh.CreateFaceVertexCountsAttr([3])
+            mesh.CreateFaceVertexIndicesAttr([0, 1, 2])
+            binding = UsdSkel.BindingAPI.Apply(mesh.GetPrim())
+            binding.CreateBlendShapesAttr([f"s{k}" for k in range(shape_count)])
+            for k in range(shape_count):
+                shape = UsdSkel.BlendShape.Define(stage, f"/L0/m/s{k}")
+                shape.CreateOffsetsAttr([(0, 0, 1)])
+                shape.CreatePointIndicesAttr([0])
+                binding.CreateBlendShapeTargetsRel().AddTarget(shape.GetPath())
+            if influence_count > 0:
+                add_skin(stage, mesh.GetPrim(), "/L0/bones", {k: 0.1 * k for k in range(60)}, [0])
+                binding.CreateJointIndicesPrimvar(False, influence_count).Set([0] * influence_count * 60)
+                binding.CreateJointWeightsPrimvar(False, influence_count).Set([1.0] * influence_count * 60)
+                UsdSkel.Root.Define(stage, "/L0")
+            for level, width in enumerate(widths):
+                for i in range(width):
+                    prim = stage.DefinePrim(f"/L{level + 1}/c{i}")
+                    prim.GetReferences().AddInternalReference(f"/L{level}")
+                    prim.SetInstanceable(True)
+            stage.Save()
+            number, message = number_of(pliant.load_poses, path, blend="average" if influence_count > 0 else None)
+            self.assertEqual(number, "P2333", (name, message))
+
     def test_wrong_files(self):
         number, message = number_of(pliant.load_poses, "nowhere.usd")
         self.assertEqual(number, "P2001")
