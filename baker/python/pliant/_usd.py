@@ -302,7 +302,8 @@ class _Stage:
             what = ", ".join(self.targets) or "none"
             raise _error(_USAGE, 1212, self.path, f"there is no morph target '{name}'", f"it has {what}")
         parts = zip(self._parts, self._targets, self._rest_of_parts())
-        return np.concatenate([part.rest(part.offsets(name, own[name])) if name in own else rest for part, own, rest in parts])
+        return np.concatenate([part.rest(part.offsets(name, own[name])) if name in own else rest
+                               for part, own, rest in parts])
 
     def times(self) -> list[float]:
         """Ascending."""
