@@ -80,12 +80,12 @@ double PointTree::gap(const Eigen::Ref<const Eigen::VectorXd>& x, std::size_t no
     return std::max(0.0, (x - centres_[node]).norm() - nodes_[node].radius);
 }
 
-Neighbour PointTree::nearest(std::uint32_t v, std::uint32_t label, double squared_limit, std::size_t visit_limit) const
+Neighbour PointTree::nearest(std::uint32_t v, std::uint32_t label, double squared_limit) const
 {
     Neighbour best = { points_.size(), squared_limit };
     std::vector<std::pair<double, std::size_t>> open;
     if (!nodes_.empty()) open.push_back({ gap(columns_.col(v), 0), 0 });
-    while (!open.empty() && visit_limit-- > 0) {
+    while (!open.empty()) {
         const auto [distance, index] = open.back();
         open.pop_back();
         const Node& node = nodes_[index];
@@ -107,12 +107,13 @@ Neighbour PointTree::nearest(std::uint32_t v, std::uint32_t label, double square
     return best;
 }
 
-std::vector<std::uint32_t> PointTree::ball(const Eigen::VectorXd& centre, double radius, double resolution) const
+std::vector<std::uint32_t> PointTree::ball(const Eigen::VectorXd& centre, double radius, double resolution,
+                                           std::size_t visit_limit) const
 {
     std::vector<std::uint32_t> found;
     std::vector<std::size_t> open;
     if (!nodes_.empty()) open.push_back(0);
-    while (!open.empty()) {
+    while (!open.empty() && visit_limit-- > 0) {
         const std::size_t index = open.back();
         open.pop_back();
         const Node& node = nodes_[index];

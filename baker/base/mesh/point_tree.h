@@ -42,13 +42,14 @@ public:
     // The point next to vertex v that is not v and has not this label (after relabel), nearer than `squared_limit`; its
     // distance is
     // `squared_limit` and its number points().size() if there is none. Without relabel all labels are 0: any other label
-    // finds all. After `visit_limit` balls the best that was found.
-    Neighbour nearest(std::uint32_t v, std::uint32_t label, double squared_limit, std::size_t visit_limit = SIZE_MAX) const;
+    // finds all.
+    Neighbour nearest(std::uint32_t v, std::uint32_t label, double squared_limit) const;
 
     // The vertices of some points within `radius` of a centre (3m): all of them, but of those that lie within about
     // `resolution` of one another only one. Their number is bounded by the ratio of the two, not by n, unless the resolution
-    // is 0.
-    std::vector<std::uint32_t> ball(const Eigen::VectorXd& centre, double radius, double resolution) const;
+    // is 0. After `visit_limit` nodes of the tree those that were found.
+    std::vector<std::uint32_t> ball(const Eigen::VectorXd& centre, double radius, double resolution,
+                                    std::size_t visit_limit = SIZE_MAX) const;
 
 private:
     struct Node {

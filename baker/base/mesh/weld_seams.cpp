@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <map>
 #include <numeric>
+#include <set>
+#include <tuple>
 #include <utility>
 
 namespace pliant {
@@ -45,35 +47,35 @@ std::vector<Index> ends_of(const std::vector<Edge>& edges)
     return out;
 }
 
-// Border vertices, numbered by their place in `border`, and the clusters that they have been joined to.
+// Border vertices, numbered by their place in `border`, and the clusters that they are joined to.
 class SeamWelder {
 public:
     SeamWelder(const std::vector<const Positions*>& poses, const RoundedParts& parts, const std::vector<Index>& border,
                const std::vector<Edge>& edges);
 
-    // Each cluster to the nearest one that has other parts; false if none was joined.
-    bool join_nearest(bool is_first);
+    void join_all();
     // Of the finest part.
     Index standing_for(Index i) const;
 
 private:
     struct Pair {
-        double squared_distance;
+        double distance; // squared, in the pose where it is greatest
         Index a, b;
+        bool is_of_seam = false;
     };
-    std::vector<Pair> nearest_pairs(std::size_t least_size) const;
-    void leave_out_touching(std::vector<Pair>& pairs) const;
+    using NearOnes = std::vector<std::vector<std::pair<Index, std::size_t>>>; // of each vertex: another one, and their pair
+    std::vector<Pair> near_pairs() const;
+    void mark_seams(std::vector<Pair>& pairs) const;
     void leave_out_layers(std::vector<Pair>& pairs) const;
-    Edge parts_of(const Pair& pair) const { return std::minmax(parts_[pair.a], parts_[pair.b]); }
     Eigen::VectorXd squares_apart(Index i, Index j) const;
     bool is_near(Index i, Index j) const { return squares_apart(i, j).maxCoeff() <= 1 + 1e-9; }
-    bool join(Index a, Index b);
+    void join(Index a, Index b);
 
     Eigen::MatrixXd reaches_;                 // parts x poses
     Eigen::VectorXd units_;                   // per pose the largest reach
     Eigen::MatrixXd columns_;                 // positions in all poses, in these units
     std::vector<Index> parts_;                // of each vertex
-    std::vector<Edge> edges_;                 // of the border, by places
+    std::vector<Edge> edges_;                 // of the border, by places, ascending
     std::vector<std::vector<Index>> members_; // of each cluster, at its first vertex
     std::vector<Index> first_;                // of the cluster of each vertex
 };
@@ -107,48 +109,48 @@ Eigen::VectorXd SeamWelder::squares_apart(Index i, Index j) const
     return squares.cwiseQuotient(reach.cwiseAbs2());
 }
 
-// Of each cluster of this size at least.
-std::vector<SeamWelder::Pair> SeamWelder::nearest_pairs(std::size_t least_size) const
+// Each vertex looks as far as its own part and one of the same grid reach: what is coarser looks for itself.
+std::vector<SeamWelder::Pair> SeamWelder::near_pairs() const
 {
-    constexpr std::size_t visit_limit = 1000; // some 100 are usual
+    constexpr std::size_t visit_limit = 150, near_limit = 16; // some 30, and 1 to 5, are usual
     std::vector<TreePoint> points;
-    std::vector<Index> labels;
-    for (Index i = 0; i < first_.size(); ++i) {
-        if (first_[i] != i || members_[i].size() < least_size) continue;
-        points.push_back({ i, Index(labels.size()) });
-        labels.push_back(parts_[i]);
-    }
-    PointTree tree(columns_, points);
-    tree.relabel(labels);
+    for (Index i = 0; i < first_.size(); ++i) points.push_back({ i, 0 });
+    const PointTree tree(columns_, points);
     std::vector<Pair> pairs;
-    for (std::size_t p = 0; p < points.size(); ++p) {
-        const Index a = points[p].vertex;
-        const double limit
-            = (reaches_.row(parts_[a]).transpose().cwiseQuotient(units_).array() + 1).square().sum() * (1 + 1e-9);
-        const Neighbour found = tree.nearest(a, labels[p], limit, visit_limit);
-        if (found.point == points.size()) continue;
-        const Index b = points[found.point].vertex;
-        if (is_near(a, b)) pairs.push_back({ found.squared_distance, a, b });
+    for (Index a = 0; a < first_.size(); ++a) {
+        const double radius = 2 * reaches_.row(parts_[a]).transpose().cwiseQuotient(units_).norm() * (1 + 1e-9);
+        std::vector<Pair> found;
+        for (const Index b : tree.ball(columns_.col(a), radius, 0, visit_limit))
+            if (parts_[a] != parts_[b] && is_near(a, b))
+                found.push_back({ squares_apart(a, b).maxCoeff(), std::min(a, b), std::max(a, b) });
+        std::sort(found.begin(), found.end(), [](const Pair& p, const Pair& q) {
+            return std::tie(p.distance, p.a, p.b) < std::tie(q.distance, q.a, q.b);
+        });
+        pairs.insert(pairs.end(), found.begin(), found.begin() + std::ptrdiff_t(std::min(found.size(), near_limit)));
     }
+    const auto key = [](const Pair& pair) { return std::tie(pair.distance, pair.a, pair.b); };
+    std::sort(pairs.begin(), pairs.end(), [&](const Pair& p, const Pair& q) { return key(p) < key(q); });
+    pairs.erase(std::unique(pairs.begin(), pairs.end(), [&](const Pair& p, const Pair& q) { return key(p) == key(q); }),
+                pairs.end());
     return pairs;
 }
 
 // Seams are of edges. Borders that only touch have no edge beside each other.
-void SeamWelder::leave_out_touching(std::vector<Pair>& pairs) const
+void SeamWelder::mark_seams(std::vector<Pair>& pairs) const
 {
-    std::vector<Index> partners(first_.size(), Index(first_.size()));
-    for (const Pair& pair : pairs) partners[pair.a] = pair.b;
-    // The partner's own partner may be another one, of a third part.
-    for (const Pair& pair : pairs)
-        if (partners[pair.b] == first_.size()) partners[pair.b] = pair.a;
-    std::vector<bool> is_of_seam(first_.size(), false);
-    for (const auto& [a, b] : edges_) {
-        const Edge beside = std::minmax(partners[a], partners[b]);
-        if (beside.second == first_.size() || !std::binary_search(edges_.begin(), edges_.end(), beside)) continue;
-        is_of_seam[a] = is_of_seam[b] = is_of_seam[beside.first] = is_of_seam[beside.second] = true;
+    NearOnes near_ones(first_.size());
+    for (std::size_t i = 0; i < pairs.size(); ++i) {
+        near_ones[pairs[i].a].push_back({ pairs[i].b, i });
+        near_ones[pairs[i].b].push_back({ pairs[i].a, i });
     }
-    const auto is_touching = [&](const Pair& pair) { return !is_of_seam[pair.a] || !is_of_seam[pair.b]; };
-    pairs.erase(std::remove_if(pairs.begin(), pairs.end(), is_touching), pairs.end());
+    for (const auto& [a, b] : edges_)
+        for (const auto& [c, beside_a] : near_ones[a])
+            for (const auto& [d, beside_b] : near_ones[b]) {
+                if (parts_[c] != parts_[d] || !std::binary_search(edges_.begin(), edges_.end(), Edge(std::minmax(c, d))))
+                    continue;
+                pairs[beside_a].is_of_seam = pairs[beside_b].is_of_seam = true;
+            }
+    pairs.erase(std::remove_if(pairs.begin(), pairs.end(), [](const Pair& pair) { return !pair.is_of_seam; }), pairs.end());
 }
 
 // Copies are within a step of each other in each coordinate, and only a seam along an axis has two coordinates in which all
@@ -161,7 +163,11 @@ void SeamWelder::leave_out_layers(std::vector<Pair>& pairs) const
         double count = 0;
     };
     std::map<Edge, Sums> sums;
+    std::set<Edge> seen; // a vertex and the part that its nearest one is of
+    const auto parts_of = [&](const Pair& pair) { return Edge(std::minmax(parts_[pair.a], parts_[pair.b])); };
     for (const Pair& pair : pairs) {
+        const bool is_nearest = seen.insert({ pair.a, parts_[pair.b] }).second;
+        if (!(seen.insert({ pair.b, parts_[pair.a] }).second || is_nearest)) continue;
         Sums& of_parts = sums[parts_of(pair)];
         if (of_parts.count == 0) of_parts.squares = Eigen::VectorXd::Zero(units_.size());
         of_parts.squares += squares_apart(pair.a, pair.b);
@@ -174,33 +180,27 @@ void SeamWelder::leave_out_layers(std::vector<Pair>& pairs) const
     pairs.erase(std::remove_if(pairs.begin(), pairs.end(), is_layer), pairs.end());
 }
 
-bool SeamWelder::join_nearest(bool is_first)
+// The nearest first.
+void SeamWelder::join_all()
 {
-    std::vector<Pair> pairs = nearest_pairs(is_first ? 1 : 2);
-    if (is_first) {
-        leave_out_touching(pairs);
-        leave_out_layers(pairs);
-    }
-    std::stable_sort(pairs.begin(), pairs.end(),
-                     [](const Pair& a, const Pair& b) { return a.squared_distance < b.squared_distance; });
-    bool has_joined = false;
-    for (const Pair& pair : pairs) has_joined |= join(first_[pair.a], first_[pair.b]);
-    return has_joined;
+    std::vector<Pair> pairs = near_pairs();
+    mark_seams(pairs);
+    leave_out_layers(pairs);
+    for (const Pair& pair : pairs) join(first_[pair.a], first_[pair.b]);
 }
 
 // If all of them are of different parts and near each other: no chain of short steps can join what is apart.
-bool SeamWelder::join(Index a, Index b)
+void SeamWelder::join(Index a, Index b)
 {
     constexpr std::size_t member_limit = 16; // more parts do not meet in a point
-    if (a == b || members_[a].size() + members_[b].size() > member_limit) return false;
+    if (a == b || members_[a].size() + members_[b].size() > member_limit) return;
     for (const Index i : members_[a])
         for (const Index j : members_[b])
-            if (parts_[i] == parts_[j] || !is_near(i, j)) return false;
+            if (parts_[i] == parts_[j] || !is_near(i, j)) return;
     if (b < a) std::swap(a, b);
     for (const Index j : members_[b]) first_[j] = a;
     members_[a].insert(members_[a].end(), members_[b].begin(), members_[b].end());
     members_[b].clear();
-    return true;
 }
 
 Index SeamWelder::standing_for(Index i) const
@@ -220,8 +220,7 @@ std::size_t weld_seams(const std::vector<const Positions*>& poses, const std::ve
     const std::vector<Index> border = ends_of(edges);
     if (border.empty()) return 0;
     SeamWelder welder(poses, parts, border, edges);
-    constexpr int round_limit = 4; // the others join the clusters where four parts and more meet
-    for (int round = 0; round < round_limit && welder.join_nearest(round == 0); ++round) {}
+    welder.join_all();
     std::size_t joined_count = 0;
     for (Index i = 0; i < border.size(); ++i) {
         const Index standing = border[welder.standing_for(i)];

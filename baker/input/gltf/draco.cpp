@@ -254,8 +254,7 @@ DracoMesh decode_draco(const GltfDocument& document, const GltfValue& extension,
         const GltfValue accessor = attributes[name];
         const bool is_normalised = accessor.exists() && accessor_shape(document, accessor).is_normalised;
         out.attributes.emplace(name, numbers_of(*mesh, *attribute, is_normalised));
-        if (name == "POSITION")
-            out.position_step = decoded.steps[static_cast<std::size_t>(mesh->GetAttributeIdByUniqueId(unique_id))];
+        out.steps[name] = decoded.steps[static_cast<std::size_t>(mesh->GetAttributeIdByUniqueId(unique_id))];
     }
     return out;
 }

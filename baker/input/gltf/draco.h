@@ -18,7 +18,7 @@ struct DracoMesh {
     std::vector<Triangle> triangles;               // corners below vertex_count
     std::map<std::string, GltfNumbers> attributes; // those that are read, by glTF's names, vertex_count rows each
     std::uint64_t vertex_count = 0;
-    double position_step = 0; // of the grid that POSITION was rounded to; 0: none
+    std::map<std::string, double> steps; // of the grids that attributes were rounded to, by glTF's names; 0: none
 };
 
 // `extension` is the object KHR_draco_mesh_compression of a primitive, `attributes` the primitive's own: they say which

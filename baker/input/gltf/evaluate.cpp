@@ -81,10 +81,13 @@ public:
             of_skins_.emplace_back();
             of_skins_.back().reserve(skin.joints.size());
             skin_scales_.push_back(0);
+            Eigen::AlignedBox3d origins;
             for (std::size_t j = 0; j < skin.joints.size(); ++j) {
                 of_skins_.back().push_back(world_[skin.joints[j]] * skin.inverse_bind[j]);
                 skin_scales_.back() = std::max(skin_scales_.back(), scale(of_skins_.back().back()));
+                origins.extend(Eigen::Vector3d(world_[skin.joints[j]].topRightCorner<3, 1>()));
             }
+            skin_sizes_.push_back(skin.joints.empty() ? 0 : origins.diagonal().norm());
         }
     }
 
@@ -107,12 +110,19 @@ public:
         return instance.skin < 0 ? scale(world_[instance.node]) : skin_scales_[static_cast<std::size_t>(instance.skin)];
     }
 
+    // How far apart joints move a vertex, about: as far as they are from each other.
+    double size_of(const GltfInstance& instance) const
+    {
+        return instance.skin < 0 ? 0 : skin_sizes_[static_cast<std::size_t>(instance.skin)];
+    }
+
 private:
     static double scale(const Eigen::Matrix4d& m) { return m.topLeftCorner<3, 3>().colwise().norm().maxCoeff(); }
 
     std::vector<Eigen::Matrix4d> world_;
     std::vector<std::vector<Eigen::Matrix4d>> of_skins_;
     std::vector<double> skin_scales_; // the largest of their matrices
+    std::vector<double> skin_sizes_;  // of the boxes around their joints
 };
 
 } // namespace
@@ -149,7 +159,8 @@ std::vector<double> position_steps(const GltfScene& scene, const GltfState& stat
         double grids = 1; // deltas of targets are rounded, too
         for (const double weight : state.weights[instance.node]) grids += std::abs(weight);
         for (const GltfPrimitive& primitive : scene.meshes[instance.mesh].primitives)
-            steps.push_back(grids * primitive.position_step * placing.scale_of(instance));
+            steps.push_back(grids * primitive.position_step * placing.scale_of(instance)
+                            + primitive.weight_step * placing.size_of(instance));
     }
     return steps;
 }

@@ -182,7 +182,9 @@ GltfPrimitive read_primitive(const GltfDocument& document, const GltfValue& prim
         if (positions == draco.attributes.end() || positions->second.cols() != 3)
             extension.fail(2318, "its Draco data have no positions", "compress it again from the original");
         out.positions = std::move(positions->second);
-        out.position_step = draco.position_step;
+        out.position_step = draco.steps["POSITION"];
+        for (const auto& [name, step] : draco.steps)
+            if (name.rfind("WEIGHTS_", 0) == 0) out.weight_step = std::max(out.weight_step, step);
         draco.attributes.erase(positions);
     } else {
         read_plain(document, primitive, allowance, out);

@@ -41,6 +41,7 @@ TEST_CASE("nearest with another label, however labels lie among the points")
                 CHECK(found.squared_distance == wanted.squared_distance);
             }
         }
-    // A limit of balls ends the search with what it has.
-    CHECK(tree.nearest(0, n, infinity, 0).point == n);
+    // A limit ends the search with what it has.
+    CHECK(tree.ball(columns.col(0), infinity, 0).size() == n);
+    CHECK(tree.ball(columns.col(0), infinity, 0, 20).size() < n / 2);
 }
