@@ -27,31 +27,50 @@ void* aligned(std::vector<std::uint64_t>& memory, std::size_t size)
 
 // By libpng and libjpeg: stb_image, which tinygltf has, writes out of bounds where a JPEG file of a stranger wants it to.
 // Without pixels the texture is left out.
-bool decode_image(tinygltf::Image* image, int, std::string*, std::string*, int, int, const unsigned char* bytes, int size,
-                  void*)
+void decode(tinygltf::Image& image, const unsigned char* bytes, std::size_t size)
 {
     constexpr std::size_t most_bytes = std::size_t(1) << 28;
-    pliant::player::Image read
-        = pliant::player::read_image(bytes, static_cast<std::size_t>(size), [](std::size_t pixel_bytes) {
-              if (pixel_bytes > most_bytes) throw std::runtime_error("a texture is too large");
-          });
-    image->width = read.width;
-    image->height = read.height;
-    image->component = 4;
-    image->bits = 8;
-    image->pixel_type = TINYGLTF_COMPONENT_TYPE_UNSIGNED_BYTE;
-    image->image = std::move(read.pixels);
+    pliant::player::Image read = pliant::player::read_image(bytes, size, [](std::size_t pixel_bytes) {
+        if (pixel_bytes > most_bytes) throw std::runtime_error("a texture is too large");
+    });
+    image.width = read.width;
+    image.height = read.height;
+    image.component = 4;
+    image.bits = 8;
+    image.pixel_type = TINYGLTF_COMPONENT_TYPE_UNSIGNED_BYTE;
+    image.image = std::move(read.pixels);
+}
+
+// tinygltf does not check whether a view lies in its buffer: images in views are decoded later.
+bool decode_file(tinygltf::Image* image, int, std::string*, std::string*, int, int, const unsigned char* bytes, int size,
+                 void*)
+{
+    if (image->bufferView < 0) decode(*image, bytes, static_cast<std::size_t>(size));
     return true;
+}
+
+// The first byte of a view, all of which lies in its buffer.
+const unsigned char* bytes_of(const tinygltf::Model& model, const tinygltf::BufferView& view)
+{
+    const std::vector<unsigned char>& buffer = model.buffers.at(std::size_t(view.buffer)).data;
+    if (view.byteOffset > buffer.size() || view.byteLength > buffer.size() - view.byteOffset)
+        throw std::runtime_error("a buffer view reaches beyond its buffer");
+    return buffer.data() + view.byteOffset;
 }
 
 tinygltf::Model load(const std::string& path)
 {
     tinygltf::TinyGLTF loader;
-    loader.SetImageLoader(decode_image, nullptr);
+    loader.SetImageLoader(decode_file, nullptr);
     tinygltf::Model model;
     std::string error, warning;
     if (!loader.LoadBinaryFromFile(&model, &error, &warning, path))
         throw std::runtime_error(path + ": " + (error.empty() ? "cannot be read as a GLB" : error));
+    for (tinygltf::Image& image : model.images) {
+        if (image.bufferView < 0) continue;
+        const tinygltf::BufferView& view = model.bufferViews.at(std::size_t(image.bufferView));
+        decode(image, bytes_of(model, view), view.byteLength);
+    }
     return model;
 }
 
@@ -146,11 +165,9 @@ void ElasticModel::open_asset(const tinygltf::Mesh& mesh)
 {
     const int number = mesh.extensions.at(extension).Get("bufferView").GetNumberAsInt();
     const tinygltf::BufferView& view = gltf_.bufferViews.at(std::size_t(number));
-    const std::vector<unsigned char>& buffer = gltf_.buffers.at(std::size_t(view.buffer)).data;
-    if (view.byteOffset > buffer.size() || view.byteLength > buffer.size() - view.byteOffset)
-        throw std::runtime_error("the asset reaches beyond its buffer");
+    const unsigned char* bytes = bytes_of(gltf_, view);
     void* blob = aligned(blob_, view.byteLength);
-    std::memcpy(blob, buffer.data() + view.byteOffset, view.byteLength);
+    std::memcpy(blob, bytes, view.byteLength);
     check(pliant_asset_open(&asset_, blob, view.byteLength, 0), "the asset cannot be opened");
 
     const pliant_solver_desc desc = pliant_solver_desc_default();

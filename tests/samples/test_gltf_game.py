@@ -1,4 +1,5 @@
 """gltf_game draws what `pliant blend` writes: test_gltf_game.py GLTF_GAME PLIANT. Without a display there is no picture."""
+import json
 import shutil
 import subprocess
 import sys
@@ -34,6 +35,18 @@ def blended(asset, folder, weights):
     return read_ply(path)[0]
 
 
+def move_image(glb, to):
+    """The view of the first image to behind its buffer."""
+    data = glb.read_bytes()
+    end = 20 + int.from_bytes(data[12:16], "little")
+    document = json.loads(data[20:end])
+    document["bufferViews"][document["images"][0]["bufferView"]]["byteOffset"] = 1000000000
+    text = json.dumps(document).encode()
+    text += b" " * (-len(text) % 4)
+    chunks = len(text).to_bytes(4, "little") + b"JSON" + text + data[end:]
+    to.write_bytes(b"glTF" + (2).to_bytes(4, "little") + (12 + len(chunks)).to_bytes(4, "little") + chunks)
+
+
 def check_refusals(glb, folder):
     plain = folder / "plain.glb"
     run(TOOL, "export", folder / "tube.pliant", "-o", plain)
@@ -42,6 +55,9 @@ def check_refusals(glb, folder):
     assert "3 weights for 2 poses" in run(GAME, glb, "--headless", folder / "x", "--weights", "1,1,1", expected=1)
     assert "hint" in run(GAME, glb, "--weights", "1,x", expected=2)
     assert "hint" in run(GAME, expected=2)
+    far = folder / "far.glb"
+    move_image(glb, far)
+    assert "reaches beyond its buffer" in run(GAME, far, "--headless", folder / "x", expected=1)
     assert not (folder / "x").exists()
 
 

@@ -15,6 +15,8 @@ namespace {
 using Index = std::uint32_t;
 using Edge = std::pair<Index, Index>; // ascending
 
+constexpr std::size_t near_limit = 16; // vertices that one is joined with; 1 to 5 are usual
+
 // Those of one triangle, ascending, of parts that are joined.
 std::vector<Edge> border_edges(const std::vector<Triangle>& triangles, const RoundedParts& parts,
                                const std::vector<Index>& targets)
@@ -112,7 +114,7 @@ Eigen::VectorXd SeamWelder::squares_apart(Index i, Index j) const
 // Each vertex looks as far as its own part and one of the same grid reach: what is coarser looks for itself.
 std::vector<SeamWelder::Pair> SeamWelder::near_pairs() const
 {
-    constexpr std::size_t visit_limit = 150, near_limit = 16; // some 30, and 1 to 5, are usual
+    constexpr std::size_t visit_limit = 150; // some 30 are usual
     std::vector<TreePoint> points;
     for (Index i = 0; i < first_.size(); ++i) points.push_back({ i, 0 });
     const PointTree tree(columns_, points);
@@ -139,9 +141,12 @@ std::vector<SeamWelder::Pair> SeamWelder::near_pairs() const
 void SeamWelder::mark_seams(std::vector<Pair>& pairs) const
 {
     NearOnes near_ones(first_.size());
+    const auto add = [&](Index to, Index other, std::size_t pair) { // of a crowd the nearest
+        if (near_ones[to].size() < near_limit) near_ones[to].push_back({ other, pair });
+    };
     for (std::size_t i = 0; i < pairs.size(); ++i) {
-        near_ones[pairs[i].a].push_back({ pairs[i].b, i });
-        near_ones[pairs[i].b].push_back({ pairs[i].a, i });
+        add(pairs[i].a, pairs[i].b, i);
+        add(pairs[i].b, pairs[i].a, i);
     }
     for (const auto& [a, b] : edges_)
         for (const auto& [c, beside_a] : near_ones[a])

@@ -44,6 +44,27 @@ void morph(const GltfDocument& document, const GltfMesh& mesh, const std::vector
     }
 }
 
+// Of the grids of a mesh's primitives with those of its targets, at the weights that a node showed it with last.
+struct MorphedSteps {
+    std::vector<double> weights, steps;
+};
+
+// In whole numbers targets have the grid of the positions.
+std::vector<double> morphed_steps(const GltfDocument& document, const GltfMesh& mesh, const std::vector<double>& weights)
+{
+    std::vector<double> steps;
+    for (const GltfPrimitive& primitive : mesh.primitives) {
+        steps.push_back(primitive.position_step);
+        for (std::size_t k = 0; k < primitive.targets.size() && k < weights.size(); ++k) {
+            if (weights[k] == 0) continue;
+            const GltfValue deltas = primitive.targets[k]["POSITION"];
+            if (!deltas.exists() || accessor_shape(document, deltas).component_type == gltf_float32) continue;
+            steps.back() += std::abs(weights[k]) * primitive.position_step;
+        }
+    }
+    return steps;
+}
+
 // Of normals: what keeps them at right angles, whatever the matrix does to lengths.
 Eigen::Matrix3d cofactors(const Eigen::Matrix3d& m)
 {
@@ -81,14 +102,12 @@ public:
             of_skins_.emplace_back();
             of_skins_.back().reserve(skin.joints.size());
             skin_scales_.push_back(0);
-            Eigen::AlignedBox3d origins;
             for (std::size_t j = 0; j < skin.joints.size(); ++j) {
                 of_skins_.back().push_back(world_[skin.joints[j]] * skin.inverse_bind[j]);
                 skin_scales_.back() = std::max(skin_scales_.back(), scale(of_skins_.back().back()));
-                origins.extend(Eigen::Vector3d(world_[skin.joints[j]].topRightCorner<3, 1>()));
             }
-            skin_sizes_.push_back(skin.joints.empty() ? 0 : origins.diagonal().norm());
         }
+        measure_spreads(scene);
     }
 
     // Of a vertex: of the joints of its skin, or of the node.
@@ -110,19 +129,38 @@ public:
         return instance.skin < 0 ? scale(world_[instance.node]) : skin_scales_[static_cast<std::size_t>(instance.skin)];
     }
 
-    // How far apart joints move a vertex, about: as far as they are from each other.
-    double size_of(const GltfInstance& instance) const
+    // How far apart the joints of an instance move a vertex, at most.
+    double spread_of(const GltfInstance& instance) const
     {
-        return instance.skin < 0 ? 0 : skin_sizes_[static_cast<std::size_t>(instance.skin)];
+        return instance.skin < 0 ? 0 : skin_spreads_[static_cast<std::size_t>(instance.skin)];
     }
 
 private:
+    // Where matrices move the corners of the box around all that is skinned.
+    void measure_spreads(const GltfScene& scene)
+    {
+        std::vector<Eigen::AlignedBox3d> boxes(of_skins_.size());
+        for (const GltfInstance& instance : scene.instances)
+            if (instance.skin >= 0) boxes[static_cast<std::size_t>(instance.skin)].extend(scene.meshes[instance.mesh].box());
+        for (std::size_t s = 0; s < boxes.size(); ++s) {
+            skin_spreads_.push_back(0);
+            if (boxes[s].isEmpty()) continue;
+            for (int corner = 0; corner < 8; ++corner) {
+                const Eigen::Vector3d from = boxes[s].corner(Eigen::AlignedBox3d::CornerType(corner));
+                Eigen::AlignedBox3d images;
+                for (const Eigen::Matrix4d& m : of_skins_[s])
+                    images.extend(m.topLeftCorner<3, 3>() * from + m.topRightCorner<3, 1>());
+                skin_spreads_.back() = std::max(skin_spreads_.back(), images.sizes().norm());
+            }
+        }
+    }
+
     static double scale(const Eigen::Matrix4d& m) { return m.topLeftCorner<3, 3>().colwise().norm().maxCoeff(); }
 
     std::vector<Eigen::Matrix4d> world_;
     std::vector<std::vector<Eigen::Matrix4d>> of_skins_;
     std::vector<double> skin_scales_; // the largest of their matrices
-    std::vector<double> skin_sizes_;  // of the boxes around their joints
+    std::vector<double> skin_spreads_;
 };
 
 } // namespace
@@ -155,12 +193,16 @@ std::vector<double> position_steps(const GltfScene& scene, const GltfState& stat
 {
     const Placing placing(scene, state);
     std::vector<double> steps;
+    std::vector<MorphedSteps> meshes(scene.meshes.size());
     for (const GltfInstance& instance : scene.instances) {
-        double grids = 1; // deltas of targets are rounded, too
-        for (const double weight : state.weights[instance.node]) grids += std::abs(weight);
-        for (const GltfPrimitive& primitive : scene.meshes[instance.mesh].primitives)
-            steps.push_back(grids * primitive.position_step * placing.scale_of(instance)
-                            + primitive.weight_step * placing.size_of(instance));
+        const GltfMesh& mesh = scene.meshes[instance.mesh];
+        MorphedSteps& morphed = meshes[instance.mesh];
+        const std::vector<double>& weights = state.weights[instance.node];
+        if (morphed.steps.empty() || morphed.weights != weights)
+            morphed = { weights, morphed_steps(*scene.document, mesh, weights) };
+        for (std::size_t i = 0; i < mesh.primitives.size(); ++i)
+            steps.push_back(morphed.steps[i] * placing.scale_of(instance)
+                            + mesh.primitives[i].weight_step * placing.spread_of(instance));
     }
     return steps;
 }

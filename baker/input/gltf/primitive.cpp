@@ -7,6 +7,7 @@
 #include <cmath>
 #include <fmt/format.h>
 #include <numeric>
+#include <set>
 
 namespace pliant {
 namespace {
@@ -44,14 +45,21 @@ bool is_widened(std::uint32_t number, int bits, int fewer)
 // fewer bits.
 double position_step(const AccessorShape& shape, const GltfNumbers& positions)
 {
-    constexpr int fewest = 8;
+    constexpr int fewest = 8, sure_bits = 20; // a pattern that chance makes with a probability of 2^-20
     const bool is_short = shape.component_type == gltf_int16 || shape.component_type == gltf_uint16;
     if (!shape.is_normalised || !is_short) return step_of(shape);
     const int bits = shape.component_type == gltf_int16 ? 15 : 16;
     const double units = std::exp2(bits) - 1;
+    std::set<double> values; // other than those that have the pattern of any number of bits
+    for (Eigen::Index i = 0; i < positions.size() && values.size() < sure_bits; ++i) {
+        const double value = std::abs(positions.data()[i]);
+        if (value > 0 && value < 1) values.insert(value);
+    }
     for (int fewer = fewest; fewer < bits; ++fewer) {
         const auto is_one = [&](double p) { return is_widened(std::uint32_t(std::abs(p) * units + 0.5), bits, fewer); };
-        if (std::all_of(positions.data(), positions.data() + positions.size(), is_one)) return 1 / (std::exp2(fewer) - 1);
+        if ((bits - fewer) * int(values.size()) >= sure_bits
+            && std::all_of(positions.data(), positions.data() + positions.size(), is_one))
+            return 1 / (std::exp2(fewer) - 1);
     }
     return step_of(shape);
 }
@@ -195,6 +203,7 @@ GltfPrimitive read_primitive(const GltfDocument& document, const GltfValue& prim
     read_influences(reader, out);
     out.stored_count = out.vertex_count();
     leave_out_box(primitive, out);
+    for (Eigen::Index v = 0; v < out.positions.rows(); ++v) out.box.extend(Eigen::Vector3d(out.positions.row(v)));
     const GltfValue targets = primitive["targets"];
     constexpr std::uint64_t numbers_of_target = 96; // its place, and its names
     if (targets.size() != 0) allowance.take(targets, targets.size(), numbers_of_target);

@@ -4,6 +4,7 @@
 #include "base/mesh/pose_set.h"
 #include "input/gltf/accessor.h"
 
+#include <Eigen/Geometry>
 #include <map>
 #include <string>
 #include <vector>
@@ -14,6 +15,7 @@ struct GltfPrimitive {
     std::ptrdiff_t material = -1;
     std::vector<Triangle> triangles;               // corners below vertex_count()
     GltfNumbers positions;                         // n x 3, finite or not: whoever shows them checks
+    Eigen::AlignedBox3d box;                       // around them
     double position_step = 0, weight_step = 0;     // of the grids that they and weights were rounded to; 0: none
     std::map<std::string, GltfNumbers> attributes; // NORMAL (n x 3), TEXCOORD_k (n x 2), COLOR_k (n x 3 or 4)
     // Influences of joints, `joint_count` a vertex: numbers into the skin's list, and weights as the file has them.

@@ -6,6 +6,7 @@ import math
 import os
 import pathlib
 import sys
+from collections.abc import Callable
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -19,7 +20,7 @@ _LIMIT = 64  # poses, or layers
 # What reading a file may cost: some for any file, and more for each of its bytes, as of glTF. Numbers of arrays, prims, the
 # levels of their paths, their time samples, the names of their blend shapes, and a mesh in a pose take their shares.
 _COST, _COST_FOR_BYTE = 64000000, 128
-_OF_NUMBER, _OF_PRIM, _OF_LEVEL, _OF_SAMPLE, _OF_NAME, _OF_POSED, _OF_POSED_NUMBER = 16, 1024, 256, 64, 256, 2048, 4
+_OF_NUMBER, _OF_PRIM, _OF_LEVEL, _OF_SAMPLE, _OF_NAME, _OF_POSED, _OF_POSED_NUMBER = 16, 1024, 256, 64, 256, 2048, 1
 _INPUT = 3  # the exit code
 _USAGE = 2
 _CHOICES = "write #rest, #target=NAME,NAME or #time=FRAME,FRAME"
@@ -75,29 +76,53 @@ def _open(path: str) -> tuple[Any, Any]:
 class _Allowance:
     """What reading the files of a stage may still cost."""
 
-    def __init__(self, path: str, byte_count: int) -> None:
+    def __init__(self, path: str, count_bytes: Callable[[], int]) -> None:
         self._path = path
-        self._limit = self._left = _COST + _COST_FOR_BYTE * byte_count
+        self._count_bytes = count_bytes
+        self._limit = self._left = _COST + _COST_FOR_BYTE * count_bytes()
+
+    def _grow(self) -> None:
+        """By files that were opened since, such as clips of frames."""
+        grown = _COST + _COST_FOR_BYTE * self._count_bytes() - self._limit
+        self._limit += grown
+        self._left += grown
 
     def take(self, count: int, prim: Any) -> None:
         self._left -= count
+        if self._left < 0:
+            self._grow()
         if self._left < 0:
             limit = f"{self._limit // _OF_NUMBER} numbers are read, the limit for its files"
             what = f"at {prim.GetPath()} more than {limit}"
             raise _error(_INPUT, 2333, self._path, what, "simplify the mesh, or use fewer instances, poses and blend shapes")
 
 
+class _Places:
+    """Where prims are at a time. Each place above others is computed once."""
+
+    def __init__(self, pxr: Any) -> None:
+        self._usd = pxr
+        self._last: tuple[Any, Any] | None = None
+
+    def matrix(self, prim: Any, time: Any) -> Positions:
+        if self._last is None or self._last[0] != time:
+            self._last = (time, self._usd.UsdGeom.XformCache(time))
+        return np.array(self._last[1].GetLocalToWorldTransform(prim))
+
+
 class _Part:
     """A mesh of the stage."""
 
-    def __init__(self, pxr: Any, prim: Any, path: str, allowance: _Allowance) -> None:
+    def __init__(self, pxr: Any, prim: Any, path: str, allowance: _Allowance, places: _Places) -> None:
         self._usd = pxr
         self._allowance = allowance
+        self._places = places
         self.skin: Skin | None = None
         self.prim = prim
         self.mesh = pxr.UsdGeom.Mesh(prim)
         self.where = f"{path}: {prim.GetPath()}"
         self._rest_time = pxr.Usd.TimeCode.EarliestTime()
+        self._offset_count: int | None = None
         self.count = len(self._points(self._rest_time, _OF_NUMBER))
 
     def _numbers(self, attribute: Any, time: Any = None, cost: int = _OF_NUMBER) -> Positions:
@@ -128,7 +153,7 @@ class _Part:
         self._allowance.take(_OF_POSED + _OF_POSED_NUMBER * (self.count * (1 + moves) + joints), self.prim)
         if self.skin:
             points = self.skin.skinned(points, time, is_rest)
-        matrix = np.array(self._usd.UsdGeom.Imageable(self._place()).ComputeLocalToWorldTransform(time))
+        matrix = self._places.matrix(self._place(), time)
         if np.array_equal(matrix, np.eye(4)):
             return points
         placed: Positions = points @ matrix[:3, :3] + matrix[3, :3]
@@ -145,7 +170,24 @@ class _Part:
                     self._numbers(attribute, time), self._numbers(attribute, self._rest_time)):
                 what = f"has other faces at frame {time.GetValue():g} than at first"
                 raise ValueError(f"{self.where}: {what}; poses share vertices and faces")
-        return self._placed(self.skin.morphed(points, time) if self.skin else points, time, False)
+        if self.skin and self.skin.has_shapes:
+            self._allowance.take(_OF_POSED_NUMBER * self._count_offsets(), self.prim)
+            points = self.skin.morphed(points, time)
+        return self._placed(points, time, False)
+
+    def _count_offsets(self) -> int:
+        """Of all blend shapes, which every frame reads."""
+        if self._offset_count is None:
+            self._offset_count = 0
+            for path in self.targets().values():
+                shape = self._usd.UsdSkel.BlendShape(self.prim.GetStage().GetPrimAtPath(path))
+                between = shape.GetInbetweens() if shape else []
+                for attribute in [shape.GetOffsetsAttr(), *(one.GetAttr() for one in between)] if shape else []:
+                    offsets = attribute.Get()
+                    count = len(offsets) if hasattr(offsets, "__len__") else 0
+                    self._allowance.take(_OF_NUMBER * count, self.prim)
+                    self._offset_count += count
+        return self._offset_count
 
     def rest(self, offsets: Positions | float = 0.0) -> Positions:
         """Without animation of its skeleton; `offsets` are added to its own points."""
@@ -253,7 +295,7 @@ class _Stage:
 
     def _find_parts(self) -> list[_Part]:
         out: list[_Part] = []
-        allowance = _Allowance(self.path, self._byte_count())
+        allowance, places = _Allowance(self.path, self._byte_count), _Places(self._usd)
         prims = iter(self._usd.Usd.PrimRange(self._stage.GetPseudoRoot(), self._usd.Usd.TraverseInstanceProxies()))
         for prim in prims:
             allowance.take(_OF_PRIM + _OF_LEVEL * prim.GetPath().pathElementCount, prim)
@@ -264,7 +306,7 @@ class _Stage:
                 self.instancers.append(str(prim.GetPath()))
                 prims.PruneChildren()
             elif self._is_drawn(prim):
-                out.append(_Part(self._usd, prim, self.path, allowance))
+                out.append(_Part(self._usd, prim, self.path, allowance, places))
         self._bind_skins(out, allowance)  # not before the file's prims are counted
         return sorted(out, key=lambda part: str(part.prim.GetPath()))  # programs list them in any order
 

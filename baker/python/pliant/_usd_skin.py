@@ -53,6 +53,7 @@ class Skin:
         self._where = f"{path}: {query.GetPrim().GetPath()}"
         self.skeleton = skeleton
         self.influence_count = query.GetNumInfluencesPerComponent()
+        self.has_shapes = bool(skeleton.animation) and query.HasBlendShapes()
 
     def place(self) -> Any:
         """The prim whose space moved points are in."""
@@ -64,7 +65,7 @@ class Skin:
     def morphed(self, positions: Positions, time: Any) -> Positions:
         """By the blend shapes that the animation sets."""
         animation = self.skeleton.animation
-        if not animation or not self._query.HasBlendShapes():
+        if not self.has_shapes:
             return positions
         skel, points = self._usd.UsdSkel, self._points(positions)
         shapes = skel.BlendShapeQuery(skel.BindingAPI(self._query.GetPrim()))

@@ -3,8 +3,10 @@ import math
 import subprocess
 import sys
 import tempfile
+import time
 import unittest
 from pathlib import Path
+from unittest import mock
 
 import numpy as np
 import pliant
@@ -453,6 +455,65 @@ class Meshes(unittest.TestCase):
             stage.Save()
             number, message = number_of(pliant.load_poses, path, blend="average" if influence_count > 0 else None)
             self.assertEqual(number, "P2333", (name, message))
+
+    # Every frame reads all blend shapes, and prims may share one.
+    def test_blend_shapes_at_frames(self):
+        path, stage = new_mesh("shape_frames.usdc", POSES[0], FACES, "/hero/tube")
+        prim = stage.GetPrimAtPath("/hero/tube")
+        UsdSkel.Root.Define(stage, "/hero")
+        add_skin(stage, prim, "/hero/bones", {1: 0.1, 2: 0.2}, [0] * len(POSES[0]))
+        shape = UsdSkel.BlendShape.Define(stage, "/shape")
+        shape.CreateOffsetsAttr(Vt.Vec3fArray(80000, Gf.Vec3f(0, 0, 1)))
+        shape.CreatePointIndicesAttr(Vt.IntArray(80000, 0))
+        binding = UsdSkel.BindingAPI(prim)
+        names = [f"s{k}" for k in range(300)]
+        binding.CreateBlendShapesAttr(names)
+        for name in names:
+            copy = UsdSkel.BlendShape.Define(stage, f"/hero/tube/{name}")
+            copy.GetPrim().GetReferences().AddInternalReference("/shape")
+            binding.CreateBlendShapeTargetsRel().AddTarget(copy.GetPath())
+        stage.Save()
+        number, message = number_of(pliant.load_poses, path, blend="average")
+        self.assertEqual(number, "P2333", message)
+
+    # The place of 200 meshes has 20,000 operations, which are computed once a frame.
+    def test_places_are_computed_once(self):
+        lines = ["#usda 1.0", "def Xform \"all\"", "{", "double3 xformOp:translate.timeSamples = {1: (0,0,0), 2: (1,0,0)}",
+                 "uniform token[] xformOpOrder = [" + ", ".join(["\"xformOp:translate\""] * 20000) + "]"]
+        for k in range(200):
+            lines += [f"def Mesh \"m{k}\"", "{", "int[] faceVertexCounts = [3]", "int[] faceVertexIndices = [0, 1, 2]",
+                      "point3f[] points = [(0,0,0), (1,0,0), (0,1,0)]", "}"]
+        path = Path(FOLDER.name, "operations.usda")
+        path.write_text("\n".join(lines + ["}"]) + "\n")
+        start = time.process_time()
+        poses = pliant.load_poses(str(path)).positions
+        self.assertLess(time.process_time() - start, 5)
+        self.assertEqual(poses[1][0, 0], 20000)
+
+    # The bytes of a frame's file count once it is opened.
+    def test_clips(self):
+        points = np.random.default_rng(1).normal(size=(9000, 3))
+        corners = [[k, k + 1, k + 2] for k in range(0, len(points), 3)]
+        for k in range(40):
+            clip = Usd.Stage.CreateNew(str(Path(FOLDER.name, f"clip{k}.usdc")))
+            UsdGeom.Mesh.Define(clip, "/tube").CreatePointsAttr().Set(vectors(points + k), k)
+            clip.Save()
+        path, stage = new_mesh("clips.usdc", points, corners)
+        prim = stage.GetPrimAtPath("/tube")
+        prim.GetAttribute("points").Clear()
+        clips = Usd.ClipsAPI(prim)
+        clips.SetClipAssetPaths([Sdf.AssetPath(f"./clip{k}.usdc") for k in range(40)])
+        clips.SetClipPrimPath("/tube")
+        clips.SetClipActive([(k, k) for k in range(40)])
+        clips.SetClipTimes([(k, k) for k in range(40)])
+        manifest = str(Path(FOLDER.name, "manifest.usda"))  # without it all clips are opened with the stage
+        clips.GenerateClipManifest().Export(manifest)
+        clips.SetClipManifestAssetPath(manifest)
+        stage.Save()
+        del stage, prim, clips, clip
+        times = ",".join(str(k) for k in range(40))
+        with mock.patch.multiple(pliant._usd, _COST=500000, _COST_FOR_BYTE=1):
+            self.assertEqual(len(pliant.load_poses(f"{path}#time={times}").positions), 40)
 
     def test_wrong_files(self):
         number, message = number_of(pliant.load_poses, "nowhere.usd")

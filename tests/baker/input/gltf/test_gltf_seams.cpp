@@ -179,6 +179,28 @@ std::vector<std::uint32_t> numbers_to(std::uint32_t n)
 
 } // namespace
 
+TEST_CASE("numbers that have the pattern of any rounding tell nothing of it")
+{
+    // Two squares 60 units apart.
+    GlbBuilder glb;
+    const std::vector<std::int16_t> square = { -32767, -32767, 0, 32767, -32767, 0, 32767, 32767, 0, -32767, 32767, 0 };
+    const int positions = glb.add(square, 5122, 3, "VEC3");
+    glb.json["accessors"].back()["normalized"] = true;
+    const std::vector<float> moves = { 0, 0, 0, 0, 0, 0, 0, 0, 0.5f, 0, 0, 0.5f };
+    const int target = glb.add(moves, 5126, 3, "VEC3");
+    const int corners = glb.add(std::vector<std::uint32_t> { 0, 1, 2, 0, 2, 3 }, 5125, 1, "SCALAR");
+    Json primitive = { { "attributes", { { "POSITION", positions } } }, { "indices", corners } };
+    primitive["targets"].push_back({ { "POSITION", target } });
+    Json mesh = Json::object();
+    mesh["primitives"].push_back(primitive);
+    glb.json["meshes"].push_back(mesh);
+    glb.json["nodes"].push_back({ { "mesh", 0 }, { "translation", { 0, 0, 60.0 / 32767 } } });
+    glb.json["scenes"][0]["nodes"] = { 0, 1 };
+    const pliant_test::TemporaryFolder folder;
+    pliant_test::write_bytes(folder / "squares.glb", glb.glb());
+    CHECK(load_poses({ folder / "squares.glb" }).repairs.welded_count == 0);
+}
+
 TEST_CASE("seams join the nearest vertices of other parts, never two of one part, and only borders")
 {
     // Two strips side by side; the third vertex of the second one lies near two of the first.
