@@ -4,10 +4,8 @@
 #include "input/gltf/render_scene.h"
 
 #include <algorithm>
-#include <cmath>
 #include <fmt/format.h>
 #include <numeric>
-#include <set>
 
 namespace pliant {
 namespace {
@@ -33,37 +31,6 @@ std::vector<Triangle> assemble(const std::vector<std::uint32_t>& corners, std::u
     return out;
 }
 
-// Whether a whole number of so many bits has the pattern of programs that round to fewer: these, and below them the highest
-// of them again.
-bool is_widened(std::uint32_t number, int bits, int fewer)
-{
-    const std::uint32_t kept = number >> (bits - fewer);
-    return (kept << (bits - fewer) | kept >> (2 * fewer - bits)) == number;
-}
-
-// Of the grid that positions in whole numbers were rounded to: coarser than a unit where normalized shorts were made of
-// fewer bits.
-double position_step(const AccessorShape& shape, const GltfNumbers& positions)
-{
-    constexpr int fewest = 8, sure_bits = 20; // a pattern that chance makes with a probability of 2^-20
-    const bool is_short = shape.component_type == gltf_int16 || shape.component_type == gltf_uint16;
-    if (!shape.is_normalised || !is_short) return step_of(shape);
-    const int bits = shape.component_type == gltf_int16 ? 15 : 16;
-    const double units = std::exp2(bits) - 1;
-    std::set<double> values; // other than those that have the pattern of any number of bits
-    for (Eigen::Index i = 0; i < positions.size() && values.size() < sure_bits; ++i) {
-        const double value = std::abs(positions.data()[i]);
-        if (value > 0 && value < 1) values.insert(value);
-    }
-    for (int fewer = fewest; fewer < bits; ++fewer) {
-        const auto is_one = [&](double p) { return is_widened(std::uint32_t(std::abs(p) * units + 0.5), bits, fewer); };
-        if ((bits - fewer) * int(values.size()) >= sure_bits
-            && std::all_of(positions.data(), positions.data() + positions.size(), is_one))
-            return 1 / (std::exp2(fewer) - 1);
-    }
-    return step_of(shape);
-}
-
 void read_plain(const GltfDocument& document, const GltfValue& primitive, GltfAllowance& allowance, GltfPrimitive& out)
 {
     const GltfValue position = primitive["attributes"]["POSITION"];
@@ -74,7 +41,9 @@ void read_plain(const GltfDocument& document, const GltfValue& primitive, GltfAl
     allowance.take_all_of(position);
     allowance.take(index_value.exists() ? index_value : position, corner_count, mode == triangles ? 1 : 3);
     out.positions = read_numbers(document, position, { 3 });
-    out.position_step = position_step(shape, out.positions);
+    out.position_step = step_of(shape);
+    if (shape.is_normalised && shape.component_type == gltf_int16) out.short_bits = 15;
+    if (shape.is_normalised && shape.component_type == gltf_uint16) out.short_bits = 16;
     std::vector<std::uint32_t> corners;
     if (index_value.exists()) {
         corners = read_indices(document, index_value, 1);

@@ -17,6 +17,7 @@ struct GltfPrimitive {
     GltfNumbers positions;                         // n x 3, finite or not: whoever shows them checks
     Eigen::AlignedBox3d box;                       // around them
     double position_step = 0, weight_step = 0;     // of the grids that they and weights were rounded to; 0: none
+    int short_bits = 0;                            // of positions in normalized shorts, without the sign; 0: in others
     std::map<std::string, GltfNumbers> attributes; // NORMAL (n x 3), TEXCOORD_k (n x 2), COLOR_k (n x 3 or 4)
     // Influences of joints, `joint_count` a vertex: numbers into the skin's list, and weights as the file has them.
     std::vector<std::uint32_t> joints;

@@ -1,5 +1,7 @@
 #include "input/gltf/scene.h"
 
+#include "input/gltf/widened_shorts.h"
+
 #include "input/io/source_file.h"
 
 #include <algorithm>
@@ -368,6 +370,10 @@ GltfScene read_scene(std::shared_ptr<const GltfDocument> document, std::vector<D
     check_skins(scene, warnings);
     read_weights(scene, drawn);
     name_targets(scene);
+    std::vector<GltfPrimitive*> primitives;
+    for (GltfMesh& mesh : scene.meshes)
+        for (GltfPrimitive& primitive : mesh.primitives) primitives.push_back(&primitive);
+    find_widened_shorts(primitives);
     return scene;
 }
 

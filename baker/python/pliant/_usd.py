@@ -179,10 +179,11 @@ class _Part:
         """Of all blend shapes, which every frame reads."""
         if self._offset_count is None:
             self._offset_count = 0
-            for path in self.targets().values():
+            for path in self._usd.UsdSkel.BindingAPI(self.prim).GetBlendShapeTargetsRel().GetTargets():
                 shape = self._usd.UsdSkel.BlendShape(self.prim.GetStage().GetPrimAtPath(path))
                 between = shape.GetInbetweens() if shape else []
-                for attribute in [shape.GetOffsetsAttr(), *(one.GetAttr() for one in between)] if shape else []:
+                own = [shape.GetOffsetsAttr(), shape.GetPointIndicesAttr()] if shape else []
+                for attribute in [*own, *(one.GetAttr() for one in between)]:
                     offsets = attribute.Get()
                     count = len(offsets) if hasattr(offsets, "__len__") else 0
                     self._allowance.take(_OF_NUMBER * count, self.prim)

@@ -7,6 +7,7 @@
 #include "base/mesh/weld_seams.h"
 #include "glb_samples.h"
 #include "input/poses/load_poses.h"
+#include "input/poses/pose_source.h"
 
 #include <algorithm>
 #include <chrono>
@@ -199,6 +200,22 @@ TEST_CASE("numbers that have the pattern of any rounding tell nothing of it")
     const pliant_test::TemporaryFolder folder;
     pliant_test::write_bytes(folder / "squares.glb", glb.glb());
     CHECK(load_poses({ folder / "squares.glb" }).repairs.welded_count == 0);
+    // Beside a part whose numbers tell that programs rounded to 10 bits, a unit of which are 32.
+    std::vector<std::int16_t> telling;
+    for (int i = 0; i < 30; ++i) telling.push_back(static_cast<std::int16_t>((200 + i) << 5 | (200 + i) >> 5));
+    mesh["primitives"][0]["attributes"]["POSITION"] = glb.add(telling, 5122, 3, "VEC3");
+    glb.json["accessors"].back()["normalized"] = true;
+    mesh["primitives"][0]["indices"] = glb.add(std::vector<std::uint32_t> { 0, 4, 9, 1, 7, 3 }, 5125, 1, "SCALAR");
+    mesh["primitives"][0].erase("targets");
+    glb.json["meshes"].push_back(mesh);
+    glb.json["nodes"].push_back({ { "mesh", 1 }, { "translation", { 1.5, 0, 0 } } });
+    glb.json["nodes"][1]["translation"] = { 0, 0, 30.0 / 32767 };
+    glb.json["scenes"][0]["nodes"] = { 0, 1, 2 };
+    pliant_test::write_bytes(folder / "squares.glb", glb.glb());
+    DiagnosticList diagnostics;
+    const std::vector<MeshFile> read = read_pose_sources({ folder / "squares.glb" }, Blend::layers, diagnostics).meshes;
+    REQUIRE(read.size() == 2);
+    for (const double step : read[0].position_steps) CHECK(step == doctest::Approx(1.0 / 1023));
 }
 
 TEST_CASE("seams join the nearest vertices of other parts, never two of one part, and only borders")
