@@ -7,7 +7,7 @@
 namespace pliant {
 namespace {
 
-constexpr int fewest_bits = 8, sure_bits = 20; // a pattern that chance makes with a probability of 2^-20
+constexpr int fewest_bits = 8, sure_bits = 8; // a pattern that chance makes with a probability of 2^-8
 
 using Primitives = std::vector<GltfPrimitive*>;
 
