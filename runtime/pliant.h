@@ -348,9 +348,9 @@ PLIANT_API pliant_result pliant_asset_column(const pliant_asset* asset, uint32_t
 
 /** A bounding box of all vertices for any coordinates `q`, in units of the input meshes: every position that
    pliant_reconstruct writes for this q lies inside it. Conservative: of meshes with thousands of vertices each side
-   overshoots by 0.1 to 4 % of the diagonal on average, by up to 12 % where limbs swing far (tests/bench/README.md), and by
-   more where a sheet folds; of meshes with a few hundred, which have few clusters, by up to twice as much and more.
-   Positions of a damaged asset that are not numbers are left out, and so are those that overflow single precision.
+   overshoots by 0.1 to 4 % of the diagonal on average, by up to 12 % where limbs swing far (tests/bench/README.md). It
+   overshoots by more where a sheet folds, and on meshes with a few hundred vertices, which have few clusters. Positions of
+   a damaged asset that are not numbers are left out, and so are those that overflow single precision.
    Cost: 6 * (dimension + 1) multiply-adds for each of at most 256 clusters of vertices, microseconds. Without clusters
    (for one, in assets older than format 1.3) it costs as much as reconstructing all vertices.
    PLIANT_ERROR_ARGUMENT for null pointers. */

@@ -81,7 +81,7 @@ Json surrogate_of(const BakeReport& report, const BakeOptions& options)
 
 Json findings_of(const BakeReport& report, const std::vector<std::string>& pose_names)
 {
-    constexpr const char* kinds[] = { "other mean", "jump", "other path", "turn" };
+    constexpr const char* kinds[] = { "other mean", "jump", "other path", "turn" }; // in the order of Branch::Kind
     Json branches = Json::array();
     for (const Branch& branch : report.branches)
         branches.push_back({ { "kind", kinds[std::size_t(branch.kind)] },

@@ -132,7 +132,7 @@ namespace {
 
 const char* hint_for_turns(bool is_aligned)
 {
-    return is_aligned ? "place the poses as blends are to move from one to the other, and keep them there: --no-align"
+    return is_aligned ? "place the poses the way blends should move between them, and keep them there: --no-align"
                       : "bake poses that turn less against each other";
 }
 

@@ -67,7 +67,7 @@ private:
     };
     using NearOnes = std::vector<std::vector<std::pair<Index, std::size_t>>>; // of each vertex: another one, and their pair
     std::vector<Pair> near_pairs() const;
-    void mark_seams(std::vector<Pair>& pairs) const;
+    void leave_out_touching(std::vector<Pair>& pairs) const;
     void leave_out_layers(std::vector<Pair>& pairs) const;
     Eigen::VectorXd squares_apart(Index i, Index j) const;
     bool is_near(Index i, Index j) const { return squares_apart(i, j).maxCoeff() <= 1 + 1e-9; }
@@ -111,7 +111,7 @@ Eigen::VectorXd SeamWelder::squares_apart(Index i, Index j) const
     return squares.cwiseQuotient(reach.cwiseAbs2());
 }
 
-// Each vertex looks as far as its own part and one of the same grid reach: what is coarser looks for itself.
+// A vertex searches the reach of two parts as coarse as its own. A coarser partner finds it by its own search.
 std::vector<SeamWelder::Pair> SeamWelder::near_pairs() const
 {
     constexpr std::size_t visit_limit = 150; // some 30 are usual
@@ -137,8 +137,8 @@ std::vector<SeamWelder::Pair> SeamWelder::near_pairs() const
     return pairs;
 }
 
-// Seams are of edges. Borders that only touch have no edge beside each other.
-void SeamWelder::mark_seams(std::vector<Pair>& pairs) const
+// A seam joins edges. Borders that only touch have no two edges beside each other.
+void SeamWelder::leave_out_touching(std::vector<Pair>& pairs) const
 {
     NearOnes near_ones(first_.size());
     const auto add = [&](Index to, Index other, std::size_t pair) { // of a crowd the nearest
@@ -189,7 +189,7 @@ void SeamWelder::leave_out_layers(std::vector<Pair>& pairs) const
 void SeamWelder::join_all()
 {
     std::vector<Pair> pairs = near_pairs();
-    mark_seams(pairs);
+    leave_out_touching(pairs);
     leave_out_layers(pairs);
     for (const Pair& pair : pairs) join(first_[pair.a], first_[pair.b]);
 }

@@ -191,6 +191,10 @@ Positions evaluate(const GltfScene& scene, const GltfState& state, Positions* no
 
 std::vector<double> position_steps(const GltfScene& scene, const GltfState& state)
 {
+    const auto is_rounded = [](const GltfPrimitive& p) { return p.position_step > 0 || p.weight_step > 0; };
+    const auto has_rounded
+        = [&](const GltfMesh& m) { return std::any_of(m.primitives.begin(), m.primitives.end(), is_rounded); };
+    if (std::none_of(scene.meshes.begin(), scene.meshes.end(), has_rounded)) return {};
     const Placing placing(scene, state);
     std::vector<double> steps;
     std::vector<MorphedSteps> meshes(scene.meshes.size());

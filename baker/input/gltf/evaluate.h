@@ -13,7 +13,7 @@ namespace pliant {
 Positions evaluate(const GltfScene& scene, const GltfState& state, Positions* normals = nullptr);
 
 // Steps of the grids that positions were rounded to, instance after instance, primitive after primitive, in the units of the
-// file, with what weights of morph targets and the places of nodes and joints make of them; 0: of none.
+// file, with what weights of morph targets and the places of nodes and joints make of them; 0: not rounded. Empty: none is.
 std::vector<double> position_steps(const GltfScene& scene, const GltfState& state);
 
 // Triangles of the same, with the numbers of those rows; turned round in mirrored instances, so that the outside stays
