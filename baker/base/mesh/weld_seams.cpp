@@ -16,6 +16,7 @@ using Index = std::uint32_t;
 using Edge = std::pair<Index, Index>; // ascending
 
 constexpr std::size_t near_limit = 16; // vertices that one is joined with; 1 to 5 are usual
+constexpr double nearness = 1 + 1e-9;  // of squared distances, in squares of the reaches
 
 // Those of one triangle, ascending, of parts that are joined.
 std::vector<Edge> border_edges(const std::vector<Triangle>& triangles, const RoundedParts& parts,
@@ -69,12 +70,12 @@ private:
     std::vector<Pair> near_pairs() const;
     void leave_out_touching(std::vector<Pair>& pairs) const;
     void leave_out_layers(std::vector<Pair>& pairs) const;
-    Eigen::VectorXd squares_apart(Index i, Index j) const;
-    bool is_near(Index i, Index j) const { return squares_apart(i, j).maxCoeff() <= 1 + 1e-9; }
+    double square_apart(Index i, Index j, Eigen::Index pose) const;
+    double farthest_apart(Index i, Index j) const;
     void join(Index a, Index b);
 
-    Eigen::MatrixXd reaches_;                 // parts x poses
     Eigen::VectorXd units_;                   // per pose the largest reach
+    Eigen::MatrixXd reaches_;                 // poses x parts, in these units
     Eigen::MatrixXd columns_;                 // positions in all poses, in these units
     std::vector<Index> parts_;                // of each vertex
     std::vector<Edge> edges_;                 // of the border, by places, ascending
@@ -84,8 +85,8 @@ private:
 
 SeamWelder::SeamWelder(const std::vector<const Positions*>& poses, const RoundedParts& parts,
                        const std::vector<Index>& border, const std::vector<Edge>& edges)
-    : reaches_(parts.reaches)
-    , units_(parts.reaches.colwise().maxCoeff())
+    : units_(parts.reaches.colwise().maxCoeff())
+    , reaches_(units_.cwiseInverse().asDiagonal() * parts.reaches.transpose())
     , columns_(3 * Eigen::Index(poses.size()), Eigen::Index(border.size()))
     , first_(border.size())
 {
@@ -102,13 +103,20 @@ SeamWelder::SeamWelder(const std::vector<const Positions*>& poses, const Rounded
     for (const Edge& edge : edges) edges_.push_back({ place(edge.first), place(edge.second) }); // ascending still
 }
 
-// Of the distances of two vertices in each pose, in squares of their reaches together.
-Eigen::VectorXd SeamWelder::squares_apart(Index i, Index j) const
+// Of two vertices in a pose, in squares of their reaches together.
+double SeamWelder::square_apart(Index i, Index j, Eigen::Index pose) const
 {
-    const Eigen::VectorXd apart = columns_.col(i) - columns_.col(j);
-    const Eigen::VectorXd reach = (reaches_.row(parts_[i]) + reaches_.row(parts_[j])).transpose().cwiseQuotient(units_);
-    const Eigen::VectorXd squares = apart.reshaped(3, reach.size()).colwise().squaredNorm();
-    return squares.cwiseQuotient(reach.cwiseAbs2());
+    const double reach = reaches_(pose, parts_[i]) + reaches_(pose, parts_[j]);
+    const auto place = [&](Index v) { return columns_.block<3, 1>(3 * pose, v); };
+    return (place(i) - place(j)).squaredNorm() / (reach * reach);
+}
+
+// In the pose where it is greatest.
+double SeamWelder::farthest_apart(Index i, Index j) const
+{
+    double farthest = 0;
+    for (Eigen::Index k = 0; k < units_.size(); ++k) farthest = std::max(farthest, square_apart(i, j, k));
+    return farthest;
 }
 
 // A vertex searches the reach of two parts as coarse as its own. A coarser partner finds it by its own search.
@@ -120,11 +128,13 @@ std::vector<SeamWelder::Pair> SeamWelder::near_pairs() const
     const PointTree tree(columns_, points);
     std::vector<Pair> pairs;
     for (Index a = 0; a < first_.size(); ++a) {
-        const double radius = 2 * reaches_.row(parts_[a]).transpose().cwiseQuotient(units_).norm() * (1 + 1e-9);
+        const double radius = 2 * reaches_.col(parts_[a]).norm() * (1 + 1e-9);
         std::vector<Pair> found;
-        for (const Index b : tree.ball(columns_.col(a), radius, 0, visit_limit))
-            if (parts_[a] != parts_[b] && is_near(a, b))
-                found.push_back({ squares_apart(a, b).maxCoeff(), std::min(a, b), std::max(a, b) });
+        for (const Index b : tree.ball(columns_.col(a), radius, 0, visit_limit)) {
+            if (parts_[a] == parts_[b]) continue;
+            const double distance = farthest_apart(a, b);
+            if (distance <= nearness) found.push_back({ distance, std::min(a, b), std::max(a, b) });
+        }
         std::sort(found.begin(), found.end(), [](const Pair& p, const Pair& q) {
             return std::tie(p.distance, p.a, p.b) < std::tie(q.distance, q.a, q.b);
         });
@@ -175,7 +185,7 @@ void SeamWelder::leave_out_layers(std::vector<Pair>& pairs) const
         if (!(seen.insert({ pair.b, parts_[pair.a] }).second || is_nearest)) continue;
         Sums& of_parts = sums[parts_of(pair)];
         if (of_parts.count == 0) of_parts.squares = Eigen::VectorXd::Zero(units_.size());
-        of_parts.squares += squares_apart(pair.a, pair.b);
+        for (Eigen::Index k = 0; k < units_.size(); ++k) of_parts.squares[k] += square_apart(pair.a, pair.b, k);
         ++of_parts.count;
     }
     const auto is_layer = [&](const Pair& pair) {
@@ -201,7 +211,7 @@ void SeamWelder::join(Index a, Index b)
     if (a == b || members_[a].size() + members_[b].size() > member_limit) return;
     for (const Index i : members_[a])
         for (const Index j : members_[b])
-            if (parts_[i] == parts_[j] || !is_near(i, j)) return;
+            if (parts_[i] == parts_[j] || farthest_apart(i, j) > nearness) return;
     if (b < a) std::swap(a, b);
     for (const Index j : members_[b]) first_[j] = a;
     members_[a].insert(members_[a].end(), members_[b].begin(), members_[b].end());
@@ -211,7 +221,7 @@ void SeamWelder::join(Index a, Index b)
 Index SeamWelder::standing_for(Index i) const
 {
     const std::vector<Index>& members = members_[first_[i]];
-    const auto coarseness = [&](Index j) { return std::pair(reaches_(parts_[j], 0), j); };
+    const auto coarseness = [&](Index j) { return std::pair(reaches_(0, parts_[j]), j); };
     return *std::min_element(members.begin(), members.end(),
                              [&](Index a, Index b) { return coarseness(a) < coarseness(b); });
 }
