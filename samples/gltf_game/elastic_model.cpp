@@ -4,6 +4,9 @@
 
 #include <algorithm>
 #include <cstring>
+#include <fstream>
+#include <iterator>
+#include <limits>
 #include <stdexcept>
 
 namespace game {
@@ -58,13 +61,46 @@ const unsigned char* bytes_of(const tinygltf::Model& model, const tinygltf::Buff
     return buffer.data() + view.byteOffset;
 }
 
+// tinygltf reads nested values by recursion: files that nest them deeper than exporters do are refused.
+void check_nesting(const std::string& glb)
+{
+    constexpr std::size_t head_size = 20;
+    constexpr int most = 64;
+    std::uint32_t json_size = 0;
+    if (glb.size() >= head_size) std::memcpy(&json_size, &glb[12], 4);
+    const std::size_t end = std::min(glb.size(), head_size + json_size);
+    int depth = 0;
+    bool is_string = false;
+    for (std::size_t i = head_size; i < end; ++i) {
+        if (glb[i] == '"') is_string = !is_string;
+        if (is_string && glb[i] == '\\') ++i; // with the character that it escapes
+        if (is_string) continue;
+        depth += glb[i] == '{' || glb[i] == '[';
+        depth -= glb[i] == '}' || glb[i] == ']';
+        if (depth > most) throw std::runtime_error("its JSON is nested deeper than 64 values");
+    }
+}
+
+std::string read_file(const std::string& path)
+{
+    std::ifstream file(path, std::ios::binary);
+    std::string bytes(std::istreambuf_iterator<char>(file), {});
+    if (!file || bytes.size() > std::numeric_limits<std::uint32_t>::max())
+        throw std::runtime_error(path + ": cannot be read");
+    return bytes;
+}
+
 tinygltf::Model load(const std::string& path)
 {
+    const std::string glb = read_file(path);
+    check_nesting(glb);
     tinygltf::TinyGLTF loader;
     loader.SetImageLoader(decode_file, nullptr);
+    loader.SetFsCallbacks({}); // the GLB is whole, and names no other files to open
     tinygltf::Model model;
     std::string error, warning;
-    if (!loader.LoadBinaryFromFile(&model, &error, &warning, path))
+    if (!loader.LoadBinaryFromMemory(&model, &error, &warning, reinterpret_cast<const unsigned char*>(glb.data()),
+                                     std::uint32_t(glb.size())))
         throw std::runtime_error(path + ": " + (error.empty() ? "cannot be read as a GLB" : error));
     for (tinygltf::Image& image : model.images) {
         if (image.bufferView < 0) continue;
@@ -121,13 +157,21 @@ std::vector<std::uint32_t> indices_of(const tinygltf::Model& model, const tinygl
     return indices;
 }
 
+std::uint32_t index_in(const tinygltf::Value& value)
+{
+    const double number = value.GetNumberAsDouble(); // 0 of what is no number
+    if (!(number >= 0 && number <= std::numeric_limits<std::uint32_t>::max()))
+        throw std::runtime_error("an index is out of range");
+    return std::uint32_t(number);
+}
+
 // What the extras say of the primitive's vertices (formats/SPEC.md, section 7): `first_vertex` is the asset's number of
 // vertex 0, and those from `vertex_count` on are not the asset's.
 std::uint32_t extra_of(const tinygltf::Primitive& primitive, const char* name, std::uint32_t otherwise)
 {
     if (!primitive.extras.Has("pliant")) return otherwise;
     const tinygltf::Value& ours = primitive.extras.Get("pliant");
-    return ours.Has(name) ? std::uint32_t(ours.Get(name).GetNumberAsInt()) : otherwise;
+    return ours.Has(name) ? index_in(ours.Get(name)) : otherwise;
 }
 
 } // namespace
@@ -163,8 +207,7 @@ std::vector<float> ElasticModel::initial_weights() const
 // The runtime opens the asset in place. tinygltf's buffer is not aligned for it, so it is copied once.
 void ElasticModel::open_asset(const tinygltf::Mesh& mesh)
 {
-    const int number = mesh.extensions.at(extension).Get("bufferView").GetNumberAsInt();
-    const tinygltf::BufferView& view = gltf_.bufferViews.at(std::size_t(number));
+    const tinygltf::BufferView& view = gltf_.bufferViews.at(index_in(mesh.extensions.at(extension).Get("bufferView")));
     const unsigned char* bytes = bytes_of(gltf_, view);
     void* blob = aligned(blob_, view.byteLength);
     std::memcpy(blob, bytes, view.byteLength);
@@ -189,6 +232,9 @@ void ElasticModel::read_part(const tinygltf::Primitive& primitive)
         if (first + index >= vertices_.size())
             throw std::runtime_error("a triangle has a vertex that the asset does not have");
     }
+    corner_count_ += part.indices.size();
+    if (corner_count_ > 3 * std::size_t(asset_.triangle_count))
+        throw std::runtime_error("the parts have more triangles than the asset");
     const auto uv = primitive.attributes.find("TEXCOORD_0");
     if (uv != primitive.attributes.end()
         && gltf_.accessors.at(std::size_t(uv->second)).componentType == TINYGLTF_COMPONENT_TYPE_FLOAT) {

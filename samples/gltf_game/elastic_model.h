@@ -54,6 +54,7 @@ private:
     std::vector<float> q_;
     std::vector<Vertex> vertices_;
     std::vector<Part> parts_;
+    std::size_t corner_count_ = 0; // of all parts
 };
 
 } // namespace game

@@ -35,16 +35,42 @@ def blended(asset, folder, weights):
     return read_ply(path)[0]
 
 
-def move_image(glb, to):
-    """The view of the first image to behind its buffer."""
+def rewrite(glb, to, change):
+    """`change` gets the document, and returns JSON in its place."""
     data = glb.read_bytes()
     end = 20 + int.from_bytes(data[12:16], "little")
-    document = json.loads(data[20:end])
-    document["bufferViews"][document["images"][0]["bufferView"]]["byteOffset"] = 1000000000
-    text = json.dumps(document).encode()
+    text = change(json.loads(data[20:end])).encode()
     text += b" " * (-len(text) % 4)
     chunks = len(text).to_bytes(4, "little") + b"JSON" + text + data[end:]
     to.write_bytes(b"glTF" + (2).to_bytes(4, "little") + (12 + len(chunks)).to_bytes(4, "little") + chunks)
+    return to
+
+
+def image_moved(document):
+    """The view of the first image to behind its buffer."""
+    document["bufferViews"][document["images"][0]["bufferView"]]["byteOffset"] = 1000000000
+    return json.dumps(document)
+
+
+def nested(document, depth):
+    document["extras"] = "here"
+    return json.dumps(document).replace('"here"', "[" * depth + r'"\"]["' + "]" * depth)
+
+
+def outside(document):
+    document["buffers"].append({"uri": "changed.glb", "byteLength": 4})
+    return json.dumps(document)
+
+
+def shared(document):
+    primitives = document["meshes"][0]["primitives"]
+    primitives.extend(primitives[:1] * 2)
+    return json.dumps(document)
+
+
+def misplaced(document):
+    document["meshes"][0]["primitives"][0]["extras"]["pliant"]["first_vertex"] = -1e30
+    return json.dumps(document)
 
 
 def check_refusals(glb, folder):
@@ -55,10 +81,14 @@ def check_refusals(glb, folder):
     assert "3 weights for 2 poses" in run(GAME, glb, "--headless", folder / "x", "--weights", "1,1,1", expected=1)
     assert "hint" in run(GAME, glb, "--weights", "1,x", expected=2)
     assert "hint" in run(GAME, expected=2)
-    far = folder / "far.glb"
-    move_image(glb, far)
-    assert "reaches beyond its buffer" in run(GAME, far, "--headless", folder / "x", expected=1)
+    changed = folder / "changed.glb"
+    for change, words in ((image_moved, "reaches beyond its buffer"), (outside, "callback"), (shared, "more triangles"),
+                          (misplaced, "out of range"), (lambda document: nested(document, 100000), "nested deeper")):
+        rewrite(glb, changed, change)
+        assert words in run(GAME, changed, "--headless", folder / "x", expected=1), words
     assert not (folder / "x").exists()
+    rewrite(glb, changed, lambda document: nested(document, 60))
+    run(GAME, changed, "--headless", folder / "x")
 
 
 def check_picture(glb, folder):

@@ -18,33 +18,57 @@ using Edge = std::pair<Index, Index>; // ascending
 constexpr std::size_t near_limit = 16; // vertices that one is joined with; 1 to 5 are usual
 constexpr double nearness = 1 + 1e-9;  // of squared distances, in squares of the reaches
 
-// Those of one triangle, ascending, of parts that are joined.
-std::vector<Edge> border_edges(const std::vector<Triangle>& triangles, const RoundedParts& parts,
-                               const std::vector<Index>& targets)
+struct BorderEdge {
+    Edge ends;
+    Index part = 0; // of its triangle; weld() may have joined its ends to those of another part
+
+    bool operator<(const BorderEdge& other) const { return std::tie(ends, part) < std::tie(other.ends, other.part); }
+};
+
+// Triangles of parts that are joined, with a corner in each of three places. Of those that have the same corners, which are
+// drawn from both sides or once more, the first.
+std::vector<std::pair<Triangle, Index>> sides_of(const std::vector<Triangle>& triangles, const RoundedParts& parts,
+                                                 const std::vector<Index>& targets)
 {
     const Eigen::VectorXd least_reaches = parts.reaches.rowwise().minCoeff();
-    std::vector<Edge> edges, out;
+    std::vector<std::pair<Triangle, Index>> sides; // corners, ascending; part
     for (const Triangle& t : triangles) {
-        if (least_reaches[parts.of_vertex[t[0]]] == 0) continue;
-        for (std::size_t i = 0; i < 3; ++i) {
-            const Edge edge = std::minmax(Index(targets[t[i]]), Index(targets[t[(i + 1) % 3]]));
-            if (edge.first != edge.second) edges.push_back(edge);
-        }
+        const Index part = parts.of_vertex[t[0]];
+        Triangle corners = { targets[t[0]], targets[t[1]], targets[t[2]] };
+        std::sort(corners.begin(), corners.end());
+        const bool is_flat = corners[0] == corners[1] || corners[1] == corners[2];
+        if (least_reaches[part] > 0 && !is_flat) sides.emplace_back(corners, part);
+    }
+    std::sort(sides.begin(), sides.end());
+    const auto is_same = [](const auto& s, const auto& t) { return s.first == t.first; };
+    sides.erase(std::unique(sides.begin(), sides.end(), is_same), sides.end());
+    return sides;
+}
+
+// Those of one triangle, ascending.
+std::vector<BorderEdge> border_edges(const std::vector<Triangle>& triangles, const RoundedParts& parts,
+                                     const std::vector<Index>& targets)
+{
+    std::vector<BorderEdge> edges, out;
+    for (const auto& [corners, part] : sides_of(triangles, parts, targets)) {
+        edges.push_back({ { corners[0], corners[1] }, part });
+        edges.push_back({ { corners[1], corners[2] }, part });
+        edges.push_back({ { corners[0], corners[2] }, part });
     }
     std::sort(edges.begin(), edges.end());
     for (std::size_t i = 0, end; i < edges.size(); i = end) {
         end = i + 1;
-        while (end < edges.size() && edges[end] == edges[i]) ++end;
+        while (end < edges.size() && edges[end].ends == edges[i].ends) ++end;
         if (end == i + 1) out.push_back(edges[i]);
     }
     return out;
 }
 
 // Ascending.
-std::vector<Index> ends_of(const std::vector<Edge>& edges)
+std::vector<Index> ends_of(const std::vector<BorderEdge>& edges)
 {
     std::vector<Index> out;
-    for (const Edge& edge : edges) out.insert(out.end(), { edge.first, edge.second });
+    for (const BorderEdge& edge : edges) out.insert(out.end(), { edge.ends.first, edge.ends.second });
     std::sort(out.begin(), out.end());
     out.erase(std::unique(out.begin(), out.end()), out.end());
     return out;
@@ -54,7 +78,7 @@ std::vector<Index> ends_of(const std::vector<Edge>& edges)
 class SeamWelder {
 public:
     SeamWelder(const std::vector<const Positions*>& poses, const RoundedParts& parts, const std::vector<Index>& border,
-               const std::vector<Edge>& edges);
+               const std::vector<BorderEdge>& edges);
 
     void join_all();
     // Of the finest part.
@@ -64,10 +88,11 @@ private:
     struct Pair {
         double distance; // squared, in the pose where it is greatest
         Index a, b;
-        bool is_of_seam = false;
     };
     using NearOnes = std::vector<std::vector<std::pair<Index, std::size_t>>>; // of each vertex: another one, and their pair
     std::vector<Pair> near_pairs() const;
+    NearOnes near_ones(const std::vector<Pair>& pairs) const;
+    bool is_edge_beside(const BorderEdge& edge, Index c, Index d) const;
     void leave_out_touching(std::vector<Pair>& pairs) const;
     void leave_out_layers(std::vector<Pair>& pairs) const;
     double square_apart(Index i, Index j, Eigen::Index pose) const;
@@ -78,13 +103,13 @@ private:
     Eigen::MatrixXd reaches_;                 // poses x parts, in these units
     Eigen::MatrixXd columns_;                 // positions in all poses, in these units
     std::vector<Index> parts_;                // of each vertex
-    std::vector<Edge> edges_;                 // of the border, by places, ascending
+    std::vector<BorderEdge> edges_;           // their ends are places; ascending
     std::vector<std::vector<Index>> members_; // of each cluster, at its first vertex
     std::vector<Index> first_;                // of the cluster of each vertex
 };
 
 SeamWelder::SeamWelder(const std::vector<const Positions*>& poses, const RoundedParts& parts,
-                       const std::vector<Index>& border, const std::vector<Edge>& edges)
+                       const std::vector<Index>& border, const std::vector<BorderEdge>& edges)
     : units_(parts.reaches.colwise().maxCoeff())
     , reaches_(units_.cwiseInverse().asDiagonal() * parts.reaches.transpose())
     , columns_(3 * Eigen::Index(poses.size()), Eigen::Index(border.size()))
@@ -100,7 +125,8 @@ SeamWelder::SeamWelder(const std::vector<const Positions*>& poses, const Rounded
     }
     const auto place
         = [&](Index v) { return static_cast<Index>(std::lower_bound(border.begin(), border.end(), v) - border.begin()); };
-    for (const Edge& edge : edges) edges_.push_back({ place(edge.first), place(edge.second) }); // ascending still
+    for (const BorderEdge& edge : edges) // ascending still
+        edges_.push_back({ { place(edge.ends.first), place(edge.ends.second) }, edge.part });
 }
 
 // Of two vertices in a pose, in squares of their reaches together.
@@ -147,25 +173,45 @@ std::vector<SeamWelder::Pair> SeamWelder::near_pairs() const
     return pairs;
 }
 
-// A seam joins edges. Borders that only touch have no two edges beside each other.
-void SeamWelder::leave_out_touching(std::vector<Pair>& pairs) const
+// Of each vertex the nearest, and first itself: weld() may have joined its copies. No pair is of a vertex and itself: its
+// number is the number of pairs.
+SeamWelder::NearOnes SeamWelder::near_ones(const std::vector<Pair>& pairs) const
 {
-    NearOnes near_ones(first_.size());
-    const auto add = [&](Index to, Index other, std::size_t pair) { // of a crowd the nearest
-        if (near_ones[to].size() < near_limit) near_ones[to].push_back({ other, pair });
+    NearOnes out(first_.size());
+    for (Index v = 0; v < first_.size(); ++v) out[v].push_back({ v, pairs.size() });
+    const auto add = [&](Index to, Index other, std::size_t pair) {
+        if (out[to].size() <= near_limit) out[to].push_back({ other, pair });
     };
     for (std::size_t i = 0; i < pairs.size(); ++i) {
         add(pairs[i].a, pairs[i].b, i);
         add(pairs[i].b, pairs[i].a, i);
     }
-    for (const auto& [a, b] : edges_)
-        for (const auto& [c, beside_a] : near_ones[a])
-            for (const auto& [d, beside_b] : near_ones[b]) {
-                if (parts_[c] != parts_[d] || !std::binary_search(edges_.begin(), edges_.end(), Edge(std::minmax(c, d))))
-                    continue;
-                pairs[beside_a].is_of_seam = pairs[beside_b].is_of_seam = true;
+    return out;
+}
+
+// An edge of another part.
+bool SeamWelder::is_edge_beside(const BorderEdge& edge, Index c, Index d) const
+{
+    const BorderEdge sought { std::minmax(c, d), 0 };
+    const auto found = std::lower_bound(edges_.begin(), edges_.end(), sought);
+    return found != edges_.end() && found->ends == sought.ends && found->part != edge.part;
+}
+
+// A seam joins edges. Borders that only touch have no two edges beside each other.
+void SeamWelder::leave_out_touching(std::vector<Pair>& pairs) const
+{
+    const NearOnes near = near_ones(pairs);
+    std::vector<bool> is_of_seam(pairs.size() + 1, false);
+    for (const BorderEdge& edge : edges_)
+        for (const auto& [c, beside_first] : near[edge.ends.first])
+            for (const auto& [d, beside_second] : near[edge.ends.second]) {
+                if (!is_edge_beside(edge, c, d)) continue;
+                is_of_seam[beside_first] = is_of_seam[beside_second] = true;
             }
-    pairs.erase(std::remove_if(pairs.begin(), pairs.end(), [](const Pair& pair) { return !pair.is_of_seam; }), pairs.end());
+    std::size_t kept = 0;
+    for (std::size_t i = 0; i < pairs.size(); ++i)
+        if (is_of_seam[i]) pairs[kept++] = pairs[i];
+    pairs.resize(kept);
 }
 
 // Copies are within a step of each other in each coordinate, and only a seam along an axis has two coordinates in which all
@@ -231,7 +277,7 @@ Index SeamWelder::standing_for(Index i) const
 std::size_t weld_seams(const std::vector<const Positions*>& poses, const std::vector<Triangle>& triangles,
                        const RoundedParts& parts, std::vector<Index>& targets)
 {
-    const std::vector<Edge> edges = border_edges(triangles, parts, targets);
+    const std::vector<BorderEdge> edges = border_edges(triangles, parts, targets);
     const std::vector<Index> border = ends_of(edges);
     if (border.empty()) return 0;
     SeamWelder welder(poses, parts, border, edges);

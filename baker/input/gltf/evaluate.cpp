@@ -50,16 +50,26 @@ struct MorphedSteps {
 };
 
 // In whole numbers targets have the grid of the positions.
-std::vector<double> morphed_steps(const GltfDocument& document, const GltfMesh& mesh, const std::vector<double>& weights)
+double step_of_target(const GltfDocument& document, const GltfPrimitive& primitive, const GltfValue& deltas,
+                      GltfAllowance& allowance)
+{
+    const AccessorShape shape = accessor_shape(document, deltas);
+    if (shape.component_type != gltf_float32) return primitive.position_step;
+    if (!shape.has_exponents) return 0;
+    allowance.take_all_of(deltas);
+    return step_of(shape, read_numbers(document, deltas, { 3 }, primitive.stored_count));
+}
+
+std::vector<double> morphed_steps(const GltfDocument& document, const GltfMesh& mesh, const std::vector<double>& weights,
+                                  GltfAllowance& allowance)
 {
     std::vector<double> steps;
     for (const GltfPrimitive& primitive : mesh.primitives) {
         steps.push_back(primitive.position_step);
         for (std::size_t k = 0; k < primitive.targets.size() && k < weights.size(); ++k) {
-            if (weights[k] == 0) continue;
             const GltfValue deltas = primitive.targets[k]["POSITION"];
-            if (!deltas.exists() || accessor_shape(document, deltas).component_type == gltf_float32) continue;
-            steps.back() += std::abs(weights[k]) * primitive.position_step;
+            if (weights[k] != 0 && deltas.exists())
+                steps.back() += std::abs(weights[k]) * step_of_target(document, primitive, deltas, allowance);
         }
     }
     return steps;
@@ -101,13 +111,9 @@ public:
         for (const GltfSkin& skin : scene.skins) { // nodes share them
             of_skins_.emplace_back();
             of_skins_.back().reserve(skin.joints.size());
-            skin_scales_.push_back(0);
-            for (std::size_t j = 0; j < skin.joints.size(); ++j) {
+            for (std::size_t j = 0; j < skin.joints.size(); ++j)
                 of_skins_.back().push_back(world_[skin.joints[j]] * skin.inverse_bind[j]);
-                skin_scales_.back() = std::max(skin_scales_.back(), scale(of_skins_.back().back()));
-            }
         }
-        measure_spreads(scene);
     }
 
     // Of a vertex: of the joints of its skin, or of the node.
@@ -123,44 +129,36 @@ public:
         return blend;
     }
 
-    // By how much the matrices of an instance stretch, at most.
-    double scale_of(const GltfInstance& instance) const
+    // How far a vertex moves, at most, by a step of the grid of a primitive's positions and by one of its weights.
+    double move_of_step(const GltfInstance& instance, const GltfPrimitive& primitive, double step) const
     {
-        return instance.skin < 0 ? scale(world_[instance.node]) : skin_scales_[static_cast<std::size_t>(instance.skin)];
-    }
-
-    // How far apart the joints of an instance move a vertex, at most.
-    double spread_of(const GltfInstance& instance) const
-    {
-        return instance.skin < 0 ? 0 : skin_spreads_[static_cast<std::size_t>(instance.skin)];
+        if (instance.skin < 0) return step * stretch(world_[instance.node]);
+        double most_stretch = 0, most_spread = 0;
+        for (Eigen::Index v = 0; v < primitive.positions.rows(); ++v) {
+            most_stretch = std::max(most_stretch, stretch(at(instance, primitive, v)));
+            if (primitive.weight_step > 0) most_spread = std::max(most_spread, spread(instance, primitive, v));
+        }
+        return step * most_stretch + primitive.weight_step * most_spread;
     }
 
 private:
-    // Where matrices move the corners of the box around all that is skinned.
-    void measure_spreads(const GltfScene& scene)
-    {
-        std::vector<Eigen::AlignedBox3d> boxes(of_skins_.size());
-        for (const GltfInstance& instance : scene.instances)
-            if (instance.skin >= 0) boxes[static_cast<std::size_t>(instance.skin)].extend(scene.meshes[instance.mesh].box());
-        for (std::size_t s = 0; s < boxes.size(); ++s) {
-            skin_spreads_.push_back(0);
-            if (boxes[s].isEmpty()) continue;
-            for (int corner = 0; corner < 8; ++corner) {
-                const Eigen::Vector3d from = boxes[s].corner(Eigen::AlignedBox3d::CornerType(corner));
-                Eigen::AlignedBox3d images;
-                for (const Eigen::Matrix4d& m : of_skins_[s])
-                    images.extend(m.topLeftCorner<3, 3>() * from + m.topRightCorner<3, 1>());
-                skin_spreads_.back() = std::max(skin_spreads_.back(), images.sizes().norm());
-            }
-        }
-    }
+    static double stretch(const Eigen::Matrix4d& m) { return m.topLeftCorner<3, 3>().colwise().norm().maxCoeff(); }
 
-    static double scale(const Eigen::Matrix4d& m) { return m.topLeftCorner<3, 3>().colwise().norm().maxCoeff(); }
+    // How far apart its joints move a vertex.
+    double spread(const GltfInstance& instance, const GltfPrimitive& primitive, Eigen::Index v) const
+    {
+        const std::vector<Eigen::Matrix4d>& matrices = of_skins_[static_cast<std::size_t>(instance.skin)];
+        const Eigen::Vector4d from = primitive.positions.row(v).homogeneous();
+        const Eigen::Index columns = primitive.weights.cols();
+        Eigen::AlignedBox3d images;
+        for (Eigen::Index c = 0; c < columns; ++c)
+            if (primitive.weights(v, c) != 0)
+                images.extend((matrices[primitive.joints[static_cast<std::size_t>(v * columns + c)]] * from).head<3>());
+        return images.isEmpty() ? 0 : images.diagonal().norm();
+    }
 
     std::vector<Eigen::Matrix4d> world_;
     std::vector<std::vector<Eigen::Matrix4d>> of_skins_;
-    std::vector<double> skin_scales_; // the largest of their matrices
-    std::vector<double> skin_spreads_;
 };
 
 } // namespace
@@ -196,6 +194,7 @@ std::vector<double> position_steps(const GltfScene& scene, const GltfState& stat
         = [&](const GltfMesh& m) { return std::any_of(m.primitives.begin(), m.primitives.end(), is_rounded); };
     if (std::none_of(scene.meshes.begin(), scene.meshes.end(), has_rounded)) return {};
     const Placing placing(scene, state);
+    GltfAllowance allowance(*scene.document);
     std::vector<double> steps;
     std::vector<MorphedSteps> meshes(scene.meshes.size());
     for (const GltfInstance& instance : scene.instances) {
@@ -203,10 +202,9 @@ std::vector<double> position_steps(const GltfScene& scene, const GltfState& stat
         MorphedSteps& morphed = meshes[instance.mesh];
         const std::vector<double>& weights = state.weights[instance.node];
         if (morphed.steps.empty() || morphed.weights != weights)
-            morphed = { weights, morphed_steps(*scene.document, mesh, weights) };
+            morphed = { weights, morphed_steps(*scene.document, mesh, weights, allowance) };
         for (std::size_t i = 0; i < mesh.primitives.size(); ++i)
-            steps.push_back(morphed.steps[i] * placing.scale_of(instance)
-                            + mesh.primitives[i].weight_step * placing.spread_of(instance));
+            steps.push_back(placing.move_of_step(instance, mesh.primitives[i], morphed.steps[i]));
     }
     return steps;
 }

@@ -41,7 +41,7 @@ void read_plain(const GltfDocument& document, const GltfValue& primitive, GltfAl
     allowance.take_all_of(position);
     allowance.take(index_value.exists() ? index_value : position, corner_count, mode == triangles ? 1 : 3);
     out.positions = read_numbers(document, position, { 3 });
-    out.position_step = step_of(shape);
+    out.position_step = step_of(shape, out.positions);
     if (shape.is_normalised && shape.component_type == gltf_int16) out.short_bits = 15;
     if (shape.is_normalised && shape.component_type == gltf_uint16) out.short_bits = 16;
     std::vector<std::uint32_t> corners;
@@ -172,7 +172,6 @@ GltfPrimitive read_primitive(const GltfDocument& document, const GltfValue& prim
     read_influences(reader, out);
     out.stored_count = out.vertex_count();
     leave_out_box(primitive, out);
-    for (Eigen::Index v = 0; v < out.positions.rows(); ++v) out.box.extend(Eigen::Vector3d(out.positions.row(v)));
     const GltfValue targets = primitive["targets"];
     constexpr std::uint64_t numbers_of_target = 96; // its place, and its names
     if (targets.size() != 0) allowance.take(targets, targets.size(), numbers_of_target);

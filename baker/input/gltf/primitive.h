@@ -4,7 +4,6 @@
 #include "base/mesh/pose_set.h"
 #include "input/gltf/accessor.h"
 
-#include <Eigen/Geometry>
 #include <map>
 #include <string>
 #include <vector>
@@ -15,7 +14,6 @@ struct GltfPrimitive {
     std::ptrdiff_t material = -1;
     std::vector<Triangle> triangles;               // corners below vertex_count()
     GltfNumbers positions;                         // n x 3, finite or not: whoever shows them checks
-    Eigen::AlignedBox3d box;                       // around them
     double position_step = 0, weight_step = 0;     // of the grids that they and weights were rounded to; 0: none
     int short_bits = 0;                            // of positions in normalized shorts, without the sign; 0: in others
     std::map<std::string, GltfNumbers> attributes; // NORMAL (n x 3), TEXCOORD_k (n x 2), COLOR_k (n x 3 or 4)

@@ -31,13 +31,6 @@ struct GltfMesh {
     std::string name;
     std::vector<GltfPrimitive> primitives;
     std::vector<std::string> target_names; // "target_1", ... where the file has none; no name twice
-
-    Eigen::AlignedBox3d box() const
-    {
-        Eigen::AlignedBox3d all;
-        for (const GltfPrimitive& primitive : primitives) all.extend(primitive.box);
-        return all;
-    }
 };
 
 // A mesh at a node of the scene. Several may show the same mesh.

@@ -10,7 +10,9 @@
 #include "input/poses/pose_source.h"
 
 #include <algorithm>
+#include <cmath>
 #include <ctime>
+#include <meshoptimizer.h>
 #include <numeric>
 
 using namespace pliant;
@@ -124,20 +126,90 @@ Json draco_data(GlbBuilder& glb, const Part& part)
     return primitive;
 }
 
-enum class Rounding { shorts, widened_shorts, draco };
+// As `gltfpack -cc -vpf` stores floats: an exponent for each coordinate, and whole numbers of 12 bits with the sign.
+Json exponents(GlbBuilder& glb, const Part& part)
+{
+    const std::size_t n = part.vertices.size();
+    const auto add = [&](const std::vector<float>& values) {
+        std::vector<std::uint32_t> words(3 * n);
+        for (std::size_t i = 0; i < 3; ++i) {
+            float largest = 1e-6F;
+            for (std::size_t v = 0; v < n; ++v) largest = std::max(largest, std::abs(values[3 * v + i]));
+            const int exponent = std::ilogb(largest) - 10;
+            for (std::size_t v = 0; v < n; ++v)
+                words[3 * v + i] = std::uint32_t(exponent) << 24
+                    | (std::uint32_t(std::lround(std::ldexp(values[3 * v + i], -exponent))) & 0xffffff);
+        }
+        std::string packed(meshopt_encodeVertexBufferBound(n, 12), 0);
+        packed.resize(
+            meshopt_encodeVertexBuffer(reinterpret_cast<unsigned char*>(packed.data()), packed.size(), words.data(), n, 12));
+        const int view = glb.add_view(packed);
+        Json &json = glb.json["bufferViews"][std::size_t(view)], &extension = json["extensions"]["EXT_meshopt_compression"];
+        extension = { { "buffer", 0 }, { "byteStride", 12 }, { "count", n }, { "mode", "ATTRIBUTES" } };
+        extension["byteOffset"] = json["byteOffset"];
+        extension["byteLength"] = packed.size();
+        extension["filter"] = "EXPONENTIAL";
+        glb.more_buffers.push_back({ { "byteLength", 12 * n } });
+        json["buffer"] = glb.more_buffers.size();
+        json["byteOffset"] = 0;
+        json["byteLength"] = 12 * n;
+        return glb.add_accessor(view, 5126, n, "VEC3");
+    };
+    glb.json["extensionsRequired"] = { "EXT_meshopt_compression" };
+    Json primitive = Json::object(), target = Json::object();
+    primitive["attributes"]["POSITION"] = add(part.rest);
+    primitive["indices"] = glb.add(part.corners, 5125, 1, "SCALAR");
+    target["POSITION"] = add(part.moves);
+    primitive["targets"].push_back(target);
+    return primitive;
+}
+
+// Joint 1 moves no vertex, and is far away and large.
+void add_skin(GlbBuilder& glb, Json& primitive, std::size_t vertex_count)
+{
+    std::vector<std::uint8_t> joints;
+    std::vector<float> weights;
+    for (std::size_t v = 0; v < vertex_count; ++v) {
+        joints.insert(joints.end(), { 0, 1, 0, 0 });
+        weights.insert(weights.end(), { 1, 0, 0, 0 });
+    }
+    primitive["attributes"]["JOINTS_0"] = glb.add(joints, 5121, 4, "VEC4");
+    primitive["attributes"]["WEIGHTS_0"] = glb.add(weights, 5126, 4, "VEC4");
+}
+
+enum class Rounding { shorts, widened_shorts, draco, exponents };
+
+Json primitive_of(GlbBuilder& glb, Rounding rounding, std::uint32_t number, Json& node)
+{
+    switch (rounding) {
+    case Rounding::shorts: return shorts(glb, part(number), node);
+    case Rounding::widened_shorts: return widened_shorts(glb, part(number), node);
+    case Rounding::draco: return draco_data(glb, part(number));
+    default: return exponents(glb, part(number));
+    }
+}
 
 std::string compressed_body(Rounding rounding)
 {
     GlbBuilder glb;
     glb.json["scenes"][0]["nodes"] = { 0, 1, 2 };
     glb.json["nodes"] = Json::array();
+    const bool is_skinned = rounding == Rounding::draco;
     for (std::uint32_t number = 0; number < 3; ++number) {
         Json node = { { "mesh", number } }, mesh = Json::object();
-        mesh["primitives"].push_back(rounding == Rounding::draco        ? draco_data(glb, part(number))
-                                         : rounding == Rounding::shorts ? shorts(glb, part(number), node)
-                                                                        : widened_shorts(glb, part(number), node));
+        mesh["primitives"].push_back(primitive_of(glb, rounding, number, node));
+        if (is_skinned) {
+            add_skin(glb, mesh["primitives"][0], part(number).vertices.size());
+            node["skin"] = 0;
+        }
         glb.json["meshes"].push_back(mesh);
         glb.json["nodes"].push_back(node);
+    }
+    if (is_skinned) {
+        glb.json["scenes"][0]["nodes"] = { 0, 1, 2, 3, 4 };
+        glb.json["nodes"].push_back({ { "name", "body" } });
+        glb.json["nodes"].push_back({ { "translation", { 1e3, 0, 0 } }, { "scale", { 50, 50, 50 } } });
+        glb.json["skins"].push_back({ { "joints", { 3, 4 } } });
     }
     return glb.glb();
 }
@@ -147,7 +219,7 @@ std::string compressed_body(Rounding rounding)
 TEST_CASE("parts that a compressed file rounds apart are one body, and nothing else is joined")
 {
     const pliant_test::TemporaryFolder folder;
-    for (const Rounding rounding : { Rounding::shorts, Rounding::widened_shorts, Rounding::draco }) {
+    for (const Rounding rounding : { Rounding::shorts, Rounding::widened_shorts, Rounding::draco, Rounding::exponents }) {
         CAPTURE(int(rounding));
         pliant_test::write_bytes(folder / "body.glb", compressed_body(rounding));
         const PoseSet whole = load_poses({ folder / "body.glb" });
@@ -227,6 +299,15 @@ TEST_CASE("seams join the nearest vertices of other parts, never two of one part
     std::vector<std::uint32_t> targets = numbers_to(8);
     RoundedParts parts = alike({ 0, 0, 0, 0, 1, 1, 1, 1 }, 0.35);
     CHECK(weld_seams({ &p }, triangles, parts, targets) == 3);
+    CHECK(targets == std::vector<std::uint32_t> { 0, 1, 2, 3, 0, 1, 2, 7 });
+    // Faces that are drawn from both sides or have no area do not hide a border.
+    std::vector<Triangle> twice = triangles;
+    twice.insert(twice.end(), { { 0, 3, 1 }, { 1, 3, 2 }, { 5, 4, 7 }, { 5, 6, 5 } });
+    targets = numbers_to(8);
+    CHECK(weld_seams({ &p }, twice, parts, targets) == 3);
+    // The ends of the seam coincide already.
+    targets = { 0, 1, 2, 3, 0, 5, 2, 7 };
+    CHECK(weld_seams({ &p }, triangles, parts, targets) == 1);
     CHECK(targets == std::vector<std::uint32_t> { 0, 1, 2, 3, 0, 1, 2, 7 });
     // The finest part knows best where the seam is.
     parts.reaches << 0.3, 0.05;
