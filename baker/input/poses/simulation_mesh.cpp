@@ -125,7 +125,7 @@ std::size_t Builder::join_seams(const std::vector<const Positions*>& poses, doub
             reach = steps.empty() ? 0 : 0.5 * std::sqrt(3.0) * steps[p];
             is_rounded = is_rounded || 2 * reach > tolerance * diagonal;
             reach = std::max(reach, 0.5 * tolerance * diagonal);
-            if (2 * reach > seam_limit * diagonal) reach = 0;
+            if (!(2 * reach <= seam_limit * diagonal)) reach = 0; // no number, either
         }
     }
     if (!is_rounded) return 0;

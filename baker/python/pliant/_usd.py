@@ -18,7 +18,7 @@ from ._usd_skin import Skin, skins_of
 SUFFIXES = (".usd", ".usda", ".usdc", ".usdz")
 _LIMIT = 64  # poses, or layers
 # What reading a file may cost: some for any file, and more for each of its bytes, as of glTF. Numbers of arrays, prims, the
-# levels of their paths, their time samples, the names of their blend shapes, and a mesh in a pose take their shares.
+# levels of their paths, their time samples, the names of joints and blend shapes, and a mesh in a pose take their shares.
 _COST, _COST_FOR_BYTE = 64000000, 128
 _OF_NUMBER, _OF_PRIM, _OF_LEVEL, _OF_SAMPLE, _OF_NAME, _OF_POSED, _OF_POSED_NUMBER = 16, 1024, 256, 64, 256, 2048, 1
 _INPUT = 3  # the exit code
@@ -213,18 +213,20 @@ class _Part:
         axes = np.stack([self.rest(size * axis) - origin for axis in np.eye(3)], 1)
         return bool((np.linalg.det(axes / size) < 0).mean() > 0.5)
 
-    def faces(self) -> list[npt.NDArray[np.int64]]:
+    def faces(self) -> tuple[npt.NDArray[np.int64], npt.NDArray[np.int64]]:
+        """How many corners each has, and all of them."""
         counts = self._numbers(self.mesh.GetFaceVertexCountsAttr(), self._rest_time).ravel()
         corners = self._numbers(self.mesh.GetFaceVertexIndicesAttr(), self._rest_time).ravel()
-        if counts.sum() != len(corners) or not (counts >= 3).all():
+        if counts.sum() != len(corners) or not (counts >= 3).all() or (counts % 1 != 0).any():
             raise ValueError(f"{self.where}: its numbers of corners do not fit its faces")
         if not ((corners >= 0) & (corners < self.count)).all():
             raise ValueError(f"{self.where}: a face has a corner that is not among its {self.count} points")
-        faces = np.split(corners.astype(np.int64), np.cumsum(counts.astype(np.int64))[:-1])
+        sizes, order = counts.astype(np.int64), np.arange(len(corners))
         is_left = self.mesh.GetOrientationAttr().Get() == self._usd.UsdGeom.Tokens.leftHanded
-        is_turned = is_left != self._is_mirrored()
-        is_hole = np.isin(np.arange(len(faces)), self._numbers(self.mesh.GetHoleIndicesAttr(), self._rest_time))
-        return [face[::-1] if is_turned else face for face, hole in zip(faces, is_hole) if len(face) and not hole]
+        if is_left != self._is_mirrored():  # each face the other way round
+            order = np.repeat(2 * (np.cumsum(sizes) - sizes) + sizes - 1, sizes) - order
+        is_hole = np.isin(np.arange(len(sizes)), self._numbers(self.mesh.GetHoleIndicesAttr(), self._rest_time))
+        return sizes[~is_hole], corners.astype(np.int64)[order][np.repeat(~is_hole, sizes)]
 
     def targets(self) -> dict[str, Any]:
         """The paths of the blend shapes of the mesh, by name."""
@@ -232,7 +234,6 @@ class _Part:
         names = binding.GetBlendShapesAttr().Get() or []
         if not hasattr(names, "__len__"):
             raise ValueError(f"{self.where}: skel:blendShapes are not names")
-        self._allowance.take(_OF_NAME * len(names), self.prim)
         paths = binding.GetBlendShapeTargetsRel().GetTargets()
         self._allowance.take(_OF_NAME * len(paths), self.prim)
         return {str(name): path for name, path in zip(names, paths)}
@@ -250,6 +251,18 @@ class _Part:
         out = np.zeros((self.count, 3))
         out[places.astype(np.int64)] = given
         return out
+
+
+def _as_rows(sizes: Faces, corners: Faces, path: str) -> Faces:
+    if not len(sizes):
+        raise ValueError(f"{path}: its meshes have no faces")
+    if (sizes == sizes[0]).all():
+        return corners.reshape(len(sizes), -1)
+    starts, counts = np.cumsum(sizes) - sizes, sizes - 2
+    start = np.repeat(starts, counts)
+    second = start + 1 + np.arange(len(start)) - np.repeat(np.cumsum(counts) - counts, counts)
+    triangles: Faces = corners[np.stack([start, second, second + 1], 1)]
+    return triangles
 
 
 class _Stage:
@@ -294,6 +307,12 @@ class _Stage:
             count += sum(16 + op.GetNumTimeSamples() for op in geom.Xformable(prim).GetOrderedXformOps())
         return count + (geom.Mesh(prim).GetPointsAttr().GetNumTimeSamples() if prim.IsA(geom.Mesh) else 0)
 
+    def _take_names(self, prim: Any, allowance: _Allowance) -> None:
+        """Of joints and blend shapes, which skeletons, animations and meshes map to each other."""
+        for name in ("joints", "blendShapes", "skel:joints", "skel:blendShapes"):
+            names = prim.GetAttribute(name).Get() if prim.HasAttribute(name) else None
+            allowance.take(_OF_NAME * (len(names) if hasattr(names, "__len__") else 0), prim)
+
     def _find_parts(self) -> list[_Part]:
         out: list[_Part] = []
         allowance, places = _Allowance(self.path, self._byte_count), _Places(self._usd)
@@ -301,6 +320,7 @@ class _Stage:
         for prim in prims:
             allowance.take(_OF_PRIM + _OF_LEVEL * prim.GetPath().pathElementCount, prim)
             allowance.take(_OF_SAMPLE * self._sample_count(prim), prim)
+            self._take_names(prim, allowance)
             if self._is_hidden(prim):
                 prims.PruneChildren()
             elif prim.IsA(self._usd.UsdGeom.PointInstancer):  # what lies below is not drawn where it is
@@ -321,16 +341,14 @@ class _Stage:
 
     def faces(self) -> Faces:
         """(f, k) if all faces have k corners, otherwise their triangles, each face a fan from its first corner."""
-        faces: list[npt.NDArray[np.int64]] = []
+        sizes, corners = [], []
         first = 0
         for part in self._parts:
-            faces += [first + face for face in part.faces()]
+            own_sizes, own_corners = part.faces()
+            sizes.append(own_sizes)
+            corners.append(first + own_corners)
             first += part.count
-        if not faces:
-            raise ValueError(f"{self.path}: its meshes have no faces")
-        if len({len(face) for face in faces}) > 1:
-            faces = [face[[0, k, k + 1]] for face in faces for k in range(1, len(face) - 1)]
-        return np.array(faces, np.int64).reshape(len(faces), -1)
+        return _as_rows(np.concatenate(sizes), np.concatenate(corners), self.path)
 
     def _rest_of_parts(self) -> list[Positions]:
         if self._rests is None:

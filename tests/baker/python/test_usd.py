@@ -315,6 +315,19 @@ class Meshes(unittest.TestCase):
         stage.Save()
         np.testing.assert_array_equal(pliant.load_poses([path, path]).faces, np.delete(FACES, [0, 5], 0))
 
+    def test_faces_of_all_kinds(self):
+        """Of more than one kind they become fans, from the first corner as they are drawn."""
+        path, stage = new_mesh("kinds.usda", np.random.default_rng(2).random((6, 3)), FACES[:1])
+        mesh = UsdGeom.Mesh.Get(stage, "/tube")
+        mesh.CreateFaceVertexCountsAttr([3, 5, 4, 3])
+        mesh.CreateFaceVertexIndicesAttr([0, 1, 2, 1, 2, 3, 4, 5, 0, 1, 2, 3, 3, 4, 5])
+        mesh.CreateHoleIndicesAttr([2])
+        for orientation, faces in (("rightHanded", [[0, 1, 2], [1, 2, 3], [1, 3, 4], [1, 4, 5], [3, 4, 5]]),
+                                   ("leftHanded", [[2, 1, 0], [5, 4, 3], [5, 3, 2], [5, 2, 1], [5, 4, 3]])):
+            mesh.CreateOrientationAttr(orientation)
+            stage.Save()
+            np.testing.assert_array_equal(pliant.load_poses([path, path]).faces, faces)
+
     def test_instances_of_points(self):
         path, stage = new_mesh("points.usda", POSES[0], FACES)
         UsdGeom.PointInstancer.Define(stage, "/buttons")
@@ -455,6 +468,19 @@ class Meshes(unittest.TestCase):
             stage.Save()
             number, message = number_of(pliant.load_poses, path, blend="average" if influence_count > 0 else None)
             self.assertEqual(number, "P2333", (name, message))
+
+    # 300 skeletons, animations or meshes that share 100,000 names of joints.
+    def test_shared_names_of_joints(self):
+        for kind, name in (("Skeleton", "joints"), ("SkelAnimation", "joints"), ("Mesh", "skel:joints")):
+            path, stage = new_mesh(f"joints_{kind}.usdc", POSES[0], FACES, "/hero/tube")
+            UsdSkel.Root.Define(stage, "/hero")
+            first = stage.DefinePrim("/hero/first", kind)
+            first.CreateAttribute(name, Sdf.ValueTypeNames.TokenArray).Set([f"j{k}" for k in range(100000)])
+            for k in range(300):
+                stage.DefinePrim(f"/hero/c{k}").GetReferences().AddInternalReference("/hero/first")
+            stage.Save()
+            number, message = number_of(pliant.load_poses, path)
+            self.assertEqual(number, "P2333", (kind, message))
 
     # Every frame reads all blend shapes, and prims may share one.
     def test_blend_shapes_at_frames(self):
