@@ -310,7 +310,7 @@ class _Stage:
     def _take_names(self, prim: Any, allowance: _Allowance) -> None:
         """Of joints and blend shapes, which skeletons, animations and meshes map to each other."""
         for name in ("joints", "blendShapes", "skel:joints", "skel:blendShapes"):
-            names = prim.GetAttribute(name).Get() if prim.HasAttribute(name) else None
+            names: Any = prim.GetAttribute(name).Get() if prim.HasAttribute(name) else ()
             allowance.take(_OF_NAME * (len(names) if hasattr(names, "__len__") else 0), prim)
 
     def _find_parts(self) -> list[_Part]:
