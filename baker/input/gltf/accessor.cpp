@@ -1,6 +1,5 @@
 #include "input/gltf/accessor.h"
 
-#include "input/gltf/meshopt.h"
 #include "input/io/source_file.h"
 
 #include <algorithm>
@@ -133,26 +132,22 @@ GltfNumbers read_all(const GltfDocument& document, const GltfValue& accessor, co
     return numbers;
 }
 
-// Each column is of whole numbers, all of as many bits, times a power of two of its own: of the column that has the largest
-// number. The column with the most bits tells how many they are.
-double step_of_exponents(const GltfNumbers& numbers)
+double largest_power(const GltfDocument& document, const GltfValue& accessor, const AccessorShape& shape)
 {
-    int bits = 0;
+    const std::size_t view = accessor["bufferView"].index(document["bufferViews"].size(), "buffer views");
+    const std::vector<std::int8_t>& exponents = document.exponents(view);
+    if (exponents.empty()) return 0;
+    const char* begin = document.view(view).data();
+    const std::size_t size = sizeof(float), width = static_cast<std::size_t>(shape.components);
+    const Elements elements = elements_of(document, accessor, shape.count, size * width);
     double largest = 0;
-    const auto power_above = [](double x) { return std::ilogb(x) + 1; };
-    for (Eigen::Index c = 0; c < numbers.cols(); ++c) {
-        double largest_here = 0, grid = 0; // the largest power of two that divides all
-        for (Eigen::Index i = 0; i < numbers.rows(); ++i) {
-            const double x = std::abs(numbers(i, c));
-            if (!(x > 0) || !std::isfinite(x)) continue;
-            if (grid == 0) grid = std::exp2(std::ilogb(x));
-            while (std::fmod(x, grid) != 0) grid /= 2;
-            largest_here = std::max(largest_here, x);
+    for (std::uint64_t i = 0; i < shape.count; ++i)
+        for (std::size_t c = 0; c < width; ++c) {
+            const char* at = elements.at(i) + size * c;
+            if (value_at<float>(at) == 0) continue;
+            largest = std::max(largest, std::exp2(exponents[static_cast<std::size_t>(at - begin) / size]));
         }
-        if (grid > 0) bits = std::max(bits, power_above(largest_here / grid));
-        largest = std::max(largest, largest_here);
-    }
-    return largest > 0 ? std::exp2(power_above(largest) - bits) : 0;
+    return largest;
 }
 
 void check_components(const GltfValue& reference, const AccessorShape& shape, std::initializer_list<int> components)
@@ -177,16 +172,14 @@ AccessorShape accessor_shape(const GltfDocument& document, const GltfValue& refe
         accessor.fail(2311, fmt::format("is of the unknown component type {}", shape.component_type));
     shape.is_normalised = accessor["normalized"].reference_or(false);
     shape.has_view = accessor["bufferView"].exists();
-    if (!shape.has_view) return shape;
-    const GltfValue views = document["bufferViews"];
-    const GltfValue view = views.at(accessor["bufferView"].index(views.size(), "buffer views"));
-    shape.has_exponents = view["extensions"][meshopt_extension]["filter"].text_or("") == "EXPONENTIAL";
     return shape;
 }
 
-double step_of(const AccessorShape& shape, const GltfNumbers& numbers)
+double step_of(const GltfDocument& document, const GltfValue& reference)
 {
-    if (shape.component_type == gltf_float32) return shape.has_exponents ? step_of_exponents(numbers) : 0;
+    const AccessorShape shape = accessor_shape(document, reference);
+    if (shape.component_type == gltf_float32)
+        return shape.has_view ? largest_power(document, accessor_of(document, reference), shape) : 0;
     if (!shape.is_normalised) return 1;
     switch (shape.component_type) {
     case gltf_int8: return 1.0 / 127;

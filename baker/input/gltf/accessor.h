@@ -29,15 +29,15 @@ struct AccessorShape {
     unsigned component_type = 0; // a GltfComponentType
     bool is_normalised = false;
     bool has_view = false;
-    bool has_exponents = false; // floats that EXT_meshopt_compression stores with the filter EXPONENTIAL
 };
 
 // `reference` is the value that names the accessor, as primitive["indices"]; errors are told there. P2306, P2307, P2311.
 AccessorShape accessor_shape(const GltfDocument& document, const GltfValue& reference);
 
-// Of the grid that its numbers were rounded to: the distance of two integers in a row, as what they stand for, or of floats
-// with exponents; 0 for other floats.
-double step_of(const AccessorShape& shape, const GltfNumbers& numbers);
+// Of the grid that the numbers were rounded to: the distance of two integers in a row, as what they stand for; the largest
+// power of two of floats that EXT_meshopt_compression stores with exponents; 0 for other floats. Throws what read_numbers()
+// throws.
+double step_of(const GltfDocument& document, const GltfValue& reference);
 
 // How many numbers may be read of a file for one purpose. Primitives, skins and channels may share accessors, and accessors
 // may share bytes: without a limit a small file takes hours and gigabytes.

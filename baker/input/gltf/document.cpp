@@ -1,7 +1,6 @@
 #include "input/gltf/document.h"
 
 #include "base/common/foreign_json.h"
-#include "input/gltf/meshopt.h"
 #include "input/gltf/uri.h"
 #include "input/io/read_log.h"
 #include "input/io/source_file.h"
@@ -272,17 +271,28 @@ bool GltfDocument::is_placeholder(const GltfValue& buffer, bool needs_meshopt) c
     return needs_meshopt || buffer["extensions"][meshopt_extension]["fallback"].reference_or(false);
 }
 
+const UnpackedView* GltfDocument::unpacked(std::size_t index) const
+{
+    if (const auto known = unpacked_.find(index); known != unpacked_.end()) return &known->second;
+    const GltfValue view = (*this)["bufferViews"].at(index), extension = view["extensions"][meshopt_extension];
+    if (!extension.exists()) return nullptr;
+    const std::size_t buffer = extension["buffer"].index(buffers_.size(), "buffers");
+    const UnpackedView& out = unpacked_.emplace(index, decode_meshopt(view, buffers_[buffer], unpacked_left_)).first->second;
+    unpacked_left_ -= out.bytes.size();
+    return &out;
+}
+
+const std::vector<std::int8_t>& GltfDocument::exponents(std::size_t index) const
+{
+    static const std::vector<std::int8_t> none;
+    const UnpackedView* found = unpacked(index);
+    return found ? found->exponents : none;
+}
+
 std::string_view GltfDocument::view(std::size_t index) const
 {
-    if (const auto unpacked = unpacked_.find(index); unpacked != unpacked_.end()) return unpacked->second;
+    if (const UnpackedView* found = unpacked(index)) return found->bytes;
     const GltfValue view = (*this)["bufferViews"].at(index);
-    if (const GltfValue extension = view["extensions"][meshopt_extension]; extension.exists()) {
-        const std::size_t buffer = extension["buffer"].index(buffers_.size(), "buffers");
-        const std::string& bytes
-            = unpacked_.emplace(index, decode_meshopt(view, buffers_[buffer], unpacked_left_)).first->second;
-        unpacked_left_ -= bytes.size();
-        return bytes;
-    }
     const std::string_view buffer = buffers_[view["buffer"].index(buffers_.size(), "buffers")];
     const std::uint64_t offset = view["byteOffset"].whole_or(0), length = view["byteLength"].whole();
     if (offset > buffer.size() || length > buffer.size() - offset)

@@ -1,6 +1,7 @@
 // A glTF 2.0 file in memory: its JSON, and the bytes of its buffers.
 #pragma once
 
+#include "input/gltf/meshopt.h"
 #include "input/gltf/value.h"
 
 #include <deque>
@@ -28,6 +29,8 @@ public:
     // Bytes of a buffer view, which lies inside its buffer or is unpacked at its first use (EXT_meshopt_compression: P2331).
     // P2306 to P2308. Not from several threads.
     std::string_view view(std::size_t index) const;
+    // Of the floats in that view, if they are stored with exponents; else empty.
+    const std::vector<std::int8_t>& exponents(std::size_t index) const;
     // Bytes of an image, wherever they are; empty if it cannot be had (then `why` says so).
     std::string image(std::size_t index, std::string& why) const;
     // The same for images of the same bytes: a buffer view or the place of a file. Empty for others.
@@ -57,6 +60,8 @@ private:
     const std::filesystem::path& place_of_folder(const std::filesystem::path& folder) const;
     std::filesystem::path place_of(const std::filesystem::path& file) const;
     std::string read_beside(const GltfValue& uri_value, const std::string& uri) const;
+    // Null for views that are not compressed.
+    const UnpackedView* unpacked(std::size_t index) const;
 
     std::string path_;
     GltfJson json_;
@@ -67,7 +72,7 @@ private:
     mutable std::map<std::string, std::filesystem::path> folders_; // where their links lead
     std::deque<std::string> decoded_;                              // buffers in the JSON itself
     std::vector<std::string_view> buffers_;                        // of binary_, files_, decoded_
-    mutable std::map<std::size_t, std::string> unpacked_;          // views at their first use, by number
+    mutable std::map<std::size_t, UnpackedView> unpacked_;         // views at their first use, by number
     mutable std::uint64_t unpacked_left_ = 0;                      // bytes that other views may have
     std::size_t byte_count_ = 0;
 };

@@ -53,11 +53,9 @@ struct MorphedSteps {
 double step_of_target(const GltfDocument& document, const GltfPrimitive& primitive, const GltfValue& deltas,
                       GltfAllowance& allowance)
 {
-    const AccessorShape shape = accessor_shape(document, deltas);
-    if (shape.component_type != gltf_float32) return primitive.position_step;
-    if (!shape.has_exponents) return 0;
+    if (accessor_shape(document, deltas).component_type != gltf_float32) return primitive.position_step;
     allowance.take_all_of(deltas);
-    return step_of(shape, read_numbers(document, deltas, { 3 }, primitive.stored_count));
+    return step_of(document, deltas);
 }
 
 std::vector<double> morphed_steps(const GltfDocument& document, const GltfMesh& mesh, const std::vector<double>& weights,

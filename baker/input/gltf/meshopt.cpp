@@ -48,27 +48,38 @@ Packing packing_of(const GltfValue& view, const GltfValue& extension)
     return p;
 }
 
-int decode_rows(const Packing& p, const unsigned char* from, std::size_t size, std::string& out)
+// The highest byte of each.
+std::vector<std::int8_t> exponents_of(const std::string& words)
 {
-    const int result = meshopt_decodeVertexBuffer(out.data(), p.count, p.stride, from, size);
+    std::vector<std::int8_t> out(words.size() / 4);
+    for (std::size_t i = 0; i < out.size(); ++i) out[i] = static_cast<std::int8_t>(words[4 * i + 3]);
+    return out;
+}
+
+int decode_rows(const Packing& p, const unsigned char* from, std::size_t size, UnpackedView& out)
+{
+    char* to = out.bytes.data();
+    const int result = meshopt_decodeVertexBuffer(to, p.count, p.stride, from, size);
     if (result != 0) return result;
-    if (p.filter == "OCTAHEDRAL") meshopt_decodeFilterOct(out.data(), p.count, p.stride);
-    if (p.filter == "QUATERNION") meshopt_decodeFilterQuat(out.data(), p.count, p.stride);
-    if (p.filter == "EXPONENTIAL") meshopt_decodeFilterExp(out.data(), p.count, p.stride);
+    if (p.filter == "EXPONENTIAL") out.exponents = exponents_of(out.bytes);
+    if (p.filter == "OCTAHEDRAL") meshopt_decodeFilterOct(to, p.count, p.stride);
+    if (p.filter == "QUATERNION") meshopt_decodeFilterQuat(to, p.count, p.stride);
+    if (p.filter == "EXPONENTIAL") meshopt_decodeFilterExp(to, p.count, p.stride);
     return 0;
 }
 
-int decode(const Packing& p, std::string_view packed, std::string& out)
+int decode(const Packing& p, std::string_view packed, UnpackedView& out)
 {
     const auto* from = reinterpret_cast<const unsigned char*>(packed.data());
     if (p.mode == "ATTRIBUTES") return decode_rows(p, from, packed.size(), out);
-    if (p.mode == "TRIANGLES") return meshopt_decodeIndexBuffer(out.data(), p.count, p.stride, from, packed.size());
-    return meshopt_decodeIndexSequence(out.data(), p.count, p.stride, from, packed.size());
+    char* to = out.bytes.data();
+    if (p.mode == "TRIANGLES") return meshopt_decodeIndexBuffer(to, p.count, p.stride, from, packed.size());
+    return meshopt_decodeIndexSequence(to, p.count, p.stride, from, packed.size());
 }
 
 } // namespace
 
-std::string decode_meshopt(const GltfValue& view, std::string_view compressed, std::uint64_t limit)
+UnpackedView decode_meshopt(const GltfValue& view, std::string_view compressed, std::uint64_t limit)
 {
     const GltfValue extension = view["extensions"][meshopt_extension];
     const Packing packing = packing_of(view, extension);
@@ -79,11 +90,11 @@ std::string decode_meshopt(const GltfValue& view, std::string_view compressed, s
     if (unpacked / meshopt_bytes_a_byte > length || unpacked > limit)
         extension.fail(2331, fmt::format("{} bytes cannot hold the {} that its buffer view has", length, unpacked),
                        damaged_view);
-    std::string bytes(unpacked, '\0');
-    const int result = decode(packing, compressed.substr(offset, length), bytes);
+    UnpackedView out { std::string(unpacked, '\0'), {} };
+    const int result = decode(packing, compressed.substr(offset, length), out);
     if (result != 0)
         extension.fail(2331, fmt::format("its data cannot be decoded (meshoptimizer says {})", result), damaged_view);
-    return bytes;
+    return out;
 }
 
 } // namespace pliant

@@ -41,7 +41,7 @@ void read_plain(const GltfDocument& document, const GltfValue& primitive, GltfAl
     allowance.take_all_of(position);
     allowance.take(index_value.exists() ? index_value : position, corner_count, mode == triangles ? 1 : 3);
     out.positions = read_numbers(document, position, { 3 });
-    out.position_step = step_of(shape, out.positions);
+    out.position_step = step_of(document, position);
     if (shape.is_normalised && shape.component_type == gltf_int16) out.short_bits = 15;
     if (shape.is_normalised && shape.component_type == gltf_uint16) out.short_bits = 16;
     std::vector<std::uint32_t> corners;

@@ -18,9 +18,11 @@ from ._usd_skin import Skin, skins_of
 SUFFIXES = (".usd", ".usda", ".usdc", ".usdz")
 _LIMIT = 64  # poses, or layers
 # What reading a file may cost: some for any file, and more for each of its bytes, as of glTF. Numbers of arrays, prims, the
-# levels of their paths, their time samples, the names of joints and blend shapes, and a mesh in a pose take their shares.
+# levels of their paths, their time samples, names of blend shapes and joints, and a mesh in a pose take their shares.
 _COST, _COST_FOR_BYTE = 64000000, 128
-_OF_NUMBER, _OF_PRIM, _OF_LEVEL, _OF_SAMPLE, _OF_NAME, _OF_POSED, _OF_POSED_NUMBER = 16, 1024, 256, 64, 256, 2048, 1
+_OF_NUMBER, _OF_PRIM, _OF_LEVEL, _OF_SAMPLE, _OF_NAME, _OF_JOINT, _OF_POSED = 16, 1024, 256, 64, 256, 64, 2048
+_OF_POSED_NUMBER = 1
+_NAMES, _BOUND = ("joints", "blendShapes", "skel:joints", "skel:blendShapes"), ("skel:skeleton", "skel:animationSource")
 _INPUT = 3  # the exit code
 _USAGE = 2
 _CHOICES = "write #rest, #target=NAME,NAME or #time=FRAME,FRAME"
@@ -234,6 +236,7 @@ class _Part:
         names = binding.GetBlendShapesAttr().Get() or []
         if not hasattr(names, "__len__"):
             raise ValueError(f"{self.where}: skel:blendShapes are not names")
+        self._allowance.take(_OF_NAME * len(names), self.prim)
         paths = binding.GetBlendShapeTargetsRel().GetTargets()
         self._allowance.take(_OF_NAME * len(paths), self.prim)
         return {str(name): path for name, path in zip(names, paths)}
@@ -307,12 +310,6 @@ class _Stage:
             count += sum(16 + op.GetNumTimeSamples() for op in geom.Xformable(prim).GetOrderedXformOps())
         return count + (geom.Mesh(prim).GetPointsAttr().GetNumTimeSamples() if prim.IsA(geom.Mesh) else 0)
 
-    def _take_names(self, prim: Any, allowance: _Allowance) -> None:
-        """Of joints and blend shapes, which skeletons, animations and meshes map to each other."""
-        for name in ("joints", "blendShapes", "skel:joints", "skel:blendShapes"):
-            names: Any = prim.GetAttribute(name).Get() if prim.HasAttribute(name) else ()
-            allowance.take(_OF_NAME * (len(names) if hasattr(names, "__len__") else 0), prim)
-
     def _find_parts(self) -> list[_Part]:
         out: list[_Part] = []
         allowance, places = _Allowance(self.path, self._byte_count), _Places(self._usd)
@@ -320,7 +317,6 @@ class _Stage:
         for prim in prims:
             allowance.take(_OF_PRIM + _OF_LEVEL * prim.GetPath().pathElementCount, prim)
             allowance.take(_OF_SAMPLE * self._sample_count(prim), prim)
-            self._take_names(prim, allowance)
             if self._is_hidden(prim):
                 prims.PruneChildren()
             elif prim.IsA(self._usd.UsdGeom.PointInstancer):  # what lies below is not drawn where it is
@@ -331,8 +327,23 @@ class _Stage:
         self._bind_skins(out, allowance)  # not before the file's prims are counted
         return sorted(out, key=lambda part: str(part.prim.GetPath()))  # programs list them in any order
 
+    def _take_bound(self, prim: Any, allowance: _Allowance, seen: set[Any]) -> None:
+        """What asking UsdSkel for the skeleton of a prim costs, drawn or not: names of joints, and what it is bound to."""
+        waiting = [prim]
+        while waiting:
+            one = waiting.pop()
+            names = [one.GetAttribute(name).Get() for name in _NAMES if one.HasAttribute(name)]
+            bound = [path for name in _BOUND if one.HasRelationship(name) for path in one.GetRelationship(name).GetTargets()]
+            count = len(bound) + sum(len(some) for some in names if hasattr(some, "__len__"))
+            allowance.take(_OF_PRIM + _OF_JOINT * count, one)
+            for path in bound:
+                if path not in seen and self._stage.GetPrimAtPath(path):
+                    waiting.append(self._stage.GetPrimAtPath(path))
+                seen.add(path)
+
     def _bind_skins(self, parts: list[_Part], allowance: _Allowance) -> None:
-        skins = skins_of(self._usd, self._stage, self.path)
+        seen: set[Any] = set()
+        skins = skins_of(self._usd, self._stage, self.path, lambda prim: self._take_bound(prim, allowance, seen))
         for part in parts:
             part.skin = skins.get(part.prim.GetPath())
             if part.skin:

@@ -1,6 +1,7 @@
 """How skeletons and blend shapes of a USD stage move its meshes: the queries of UsdSkel, at any time, of instances too."""
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import Any
 
 import numpy as np
@@ -88,8 +89,8 @@ class Skin:
         return np.asarray(points, np.float64)
 
 
-def skins_of(pxr: Any, stage: Any, path: str) -> dict[Any, Skin]:
-    """By the path of the mesh."""
+def skins_of(pxr: Any, stage: Any, path: str, take: Callable[[Any], None]) -> dict[Any, Skin]:
+    """By the path of the mesh. `take` gets every prim that UsdSkel asks for a skeleton, before it does."""
     out: dict[Any, Skin] = {}
     cache, predicate = pxr.UsdSkel.Cache(), pxr.Usd.TraverseInstanceProxies()
     prims = iter(pxr.Usd.PrimRange(stage.GetPseudoRoot(), predicate))
@@ -97,6 +98,8 @@ def skins_of(pxr: Any, stage: Any, path: str) -> dict[Any, Skin]:
         if not prim.IsA(pxr.UsdSkel.Root):
             continue
         prims.PruneChildren()
+        for below in pxr.Usd.PrimRange(prim, predicate):
+            take(below)
         root = pxr.UsdSkel.Root(prim)
         cache.Populate(root, predicate)
         for binding in cache.ComputeSkelBindings(root, predicate):

@@ -110,6 +110,30 @@ TEST_CASE("octahedral, quaternion and exponential filters, and a list of indices
     for (std::size_t i = 0; i < indices.size(); ++i) CHECK(found(Eigen::Index(i), 0) == indices[i]);
 }
 
+TEST_CASE("the step of floats with exponents is in the file, whatever they round to")
+{
+    std::vector<std::uint32_t> words;
+    const auto put = [&](int exponent, int whole) {
+        words.push_back(std::uint32_t(exponent) << 24 | (std::uint32_t(whole) & 0xffffff));
+    };
+    for (int i = 0; i < 8; ++i) { // whole numbers, and a zero that has any exponent
+        put(-10, 1024 * i);
+        put(-12, -4096 * i);
+        put(100, 0);
+        put(-11, 2048);
+    }
+    const auto step = [&](const char* filter, unsigned component_type) {
+        const GltfDocument document("a.glb",
+                                    file_of(packed_rows(words.data(), 8, 16), 8, 16, "ATTRIBUTES", filter,
+                                            { { "componentType", component_type }, { "type", "VEC4" } }));
+        const GltfJson zero = 0;
+        return step_of(document, GltfValue(document.path(), &zero, "accessor"));
+    };
+    CHECK(step("EXPONENTIAL", gltf_float32) == std::exp2(-10));
+    CHECK(step("NONE", gltf_float32) == 0);
+    CHECK(step("NONE", gltf_uint16) == 1);
+}
+
 TEST_CASE("what is unpacked does not count as bytes of the file")
 {
     const std::vector<float> zeros(4 * 4096);
