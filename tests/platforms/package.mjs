@@ -81,6 +81,17 @@ function refuses(call, result, text) {
   assert.throws(call, (error) => error instanceof PliantError && error.result === result && error.message.includes(text));
 }
 
+// More than a module has, where a system has it.
+function checkHuge() {
+  let huge;
+  try {
+    huge = new ArrayBuffer(2 ** 32 - 16);
+  } catch {
+    return;
+  }
+  refuses(() => pliant.open(huge), undefined, "no memory");
+}
+
 function checkErrors() {
   const asset = pliant.open(bytesOf("layers_mixed")), character = asset.character();
   const before = Float32Array.from(character.solve({ [asset.weights[0].name]: 0.5 }) && character.positions);
@@ -93,6 +104,7 @@ function checkErrors() {
   refuses(() => asset.poseCoordinates(-1), 10, "there is no pose -1");
   assert.deepEqual(Float32Array.from(character.positions), before);
   assert.throws(() => pliant.open("a name"), TypeError);
+  checkHuge();
   const fickle = Object.assign([0, 0, 0], { *[Symbol.iterator]() { yield 1; } });
   refuses(() => character.solve(fickle), 10, "1 weights given, the asset has 3");
   for (const weights of [5, null, "abc", new Map([["pose 1", 1]])]) assert.throws(() => character.solve(weights), TypeError);

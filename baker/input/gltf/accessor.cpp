@@ -6,6 +6,7 @@
 #include <cmath>
 #include <cstring>
 #include <fmt/format.h>
+#include <limits>
 
 namespace pliant {
 namespace {
@@ -140,14 +141,13 @@ double largest_power(const GltfDocument& document, const GltfValue& accessor, co
     const char* begin = document.view(view).data();
     const std::size_t size = sizeof(float), width = static_cast<std::size_t>(shape.components);
     const Elements elements = elements_of(document, accessor, shape.count, size * width);
-    double largest = 0;
+    int largest = std::numeric_limits<int>::min();
     for (std::uint64_t i = 0; i < shape.count; ++i)
         for (std::size_t c = 0; c < width; ++c) {
             const char* at = elements.at(i) + size * c;
-            if (value_at<float>(at) == 0) continue;
-            largest = std::max(largest, std::exp2(exponents[static_cast<std::size_t>(at - begin) / size]));
+            if (value_at<float>(at) != 0) largest = std::max<int>(largest, exponents[std::size_t(at - begin) / size]);
         }
-    return largest;
+    return std::exp2(largest); // 0 if all of them are
 }
 
 void check_components(const GltfValue& reference, const AccessorShape& shape, std::initializer_list<int> components)

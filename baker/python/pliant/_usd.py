@@ -22,7 +22,6 @@ _LIMIT = 64  # poses, or layers
 _COST, _COST_FOR_BYTE = 64000000, 128
 _OF_NUMBER, _OF_PRIM, _OF_LEVEL, _OF_SAMPLE, _OF_NAME, _OF_JOINT, _OF_POSED = 16, 1024, 256, 64, 256, 64, 2048
 _OF_POSED_NUMBER = 1
-_NAMES, _BOUND = ("joints", "blendShapes", "skel:joints", "skel:blendShapes"), ("skel:skeleton", "skel:animationSource")
 _INPUT = 3  # the exit code
 _USAGE = 2
 _CHOICES = "write #rest, #target=NAME,NAME or #time=FRAME,FRAME"
@@ -112,6 +111,39 @@ class _Places:
         return np.array(self._last[1].GetLocalToWorldTransform(prim))
 
 
+class _Bindings:
+    """What asking UsdSkel for the skeletons of prims costs, of hidden ones too. Prims get it after those above them."""
+
+    def __init__(self, pxr: Any, allowance: _Allowance) -> None:
+        self._usd = pxr
+        self._allowance = allowance
+        self._inherited: dict[Any, tuple[int, int]] = {}  # by path: names of joints, and names that the skeleton has
+        self._names: dict[Any, int] = {}  # of skeletons, by path, with those of their animations
+
+    def take(self, prim: Any) -> None:
+        joints, names = self._inherited.get(prim.GetPath().GetParentPath(), (0, 0))
+        joints = self._count(prim, "skel:joints") or joints
+        skeletons = prim.GetRelationship("skel:skeleton").GetTargets() if prim.HasRelationship("skel:skeleton") else ()
+        names = max([self._names_at(path, prim) for path in skeletons], default=names)
+        self._inherited[prim.GetPath()] = joints, names
+        own = joints + self._count(prim, "skel:blendShapes")
+        self._allowance.take(_OF_PRIM + _OF_JOINT * own + _OF_NUMBER * names, prim)
+
+    def _count(self, prim: Any, attribute: str) -> int:
+        names = prim.GetAttribute(attribute).Get() if prim.HasAttribute(attribute) else ()
+        return len(names) if hasattr(names, "__len__") else 0
+
+    def _names_at(self, path: Any, prim: Any) -> int:
+        self._allowance.take(_OF_JOINT, prim)
+        if path not in self._names:
+            skeleton = prim.GetStage().GetPrimAtPath(path)
+            animation = self._usd.UsdSkel.BindingAPI(skeleton).GetInheritedAnimationSource() if skeleton else None
+            self._names[path] = sum(self._count(one, name) for one in (skeleton, animation) if one
+                                    for name in ("joints", "blendShapes"))
+            self._allowance.take(_OF_JOINT * self._names[path], prim)
+        return self._names[path]
+
+
 class _Part:
     """A mesh of the stage."""
 
@@ -152,7 +184,7 @@ class _Part:
         """In the space of the stage."""
         moves = self.skin.influence_count if self.skin else 0
         joints = self.skin.skeleton.joint_count if self.skin else 0
-        self._allowance.take(_OF_POSED + _OF_POSED_NUMBER * (self.count * (1 + moves) + joints), self.prim)
+        self._allowance.take(_OF_POSED + _OF_POSED_NUMBER * (max(self.count, 1) * (1 + moves) + joints), self.prim)
         if self.skin:
             points = self.skin.skinned(points, time, is_rest)
         matrix = self._places.matrix(self._place(), time)
@@ -327,23 +359,8 @@ class _Stage:
         self._bind_skins(out, allowance)  # not before the file's prims are counted
         return sorted(out, key=lambda part: str(part.prim.GetPath()))  # programs list them in any order
 
-    def _take_bound(self, prim: Any, allowance: _Allowance, seen: set[Any]) -> None:
-        """What asking UsdSkel for the skeleton of a prim costs, drawn or not: names of joints, and what it is bound to."""
-        waiting = [prim]
-        while waiting:
-            one = waiting.pop()
-            names = [one.GetAttribute(name).Get() for name in _NAMES if one.HasAttribute(name)]
-            bound = [path for name in _BOUND if one.HasRelationship(name) for path in one.GetRelationship(name).GetTargets()]
-            count = len(bound) + sum(len(some) for some in names if hasattr(some, "__len__"))
-            allowance.take(_OF_PRIM + _OF_JOINT * count, one)
-            for path in bound:
-                if path not in seen and self._stage.GetPrimAtPath(path):
-                    waiting.append(self._stage.GetPrimAtPath(path))
-                seen.add(path)
-
     def _bind_skins(self, parts: list[_Part], allowance: _Allowance) -> None:
-        seen: set[Any] = set()
-        skins = skins_of(self._usd, self._stage, self.path, lambda prim: self._take_bound(prim, allowance, seen))
+        skins = skins_of(self._usd, self._stage, self.path, _Bindings(self._usd, allowance).take)
         for part in parts:
             part.skin = skins.get(part.prim.GetPath())
             if part.skin:

@@ -20,7 +20,8 @@ class Block {
   constructor(module, size) {
     this.module = module;
     this.size = size;
-    this.start = module.exports.malloc(size + ALIGNMENT) >>> 0; // i32 of WebAssembly are signed
+    // i32 of WebAssembly are signed, and 4 GiB would be taken for 0.
+    this.start = size + ALIGNMENT < 2 ** 32 ? module.exports.malloc(size + ALIGNMENT) >>> 0 : 0;
     if (this.start === 0) throw new PliantError(`no memory for ${size} bytes`, undefined);
     this.#at = this.start + (ALIGNMENT - (this.start % ALIGNMENT)) % ALIGNMENT;
   }

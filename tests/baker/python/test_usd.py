@@ -45,6 +45,17 @@ def add_mesh(stage, positions, faces, where):
     return mesh
 
 
+def add_shapes(stage, where, count):
+    """Blend shapes s0, s1, ... of the mesh there, each of one vertex."""
+    binding = UsdSkel.BindingAPI.Apply(stage.GetPrimAtPath(where))
+    binding.CreateBlendShapesAttr([f"s{k}" for k in range(count)])
+    for k in range(count):
+        shape = UsdSkel.BlendShape.Define(stage, f"{where}/s{k}")
+        shape.CreateOffsetsAttr([(0, 0, 1)])
+        shape.CreatePointIndicesAttr([0])
+        binding.CreateBlendShapeTargetsRel().AddTarget(shape.GetPath())
+
+
 def write_shapes(name):
     path, stage = new_mesh(name, POSES[0], QUADS)
     binding = UsdSkel.BindingAPI.Apply(stage.GetPrimAtPath("/tube"))
@@ -382,13 +393,7 @@ class Meshes(unittest.TestCase):
 
     def test_many_blend_shapes(self):
         path, stage = new_mesh("many.usda", POSES[0], FACES)
-        binding = UsdSkel.BindingAPI.Apply(stage.GetPrimAtPath("/tube"))
-        binding.CreateBlendShapesAttr([f"s{k}" for k in range(65)])
-        for k in range(65):
-            shape = UsdSkel.BlendShape.Define(stage, f"/tube/s{k}")
-            shape.CreateOffsetsAttr([(0, 0, 1)])
-            shape.CreatePointIndicesAttr([k])
-            binding.CreateBlendShapeTargetsRel().AddTarget(shape.GetPath())
+        add_shapes(stage, "/tube", 65)
         stage.Save()
         number, message = number_of(pliant.load_poses, path)
         self.assertEqual(number, "P3002")
@@ -418,16 +423,9 @@ class Meshes(unittest.TestCase):
     def test_long_arrays(self):
         for name in ("holeIndices", "faceVertexCounts", "pointIndices"):
             path, stage = new_mesh(f"long_{name}.usdc", POSES[0], FACES)
-            shape = UsdSkel.BlendShape.Define(stage, "/tube/a")
-            shape.CreateOffsetsAttr([(0, 0, 1)])
-            shape.CreatePointIndicesAttr([0])
-            prim = shape.GetPrim()
-            binding = UsdSkel.BindingAPI.Apply(stage.GetPrimAtPath("/tube"))
-            binding.CreateBlendShapesAttr(["a"])
-            binding.CreateBlendShapeTargetsRel().SetTargets([prim.GetPath()])
-            if name != "pointIndices":
-                prim = stage.GetPrimAtPath("/tube")
-            prim.GetAttribute(name).Set(Vt.IntArray(20000000, 0))
+            add_shapes(stage, "/tube", 1)
+            where = "/tube/s0" if name == "pointIndices" else "/tube"
+            stage.GetPrimAtPath(where).GetAttribute(name).Set(Vt.IntArray(20000000, 0))
             stage.Save()
             number, message = number_of(pliant.load_poses, path)
             self.assertEqual(number, "P2333", message)
@@ -438,17 +436,9 @@ class Meshes(unittest.TestCase):
                                                            ("influences", [20, 20], 1, 300)):
             path = str(Path(FOLDER.name, f"shared_{name}.usda"))
             stage = Usd.Stage.CreateNew(path)
-            mesh = UsdGeom.Mesh.Define(stage, "/L0/m")
-            mesh.CreatePointsAttr([(0, 0, 0), (1, 0, 0), (0, 1, 0)] * (1 if influence_count == 0 else 20))
-            mesh.CreateFaceVertexCountsAttr([3])
-            mesh.CreateFaceVertexIndicesAttr([0, 1, 2])
-            binding = UsdSkel.BindingAPI.Apply(mesh.GetPrim())
-            binding.CreateBlendShapesAttr([f"s{k}" for k in range(shape_count)])
-            for k in range(shape_count):
-                shape = UsdSkel.BlendShape.Define(stage, f"/L0/m/s{k}")
-                shape.CreateOffsetsAttr([(0, 0, 1)])
-                shape.CreatePointIndicesAttr([0])
-                binding.CreateBlendShapeTargetsRel().AddTarget(shape.GetPath())
+            mesh = add_mesh(stage, np.eye(3).tolist() * (1 if influence_count == 0 else 20), [(0, 1, 2)], "/L0/m")
+            add_shapes(stage, "/L0/m", shape_count)
+            binding = UsdSkel.BindingAPI(mesh.GetPrim())
             if influence_count > 0:
                 add_skin(stage, mesh.GetPrim(), "/L0/bones", {k: 0.1 * k for k in range(60)}, [0])
                 binding.CreateJointIndicesPrimvar(False, influence_count).Set([0] * influence_count * 60)
@@ -463,23 +453,36 @@ class Meshes(unittest.TestCase):
             number, message = number_of(pliant.load_poses, path, blend="average" if influence_count > 0 else None)
             self.assertEqual(number, "P2333", (name, message))
 
-    # Skeletons, drawn or not, and meshes share 100,000 names of joints.
+    # Skeletons, drawn or not, share 100,000 names of joints, or meshes inherit them.
     def test_shared_names_of_joints(self):
-        for kind, name, where in (("Skeleton", "joints", "Xform"), ("Skeleton", "joints", "PointInstancer"),
-                                  ("Mesh", "skel:joints", "Xform")):
+        for kind, where in (("Skeleton", "Xform"), ("Skeleton", "PointInstancer"), ("Mesh", "Xform")):
             path, stage = new_mesh(f"joints_{kind}{where}.usdc", POSES[0], FACES, "/hero/tube")
             UsdSkel.Root.Define(stage, "/hero")
-            first = stage.DefinePrim("/hero/first", kind)
-            first.CreateAttribute(name, Sdf.ValueTypeNames.TokenArray).Set([f"j{k}" for k in range(100000)])
-            stage.DefinePrim("/bones" if kind == "Skeleton" else "/hero/bones", where)
+            first, above = stage.DefinePrim("/hero/first", kind), stage.DefinePrim("/hero/bones", where)
+            UsdSkel.BindingAPI.Apply(first)
+            holder, name = (first, "joints") if kind == "Skeleton" else (above, "skel:joints")
+            holder.CreateAttribute(name, Sdf.ValueTypeNames.TokenArray).Set([f"j{k}" for k in range(100000)])
             for k in range(100):
-                bones = stage.DefinePrim(f"/bones/c{k}" if kind == "Skeleton" else f"/hero/bones/c{k}")
-                bones.GetReferences().AddInternalReference("/hero/first")
+                prim = stage.DefinePrim(f"/hero/bones/c{k}")
+                prim.GetReferences().AddInternalReference("/hero/first")
                 user = stage.DefinePrim(f"/hero/u{k}")
-                UsdSkel.BindingAPI.Apply(user).CreateSkeletonRel().SetTargets([bones.GetPath()])
+                UsdSkel.BindingAPI.Apply(user).CreateSkeletonRel().SetTargets([prim.GetPath()])
             stage.Save()
             number, message = number_of(pliant.load_poses, path)
             self.assertEqual(number, "P2333", (kind, where, message))
+
+    def test_influences_of_no_points(self):
+        path, stage = new_mesh("empty.usdc", POSES[0], FACES, "/hero/tube")
+        UsdSkel.Root.Define(stage, "/hero")
+        empty = UsdGeom.Mesh.Define(stage, "/hero/empty")
+        empty.CreatePointsAttr([])
+        add_skin(stage, empty.GetPrim(), "/hero/bones", {k: 0.1 * k for k in range(6)}, [])
+        binding, count = UsdSkel.BindingAPI(empty.GetPrim()), 20000000
+        binding.CreateJointIndicesPrimvar(True, count).Set(Vt.IntArray(count, 0))
+        binding.CreateJointWeightsPrimvar(True, count).Set(Vt.FloatArray(count, 1))
+        stage.Save()
+        number, message = number_of(pliant.load_poses, path)
+        self.assertEqual(number, "P2333", message)
 
     # Every frame reads all blend shapes, and prims may share one.
     def test_blend_shapes_at_frames(self):
