@@ -74,6 +74,11 @@ def _open(path: str) -> tuple[Any, Any]:
         raise _error(_INPUT, 2001, path, what, "check the name and the permissions of the file") from None
 
 
+def _length(value: Any) -> int:
+    """Of an array; 0 of anything else."""
+    return len(value) if hasattr(value, "__len__") and not isinstance(value, str) else 0
+
+
 class _Allowance:
     """What reading the files of a stage may still cost."""
 
@@ -130,8 +135,7 @@ class _Bindings:
         self._allowance.take(_OF_PRIM + _OF_JOINT * own + _OF_NUMBER * names, prim)
 
     def _count(self, prim: Any, attribute: str) -> int:
-        names = prim.GetAttribute(attribute).Get() if prim.HasAttribute(attribute) else ()
-        return len(names) if hasattr(names, "__len__") else 0
+        return _length(prim.GetAttribute(attribute).Get()) if prim.HasAttribute(attribute) else 0
 
     def _names_at(self, path: Any, prim: Any) -> int:
         self._allowance.take(_OF_JOINT, prim)
@@ -162,7 +166,7 @@ class _Part:
     def _numbers(self, attribute: Any, time: Any = None, cost: int = _OF_NUMBER) -> Positions:
         """Of an attribute, which files may give any type; none if it has no value."""
         values = attribute.Get() if time is None else attribute.Get(time)
-        self._allowance.take(cost * (len(values) if hasattr(values, "__len__") else 1), self.prim)
+        self._allowance.take(cost * max(_length(values), 1), self.prim)
         try:
             return np.asarray([] if values is None else values, np.float64)
         except (TypeError, ValueError):
@@ -204,13 +208,15 @@ class _Part:
                     self._numbers(attribute, time), self._numbers(attribute, self._rest_time)):
                 what = f"has other faces at frame {time.GetValue():g} than at first"
                 raise ValueError(f"{self.where}: {what}; poses share vertices and faces")
+        if self.skin:
+            self._allowance.take(_OF_POSED_NUMBER * self.skin.skeleton.new_numbers(time), self.prim)
         if self.skin and self.skin.has_shapes:
             self._allowance.take(_OF_POSED_NUMBER * self._count_offsets(), self.prim)
             points = self.skin.morphed(points, time)
         return self._placed(points, time, False)
 
     def _count_offsets(self) -> int:
-        """Of all blend shapes, which every frame reads."""
+        """What every frame reads of all blend shapes, in numbers."""
         if self._offset_count is None:
             self._offset_count = 0
             for path in self._usd.UsdSkel.BindingAPI(self.prim).GetBlendShapeTargetsRel().GetTargets():
@@ -218,10 +224,9 @@ class _Part:
                 between = shape.GetInbetweens() if shape else []
                 own = [shape.GetOffsetsAttr(), shape.GetPointIndicesAttr()] if shape else []
                 for attribute in [*own, *(one.GetAttr() for one in between)]:
-                    offsets = attribute.Get()
-                    count = len(offsets) if hasattr(offsets, "__len__") else 0
-                    self._allowance.take(_OF_NUMBER * count, self.prim)
-                    self._offset_count += count
+                    count = _length(attribute.Get())
+                    self._allowance.take(_OF_JOINT + _OF_NUMBER * count, self.prim)
+                    self._offset_count += _OF_JOINT + count
         return self._offset_count
 
     def rest(self, offsets: Positions | float = 0.0) -> Positions:
@@ -256,7 +261,9 @@ class _Part:
         if not ((corners >= 0) & (corners < self.count)).all():
             raise ValueError(f"{self.where}: a face has a corner that is not among its {self.count} points")
         sizes, order = counts.astype(np.int64), np.arange(len(corners))
-        is_left = self.mesh.GetOrientationAttr().Get() == self._usd.UsdGeom.Tokens.leftHanded
+        orientation = self.mesh.GetOrientationAttr().Get()
+        self._allowance.take(_OF_NUMBER * _length(orientation), self.prim)
+        is_left = orientation == self._usd.UsdGeom.Tokens.leftHanded
         if is_left != self._is_mirrored():  # each face the other way round
             order = np.repeat(2 * (np.cumsum(sizes) - sizes) + sizes - 1, sizes) - order
         is_hole = np.isin(np.arange(len(sizes)), self._numbers(self.mesh.GetHoleIndicesAttr(), self._rest_time))
@@ -325,13 +332,18 @@ class _Stage:
             return False
         return geom.Imageable(prim).ComputePurpose() in (geom.Tokens.default_, geom.Tokens.render)
 
-    def _is_hidden(self, prim: Any) -> bool:
+    def _is_hidden(self, prim: Any, allowance: _Allowance) -> bool:
         """At all times, and what is below it with it."""
         if not prim.IsA(self._usd.UsdGeom.Imageable):
             return False
         attribute = self._usd.UsdGeom.Imageable(prim).GetVisibilityAttr()
         times = attribute.GetTimeSamples() or [self._usd.Usd.TimeCode.Default()]
-        return all(attribute.Get(time) == self._usd.UsdGeom.Tokens.invisible for time in times)
+        for time in times:
+            value = attribute.Get(time)
+            allowance.take(_OF_NUMBER * _length(value), prim)
+            if value != self._usd.UsdGeom.Tokens.invisible:
+                return False
+        return True
 
     def _sample_count(self, prim: Any) -> int:
         """What asking for its times and its place costs, in samples."""
@@ -349,7 +361,7 @@ class _Stage:
         for prim in prims:
             allowance.take(_OF_PRIM + _OF_LEVEL * prim.GetPath().pathElementCount, prim)
             allowance.take(_OF_SAMPLE * self._sample_count(prim), prim)
-            if self._is_hidden(prim):
+            if self._is_hidden(prim, allowance):
                 prims.PruneChildren()
             elif prim.IsA(self._usd.UsdGeom.PointInstancer):  # what lies below is not drawn where it is
                 self.instancers.append(str(prim.GetPath()))

@@ -8,6 +8,7 @@ import numpy as np
 import numpy.typing as npt
 
 Positions = npt.NDArray[np.float64]
+_ANIMATED = ("translations", "rotations", "scales", "blendShapeWeights")
 
 
 class _Skeleton:
@@ -20,6 +21,7 @@ class _Skeleton:
         self.animation = query.GetAnimQuery()
         self.joint_count = len(query.GetJointOrder())
         self._last: tuple[Any, Any] | None = None
+        self._last_weights: tuple[Any, Any] | None = None
         self._times: set[float] | None = None
 
     def times(self) -> set[float]:
@@ -28,6 +30,20 @@ class _Skeleton:
             self._times = set(moved.GetJointTransformTimeSamples() if moved else [])
             self._times |= set(moved.GetBlendShapeWeightTimeSamples() if moved else [])
         return self._times
+
+    def new_numbers(self, time: Any) -> int:
+        """How many numbers its animation has at a time, which are read once in a row."""
+        if not self.animation or (self._last_weights and self._last_weights[0] == time):
+            return 0
+        prim = self.animation.GetPrim()
+        values = [prim.GetAttribute(name).Get(time) for name in _ANIMATED if prim.HasAttribute(name)]
+        self._last_weights = (time, self.animation.ComputeBlendShapeWeights(time))
+        return sum(len(value) for value in values if hasattr(value, "__len__"))
+
+    def weights(self, time: Any) -> Any:
+        """Of its blend shapes."""
+        self.new_numbers(time)
+        return self._last_weights[1] if self._last_weights else None
 
     def transforms(self, time: Any) -> Any:
         """Of the joints, from where they were bound. A time of None is the rest pose, and so is any time without animation;
@@ -65,12 +81,11 @@ class Skin:
 
     def morphed(self, positions: Positions, time: Any) -> Positions:
         """By the blend shapes that the animation sets."""
-        animation = self.skeleton.animation
         if not self.has_shapes:
             return positions
         skel, points = self._usd.UsdSkel, self._points(positions)
         shapes = skel.BlendShapeQuery(skel.BindingAPI(self._query.GetPrim()))
-        weights, mapper = animation.ComputeBlendShapeWeights(time), self._query.GetBlendShapeMapper()
+        weights, mapper = self.skeleton.weights(time), self._query.GetBlendShapeMapper()
         if not weights or not mapper:
             return positions
         parts = shapes.ComputeSubShapeWeights(mapper.Remap(weights))
