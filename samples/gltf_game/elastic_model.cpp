@@ -61,7 +61,7 @@ const unsigned char* bytes_of(const tinygltf::Model& model, const tinygltf::Buff
     return buffer.data() + view.byteOffset;
 }
 
-// tinygltf reads nested values by recursion: files that nest them deeper than exporters do are refused.
+// tinygltf reads nested values by recursion, so deep nesting would overflow the stack. Exporters nest a dozen levels.
 void check_nesting(const std::string& glb)
 {
     constexpr std::size_t head_size = 20;
@@ -77,7 +77,7 @@ void check_nesting(const std::string& glb)
         if (is_string) continue;
         depth += glb[i] == '{' || glb[i] == '[';
         depth -= glb[i] == '}' || glb[i] == ']';
-        if (depth > most) throw std::runtime_error("its JSON is nested deeper than 64 values");
+        if (depth > most) throw std::runtime_error("the JSON is nested deeper than 64 values");
     }
 }
 

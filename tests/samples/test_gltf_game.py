@@ -43,7 +43,6 @@ def rewrite(glb, to, change):
     text += b" " * (-len(text) % 4)
     chunks = len(text).to_bytes(4, "little") + b"JSON" + text + data[end:]
     to.write_bytes(b"glTF" + (2).to_bytes(4, "little") + (12 + len(chunks)).to_bytes(4, "little") + chunks)
-    return to
 
 
 def image_moved(document):

@@ -133,6 +133,7 @@ GltfNumbers read_all(const GltfDocument& document, const GltfValue& accessor, co
     return numbers;
 }
 
+// The largest power of two that a number of the accessor is stored with; 0 if there is none.
 double largest_power(const GltfDocument& document, const GltfValue& accessor, const AccessorShape& shape)
 {
     const std::size_t view = accessor["bufferView"].index(document["bufferViews"].size(), "buffer views");
@@ -147,7 +148,7 @@ double largest_power(const GltfDocument& document, const GltfValue& accessor, co
             const char* at = elements.at(i) + size * c;
             if (value_at<float>(at) != 0) largest = std::max<int>(largest, exponents[std::size_t(at - begin) / size]);
         }
-    return std::exp2(largest); // 0 if all of them are
+    return std::exp2(largest);
 }
 
 void check_components(const GltfValue& reference, const AccessorShape& shape, std::initializer_list<int> components)

@@ -130,6 +130,7 @@ public:
     // How far a vertex moves, at most, by a step of the grid of a primitive's positions and by one of its weights.
     double move_of_step(const GltfInstance& instance, const GltfPrimitive& primitive, double step) const
     {
+        if (step == 0 && primitive.weight_step == 0) return 0;
         if (instance.skin < 0) return step * stretch(world_[instance.node]);
         double most_stretch = 0, most_spread = 0;
         for (Eigen::Index v = 0; v < primitive.positions.rows(); ++v) {

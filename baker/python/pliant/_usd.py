@@ -13,7 +13,7 @@ import numpy as np
 import numpy.typing as npt
 
 from ._errors import Error, finding
-from ._usd_skin import Skin, skins_of
+from ._usd_skin import Skin, length_of, skins_of
 
 SUFFIXES = (".usd", ".usda", ".usdc", ".usdz")
 _LIMIT = 64  # poses, or layers
@@ -74,11 +74,6 @@ def _open(path: str) -> tuple[Any, Any]:
         raise _error(_INPUT, 2001, path, what, "check the name and the permissions of the file") from None
 
 
-def _length(value: Any) -> int:
-    """Of an array; 0 of anything else."""
-    return len(value) if hasattr(value, "__len__") and not isinstance(value, str) else 0
-
-
 class _Allowance:
     """What reading the files of a stage may still cost."""
 
@@ -117,7 +112,7 @@ class _Places:
 
 
 class _Bindings:
-    """What asking UsdSkel for the skeletons of prims costs, of hidden ones too. Prims get it after those above them."""
+    """What UsdSkel's answers about the skeletons of prims cost, drawn or hidden. Prims come after those above them."""
 
     def __init__(self, pxr: Any, allowance: _Allowance) -> None:
         self._usd = pxr
@@ -135,7 +130,7 @@ class _Bindings:
         self._allowance.take(_OF_PRIM + _OF_JOINT * own + _OF_NUMBER * names, prim)
 
     def _count(self, prim: Any, attribute: str) -> int:
-        return _length(prim.GetAttribute(attribute).Get()) if prim.HasAttribute(attribute) else 0
+        return length_of(prim.GetAttribute(attribute).Get()) if prim.HasAttribute(attribute) else 0
 
     def _names_at(self, path: Any, prim: Any) -> int:
         self._allowance.take(_OF_JOINT, prim)
@@ -166,7 +161,7 @@ class _Part:
     def _numbers(self, attribute: Any, time: Any = None, cost: int = _OF_NUMBER) -> Positions:
         """Of an attribute, which files may give any type; none if it has no value."""
         values = attribute.Get() if time is None else attribute.Get(time)
-        self._allowance.take(cost * max(_length(values), 1), self.prim)
+        self._allowance.take(cost * max(length_of(values), 1), self.prim)
         try:
             return np.asarray([] if values is None else values, np.float64)
         except (TypeError, ValueError):
@@ -209,7 +204,7 @@ class _Part:
                 what = f"has other faces at frame {time.GetValue():g} than at first"
                 raise ValueError(f"{self.where}: {what}; poses share vertices and faces")
         if self.skin:
-            self._allowance.take(_OF_POSED_NUMBER * self.skin.skeleton.new_numbers(time), self.prim)
+            self._allowance.take(_OF_POSED_NUMBER * self.skin.skeleton.count_numbers(time), self.prim)
         if self.skin and self.skin.has_shapes:
             self._allowance.take(_OF_POSED_NUMBER * self._count_offsets(), self.prim)
             points = self.skin.morphed(points, time)
@@ -224,7 +219,7 @@ class _Part:
                 between = shape.GetInbetweens() if shape else []
                 own = [shape.GetOffsetsAttr(), shape.GetPointIndicesAttr()] if shape else []
                 for attribute in [*own, *(one.GetAttr() for one in between)]:
-                    count = _length(attribute.Get())
+                    count = length_of(attribute.Get())
                     self._allowance.take(_OF_JOINT + _OF_NUMBER * count, self.prim)
                     self._offset_count += _OF_JOINT + count
         return self._offset_count
@@ -262,7 +257,7 @@ class _Part:
             raise ValueError(f"{self.where}: a face has a corner that is not among its {self.count} points")
         sizes, order = counts.astype(np.int64), np.arange(len(corners))
         orientation = self.mesh.GetOrientationAttr().Get()
-        self._allowance.take(_OF_NUMBER * _length(orientation), self.prim)
+        self._allowance.take(_OF_NUMBER * length_of(orientation), self.prim)
         is_left = orientation == self._usd.UsdGeom.Tokens.leftHanded
         if is_left != self._is_mirrored():  # each face the other way round
             order = np.repeat(2 * (np.cumsum(sizes) - sizes) + sizes - 1, sizes) - order
@@ -296,6 +291,7 @@ class _Part:
 
 
 def _as_rows(sizes: Faces, corners: Faces, path: str) -> Faces:
+    """Faces of the same size as they are, faces of several sizes as triangles."""
     if not len(sizes):
         raise ValueError(f"{path}: its meshes have no faces")
     if (sizes == sizes[0]).all():
@@ -340,7 +336,7 @@ class _Stage:
         times = attribute.GetTimeSamples() or [self._usd.Usd.TimeCode.Default()]
         for time in times:
             value = attribute.Get(time)
-            allowance.take(_OF_NUMBER * _length(value), prim)
+            allowance.take(_OF_NUMBER * length_of(value), prim)
             if value != self._usd.UsdGeom.Tokens.invisible:
                 return False
         return True

@@ -11,6 +11,11 @@ Positions = npt.NDArray[np.float64]
 _ANIMATED = ("translations", "rotations", "scales", "blendShapeWeights")
 
 
+def length_of(value: Any) -> int:
+    """Of an array; 0 of anything else."""
+    return len(value) if hasattr(value, "__len__") and not isinstance(value, str) else 0
+
+
 class _Skeleton:
     """What the meshes that are bound to one share."""
 
@@ -22,6 +27,7 @@ class _Skeleton:
         self.joint_count = len(query.GetJointOrder())
         self._last: tuple[Any, Any] | None = None
         self._last_weights: tuple[Any, Any] | None = None
+        self._last_counted: Any = None
         self._times: set[float] | None = None
 
     def times(self) -> set[float]:
@@ -31,19 +37,19 @@ class _Skeleton:
             self._times |= set(moved.GetBlendShapeWeightTimeSamples() if moved else [])
         return self._times
 
-    def new_numbers(self, time: Any) -> int:
-        """How many numbers its animation has at a time, which are read once in a row."""
-        if not self.animation or (self._last_weights and self._last_weights[0] == time):
+    def count_numbers(self, time: Any) -> int:
+        """Of its animation at a time. Meshes that follow at the same time share them, and get 0."""
+        if not self.animation or (self._last_counted is not None and self._last_counted == time):
             return 0
+        self._last_counted = time
         prim = self.animation.GetPrim()
-        values = [prim.GetAttribute(name).Get(time) for name in _ANIMATED if prim.HasAttribute(name)]
-        self._last_weights = (time, self.animation.ComputeBlendShapeWeights(time))
-        return sum(len(value) for value in values if hasattr(value, "__len__"))
+        return sum(length_of(prim.GetAttribute(name).Get(time)) for name in _ANIMATED if prim.HasAttribute(name))
 
     def weights(self, time: Any) -> Any:
-        """Of its blend shapes."""
-        self.new_numbers(time)
-        return self._last_weights[1] if self._last_weights else None
+        """Of the blend shapes that its animation sets."""
+        if self._last_weights is None or self._last_weights[0] != time:
+            self._last_weights = (time, self.animation.ComputeBlendShapeWeights(time))
+        return self._last_weights[1]
 
     def transforms(self, time: Any) -> Any:
         """Of the joints, from where they were bound. A time of None is the rest pose, and so is any time without animation;
