@@ -102,6 +102,9 @@ tinygltf::Model load(const std::string& path)
     if (!loader.LoadBinaryFromMemory(&model, &error, &warning, reinterpret_cast<const unsigned char*>(glb.data()),
                                      std::uint32_t(glb.size())))
         throw std::runtime_error(path + ": " + (error.empty() ? "cannot be read as a GLB" : error));
+    for (const std::string& name : model.extensionsRequired)
+        if (name != extension && name != "KHR_mesh_quantization")
+            throw std::runtime_error(path + ": needs the extension " + name + ", which this sample does not read");
     for (tinygltf::Image& image : model.images) {
         if (image.bufferView < 0) continue;
         const tinygltf::BufferView& view = model.bufferViews.at(std::size_t(image.bufferView));

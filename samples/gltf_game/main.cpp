@@ -136,6 +136,9 @@ int main(int argc, char** argv)
     } catch (const Usage& error) {
         std::fprintf(stderr, "gltf_game: error: %s\n%s", error.what(), "hint: gltf_game --help\n");
         return 2;
+    } catch (const std::out_of_range&) {
+        std::fprintf(stderr, "gltf_game: error: a number in the file refers to nothing\n");
+        return 1;
     } catch (const std::exception& error) {
         std::fprintf(stderr, "gltf_game: error: %s\n", error.what());
         return 1;

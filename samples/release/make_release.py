@@ -62,7 +62,7 @@ def check_tree(candidate):
 
 def make_source(clone, out, version):
     name = f"pliant-{version}"
-    tar = run("git", "archive", "--format=tar", f"--prefix={name}/", "HEAD", cwd=clone)
+    tar = run("git", "-c", "tar.umask=0002", "archive", "--format=tar", f"--prefix={name}/", "HEAD", cwd=clone)
     (out / f"{name}-source.tar.gz").write_bytes(gzip.compress(tar, 9, mtime=0))
 
 
@@ -105,7 +105,7 @@ def make_all(out, without, version):
         work = Path(name)
         staging, clone = work / "out", work / "clone"
         staging.mkdir()
-        run("git", "clone", "--quiet", "--no-hardlinks", ROOT, clone)
+        run("git", "clone", "--quiet", "--no-hardlinks", "--config", "core.autocrlf=false", ROOT, clone)
         for part, make in PARTS.items():
             if part not in without:
                 make(clone, staging, version)

@@ -72,6 +72,16 @@ def misplaced(document):
     return json.dumps(document)
 
 
+def unresolved(document):
+    document["meshes"][0]["primitives"][0]["attributes"]["TEXCOORD_0"] = 1000
+    return json.dumps(document)
+
+
+def required(document):
+    document["extensionsRequired"] = ["EXT_another"]
+    return json.dumps(document)
+
+
 def check_refusals(glb, folder):
     plain = folder / "plain.glb"
     run(TOOL, "export", folder / "tube.pliant", "-o", plain)
@@ -82,6 +92,7 @@ def check_refusals(glb, folder):
     assert "hint" in run(GAME, expected=2)
     changed = folder / "changed.glb"
     for change, words in ((image_moved, "reaches beyond its buffer"), (outside, "callback"), (shared, "more triangles"),
+                          (unresolved, "refers to nothing"), (required, "extension EXT_another"),
                           (misplaced, "out of range"), (lambda document: nested(document, 100000), "nested deeper")):
         rewrite(glb, changed, change)
         assert words in run(GAME, changed, "--headless", folder / "x", expected=1), words

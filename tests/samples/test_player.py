@@ -498,6 +498,10 @@ def case_benchmark(folder):
     assert json.loads(linear)["evaluations"]["p95"] == 0, linear
     text, _ = run(asset, "--frames", "3")
     assert "median" in text and "reconstruct" in text, text
+    for arguments in ([asset, "--frames", "3", "--json"], ["--help"]):
+        with open("/dev/full", "w", encoding="ascii") as full:
+            done = subprocess.run([PLAYER, *arguments], stdout=full, stderr=subprocess.PIPE, text=True, check=False)
+        assert done.returncode == 1 and "P5932" in done.stderr, f"{done.returncode}: {done.stderr}"
 
 
 def case_window(folder):

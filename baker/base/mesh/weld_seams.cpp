@@ -20,46 +20,63 @@ constexpr double nearness = 1 + 1e-9;  // of squared distances, in squares of th
 
 struct BorderEdge {
     Edge ends;
-    Index part = 0; // of its triangle; weld() may have joined its ends to those of another part
+    Index part = 0; // of its first triangle; weld() may have joined its ends to those of another part
 
     bool operator<(const BorderEdge& other) const { return std::tie(ends, part) < std::tie(other.ends, other.part); }
 };
 
-// Triangles of parts that are joined, with a corner in each of three places. Of those that have the same corners, which are
-// drawn from both sides or once more, the first.
-std::vector<std::pair<Triangle, Index>> sides_of(const std::vector<Triangle>& triangles, const RoundedParts& parts,
-                                                 const std::vector<Index>& targets)
+// An edge of a triangle, and the corner across.
+struct EdgeSide {
+    BorderEdge edge;
+    Index across = 0;
+
+    bool operator<(const EdgeSide& other) const { return std::tie(edge, across) < std::tie(other.edge, other.across); }
+};
+
+// Of triangles of parts that are joined, with a corner in each of three places. Ascending.
+std::vector<EdgeSide> edge_sides(const std::vector<Triangle>& triangles, const RoundedParts& parts,
+                                 const std::vector<Index>& targets)
 {
     const Eigen::VectorXd least_reaches = parts.reaches.rowwise().minCoeff();
-    std::vector<std::pair<Triangle, Index>> sides; // corners, ascending; part
+    std::vector<EdgeSide> sides;
     for (const Triangle& t : triangles) {
-        const Index part = parts.of_vertex[t[0]];
-        Triangle corners = { targets[t[0]], targets[t[1]], targets[t[2]] };
-        std::sort(corners.begin(), corners.end());
-        const bool is_flat = corners[0] == corners[1] || corners[1] == corners[2];
-        if (least_reaches[part] > 0 && !is_flat) sides.emplace_back(corners, part);
+        const Index part = parts.of_vertex[t[0]], a = targets[t[0]], b = targets[t[1]], c = targets[t[2]];
+        if (least_reaches[part] <= 0 || a == b || b == c || c == a) continue;
+        sides.push_back({ { std::minmax(a, b), part }, c });
+        sides.push_back({ { std::minmax(b, c), part }, a });
+        sides.push_back({ { std::minmax(c, a), part }, b });
     }
     std::sort(sides.begin(), sides.end());
-    const auto is_same = [](const auto& s, const auto& t) { return s.first == t.first; };
-    sides.erase(std::unique(sides.begin(), sides.end(), is_same), sides.end());
     return sides;
 }
 
-// Those of one triangle, ascending.
-std::vector<BorderEdge> border_edges(const std::vector<Triangle>& triangles, const RoundedParts& parts,
-                                     const std::vector<Index>& targets)
+// Whether the corners lie on one side of the edge, seen along it: of one triangle, or of several drawn over each other, as of
+// a sheet that has a back. Their faces need not be cut along the same diagonals. Of a solid, edges sharper than this are
+// taken for borders, too.
+bool is_border(const EdgeSide* begin, const EdgeSide* end, const Positions& positions)
 {
-    std::vector<BorderEdge> edges, out;
-    for (const auto& [corners, part] : sides_of(triangles, parts, targets)) {
-        edges.push_back({ { corners[0], corners[1] }, part });
-        edges.push_back({ { corners[1], corners[2] }, part });
-        edges.push_back({ { corners[0], corners[2] }, part });
-    }
-    std::sort(edges.begin(), edges.end());
-    for (std::size_t i = 0, end; i < edges.size(); i = end) {
-        end = i + 1;
-        while (end < edges.size() && edges[end].ends == edges[i].ends) ++end;
-        if (end == i + 1) out.push_back(edges[i]);
+    constexpr double least_cosine = 0.866; // of 30 degrees
+    const Eigen::RowVector3d start = positions.row(begin->edge.ends.first);
+    const Eigen::RowVector3d along = (positions.row(begin->edge.ends.second) - start).normalized();
+    const auto direction = [&](const EdgeSide& side) {
+        const Eigen::RowVector3d to = positions.row(side.across) - start;
+        return Eigen::RowVector3d(to - to.dot(along) * along);
+    };
+    const Eigen::RowVector3d first = direction(*begin);
+    return std::all_of(begin + 1, end, [&](const EdgeSide& side) {
+        const Eigen::RowVector3d other = direction(side);
+        return first.dot(other) > least_cosine * first.norm() * other.norm();
+    });
+}
+
+// Ascending.
+std::vector<BorderEdge> border_edges(const std::vector<EdgeSide>& sides, const Positions& positions)
+{
+    std::vector<BorderEdge> out;
+    for (auto begin = sides.begin(), end = begin; begin != sides.end(); begin = end) {
+        const Edge ends = begin->edge.ends;
+        end = std::find_if(begin, sides.end(), [&](const EdgeSide& side) { return side.edge.ends != ends; });
+        if (is_border(&*begin, &*begin + (end - begin), positions)) out.push_back(begin->edge);
     }
     return out;
 }
@@ -277,7 +294,7 @@ Index SeamWelder::standing_for(Index i) const
 std::size_t weld_seams(const std::vector<const Positions*>& poses, const std::vector<Triangle>& triangles,
                        const RoundedParts& parts, std::vector<Index>& targets)
 {
-    const std::vector<BorderEdge> edges = border_edges(triangles, parts, targets);
+    const std::vector<BorderEdge> edges = border_edges(edge_sides(triangles, parts, targets), *poses[0]);
     const std::vector<Index> border = ends_of(edges);
     if (border.empty()) return 0;
     SeamWelder welder(poses, parts, border, edges);

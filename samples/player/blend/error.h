@@ -23,6 +23,7 @@ enum class ErrorNumber : int {
     gl_refused = 5922,
     rebuild_refused = 5923,
     picture_not_written = 5931,
+    stdout_not_written = 5932,
     no_frame_number = 5941,
     modes_exclude = 5942
 };

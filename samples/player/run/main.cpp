@@ -34,12 +34,21 @@ int run(int argc, char** argv)
     return static_cast<int>(ExitCode::done);
 }
 
+void flush_output()
+{
+    if (std::fflush(stdout) == 0 && !std::ferror(stdout)) return;
+    throw Error(ErrorNumber::stdout_not_written, ExitCode::failed, "standard output could not be written",
+                "free space on the disk that it goes to");
+}
+
 } // namespace
 
 int main(int argc, char** argv)
 {
     try {
-        return run(argc, argv);
+        const int code = run(argc, argv);
+        flush_output();
+        return code;
     } catch (const Error& error) {
         std::fprintf(stderr, "pliant-player: error P%d: %s\n", static_cast<int>(error.number), error.what());
         if (!error.hint.empty()) std::fprintf(stderr, "hint: %s\n", error.hint.c_str());

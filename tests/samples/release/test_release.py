@@ -1,7 +1,7 @@
-"""samples/release/make_release.py in a small checkout of its own: the sources are the committed files, the same bytes twice,
-with sums that sha256sum accepts; a tree that is not as committed, versions that disagree, a heading without a date, a folder
-that is there, and a part that fails are refused with a message, and leave nothing. Exit code 77, and the reason, without
-git."""
+"""samples/release/make_release.py in a small checkout of its own: the sources are the committed files, the same bytes twice
+whatever the settings of git, with sums that sha256sum accepts; a tree that is not as committed, versions that disagree, a
+heading without a date, a folder that is there, and a part that fails are refused with a message, and leave nothing. Exit
+code 77, and the reason, without git."""
 import os
 import re
 import shutil
@@ -40,14 +40,17 @@ def commit(tree):
     git(tree, "commit", "--quiet", "--message", "test")
 
 
-def release(tree, out, *options):
-    return subprocess.run([sys.executable, "-B", tree / SCRIPT, out, *options], capture_output=True, text=True, env=OFFLINE)
+def release(tree, out, *options, environment=OFFLINE):
+    command = [sys.executable, "-B", tree / SCRIPT, out, *options]
+    return subprocess.run(command, capture_output=True, text=True, env=environment)
 
 
 def check_good(tree, folder):
     outs = [folder / "first", folder / "second"]
-    for out in outs:
-        done = release(tree, out, *SOURCE_ONLY)
+    settings = tree.parent / "settings"  # of a user, which change what git writes
+    settings.write_text("[core]\nautocrlf = true\n[tar]\numask = 0077\n")
+    for out, configuration in zip(outs, (os.devnull, settings)):
+        done = release(tree, out, *SOURCE_ONLY, environment={**OFFLINE, "GIT_CONFIG_GLOBAL": str(configuration)})
         assert done.returncode == 0 and "source: made" in done.stdout and "npm: left out" in done.stdout, done
         assert sorted(path.name for path in out.iterdir()) == ["SHA256SUMS", f"pliant-{VERSION}-source.tar.gz"]
         subprocess.run(["sha256sum", "--check", "--quiet", "--strict", "SHA256SUMS"], cwd=out, check=True)

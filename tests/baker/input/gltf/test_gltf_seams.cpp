@@ -324,10 +324,19 @@ TEST_CASE("seams join the nearest vertices of other parts, never two of one part
     targets = numbers_to(8);
     CHECK(weld_seams({ &p, &moved }, triangles, alike(parts.of_vertex, 0.35, 2), targets) == 2);
     CHECK(targets[4] == 4);
-    // A tetrahedron has no border.
-    const std::vector<Triangle> closed = { { 0, 1, 2 }, { 0, 3, 1 }, { 1, 3, 2 }, { 2, 3, 0 }, { 4, 7, 5 }, { 5, 7, 6 } };
+    // The back of a sheet is cut along the other diagonal, and the rounded quad is not quite flat.
+    Positions sheet = p;
+    sheet.row(1) << 1, -0.1, 0.02;
     targets = numbers_to(8);
-    CHECK(weld_seams({ &p }, closed, alike(parts.of_vertex, 0.35), targets) == 0);
+    const std::vector<Triangle> backed = { { 0, 1, 3 }, { 1, 2, 3 }, { 0, 2, 1 }, { 0, 3, 2 }, { 4, 7, 5 }, { 5, 7, 6 } };
+    CHECK(weld_seams({ &sheet }, backed, alike(parts.of_vertex, 0.35), targets) == 3);
+    // A solid has no border.
+    Positions solid(9, 3);
+    solid << p, 0.5, 0.5, 1;
+    const std::vector<Triangle> closed
+        = { { 0, 1, 3 }, { 1, 2, 3 }, { 0, 8, 1 }, { 1, 8, 2 }, { 0, 3, 8 }, { 2, 8, 3 }, { 4, 7, 5 }, { 5, 7, 6 } };
+    targets = numbers_to(9);
+    CHECK(weld_seams({ &solid }, closed, alike({ 0, 0, 0, 0, 1, 1, 1, 1, 0 }, 0.35), targets) == 0);
 }
 
 TEST_CASE("parts that are near each other and no one body stay apart")
