@@ -50,9 +50,9 @@ std::vector<EdgeSide> edge_sides(const std::vector<Triangle>& triangles, const R
     return sides;
 }
 
-// Whether the corners lie on one side of the edge, seen along it: of one triangle, or of several drawn over each other, as of
-// a sheet that has a back. Their faces need not be cut along the same diagonals. Of a solid, edges sharper than this are
-// taken for borders, too.
+// Whether the corners lie on one side of the edge, seen along it: that of one triangle, or those of several drawn over each
+// other, such as a sheet and its back, which may be cut along other diagonals. Edges of a solid that are sharper than the
+// limit are taken for borders, too.
 bool is_border(const EdgeSide* begin, const EdgeSide* end, const Positions& positions)
 {
     constexpr double least_cosine = 0.866; // of 30 degrees
