@@ -75,7 +75,8 @@ function makeSliders() {
           name = document.createElement("span"), value = document.createElement("span");
     name.textContent = weight.name.slice(0, 200); // a file may have any: laying out a long one takes minutes
     value.ariaHidden = "true"; // the slider says it
-    Object.assign(input, { type: "range", min: weight.low, max: weight.high, step: 0.01 });
+    const step = Math.min(0.01, (weight.high - weight.low) / 100);
+    Object.assign(input, { type: "range", min: weight.low, max: weight.high, step });
     input.addEventListener("input", () => setOne(k, Number(input.value)));
     label.append(name, value, input);
     return label;

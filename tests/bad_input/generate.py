@@ -283,6 +283,15 @@ def flattened(mesh, height):
 
 both_case("repeated_vertex", "twice",
           lambda: good().with_face(EDITED_FACE, edited_corners(good())[:2] + edited_corners(good())[:1]))
+def with_filled_gap(mesh):
+    """Two more triangles: one that has a vertex in the middle of an edge, and one between that edge and a copy of the
+    vertex, which is a millionth farther out."""
+    a, b = edited_corners(mesh)[:2]
+    middle = [(x + y) / 2 for x, y in zip(mesh.vertices[a], mesh.vertices[b])]
+    count = len(mesh.vertices)
+    return mesh.plus([middle, [1.000001 * x for x in middle]], [(a, count + 1, b), (count, 0, 1)])
+
+
 mesh_case("zero_area", "flat.obj", lambda: flattened(good(), 0))
 mesh_case("zero_area_in_second_pose", "flat_bent.obj", lambda: flattened(bent(), 0))
 mesh_case("needle_in_second_pose", "needle.obj", lambda: flattened(bent(), 1e-8))
@@ -310,6 +319,7 @@ def split(mesh):
                 [tuple(range(size * f, size * (f + 1))) for f in range(len(mesh.faces))])
 
 
+both_case("zero_area_once_welded", "welded", lambda: with_filled_gap(good()))
 both_case("flat_shaded", "split", lambda: split(good()))
 both_case("flat_shaded_and_bad", "split",
           lambda: split(good().with_face(EDITED_FACE, edited_corners(good())[:2] + edited_corners(good())[:1])))

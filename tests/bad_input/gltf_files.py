@@ -157,6 +157,8 @@ def add_cases(good):
     edited("gltf_initial_weight", "meshes", 0, "weights", value=[1e8])
     edited("gltf_version", "asset", "version", value="1.0")
     edited("gltf_extension", "extensionsRequired", value=["KHR_materials_unlit", "ACME_secret"])
+    edited("gltf_instancing", "nodes", 0, "extensions",
+           value={"EXT_mesh_gpu_instancing": {"attributes": {"TRANSLATION": 0}}})
     edited("gltf_wrong_type", "accessors", 0, "count", value="many")
     edited("gltf_index", *primitive, "indices", value=99)
     edited("gltf_texture", "materials", value=[{"pbrMetallicRoughness": {"baseColorTexture": {"index": 7}}}])
@@ -288,14 +290,17 @@ def add_cases(good):
     meshopt("gltf_meshopt_huge", 4294967295 * 12, count=4294967295)
     meshopt("gltf_meshopt_outside", byteLength=1000000)
 
-    def joint(gltf):
-        count = len(good().vertices)
-        attributes = gltf.json["meshes"][0]["primitives"][0]["attributes"]
-        attributes["JOINTS_0"] = gltf.accessor([(7, 0, 0, 0)] * count, 5121)
-        attributes["WEIGHTS_0"] = gltf.accessor([(1, 0, 0, 0)] * count)
-        gltf.json["nodes"][0]["skin"] = 0
-        gltf.json["skins"] = [{"joints": [0]}]
-    case("gltf_joint", joint)
+    def skinned(name, joint, weight):
+        def edit(gltf):
+            count = len(good().vertices)
+            attributes = gltf.json["meshes"][0]["primitives"][0]["attributes"]
+            attributes["JOINTS_0"] = gltf.accessor([(joint, 0, 0, 0)] * count, 5121)
+            attributes["WEIGHTS_0"] = gltf.accessor([(1, 0, 0, weight)] * count)
+            gltf.json["nodes"][0]["skin"] = 0
+            gltf.json["skins"] = [{"joints": [0]}]
+        case(name, edit)
+    skinned("gltf_joint", 7, 0)
+    skinned("gltf_joint_weight", 0, float("nan"))
 
     def image(gltf):
         gltf.json["images"] = [{"uri": "skin.png"}]

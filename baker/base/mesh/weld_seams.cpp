@@ -121,6 +121,7 @@ private:
     Eigen::MatrixXd columns_;                 // positions in all poses, in these units
     std::vector<Index> parts_;                // of each vertex
     std::vector<BorderEdge> edges_;           // their ends are places; ascending
+    std::vector<std::size_t> first_edge_;     // of those that begin at each vertex, and one past the last edge
     std::vector<std::vector<Index>> members_; // of each cluster, at its first vertex
     std::vector<Index> first_;                // of the cluster of each vertex
 };
@@ -144,6 +145,11 @@ SeamWelder::SeamWelder(const std::vector<const Positions*>& poses, const Rounded
         = [&](Index v) { return static_cast<Index>(std::lower_bound(border.begin(), border.end(), v) - border.begin()); };
     for (const BorderEdge& edge : edges) // ascending still
         edges_.push_back({ { place(edge.ends.first), place(edge.ends.second) }, edge.part });
+    for (Index v = 0; v <= border.size(); ++v) {
+        std::size_t i = v == 0 ? 0 : first_edge_.back();
+        while (i < edges_.size() && edges_[i].ends.first < v) ++i;
+        first_edge_.push_back(i);
+    }
 }
 
 // Of two vertices in a pose, in squares of their reaches together.
@@ -210,8 +216,10 @@ SeamWelder::NearOnes SeamWelder::near_ones(const std::vector<Pair>& pairs) const
 bool SeamWelder::is_edge_beside(const BorderEdge& edge, Index c, Index d) const
 {
     const BorderEdge sought { std::minmax(c, d), 0 };
-    const auto found = std::lower_bound(edges_.begin(), edges_.end(), sought);
-    return found != edges_.end() && found->ends == sought.ends && found->part != edge.part;
+    const auto begin = edges_.begin() + std::ptrdiff_t(first_edge_[sought.ends.first]);
+    const auto end = edges_.begin() + std::ptrdiff_t(first_edge_[sought.ends.first + 1]);
+    const auto found = std::lower_bound(begin, end, sought);
+    return found != end && found->ends == sought.ends && found->part != edge.part;
 }
 
 // A seam joins edges. Borders that only touch have no two edges beside each other.

@@ -62,12 +62,16 @@ void put_parts(const GltfScene& scene, const Positions& normals, RenderScene& ou
     }
 }
 
-// By its first bytes: a uri may name any file beside the glTF file, which is not for everybody who gets the asset.
-bool is_image(const std::string& bytes)
+// The type of an image, by its first bytes; null if it is none: a uri may name any file beside the glTF file, which is not
+// for everybody who gets the asset.
+const char* image_type(const std::string& bytes)
 {
     const auto begins = [&](std::string_view mark) { return bytes.compare(0, mark.size(), mark) == 0; };
-    return begins("\x89PNG\r\n\x1a\n") || begins("\xff\xd8\xff") || begins("\xabKTX 20\xbb") || begins("DDS ")
-        || (begins("RIFF") && bytes.compare(8, 4, "WEBP") == 0);
+    if (begins("\x89PNG\r\n\x1a\n")) return "image/png";
+    if (begins("\xff\xd8\xff")) return "image/jpeg";
+    if (begins("\xabKTX 20\xbb")) return "image/ktx2";
+    if (begins("DDS ")) return "image/vnd-ms.dds";
+    return begins("RIFF") && bytes.compare(8, 4, "WEBP") == 0 ? "image/webp" : nullptr;
 }
 
 // Images without their places in the file; their bytes go to `out`. numbers[i]: the new number of image i, -1 if it is left
@@ -89,7 +93,7 @@ GltfJson take_images(const GltfDocument& document, RenderScene& out, std::vector
         std::string why = "it is empty";
         std::string bytes = document.image(i, why);
         const bool is_view = source.compare(0, 5, "view ") == 0;
-        if (!bytes.empty() && !is_image(bytes)) {
+        if (!bytes.empty() && !image_type(bytes)) {
             why = "it is none of PNG, JPEG, WebP, KTX2 and DDS";
             bytes.clear();
         } else if (is_view && bytes.size() > left) {
@@ -104,11 +108,8 @@ GltfJson take_images(const GltfDocument& document, RenderScene& out, std::vector
                                           "put the file there, or pack everything into one .glb"));
             continue;
         }
-        GltfJson image = GltfJson::object();
-        for (const char* key : { "name", "mimeType" })
-            if (list.at(i)[key].exists()) image[key] = list.at(i)[key].text();
-        if (!image.contains("mimeType"))
-            image["mimeType"] = bytes.compare(0, 3, "\xff\xd8\xff") == 0 ? "image/jpeg" : "image/png";
+        GltfJson image = { { "mimeType", image_type(bytes) } };
+        if (list.at(i)["name"].exists()) image["name"] = list.at(i)["name"].text();
         out.images.push_back(std::move(bytes));
         images.push_back(std::move(image));
     }

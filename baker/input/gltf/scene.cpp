@@ -196,6 +196,15 @@ std::uint64_t number_count_of(const GltfMesh& mesh)
     return count;
 }
 
+// An extension that draws the mesh many times; files need not list it among the required ones.
+void refuse_instancing(const GltfValue& node)
+{
+    constexpr const char* name = "EXT_mesh_gpu_instancing";
+    if (!node["extensions"][name].exists()) return;
+    node.fail(2305, fmt::format("needs the extension {}, which is not read", name),
+              "export the file with a node for each instance (gltf-transform optimize --instance false)");
+}
+
 void read_instances(GltfScene& scene, GltfAllowance& allowance, std::vector<Diagnostic>& warnings)
 {
     const GltfDocument& document = *scene.document;
@@ -208,6 +217,7 @@ void read_instances(GltfScene& scene, GltfAllowance& allowance, std::vector<Diag
         if (scene.nodes[node].mesh < 0) continue;
         const std::size_t mesh = static_cast<std::size_t>(scene.nodes[node].mesh);
         const GltfValue place = document["nodes"].at(node);
+        refuse_instancing(place);
         if (is_read[mesh])
             allowance.take(place, number_count_of(scene.meshes[mesh]));
         else
@@ -269,6 +279,10 @@ std::size_t normalise_weights(const GltfScene& scene, const GltfInstance& instan
                                             "export the file again");
         }
         const double sum = weights.sum();
+        if (!std::isfinite(sum))
+            scene.document->root().fail(
+                2324, fmt::format("node {}: vertex {} of its mesh has joint weights that are no numbers", instance.node, v),
+                "export the file again");
         if (std::abs(sum - 1) > rounding) ++unequal;
         if (sum > 1e-6) // of weights that are at best multiples of 1/65535
             weights /= sum;

@@ -159,8 +159,10 @@ void Builder::leave_out_repeated()
 // A face counts for the first pose in which it is flat.
 void Builder::leave_out_flat()
 {
+    std::vector<Triangle> triangles; // as they are simulated: welding may have moved a corner onto the line of the others
+    for (Index t = 0; t < drawn_.triangles.size(); ++t) triangles.push_back(welded(t));
     for (const MeshFile* mesh : meshes_) {
-        std::vector<FlatTriangle> flat = find_flat_triangles(*mesh, drawn_.triangles);
+        std::vector<FlatTriangle> flat = find_flat_triangles(*mesh, triangles);
         flat.erase(std::remove_if(flat.begin(), flat.end(), [&](const FlatTriangle& f) { return is_left_out_[f.triangle]; }),
                    flat.end());
         if (!check_flat(*mesh, flat)) return;

@@ -108,7 +108,8 @@ Bytes encode_elements(const AssetModel& asset)
         out.put(record);
     }
     for (std::size_t i = 0; i < batches.size(); ++i) put_batch(out, records[i], batches[i], blend);
-    std::memcpy(out.data.data() + sizeof(pliant_format_count), records.data(), records.size() * sizeof(records[0]));
+    if (!records.empty())
+        std::memcpy(out.data.data() + sizeof(pliant_format_count), records.data(), records.size() * sizeof(records[0]));
     return out;
 }
 

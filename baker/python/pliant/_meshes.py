@@ -63,13 +63,13 @@ def arrays_of(mesh: Any, name: str) -> Arrays:
     if not is_cell_mesh(mesh):
         return Arrays(np.asarray(mesh.vertices), np.asarray(mesh.faces), None)
     cells = {kind: np.asarray(numbers) for kind, numbers in mesh.cells_dict.items() if len(numbers)}
-    if "tetra" in cells:  # triangles beside them are its boundary
-        return Arrays(np.asarray(mesh.points), None, cells["tetra"])
-    known = {kind: cells[kind] for kind in ("triangle", "quad") if kind in cells}
-    unknown = [kind for kind in cells if kind not in ("triangle", "quad", "vertex", "line")]
+    known = {kind: cells[kind] for kind in ("triangle", "quad", "tetra") if kind in cells}
+    unknown = [kind for kind in cells if kind not in (*known, "vertex", "line")]
     if unknown or not known:
         have = ", ".join(repr(kind) for kind in unknown or cells) or "no cells"
         raise ValueError(f"{name}: expected cells 'triangle', 'quad' or 'tetra', got {have}")
+    if "tetra" in known:  # triangles beside them are its boundary
+        return Arrays(np.asarray(mesh.points), None, cells["tetra"])
     if len(known) == 1:
         return Arrays(np.asarray(mesh.points), next(iter(known.values())), None)
     halves = known["quad"][:, [0, 1, 2, 0, 2, 3]].reshape(-1, 3)

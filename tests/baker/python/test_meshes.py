@@ -60,6 +60,7 @@ class Meshes(unittest.TestCase):
             ([triangles(POSES[0][:, :2])] * 2, ValueError, r"poses\[0\]: expected positions \(n, 3\), got \(112, 2\)"),
             ([cells(POSES[0], tetra10=[range(10)])] * 2, ValueError,
              r"poses\[0\]: expected cells 'triangle', 'quad' or 'tetra', got 'tetra10'"),
+            ([cells(x, tetra=TETS, hexahedron=[range(8)]) for x in SOLID], ValueError, "or 'tetra', got 'hexahedron'"),
             ([cells(POSES[0], line=[[0, 1]])] * 2, ValueError, "or 'tetra', got 'line'"),
             ([triangles(POSES[0])], ValueError, "with 2 to 64 poses"),
         ):  # fmt: skip

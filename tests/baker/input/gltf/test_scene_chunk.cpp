@@ -1,7 +1,10 @@
 // The scene chunk: what it holds comes back, and damaged bytes are refused.
 #include <doctest/doctest.h>
 
+#include "../io/files.h"
+#include "glb_samples.h"
 #include "input/gltf/scene_chunk.h"
+#include "input/poses/pose_source.h"
 
 #include <nlohmann/json.hpp>
 #include <random>
@@ -105,6 +108,29 @@ TEST_CASE("only names and types of images come out of a chunk, and materials nam
     const std::string name = "{\"name\":\"b\"";
     scene.materials.insert(scene.materials.find(name) + name.size(), ",\"emissiveTexture\":{\"index\":7}");
     CHECK_THROWS_AS(decode_scene_chunk(bytes_of(scene), "asset", 100), Failure);
+}
+
+TEST_CASE("an image has the type that its bytes have, whatever the file says")
+{
+    pliant_test::GlbBuilder glb;
+    pliant_test::Json primitive = pliant_test::Json::object(), mesh = pliant_test::Json::object();
+    primitive["attributes"]["POSITION"] = glb.add(pliant_test::grid_positions(), 5126, 3, "VEC3");
+    primitive["indices"] = glb.add(pliant_test::grid_corners(), 5125, 1, "SCALAR");
+    mesh["primitives"].push_back(primitive);
+    glb.json["meshes"].push_back(mesh);
+    for (const char* bytes : { "\x89PNG\r\n\x1a\n", "\xff\xd8\xff", "\xabKTX 20\xbb", "DDS ", "RIFFsizeWEBP" })
+        glb.json["images"].push_back({ { "bufferView", glb.add_view(bytes) }, { "mimeType", "image/png" } });
+    glb.json["images"][4].erase("mimeType");
+    const pliant_test::TemporaryFolder folder;
+    pliant_test::write_bytes(folder / "images.glb", glb.glb());
+    DiagnosticList diagnostics;
+    const std::string file = folder / "images.glb";
+    const std::vector<MeshFile> read = read_pose_sources({ file, file }, Blend::average, diagnostics).meshes;
+    REQUIRE(read.size() == 2);
+    const auto materials = nlohmann::json::parse(read[0].scene->materials);
+    std::string types;
+    for (const auto& image : materials["images"]) types += image["mimeType"].get<std::string>() + " ";
+    CHECK(types == "image/png image/jpeg image/ktx2 image/vnd-ms.dds image/webp ");
 }
 
 TEST_CASE("damaged chunks are refused or read, never worse")
