@@ -127,12 +127,21 @@ void set_option(CLI::Option& option, const Json& value, const std::string& where
 Json value_of(const CLI::Option& option)
 {
     const Kind kind = option_kind(option);
-    if (kind == Kind::flag) return option.count() > 0;
+    if (kind == Kind::flag) return option.count() > 0 && option.as<bool>(); // --preview=false
     if (kind == Kind::path_list || kind == Kind::name_list) return option.results();
     const std::string text = option.count() > 0 ? option.results().back() : option.get_default_str();
     if (kind != Kind::number && kind != Kind::whole) return text;
     const Json number = Json::parse(text, nullptr, false); // ".5" and "+1" are numbers to the command line only
     return number.is_discarded() ? Json(std::stod(text)) : number;
+}
+
+// Whether an option that is not given has a value that a configuration may state with the same effect. A tolerance that is
+// given must be met, and the default of the position error follows from the tolerance.
+bool has_default_value(const CLI::Option& option)
+{
+    const std::string key = key_of(option);
+    if (option_kind(option) == Kind::flag) return true;
+    return !option.get_default_str().empty() && key != "tolerance" && key != "position_error";
 }
 
 } // namespace
@@ -168,13 +177,8 @@ void apply_config(CLI::App& verb, const Json& config, const std::string& where)
 Json effective_config(const CLI::App& verb)
 {
     Json config = Json::object();
-    for (const CLI::Option* option : options_of(verb)) {
-        const bool is_given = option->count() > 0;
-        if (!is_given && (option->get_default_str().empty() || key_of(*option) == "tolerance")
-            && option_kind(*option) != Kind::flag)
-            continue;
-        config[key_of(*option)] = value_of(*option);
-    }
+    for (const CLI::Option* option : options_of(verb))
+        if (option->count() > 0 || has_default_value(*option)) config[key_of(*option)] = value_of(*option);
     return config;
 }
 

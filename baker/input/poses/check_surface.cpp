@@ -87,14 +87,13 @@ Positions to_unit_box(const Positions& positions)
 void check_precision(const MeshFile& mesh, DiagnosticList& diagnostics)
 {
     const Eigen::RowVector3d size = mesh.positions.colwise().maxCoeff() - mesh.positions.colwise().minCoeff();
-    const double spacing = 2 * coordinate_rounding(mesh.positions);
-    const bool is_point = !(size.norm() > 0); // P2202 says it better
+    const double spacing = 0x1p-23 * mesh.positions.cwiseAbs().maxCoeff(); // of floats, which assets and blends consist of
+    const bool is_point = !(size.norm() > 0);                              // P2202 says it better
     if (is_point || spacing <= coarse_spacing * size.norm()) return;
-    diagnostics.add(warning_at(
-        2209, mesh.path,
-        fmt::format("is so far from the origin that neighbouring coordinates differ by {:.2g}, {:.1g} of its size", spacing,
-                    spacing / size.norm()),
-        "move the character to the origin before you export it, or export in double precision"));
+    diagnostics.add(warning_at(2209, mesh.path,
+                               fmt::format("is so far from the origin that blends are rounded to {:.2g}, {:.1g} of its size",
+                                           spacing, spacing / size.norm()),
+                               "move the character to the origin before you export it; the game can move it back"));
 }
 
 std::vector<FlatTriangle> find_flat_triangles(const MeshFile& mesh, const std::vector<Triangle>& triangles)

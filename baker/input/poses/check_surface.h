@@ -15,7 +15,7 @@ struct FlatTriangle {
 // In the order of the triangles. The verdict depends neither on the unit of length nor on the place: both are removed first.
 std::vector<FlatTriangle> find_flat_triangles(const MeshFile& mesh, const std::vector<Triangle>& triangles);
 
-// Checks the positions of one pose. Warnings: P2209 coordinates too coarse for the distance from the origin, P2210 a polygon
+// Checks the positions of one pose. Warnings: P2209 too far from the origin for single precision, P2210 a polygon
 // whose fan of triangles folds over.
 void check_shape(const MeshFile& mesh, const Triangulation& triangulation, DiagnosticList& diagnostics);
 

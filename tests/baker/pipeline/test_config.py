@@ -31,8 +31,10 @@ def test_same_as_command_line(folder):
     effective = json.loads(printed.stdout)
     check(printed.returncode == 0 and effective["seed"] == 5 and effective["membrane"] == "neo-hookean",
           "--print-config shows what is given and defaults")
-    check(effective["poses"] == ["sub/rest.obj", "sub/bent.obj"] and "tolerance" not in effective,
-          "paths as seen from here, no condition that was not set")
+    check(effective["poses"] == ["sub/rest.obj", "sub/bent.obj"] and not {"tolerance", "position_error"} & set(effective),
+          "paths as seen from here, no condition that was not set, no default that follows from other options")
+    turned_off = TOOL.run("bake", "--config", "sub/hero.json", "--preview=false", "--print-config", cwd=folder)
+    check(json.loads(turned_off.stdout)["preview"] is False, "a flag that is turned off")
     write_json(folder / "round.json", effective)
     again = TOOL.run("bake", "--config", "round.json", "--print-config", cwd=folder)
     check(again.stdout == printed.stdout, "the printed configuration is printed again as it is")
