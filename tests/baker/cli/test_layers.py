@@ -104,6 +104,12 @@ with tempfile.TemporaryDirectory(prefix="pliant_layers_") as temporary:
         "--best-effort", "--position-error", "2e-3", "-o", "coarse.pliant")
     run("measure", "coarse.pliant", "rest.obj", "twisted.obj", "bent.obj", "--samples", "2")
     run("measure", "coarse.pliant", "rest.obj", "bent.obj", "twisted.obj", "--samples", "2", expected=3)
+    # Far from the origin single precision moves them, too.
+    for name, angles in (("far", (0, 0)), ("far_bent", (0, 1.2))):
+        write_obj(work / f"{name}.obj", [tuple(x + 30000 for x in point) for point in tube(*angles)])
+    run("bake", "far.obj", "far_bent.obj", "--dim", "4", "--check-samples", "2", "--fresh-samples", "1", "--best-effort",
+        "-o", "far.pliant")
+    run("measure", "far.pliant", "far.obj", "far_bent.obj", "--samples", "2")
     help_text = subprocess.run([TOOL, "average", "--help"], capture_output=True, text=True, check=True).stdout
     assert "--blend" in help_text and "layer" in help_text and "rest shape" in " ".join(help_text.split())
 print("layers: bake, sum, exaggeration, path, grid, many layers, help")
