@@ -238,7 +238,7 @@ Verdict solve_answers(RuntimeBlender& blender)
             scale = std::max(scale, double(std::abs(row[m + j])));
         }
     }
-    verdict.largest_difference = scale > 0 ? difference / scale : 0; // a shape that stands still has any answers
+    verdict.largest_difference = scale > 0 ? difference / scale : 0; // the answers of a still shape are arbitrary
     return verdict;
 }
 

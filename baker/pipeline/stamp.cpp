@@ -16,7 +16,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr int stamp_version = 1;
+constexpr int stamp_version = 2; // 1 could name a position error that was not in force
 
 fs::path folder_of(const std::string& file) { return named_place(file).parent_path(); }
 
