@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <fmt/format.h>
 #include <map>
+#include <set>
 
 namespace pliant {
 namespace {
@@ -140,17 +141,14 @@ GltfJson textures_of(const GltfDocument& document, const std::vector<int>& numbe
     return textures;
 }
 
-// Those that say how to paint; the others are about what is not kept.
-GltfJson painting_extensions(const GltfDocument& document)
+// Of the objects in `value`, but not of what their extras hold.
+void collect_extensions(const GltfJson& value, std::set<std::string>& names)
 {
-    GltfJson out = GltfJson::array();
-    const GltfValue used = document["extensionsUsed"];
-    for (std::size_t i = 0; i < used.size(); ++i) {
-        const std::string name = used.at(i).text();
-        if (name.find("_materials_") != std::string::npos || name.find("_texture_") != std::string::npos)
-            out.push_back(name);
-    }
-    return out;
+    if (value.is_object() && value.contains("extensions") && value["extensions"].is_object())
+        for (const auto& extension : value["extensions"].items()) names.insert(extension.key());
+    if (value.is_structured())
+        for (const auto& item : value.items())
+            if (item.key() != "extras") collect_extensions(item.value(), names);
 }
 
 // Textures that a material or one of its extensions names.
@@ -207,6 +205,16 @@ void check_materials(const GltfDocument& document)
     }
 }
 
+void list_extensions(const GltfDocument& document, GltfJson& materials)
+{
+    std::set<std::string> names;
+    collect_extensions(materials, names);
+    if (!names.empty()) materials["extensionsUsed"] = names;
+    const GltfValue required = document["extensionsRequired"];
+    for (std::size_t i = 0; i < required.size(); ++i)
+        if (names.erase(required.at(i).text()) != 0) materials["extensionsRequired"].push_back(required.at(i).text());
+}
+
 RenderScene render_scene(const GltfScene& scene, const Positions& normals, std::vector<Diagnostic>& warnings)
 {
     const GltfDocument& document = *scene.document;
@@ -223,8 +231,7 @@ RenderScene render_scene(const GltfScene& scene, const Positions& normals, std::
     GltfJson images = take_images(document, out, numbers, warnings);
     if (!images.empty()) materials["images"] = std::move(images);
     if (document["textures"].size() != 0) materials["textures"] = textures_of(document, numbers);
-    GltfJson extensions = painting_extensions(document);
-    if (!extensions.empty()) materials["extensionsUsed"] = std::move(extensions);
+    list_extensions(document, materials);
     out.materials = materials.dump(-1, ' ', false, GltfJson::error_handler_t::replace);
     return out;
 }

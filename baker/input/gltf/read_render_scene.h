@@ -14,4 +14,7 @@ RenderScene render_scene(const GltfScene& scene, const Positions& normals, std::
 // Every index in the lists that are kept (materials, textures, samplers) points into them. Throws Failure: P2306, P2307.
 void check_materials(const GltfDocument& document);
 
+// Adds to `materials` the extensions that its objects use and, of these, the ones that the document requires.
+void list_extensions(const GltfDocument& document, GltfJson& materials);
+
 } // namespace pliant

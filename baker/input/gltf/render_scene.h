@@ -42,9 +42,9 @@ struct RenderScene {
     std::vector<ScenePart> parts;                        // in the order of vertices and faces, without gaps
     std::vector<VertexAttribute> attributes;
 
-    // JSON text of an object with the file's own materials, textures, samplers, images and the extensionsUsed of these,
-    // where it has them. An image is {"mimeType", "name"} and its bytes are images[i], in the file's encoding (PNG, JPEG,
-    // ...).
+    // JSON text of an object with the file's own materials, textures, samplers and images, and the extensionsUsed and
+    // extensionsRequired of these, where it has them. An image is {"mimeType", "name"} and its bytes are images[i], in the
+    // file's encoding (PNG, JPEG, ...).
     std::string materials;
     std::vector<std::string> images;
 

@@ -190,13 +190,8 @@ std::string take_materials(const GltfDocument& document, std::vector<std::string
 {
     check_materials(document);
     GltfJson materials = GltfJson::object();
-    for (const char* key : { "materials", "textures", "samplers", "extensionsUsed" })
+    for (const char* key : { "materials", "textures", "samplers" })
         if (document[key].size() != 0) materials[key] = document[key].json();
-    if (materials.contains("extensionsUsed")) { // this one says how the chunk is written, not how to paint
-        GltfJson& used = materials["extensionsUsed"];
-        used.erase(std::remove(used.begin(), used.end(), "KHR_mesh_quantization"), used.end());
-        if (used.empty()) materials.erase("extensionsUsed");
-    }
     const GltfValue list = document["images"];
     std::size_t left = document.byte_count(); // each has its own
     for (std::size_t i = 0; i < list.size(); ++i) {
@@ -210,6 +205,7 @@ std::string take_materials(const GltfDocument& document, std::vector<std::string
             if (list.at(i)[key].exists()) image[key] = list.at(i)[key].text();
         materials["images"].push_back(std::move(image));
     }
+    list_extensions(document, materials);
     return materials.dump(-1, ' ', false, GltfJson::error_handler_t::replace);
 }
 

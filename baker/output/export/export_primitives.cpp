@@ -172,15 +172,17 @@ void add_target(Glb& glb, const RenderScene& scene, const StoredVertices& deltas
 
 void add_materials(Glb& glb, const RenderScene& scene)
 {
-    const Json materials = Json::parse(scene.materials);
+    const Json materials = nlohmann::json::parse(scene.materials); // an ordered parse is quadratic in an object's keys
     for (const char* key : { "materials", "textures", "samplers", "images" })
         if (materials.contains(key)) glb.json()[key] = materials[key];
     for (std::size_t i = 0; i < scene.images.size(); ++i) {
         Json& image = glb.json()["images"][i];
         if (!scene.images[i].empty()) image["bufferView"] = glb.add_shared_view(scene.images[i]);
     }
-    if (materials.contains("extensionsUsed"))
-        for (const Json& name : materials["extensionsUsed"]) glb.use_extension(name.get<std::string>(), false);
+    for (const char* list : { "extensionsUsed", "extensionsRequired" })
+        if (materials.contains(list))
+            for (const Json& name : materials[list])
+                glb.use_extension(name.get<std::string>(), list == std::string_view("extensionsRequired"));
 }
 
 } // namespace pliant

@@ -69,10 +69,8 @@ Glb::Glb(std::string_view leading, bool with_compression)
 
 void Glb::use_extension(const std::string& name, bool is_required)
 {
-    for (const char* list : { "extensionsUsed", "extensionsRequired" }) {
-        if (!is_required && list != std::string_view("extensionsUsed")) continue;
-        if (std::find(json_[list].begin(), json_[list].end(), name) == json_[list].end()) json_[list].push_back(name);
-    }
+    used_extensions_.insert(name);
+    if (is_required) required_extensions_.insert(name);
 }
 
 std::size_t Glb::append(std::string_view bytes)
@@ -193,6 +191,8 @@ std::string Glb::bytes() const
     Json json = json_;
     json["buffers"][0]["byteLength"] = binary_.size();
     if (with_compression_) json["buffers"][1]["byteLength"] = unpacked_size_;
+    if (!used_extensions_.empty()) json["extensionsUsed"] = used_extensions_;
+    if (!required_extensions_.empty()) json["extensionsRequired"] = required_extensions_;
     std::string text = json.dump(-1, ' ', false, Json::error_handler_t::replace);
     constexpr std::size_t head = 12 + 8, binary_head = 8;
     // Spaces at the end of the JSON until the binary chunk's first byte is on a page.

@@ -5,6 +5,7 @@
 
 #include <cstdint>
 #include <nlohmann/json.hpp>
+#include <set>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -50,7 +51,7 @@ public:
     // Throws Failure (failed, P5201) above 4 GiB, which the format cannot count.
     std::string bytes() const;
 
-    // Names an extension as used, and as required if readers must know it; once.
+    // Names an extension as used, and as required if readers must know it; again is no fault.
     void use_extension(const std::string& name, bool is_required);
 
 private:
@@ -61,6 +62,7 @@ private:
 
     Json json_;
     std::string binary_;
+    std::set<std::string> used_extensions_, required_extensions_;
     std::size_t leading_size_, searched_size_ = 0; // of the leading view; what no shared view is looked for in any more
     std::size_t unpacked_size_ = 0;                // of the buffer that readers unpack views into
     bool with_compression_;

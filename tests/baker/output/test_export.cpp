@@ -1,6 +1,7 @@
 // The parts of `pliant export` by themselves: GLB bytes, fitted normals, paths, warnings, skins. Whole exports:
 // tests/baker/output/engines.
 #include "output/export/export_asset.h"
+#include "output/export/export_primitives.h"
 #include "output/export/glb.h"
 #include "output/export/grid_mesh.h"
 #include "output/export/skinning.h"
@@ -9,6 +10,7 @@
 #include <Eigen/Geometry>
 #include <chrono>
 #include <doctest/doctest.h>
+#include <fmt/format.h>
 
 using namespace pliant;
 
@@ -97,6 +99,23 @@ TEST_CASE("images that the asset has are not written once more, and are found in
     const auto begin = std::chrono::steady_clock::now();
     hostile.add_shared_view(std::string(half / 2, 'A') + 'B');
     CHECK(std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count() < 5);
+}
+
+TEST_CASE("materials keep their extensions, and objects of many members take time linear in them")
+{
+    RenderScene scene;
+    scene.materials = R"({"extensionsUsed":["A_materials_b","KHR_texture_basisu"],)"
+                      R"("extensionsRequired":["KHR_texture_basisu"],"materials":[{"extras":{)";
+    for (int i = 0; i < 300000; ++i) scene.materials += fmt::format("\"{}\":0,", i);
+    scene.materials += R"("last":0}}]})";
+    Glb glb;
+    const auto begin = std::chrono::steady_clock::now();
+    add_materials(glb, scene);
+    const std::string bytes = glb.bytes();
+    CHECK(std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count() < 20);
+    CHECK(bytes.find(R"("extensionsUsed":["A_materials_b","KHR_texture_basisu"])") < bytes.size());
+    CHECK(bytes.find(R"("extensionsRequired":["KHR_texture_basisu"])") < bytes.size());
+    CHECK(bytes.find(R"("299999":0)") < bytes.size());
 }
 
 TEST_CASE("a GLB is laid out as the format wants, an asset in front on a page")

@@ -28,8 +28,11 @@ RenderScene sample()
     for (std::size_t v = 0; v < 7; ++v) normals.values[3 * v + v % 3] = v % 2 == 0 ? 1.0f : -1.0f;
     for (std::size_t i = 8; i < 14; ++i) places.values[i] = 1.25f * static_cast<float>(i) - 3.0f;
     scene.attributes = { colours, normals, places };
-    scene.materials = R"({"extensionsUsed":["KHR_materials_unlit"],"images":[{"mimeType":"image/png","name":"skin"}],)"
-                      R"("materials":[{"name":"a"},{"name":"b"}],"textures":[{"source":0}]})";
+    scene.materials = R"({"extensionsRequired":["KHR_texture_basisu"],)"
+                      R"("extensionsUsed":["KHR_materials_unlit","KHR_texture_basisu"],)"
+                      R"("images":[{"mimeType":"image/ktx2","name":"skin"}],)"
+                      R"("materials":[{"name":"a","extensions":{"KHR_materials_unlit":{}}},{"name":"b"}],)"
+                      R"("textures":[{"extensions":{"KHR_texture_basisu":{"source":0}}}]})";
     scene.images = { std::string("\x89PNG\0bytes", 10) };
     return scene;
 }

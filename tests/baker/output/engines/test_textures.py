@@ -50,6 +50,8 @@ def check_painting(kind, glb, source):
         first += count
     for key in ("materials", "textures", "samplers"):
         check(glb.json[key] == source.json[key], f"{kind}: {key} are {glb.json[key]}")
+    for key in ("extensionsUsed", "extensionsRequired"):
+        check(set(source.json[key]) <= set(glb.json[key]), f"{kind}: {key} are {glb.json[key]}")
     image, = glb.json["images"]
     bytes_in, bytes_out = source.view(source.json["images"][0]["bufferView"]), glb.view(image["bufferView"])
     check((image["mimeType"], image["name"], bytes_in) == ("image/png", "stripes", bytes_out), f"{kind}: image {image}")
@@ -99,7 +101,7 @@ def main():
     folder = pathlib.Path("textures")
     folder.mkdir(exist_ok=True)
     source, asset = folder / "source.glb", folder / "tube.pliant"
-    textured.write(source)
+    textured.write(source, with_transform=True)
     bake(tool, source, asset)
     files = {}
     for kind, options in KINDS.items():

@@ -50,8 +50,8 @@ def primitive(builder, points, faces, **attributes):
             "indices": builder.indices(faces)}
 
 
-def write(path):
-    """Writes the file. Its two poses: as modelled, and bent."""
+def write(path, with_transform=False):
+    """Writes the file. Its two poses: as modelled, and bent. with_transform: the file requires KHR_texture_transform."""
     builder = Builder()
     points, faces, places = side()
     lid, lid_faces = cap(LENGTH, True)
@@ -62,6 +62,10 @@ def write(path):
                   primitive(builder, bottom, bottom_faces)]
     primitives[0]["material"], primitives[1]["material"] = 0, 1
     builder.striped_material()
+    if with_transform:
+        builder.json["extensionsUsed"] = builder.json["extensionsRequired"] = ["KHR_texture_transform"]
+        texture = builder.json["materials"][0]["pbrMetallicRoughness"]["baseColorTexture"]
+        texture["extensions"] = {"KHR_texture_transform": {"offset": [0.25, 0]}}
     builder.json["materials"].append({"name": "lid", "pbrMetallicRoughness": {"baseColorFactor": LID, "metallicFactor": 0,
                                                                               "roughnessFactor": 1}})
     builder.json.update({
