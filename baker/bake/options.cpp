@@ -70,6 +70,14 @@ WeightDomain domain_of(const BakeOptions& options, const PoseSet& poses)
     return WeightDomain::box(std::move(ranges));
 }
 
+void require_comparisons(const BakeOptions& options, bool has_tolerance)
+{
+    if (options.check_count + options.fresh_count > 0 || !(has_tolerance || options.tolerance_max > 0)) return;
+    throw Failure(ExitCode::usage,
+                  error_at(1240, "", "a tolerance is given, but no blend is compared with an average",
+                           "give --fresh-samples or --check-samples above 0, or leave the tolerance out"));
+}
+
 void make_preview(BakeOptions& options, bool has_tolerance)
 {
     constexpr double preview_tolerance = 5e-3;

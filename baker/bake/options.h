@@ -80,6 +80,9 @@ struct BakeOptions {
 // for ranges that are empty, do not hold 0 or name no layer.
 WeightDomain domain_of(const BakeOptions& options, const PoseSet& poses);
 
+// Throws Failure (usage, P1240) if a tolerance is given and no blend is to be compared with an average.
+void require_comparisons(const BakeOptions& options, bool has_tolerance);
+
 // A bake that refines nothing, at a tolerance of its own where the caller has none.
 void make_preview(BakeOptions& options, bool has_tolerance);
 

@@ -165,6 +165,7 @@ void complete_request(CLI::App& verb, BakeRequest& r)
         throw Failure(
             ExitCode::usage,
             error_at(1302, "", "there is no output", "give -o OUT.pliant, or --config FILE.json with \"output\": \"...\""));
+    require_comparisons(r.bake, r.has_tolerance);
     r.bake.subspace = r.subspace == "krylov" ? SubspaceKind::krylov
         : r.subspace == "barbic"             ? SubspaceKind::barbic
                                              : SubspaceKind::adaptive;

@@ -84,6 +84,7 @@ BakeOptions bake_options(const nb::dict& given)
     take(given, "ghost_vertices", options.ghost_vertex_count);
     take(given, "check_samples", options.check_count);
     take(given, "fresh_samples", options.fresh_count);
+    require_comparisons(options, given.contains("tolerance"));
     if (given.contains("position_error")) options.position_error = nb::cast<double>(given["position_error"]);
     take(given, "seed", options.seed);
     if (given.contains("time_limit")) options.time_limit = nb::cast<double>(given["time_limit"]);
