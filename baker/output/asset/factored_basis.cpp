@@ -18,12 +18,19 @@ constexpr Eigen::Index part_vertices = PLIANT_FORMAT_TILE_VERTICES, part_rows = 
 // is 2 % smaller.
 constexpr std::uint32_t block_vertices = 4096;
 
-// A tile with the vertices that it belongs to.
-struct Placed {
+struct FittedTile {
     VertexTile vertices;
-    std::uint32_t first = 0; // of its block
-    std::optional<TileProduct> product;
     bool is_still = false;
+    std::optional<TileProduct> product;
+    std::vector<pliant_format_field> fields; // of the product's left factor, which is relative to their bases
+};
+
+// Vertices of a tile that lie in one block, at most 64: a tile of the chunk. Those of one tile have the same factors, so
+// that equal vertices are equal in all of them.
+struct Piece {
+    std::size_t tile;
+    std::size_t first, count;  // in the tile
+    std::uint32_t block, kind; // the order in which the chunk has them
 };
 
 // The bases of a column in units of 2^shift, rounded down, and the bits of its largest number above them.
@@ -85,17 +92,17 @@ void put_lanes(Bytes& out, const std::vector<std::uint32_t>& lanes, std::uint32_
             out.put(std::uint8_t(((tail[i] >> at) & 15U) | ((tail[i + part_rows / 2] >> at) << 4)));
 }
 
-// One part of a left factor, whose vertices start with `first`.
-void put_part(Bytes& out, const Eigen::Matrix<std::int32_t, Eigen::Dynamic, Eigen::Dynamic>& left,
-              const std::vector<pliant_format_field>& fields, Eigen::Index first)
+// One part of a left factor.
+void put_part(Bytes& out, const Eigen::Ref<const Eigen::Matrix<std::int32_t, Eigen::Dynamic, Eigen::Dynamic>>& left,
+              const std::vector<pliant_format_field>& fields)
 {
     std::uint32_t bits = 0;
     for (const pliant_format_field& field : fields) bits += field.width;
     bits = (bits + 3) / 4 * 4;
     std::vector<std::uint32_t> lanes(std::size_t(bits / 32 + 2) * part_rows, 0);
-    for (Eigen::Index v = first; v < std::min(first + part_vertices, left.rows() / 3); ++v)
+    for (Eigen::Index v = 0; v < left.rows() / 3; ++v)
         for (Eigen::Index c = 0; c < 3; ++c) {
-            const auto lane = std::size_t(c * part_vertices + v - first);
+            const auto lane = std::size_t(c * part_vertices + v);
             std::uint32_t at = 0;
             for (Eigen::Index j = 0; j < left.cols(); at += fields[std::size_t(j++)].width) {
                 const std::uint64_t value = std::uint64_t(left(3 * v + c, j)) << (at % 32);
@@ -116,26 +123,25 @@ template <class T, class Value> void put_vertices(Bytes& out, Eigen::Index verte
         }
 }
 
-void put_data(Bytes& out, const Placed& tile, const Eigen::VectorXd& rest)
+void put_data(Bytes& out, const FittedTile& tile, const Piece& piece, const Eigen::VectorXd& rest)
 {
-    const auto count = Eigen::Index(tile.vertices.size());
+    const auto first = Eigen::Index(piece.first), count = Eigen::Index(piece.count);
+    const std::uint32_t* vertices = tile.vertices.data() + piece.first;
     for (Eigen::Index i = 0; i < (count + part_vertices - 1) / part_vertices * part_vertices; ++i)
-        out.put(i < count ? std::uint16_t(tile.vertices[std::size_t(i)] - tile.first) : std::uint16_t(0));
+        out.put(i < count ? std::uint16_t(vertices[i] - piece.block * block_vertices) : std::uint16_t(0));
     if (tile.is_still) {
-        put_vertices<float>(out, count, [&](Eigen::Index v, Eigen::Index c) {
-            return float(rest[3 * Eigen::Index(tile.vertices[std::size_t(v)]) + c]);
-        });
+        put_vertices<float>(out, count,
+                            [&](Eigen::Index v, Eigen::Index c) { return float(rest[3 * Eigen::Index(vertices[v]) + c]); });
         return;
     }
     const TileProduct& product = *tile.product;
     for (float scale : product.row_scales) out.put(scale);
     for (Eigen::Index j = 0; j < product.right.cols(); ++j)
         for (Eigen::Index i = 0; i < product.right.rows(); ++i) out.put(product.right(i, j));
-    auto left = product.left;
-    const std::vector<pliant_format_field> fields = take_bases(left);
-    for (const pliant_format_field& field : fields) out.put(field);
-    put_vertices<std::uint16_t>(out, count, [&](Eigen::Index v, Eigen::Index c) { return product.numbers(v, c); });
-    for (Eigen::Index first = 0; first < count; first += part_vertices) put_part(out, left, fields, first);
+    for (const pliant_format_field& field : tile.fields) out.put(field);
+    put_vertices<std::uint16_t>(out, count, [&](Eigen::Index v, Eigen::Index c) { return product.numbers(first + v, c); });
+    for (Eigen::Index v = first; v < first + count; v += part_vertices)
+        put_part(out, product.left.middleRows(3 * v, 3 * std::min(part_vertices, first + count - v)), tile.fields);
 }
 
 float rounded_up(double value)
@@ -152,18 +158,19 @@ double longest(const Eigen::VectorXd& vectors)
 }
 
 // What bounds how far a column moves a vertex, and by an eighth of them the terms that are rounded.
-double reach_of(const Eigen::MatrixXd& columns, const std::vector<Placed>& tiles, Eigen::Index j)
+double reach_of(const Eigen::MatrixXd& columns, const std::vector<FittedTile>& tiles, Eigen::Index j)
 {
     double reach = longest(columns.col(j));
-    for (const Placed& tile : tiles)
+    for (const FittedTile& tile : tiles)
         if (tile.product) reach = std::max(reach, tile.product->terms[j] / 8);
     return reach;
 }
 
-void put_head(Bytes& out, const ProductSettings& settings, const Eigen::MatrixXd& columns, const std::vector<Placed>& tiles)
+void put_head(Bytes& out, const ProductSettings& settings, const Eigen::MatrixXd& columns,
+              const std::vector<FittedTile>& tiles, std::size_t piece_count)
 {
     pliant_format_factored head {};
-    head.tile_count = std::uint32_t(tiles.size());
+    head.tile_count = std::uint32_t(piece_count);
     head.position_error = float(settings.error);
     head.block_vertices = block_vertices;
     out.put(head);
@@ -173,13 +180,24 @@ void put_head(Bytes& out, const ProductSettings& settings, const Eigen::MatrixXd
     out.align(PLIANT_FORMAT_CHUNK_ALIGNMENT);
 }
 
-std::vector<Placed> place(const std::vector<std::vector<VertexTile>>& blocks, const std::vector<bool>& is_still)
+// By blocks; in a block by kinds.
+std::vector<Piece> pieces_of(const std::vector<FittedTile>& tiles, const std::function<int(std::uint32_t)>& kind_of)
 {
-    std::vector<Placed> tiles;
-    for (std::size_t b = 0; b < blocks.size(); ++b)
-        for (const VertexTile& vertices : blocks[b])
-            tiles.push_back({ vertices, std::uint32_t(b) * block_vertices, {}, is_still[vertices[0]] });
-    return tiles;
+    std::vector<Piece> pieces;
+    for (std::size_t t = 0; t < tiles.size(); ++t) {
+        const VertexTile& vertices = tiles[t].vertices;
+        for (std::size_t first = 0, last = 0; first < vertices.size(); first = last) {
+            const std::uint32_t block = vertices[first] / block_vertices;
+            while (last < std::min(vertices.size(), first + PLIANT_FORMAT_COMPACT_VERTICES)
+                   && vertices[last] / block_vertices == block)
+                ++last;
+            pieces.push_back({ t, first, last - first, block, std::uint32_t(kind_of(vertices[first])) });
+        }
+    }
+    std::stable_sort(pieces.begin(), pieces.end(), [](const Piece& a, const Piece& b) {
+        return std::make_pair(a.block, a.kind) < std::make_pair(b.block, b.kind);
+    });
+    return pieces;
 }
 
 // What the vertices of a tile have of `from`, and back.
@@ -197,21 +215,24 @@ template <class M> void scatter(const M& from, const VertexTile& vertices, M& ou
         out.middleRows(3 * Eigen::Index(vertices[i]), 3) = from.middleRows(3 * Eigen::Index(i), 3);
 }
 
-Bytes encode(const std::vector<std::vector<VertexTile>>& blocks, const std::vector<Placed>& tiles,
-             const ProductSettings& settings, const Eigen::VectorXd& rest, const Eigen::MatrixXd& columns)
+Bytes encode(const std::vector<FittedTile>& tiles, const std::vector<Piece>& pieces, const ProductSettings& settings,
+             const Eigen::VectorXd& rest, const Eigen::MatrixXd& columns)
 {
     Bytes out, data;
-    put_head(out, settings, columns, tiles);
-    std::uint32_t count = 0;
-    out.put(count);
-    for (const auto& block : blocks) out.put(count += std::uint32_t(block.size()));
+    put_head(out, settings, columns, tiles, pieces.size());
+    for (std::uint32_t block = 0, i = 0; i < pieces.size(); ++block) {
+        out.put(i);
+        while (i < pieces.size() && pieces[i].block == block) ++i;
+    }
+    out.put(std::uint32_t(pieces.size()));
     out.align(PLIANT_FORMAT_CHUNK_ALIGNMENT);
-    for (const Placed& tile : tiles) {
+    for (const Piece& piece : pieces) {
+        const FittedTile& tile = tiles[piece.tile];
         pliant_format_product head = tile.product ? tile.product->head : pliant_format_product {};
         head.offset = std::uint32_t(data.data.size() / sizeof(std::uint32_t));
-        head.vertex_count = std::uint16_t(tile.vertices.size());
+        head.vertex_count = std::uint16_t(piece.count);
         out.put(head);
-        put_data(data, tile, rest);
+        put_data(data, tile, piece, rest);
     }
     out.align(PLIANT_FORMAT_CHUNK_ALIGNMENT);
     out.data.insert(out.data.end(), data.data.begin(), data.data.end());
@@ -227,24 +248,27 @@ std::optional<FactoredBasis> factor_basis(Eigen::VectorXd& rest, Eigen::MatrixXd
     for (Eigen::Index i = 0; i < columns.rows(); i += 3) is_still.push_back(columns.middleRows(i, 3).isZero(0));
     const auto kind_of = [&](std::uint32_t v) { return 2 * int(v >= boundary_count) + int(is_still[v]); };
     const ProductSettings settings = product_settings(columns, samples, error);
-    const std::vector<std::vector<VertexTile>> blocks = cut_tiles(rest, block_vertices, kind_of);
-    std::vector<Placed> tiles = place(blocks, is_still);
+    std::vector<FittedTile> tiles;
+    for (const VertexTile& vertices : cut_tiles(rest, block_vertices, kind_of))
+        tiles.push_back({ vertices, is_still[vertices[0]], {}, {} });
     Eigen::VectorXd stored_rest = rest;
     Eigen::MatrixXd stored_columns = columns;
     for_each_task(tiles.size(), [&](std::size_t t, std::size_t) {
-        if (tiles[t].is_still) return;
-        Eigen::VectorXd tile_rest = gather(rest, tiles[t].vertices);
-        Eigen::MatrixXd tile_columns = gather(columns, tiles[t].vertices);
-        tiles[t].product = fit_product(settings, tile_rest, tile_columns);
-        scatter(tile_rest, tiles[t].vertices, stored_rest);
-        scatter(tile_columns, tiles[t].vertices, stored_columns);
+        FittedTile& tile = tiles[t];
+        if (tile.is_still) return;
+        Eigen::VectorXd tile_rest = gather(rest, tile.vertices);
+        Eigen::MatrixXd tile_columns = gather(columns, tile.vertices);
+        tile.product = fit_product(settings, tile_rest, tile_columns);
+        if (tile.product) tile.fields = take_bases(tile.product->left);
+        scatter(tile_rest, tile.vertices, stored_rest);
+        scatter(tile_columns, tile.vertices, stored_columns);
     });
     FactoredBasis out;
-    for (const Placed& tile : tiles) {
+    for (const FittedTile& tile : tiles) {
         if (!tile.is_still && !tile.product) return {};
         if (tile.product) out.largest_error = std::max(out.largest_error, tile.product->largest_error);
     }
-    out.chunk = encode(blocks, tiles, settings, rest, stored_columns).data;
+    out.chunk = encode(tiles, pieces_of(tiles, kind_of), settings, rest, stored_columns).data;
     rest = std::move(stored_rest);
     columns = std::move(stored_columns);
     return out;

@@ -79,6 +79,19 @@ struct Problem {
         return out;
     }
 
+    // As above, but all vertices are drawn that many times over.
+    AssetModel copies(const BlendModel& model, double error, std::size_t copy_count) const
+    {
+        AssetModel out = asset(model);
+        std::vector<std::uint32_t> places;
+        for (std::size_t i = 0; i < copy_count * out.mesh.vertex_count; ++i)
+            places.push_back(std::uint32_t(i % out.mesh.vertex_count));
+        const std::shared_ptr<const RenderMesh> drawn = copy_to_render_mesh({}, {}, places);
+        out.mesh.vertex_count = places.size();
+        out.shape = store_shape(set, subspace, &drawn->embedding, reachable(), error, places.size());
+        return out;
+    }
+
     std::vector<std::uint8_t> encode(const AssetModel& asset) const
     {
         AssetRecord record;
@@ -249,6 +262,26 @@ TEST_CASE("a factored basis keeps its position error at averages, poses and betw
         const Eigen::VectorXd wanted
             = Eigen::Map<const Eigen::VectorXf>(same.data(), Eigen::Index(same.size())).cast<double>();
         CHECK((back - wanted).norm() < 1e-5 * p.subspace.pose_coordinates.norm());
+    }
+}
+
+TEST_CASE("vertices at one place stay at one place, in whatever blocks and however many they are")
+{
+    const Problem p;
+    const BlendModel model = p.model();
+    const auto n = std::size_t(p.set.dof_count() / 3);
+    for (const std::size_t copy_count : { std::size_t(3), 4096 / n + 1 }) { // more than a tile holds, and another block
+        CAPTURE(copy_count);
+        const AssetModel asset = p.copies(model, 1e-3 * p.set.diagonal, copy_count);
+        REQUIRE_FALSE(asset.shape.basis.empty());
+        const RuntimeBlender blender(p.encode(asset), "memory", true);
+        for (Eigen::Index s = 0; s < p.reachable().cols(); ++s) {
+            const Eigen::VectorXf q = asset.shape.frame.stored(p.reachable().col(s)).cast<float>();
+            const std::vector<float> drawn = blender.positions({ q.data(), q.data() + q.size() });
+            std::size_t apart_count = 0;
+            for (std::size_t i = 3 * n; i < drawn.size(); ++i) apart_count += drawn[i] != drawn[i % (3 * n)];
+            CHECK(apart_count == 0);
+        }
     }
 }
 
