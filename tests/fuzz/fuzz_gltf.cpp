@@ -23,7 +23,8 @@ void use_state(const GltfScene& scene, const GltfState& state, std::size_t verte
 {
     Positions normals;
     std::vector<Diagnostic> warnings;
-    const Positions positions = evaluate(scene, state, &normals);
+    GltfAllowance allowance(*scene.document);
+    const Positions positions = evaluate(scene, state, allowance, &normals);
     require(positions.rows() == normals.rows() && static_cast<std::size_t>(positions.rows()) == vertex_count);
     render_scene(scene, normals, warnings);
 }
@@ -44,7 +45,7 @@ void use_document(const std::shared_ptr<const GltfDocument>& document)
     const std::size_t animation_count = animation_names(*document).size();
     GltfAllowance allowance(*document);
     for (std::size_t i = 0; i < animation_count && i < 4; ++i)
-        use_state(scene, animated_state(scene, i, animation_end(*document, i, allowance) / 2), vertex_count);
+        use_state(scene, animated_state(scene, i, animation_end(*document, i, allowance) / 2, allowance), vertex_count);
 }
 
 } // namespace

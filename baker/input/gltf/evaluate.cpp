@@ -7,16 +7,22 @@
 namespace pliant {
 namespace {
 
+GltfValue find_deltas(const GltfValue& target, const char* attribute, GltfAllowance& allowance)
+{
+    constexpr std::uint64_t numbers_of_lookup = 16, numbers_of_deltas = 256; // what these cost, besides those read
+    GltfValue deltas = target[attribute];
+    allowance.take(target, deltas.exists() ? numbers_of_deltas : numbers_of_lookup);
+    return deltas;
+}
+
 // Positions or normals in the mesh's own space.
 GltfNumbers morphed(const GltfDocument& document, const GltfPrimitive& primitive, const std::vector<double>& weights,
                     const GltfNumbers& base, const char* attribute, GltfAllowance& allowance)
 {
-    constexpr std::uint64_t numbers_of_target = 4; // what looking for its attribute costs
     GltfNumbers out = base;
     for (std::size_t k = 0; k < primitive.targets.size() && k < weights.size(); ++k) {
         if (weights[k] == 0) continue;
-        allowance.take(primitive.targets[k], numbers_of_target);
-        const GltfValue deltas = primitive.targets[k][attribute];
+        const GltfValue deltas = find_deltas(primitive.targets[k], attribute, allowance);
         if (!deltas.exists()) continue;
         allowance.take_all_of(deltas);
         out += weights[k] * read_numbers(document, deltas, { 3 }, primitive.stored_count).topRows(out.rows());
@@ -65,8 +71,9 @@ std::vector<double> morphed_steps(const GltfDocument& document, const GltfMesh& 
     for (const GltfPrimitive& primitive : mesh.primitives) {
         steps.push_back(primitive.position_step);
         for (std::size_t k = 0; k < primitive.targets.size() && k < weights.size(); ++k) {
-            const GltfValue deltas = primitive.targets[k]["POSITION"];
-            if (weights[k] != 0 && deltas.exists())
+            if (weights[k] == 0) continue;
+            const GltfValue deltas = find_deltas(primitive.targets[k], "POSITION", allowance);
+            if (deltas.exists())
                 steps.back() += std::abs(weights[k]) * step_of_target(document, primitive, deltas, allowance);
         }
     }
@@ -162,13 +169,12 @@ private:
 
 } // namespace
 
-Positions evaluate(const GltfScene& scene, const GltfState& state, Positions* normals)
+Positions evaluate(const GltfScene& scene, const GltfState& state, GltfAllowance& allowance, Positions* normals)
 {
     const Eigen::Index count = static_cast<Eigen::Index>(scene.vertex_count());
     Positions positions(count, 3);
     if (normals) *normals = Positions::Zero(count, 3);
     const Placing placing(scene, state);
-    GltfAllowance allowance(*scene.document);
     std::vector<MorphedMesh> meshes(scene.meshes.size());
     Eigen::Index first = 0;
     for (const GltfInstance& instance : scene.instances) {
@@ -186,14 +192,13 @@ Positions evaluate(const GltfScene& scene, const GltfState& state, Positions* no
     return positions;
 }
 
-std::vector<double> position_steps(const GltfScene& scene, const GltfState& state)
+std::vector<double> position_steps(const GltfScene& scene, const GltfState& state, GltfAllowance& allowance)
 {
     const auto is_rounded = [](const GltfPrimitive& p) { return p.position_step > 0 || p.weight_step > 0; };
     const auto has_rounded
         = [&](const GltfMesh& m) { return std::any_of(m.primitives.begin(), m.primitives.end(), is_rounded); };
     if (std::none_of(scene.meshes.begin(), scene.meshes.end(), has_rounded)) return {};
     const Placing placing(scene, state);
-    GltfAllowance allowance(*scene.document);
     std::vector<double> steps;
     std::vector<MorphedSteps> meshes(scene.meshes.size());
     for (const GltfInstance& instance : scene.instances) {

@@ -25,7 +25,7 @@ namespace {
 struct GltfFile {
     explicit GltfFile(GltfScene&& read)
         : scene(std::move(read))
-        , drawn_numbers(*scene.document, 64000000, 128)
+        , numbers(*scene.document, 64000000, 128)
     {
     }
 
@@ -35,11 +35,11 @@ struct GltfFile {
         std::uint64_t size = scene.vertex_count();
         for (const GltfInstance& instance : scene.instances)
             for (const GltfPrimitive& primitive : scene.meshes[instance.mesh].primitives) size += primitive.triangles.size();
-        drawn_numbers.take(scene.document->root(), pose_count * size, 3);
+        numbers.take(scene.document->root(), pose_count * size, 3);
     }
 
     GltfScene scene;
-    GltfAllowance drawn_numbers;              // of all poses
+    GltfAllowance numbers;                    // that all poses read and draw
     std::shared_ptr<const RenderScene> drawn; // made with the first pose
 };
 
@@ -135,21 +135,20 @@ double parse_seconds(const std::string& path, const std::string& word)
     return value;
 }
 
-std::vector<Plan> plan_animation(const GltfScene& scene, const std::string& wanted, DiagnosticList& diagnostics)
+std::vector<Plan> plan_animation(GltfFile& file, const std::string& wanted, DiagnosticList& diagnostics)
 {
-    const GltfDocument& document = *scene.document;
+    const GltfDocument& document = *file.scene.document;
     const std::size_t at = wanted.rfind('@'); // names may have one, times do not
     if (at == std::string::npos)
         usage(error_at(1211, document.path(), fmt::format("#animation={} names no time", wanted),
                        "write #animation=NAME@0,0.3,0.6 with the times of the poses in seconds"));
     const std::string name = wanted.substr(0, at);
     const std::size_t animation = find_animation(document, name);
-    GltfAllowance allowance(document);
-    const double end = animation_end(document, animation, allowance);
+    const double end = animation_end(document, animation, file.numbers);
     std::vector<Plan> plans;
     for (const std::string& word : split(wanted.substr(at + 1), ',')) {
         const double seconds = parse_seconds(document.path(), word);
-        if (seconds > end)
+        if (seconds > end + time_slack(end))
             diagnostics.add(
                 warning_at(2322, document.path(),
                            fmt::format("{} s is after the end of animation {} ({:.6g} s): its end is used", word, name, end),
@@ -160,8 +159,9 @@ std::vector<Plan> plan_animation(const GltfScene& scene, const std::string& want
     return plans;
 }
 
-std::vector<Plan> plan_poses(const GltfScene& scene, const PoseArgument& argument, DiagnosticList& diagnostics)
+std::vector<Plan> plan_poses(GltfFile& file, const PoseArgument& argument, DiagnosticList& diagnostics)
 {
+    const GltfScene& scene = file.scene;
     const std::string& choice = argument.choice;
     if (choice.empty()) {
         std::vector<Plan> plans = { rest_plan(argument.path) };
@@ -170,14 +170,15 @@ std::vector<Plan> plan_poses(const GltfScene& scene, const PoseArgument& argumen
     }
     if (choice == "rest") return { rest_plan(argument.path) };
     if (choice.compare(0, 7, "target=") == 0) return plan_targets(scene, choice.substr(7));
-    if (choice.compare(0, 10, "animation=") == 0) return plan_animation(scene, choice.substr(10), diagnostics);
+    if (choice.compare(0, 10, "animation=") == 0) return plan_animation(file, choice.substr(10), diagnostics);
     usage(error_at(1211, argument.path, fmt::format("'#{}' is not understood", choice),
                    "write #rest, #target=NAME,NAME or #animation=NAME@SECONDS,SECONDS"));
 }
 
-GltfState state_of(const GltfScene& scene, const Plan& plan)
+GltfState state_of(GltfFile& file, const Plan& plan)
 {
-    if (plan.kind == Plan::Kind::animation) return animated_state(scene, plan.animation, plan.seconds);
+    const GltfScene& scene = file.scene;
+    if (plan.kind == Plan::Kind::animation) return animated_state(scene, plan.animation, plan.seconds, file.numbers);
     std::vector<std::vector<double>> weights; // of each mesh
     for (const GltfMesh& mesh : scene.meshes) {
         weights.emplace_back();
@@ -210,16 +211,16 @@ MeshFile make_pose(GltfFile& file, const Plan& plan, DiagnosticList& diagnostics
     mesh.path = scene.document->path() + "#" + plan.choice;
     mesh.name = plan.name;
     if (plan.kind == Plan::Kind::target) mesh.initial_weight = initial_weight_of(scene, plan.target);
-    const GltfState state = state_of(scene, plan);
+    const GltfState state = state_of(file, plan);
     Positions normals;
-    mesh.positions = evaluate(scene, state, file.drawn ? nullptr : &normals);
+    mesh.positions = evaluate(scene, state, file.numbers, file.drawn ? nullptr : &normals);
     if (!file.drawn) {
         std::vector<Diagnostic> warnings;
         file.drawn = std::make_shared<const RenderScene>(render_scene(scene, normals, warnings));
         for (Diagnostic& warning : warnings) diagnostics.add(std::move(warning));
     }
     mesh.scene = file.drawn;
-    mesh.position_steps = position_steps(scene, state);
+    mesh.position_steps = position_steps(scene, state, file.numbers);
     const SourceFile source { mesh.path, "", &diagnostics };
     for (Eigen::Index v = 0; v < mesh.positions.rows(); ++v)
         for (int c = 0; c < 3; ++c)
@@ -268,7 +269,7 @@ public:
         source.file = open(source.argument.path);
         if (source.file)
             guard(source.argument.path, [&] {
-                std::vector<Plan> plans = plan_poses(source.file->scene, source.argument, diagnostics_);
+                std::vector<Plan> plans = plan_poses(*source.file, source.argument, diagnostics_);
                 source.file->take(plans.size());
                 source.plans = std::move(plans);
             });

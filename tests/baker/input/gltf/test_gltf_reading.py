@@ -101,6 +101,25 @@ def interpolations(folder, scratch):
     check(len(by_number.positions) == 2 and np.array_equal(*by_number.positions), "an animation by number")
 
 
+def frames(folder, scratch):
+    """The decimal times of keys, which are in single precision, mean these keys and nothing before them."""
+    gltf = gltf_files.Gltf()
+    gltf.mesh(*grid())
+    gltf.animation("frames", (0, "translation", "STEP", [k / 24 for k in range(25)], [(k, 0, 0) for k in range(25)]))
+    path = folder / "frames.glb"
+    path.write_bytes(gltf.glb())
+    for digits in (6, 17):
+        times = ",".join(f"{k / 24:.{digits}g}" for k in range(25))
+        poses = Poses(scratch, f"{path}#animation=frames@{times}")
+        check([p[0, 0] for p in poses.positions] == list(range(25)) and not poses.errors, f"keys by {digits} digits")
+    end = gltf_files.Gltf()
+    end.mesh(*grid())
+    end.animation("end", (0, "translation", "STEP", [0, 0.7], [(0, 0, 0), (1, 0, 0)]))
+    path.write_bytes(end.glb())
+    poses = Poses(scratch, f"{path}#animation=end@0,0.7")
+    check([p[0, 0] for p in poses.positions] == [0, 1] and not poses.errors, f"the last key: {poses.errors}")
+
+
 def boxes(folder, scratch):
     """The box behind the vertices of an export is left out; one that another program moved is not, nor are faces."""
     vertices, faces = grid()
@@ -265,6 +284,7 @@ def main():
         folder, scratch = pathlib.Path(name), pathlib.Path(name) / "scratch"
         scratch.mkdir()
         interpolations(folder, scratch)
+        frames(folder, scratch)
         boxes(folder, scratch)
         encodings(folder, scratch)
         if (DATA / "gltf_skin").is_dir():
