@@ -184,6 +184,7 @@ void install_signal_handlers()
         }
     }).detach();
     signal(SIGXFSZ, SIG_IGN); // a file-size limit is then an error of write(), which we report
+    signal(SIGCHLD, SIG_DFL); // inherited as ignored it would hide how children end
     signal(SIGPIPE, SIG_IGN); // a reader of messages that is gone ends no bake
 }
 

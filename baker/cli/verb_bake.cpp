@@ -134,7 +134,7 @@ std::string asset_seen_from_report(const BakeRequest& a)
 }
 
 // The dependencies come before the asset: who is stopped in between leaves an old asset with the new ones, which does no
-// harm. The stamp comes last, since it says that the asset is whole.
+// harm. The report comes behind it, since it is about this asset, and the stamp last, since it says that both are whole.
 void write_outputs(const BakeRequest& a, const BakedAsset& baked, const std::vector<Diagnostic>& warnings,
                    const std::vector<ReadFile>& files, StampContent stamp)
 {
@@ -146,8 +146,8 @@ void write_outputs(const BakeRequest& a, const BakedAsset& baked, const std::vec
         write_output(a.depfile, write_depfile(a.output, names));
     }
     const std::string_view bytes(reinterpret_cast<const char*>(baked.bytes.data()), baked.bytes.size());
-    if (!a.report.empty()) write_output(a.report, write_report(baked.report, asset_seen_from_report(a), warnings));
     write_output(a.output, bytes);
+    if (!a.report.empty()) write_output(a.report, write_report(baked.report, asset_seen_from_report(a), warnings));
     if (a.stamp.empty()) return;
     stamp.files = files;
     stamp.output = a.output;

@@ -182,10 +182,11 @@ std::vector<ChildEnd> ChildGroup::collect_ended()
         }
         int status = 0;
         rusage usage {};
-        while (::wait4(child.pid, &status, 0, &usage) < 0 && errno == EINTR) {}
+        pid_t waited = 0;
+        while ((waited = ::wait4(child.pid, &status, 0, &usage)) < 0 && errno == EINTR) {}
         ChildEnd end;
         end.id = child.id;
-        end.exit_code = WIFEXITED(status) ? WEXITSTATUS(status) : 0;
+        end.exit_code = waited < 0 ? int(ExitCode::failed) : WIFEXITED(status) ? WEXITSTATUS(status) : 0;
         end.signal = WIFSIGNALED(status) ? WTERMSIG(status) : 0;
         end.has_error = child.has_error;
         end.output = std::move(child.collected);

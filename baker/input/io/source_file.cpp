@@ -135,9 +135,13 @@ std::filesystem::path named_place(const std::string& path)
     std::error_code gone; // the current folder
     const std::filesystem::path whole = std::filesystem::absolute(path, gone);
     for (const std::filesystem::path& part : gone ? std::filesystem::path(path) : whole) {
+        std::error_code error;
+        if (part == "." || (part == ".." && place.has_filename() && place.filename() != ".." && !is_symlink(place, error))) {
+            if (part == "..") place = place.parent_path();
+            continue;
+        }
         place /= part;
         if (part != "..") continue;
-        std::error_code error;
         const std::filesystem::path followed = std::filesystem::weakly_canonical(place, error);
         if (error == std::errc::not_enough_memory) throw std::bad_alloc();
         if (!error) place = followed;

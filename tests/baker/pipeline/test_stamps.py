@@ -4,6 +4,7 @@ import hashlib
 import json
 import pathlib
 import re
+import resource
 import sys
 import tempfile
 
@@ -151,6 +152,33 @@ def test_links_before_dots(folder):
               f"{pose} is another file than a.gltf {result.stderr}")
 
 
+def test_roots_behind_links(folder):
+    """A tree that is reached through a link is the same tree."""
+    poses(folder / "real" / "a")
+    write_json(folder / "real" / "a" / "a.json", {**QUICK, "poses": ["rest.obj", "bent.obj"], "output": "../out/a.pliant"})
+    write_json(folder / "real" / "m.json", {"bakes": [{"name": "a", "config": "a/a.json"}]})
+    (folder / "real" / "out").mkdir()
+    (folder / "link").symlink_to("real")
+    outcomes(folder / "link" / "m.json")
+    for root in ("real", "link"):
+        verdict = outcomes(folder / root / "m.json", "--dry-run")[0]["a"]
+        check(verdict["outcome"] == "up to date", f"through {root}: {verdict}")
+
+
+def test_report_of_failed_bake(folder):
+    """An asset that cannot be written leaves its report: files end one byte short of it."""
+    report = folder / "a.json"
+    words = ["bake", *poses(folder), "-o", folder / "a.pliant", "--report", report, *QUICK_OPTIONS]
+    check(TOOL.run(*words).returncode == 0, "a report")
+    before = report.read_bytes()
+    size = (folder / "a.pliant").stat().st_size - 1
+    check(len(before) < size, f"a report of {len(before)} bytes is smaller than the asset")
+    with TOOL.start(*words, "--seed", "7",
+                    preexec_fn=lambda: resource.setrlimit(resource.RLIMIT_FSIZE, (size, size))) as limited:
+        said = limited.communicate(timeout=300)[1]
+    check(limited.returncode == 1 and "error P4005" in said and report.read_bytes() == before, f"the old report stays: {said}")
+
+
 def with_image(folder, uri):
     """The manifest of a bake from g/a.gltf with this image, which is not there."""
     (folder / "g").mkdir()
@@ -245,8 +273,8 @@ def test_manifests(folder):
 
 
 with tempfile.TemporaryDirectory(prefix="pliant-stamps-") as name:
-    tests = (test_stamp, test_what_counts, test_other_inputs, test_links, test_links_before_dots,
-             test_folders_behind_links, test_names_of_other_bytes, test_manifests)
+    tests = (test_stamp, test_what_counts, test_other_inputs, test_links, test_links_before_dots, test_roots_behind_links,
+             test_report_of_failed_bake, test_folders_behind_links, test_names_of_other_bytes, test_manifests)
     for number, test in enumerate(tests):
         place = pathlib.Path(name) / str(number)
         place.mkdir()

@@ -5,6 +5,7 @@ import argparse
 import importlib
 import json
 import logging
+import signal
 import sys
 from typing import Any, List, Optional
 
@@ -57,6 +58,7 @@ def _run(a: argparse.Namespace, client: Any, memory: Optional[float]) -> int:
 
 def main(words: Optional[List[str]] = None) -> int:
     a = _arguments(words)
+    signal.signal(signal.SIGCHLD, signal.SIG_DFL)  # inherited as ignored it would hide how workers and bakes end
     _hear_log()
     try:
         distributed = distributed_module()

@@ -111,6 +111,7 @@ def dask_setup(worker: Any) -> None:
     """Dask calls this in workers that preload the module, as those on this machine do. Ctrl-C at a terminal reaches all
     processes, but must end the caller only, which then ends the bakes and the workers."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)
+    signal.signal(signal.SIGCHLD, signal.SIG_DFL)  # inherited as ignored it would hide how bakes end
     logging.getLogger("distributed.worker").addFilter(lambda record: not _is_of_a_closing_connection(worker, record))
 
 
@@ -150,6 +151,8 @@ def look_around(tool: Optional[str], manifest: str, digest: str, tokens: Sequenc
     wrong = _wrong_with_files(manifest, digest, tokens)
     if wrong:
         return place._replace(wrong=wrong)
+    if signal.getsignal(signal.SIGCHLD) == signal.SIG_IGN:
+        return place._replace(wrong="it ignores SIGCHLD, so that it cannot see how bakes end; start it without that")
     try:
         ended = call_tool(tool, ["--version"])
     except OSError as error:
