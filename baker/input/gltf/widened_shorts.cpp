@@ -29,23 +29,39 @@ bool are_widened(const Primitives& primitives, int bits, int fewer)
 }
 
 // Different numbers but 0 and the largest, which have the pattern of any number of bits; no more than are asked for.
-int count_telling(const Primitives& primitives)
+std::set<double> telling_values(const Primitives& primitives)
 {
+    constexpr std::size_t enough = 16;
     std::set<double> values;
     for (const GltfPrimitive* primitive : primitives)
-        for (Eigen::Index i = 0; i < primitive->positions.size() && values.size() < sure_bits; ++i) {
+        for (Eigen::Index i = 0; i < primitive->positions.size() && values.size() < enough; ++i) {
             const double value = std::abs(primitive->positions.data()[i]);
             if (value > 0 && value < 1) values.insert(value);
         }
-    return static_cast<int>(values.size());
+    return values;
+}
+
+// The fewest divisions that have all values, rounded to `bits`, where there are few. The vertices of a regular grid have the
+// pattern of 8 bits if it has 3, 5, 15 or 17 divisions.
+double divisions_of(const std::set<double>& values, int bits)
+{
+    constexpr double most_divisions = 1024;
+    const double units = std::exp2(bits) - 1;
+    double divisions = 1;
+    const auto is_on_it
+        = [&](double value) { return std::abs(value - std::round(value * divisions) / divisions) * units <= 0.5 + 1e-6; };
+    while (divisions <= most_divisions && !std::all_of(values.begin(), values.end(), is_on_it)) ++divisions;
+    return divisions <= most_divisions ? divisions : INFINITY;
 }
 
 bool set_steps(const Primitives& primitives, int bits)
 {
-    const int telling = count_telling(primitives);
-    for (int fewer = fewest_bits; fewer < bits && (bits - fewer) * telling >= sure_bits; ++fewer) {
+    const std::set<double> values = telling_values(primitives);
+    for (int fewer = fewest_bits; fewer < bits && (bits - fewer) * int(values.size()) >= sure_bits; ++fewer) {
         if (!are_widened(primitives, bits, fewer)) continue;
-        for (GltfPrimitive* primitive : primitives) primitive->position_step = 1 / (std::exp2(fewer) - 1);
+        const double unit_count = std::exp2(fewer) - 1;
+        if (divisions_of(values, bits) < unit_count) return false; // a coarser grid in all bits explains them, too
+        for (GltfPrimitive* primitive : primitives) primitive->position_step = 1 / unit_count;
         return true;
     }
     return false;

@@ -176,7 +176,8 @@ def test_report_of_failed_bake(folder):
     with TOOL.start(*words, "--seed", "7",
                     preexec_fn=lambda: resource.setrlimit(resource.RLIMIT_FSIZE, (size, size))) as limited:
         said = limited.communicate(timeout=300)[1]
-    check(limited.returncode == 1 and "error P4005" in said and report.read_bytes() == before, f"the old report stays: {said}")
+    check(limited.returncode == 1 and "error P4005" in said and report.read_bytes() == before,
+          f"the old report stays: {said}")
 
 
 def with_image(folder, uri):

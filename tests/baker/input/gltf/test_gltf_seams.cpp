@@ -290,6 +290,31 @@ TEST_CASE("numbers that have the pattern of any rounding tell nothing of it")
     for (const double step : read[0].position_steps) CHECK(step == doctest::Approx(1.0 / 1023));
 }
 
+TEST_CASE("a regular grid in all bits has the pattern of fewer bits and is not taken for one of these")
+{
+    for (const int divisions : { 5, 15, 12 }) {
+        CAPTURE(divisions);
+        GlbBuilder glb;
+        std::vector<std::int16_t> line;
+        for (int k = -divisions; k <= divisions; ++k)
+            for (const int c : { k, 1 - std::abs(k) % 2, 0 })
+                line.push_back(static_cast<std::int16_t>(std::lround(32767.0 * c / divisions)));
+        Json primitive = { { "attributes", { { "POSITION", glb.add(line, 5122, 3, "VEC3") } } } };
+        glb.json["accessors"].back()["normalized"] = true;
+        primitive["indices"] = glb.add(std::vector<std::uint32_t> { 0, 1, 2 }, 5125, 1, "SCALAR");
+        primitive["targets"].push_back({ { "POSITION", glb.add(std::vector<float>(line.size(), 0.1f), 5126, 3, "VEC3") } });
+        glb.json["meshes"].push_back({ { "primitives", Json::array({ primitive }) } });
+        glb.json["nodes"].push_back({ { "mesh", 0 } });
+        glb.json["scenes"][0]["nodes"] = { 0 };
+        const pliant_test::TemporaryFolder folder;
+        pliant_test::write_bytes(folder / "line.glb", glb.glb());
+        DiagnosticList diagnostics;
+        const std::vector<MeshFile> read = read_pose_sources({ folder / "line.glb" }, Blend::layers, diagnostics).meshes;
+        REQUIRE(read.size() == 2);
+        CHECK(read[0].position_steps == std::vector<double> { 1.0 / 32767 });
+    }
+}
+
 TEST_CASE("seams join the nearest vertices of other parts, never two of one part, and only borders")
 {
     // Two strips side by side; the third vertex of the second one lies near two of the first.
