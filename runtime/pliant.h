@@ -338,7 +338,8 @@ typedef struct pliant_column {
     /** No vertex moves further than this per unit of q[column], in units of the input meshes. +infinity if the asset does
        not store it (single precision). */
     float reach;
-    float limit; /**< largest |q[column]| of the blends that the baker examined, plus a margin; 0 if not stored */
+    float limit; /**< largest |q[column]| of the averages and poses that the basis was stored for, plus a margin: blends
+                    that are far from their averages exceed it; 0 if not stored */
     float bits;  /**< mean number of bits of a number of the basis in this column; 32 in single precision */
 } pliant_column;
 
