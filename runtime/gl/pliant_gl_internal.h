@@ -118,6 +118,7 @@ enum {
     GL_UNPACK_ROW_LENGTH = 0x0CF2,
     GL_UNPACK_SKIP_ROWS = 0x0CF3,
     GL_UNPACK_SKIP_PIXELS = 0x0CF4,
+    GL_UNPACK_SWAP_BYTES = 0x0CF0,
     GL_UNPACK_ALIGNMENT = 0x0CF5,
     GL_UNPACK_SKIP_IMAGES = 0x806D,
     GL_UNPACK_IMAGE_HEIGHT = 0x806E,
@@ -160,6 +161,7 @@ enum {
 
 /* Texture units that the library's own programs read from: positions for normals, rows for positions. */
 enum { PLIANT_GL_UNIT_SHAPE = 0, PLIANT_GL_UNIT_POSITIONS = 1, PLIANT_GL_UNIT_ROWS = 1, PLIANT_GL_UNIT_COUNT = 2 };
+enum { PLIANT_GL_UNPACK_COUNT = 7 }; /* parameters of pixel storage that uploads depend on */
 
 /* What a call of the library changes, as it was before. */
 typedef struct pliant_gl_binding {
@@ -169,7 +171,7 @@ typedef struct pliant_gl_binding {
 
 typedef struct pliant_gl_state {
     gl_int program, vertex_array, active_unit, textures[PLIANT_GL_UNIT_COUNT], samplers[PLIANT_GL_UNIT_COUNT];
-    gl_int unpack_buffer, unpack[6], copy_buffer, generic;
+    gl_int unpack_buffer, unpack[PLIANT_GL_UNPACK_COUNT], copy_buffer, generic;
     pliant_gl_binding indexed[2];
     int discards;
 } pliant_gl_state;

@@ -2,8 +2,12 @@
    drivers answer these from the application's side. */
 #include "pliant_gl_internal.h"
 
-static const gl_enum unpack_names[6] = { GL_UNPACK_ROW_LENGTH,  GL_UNPACK_SKIP_ROWS,    GL_UNPACK_SKIP_PIXELS,
-                                         GL_UNPACK_SKIP_IMAGES, GL_UNPACK_IMAGE_HEIGHT, GL_UNPACK_ALIGNMENT };
+static const gl_enum unpack_names[PLIANT_GL_UNPACK_COUNT]
+    = { GL_UNPACK_ROW_LENGTH,   GL_UNPACK_SKIP_ROWS, GL_UNPACK_SKIP_PIXELS, GL_UNPACK_SKIP_IMAGES,
+        GL_UNPACK_IMAGE_HEIGHT, GL_UNPACK_ALIGNMENT, GL_UNPACK_SWAP_BYTES };
+
+/* OpenGL ES has no GL_UNPACK_SWAP_BYTES, the last one. */
+static int unpack_count(const pliant_gl* gl) { return gl->is_es ? PLIANT_GL_UNPACK_COUNT - 1 : PLIANT_GL_UNPACK_COUNT; }
 
 static gl_int get(const pliant_gl* gl, gl_enum name)
 {
@@ -67,7 +71,7 @@ void pliant_gl_save(const pliant_gl* gl, pliant_gl_state* state)
         state->samplers[i] = get(gl, GL_SAMPLER_BINDING);
         GL(gl, BindSampler)(i, 0); /* one that filters would read zeros from integers */
     }
-    for (int i = 0; i < 6; ++i) {
+    for (int i = 0; i < unpack_count(gl); ++i) {
         state->unpack[i] = get(gl, unpack_names[i]);
         GL(gl, PixelStorei)(unpack_names[i], unpack_names[i] == GL_UNPACK_ALIGNMENT ? 4 : 0);
     }
@@ -80,7 +84,7 @@ void pliant_gl_restore(const pliant_gl* gl, const pliant_gl_state* state)
 {
     restore_buffers(gl, state);
     if (!state->discards) GL(gl, Disable)(GL_RASTERIZER_DISCARD);
-    for (int i = 0; i < 6; ++i) GL(gl, PixelStorei)(unpack_names[i], state->unpack[i]);
+    for (int i = 0; i < unpack_count(gl); ++i) GL(gl, PixelStorei)(unpack_names[i], state->unpack[i]);
     for (gl_name i = 0; i < PLIANT_GL_UNIT_COUNT; ++i) {
         GL(gl, ActiveTexture)(GL_TEXTURE0 + i);
         GL(gl, BindTexture)(GL_TEXTURE_2D_ARRAY, (gl_name)state->textures[i]);

@@ -207,6 +207,7 @@ static void take_down(GLint* state)
     int at = 0;
     memset(state, 0, STATES * sizeof *state);
     for (int i = 0; i < WATCHED; ++i) glGetIntegerv(watched[i], &state[at++]);
+    if (!wished->is_es) glGetIntegerv(GL_UNPACK_SWAP_BYTES, &state[at++]);
     glGetIntegeri_v(GL_TRANSFORM_FEEDBACK_BUFFER_BINDING, 0, &state[at++]);
     glGetIntegeri_v(GL_TRANSFORM_FEEDBACK_BUFFER_START, 0, &state[at++]);
     glGetIntegeri_v(GL_TRANSFORM_FEEDBACK_BUFFER_SIZE, 0, &state[at++]);
@@ -266,6 +267,7 @@ static void set_unusual_state(void)
     glPixelStorei(GL_UNPACK_SKIP_PIXELS, 5);
     glPixelStorei(GL_UNPACK_SKIP_IMAGES, 1);
     glPixelStorei(GL_UNPACK_IMAGE_HEIGHT, 99);
+    if (!wished->is_es) glPixelStorei(GL_UNPACK_SWAP_BYTES, 1);
     glUseProgram(
         make_test_program(wished->is_es, "", "void main() { gl_Position = vec4(0.0); }\n", "void main() {}\n", NULL));
     glActiveTexture(GL_TEXTURE0 + 2);

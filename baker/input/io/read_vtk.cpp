@@ -76,6 +76,7 @@ private:
                     std::vector<std::uint32_t>* lines);
     bool read_types();
     bool add_cell(std::size_t cell, std::int64_t type);
+    bool skip_metadata();
     bool skip_field();
     bool skip_array();
     bool fail(int number, std::string what);
@@ -150,11 +151,7 @@ bool VtkReader::read_section(std::string_view name)
     if (name == "CELLS" && !has_cells_ && has_points_) return read_cells();
     if (name == "CELL_TYPES" && !has_types_ && has_cells_) return read_types();
     if (name == "FIELD") return skip_field();
-    if (name == "METADATA") { // until an empty line
-        numbers_.rest_of_line();
-        while (numbers_.bytes_left() != 0 && !numbers_.rest_of_line().empty()) {}
-        return true;
-    }
+    if (name == "METADATA") return skip_metadata();
     if (name == "POINTS" || name == "CELLS" || name == "CELL_TYPES")
         return fail(2117, fmt::format("section {} comes twice or too early", name));
     return fail(2112, fmt::format("unknown section {}", excerpt(name)));
@@ -299,6 +296,14 @@ bool VtkReader::add_cell(std::size_t cell, std::int64_t type)
 }
 
 // FIELD name count, then arrays.
+// Ends with an empty line.
+bool VtkReader::skip_metadata()
+{
+    numbers_.rest_of_line();
+    while (numbers_.bytes_left() != 0 && !numbers_.rest_of_line().empty()) {}
+    return true;
+}
+
 bool VtkReader::skip_field()
 {
     numbers_.word();
@@ -312,7 +317,8 @@ bool VtkReader::skip_field()
 
 bool VtkReader::skip_array()
 {
-    const std::string_view name = numbers_.word();
+    std::string_view name = numbers_.word();
+    if (name == "METADATA" && skip_metadata()) name = numbers_.word(); // of the array before
     const std::optional<std::uint64_t> width = numbers_.count(0, "components"),
                                        length = width ? numbers_.count(0, "tuples") : std::nullopt;
     if (!length) return false;

@@ -14,9 +14,10 @@ namespace {
 
 constexpr Eigen::Index part_vertices = PLIANT_FORMAT_TILE_VERTICES, part_rows = PLIANT_FORMAT_TILE_FLOATS;
 
-// Ranges that start at multiples of this cost nothing extra. Larger blocks have denser tiles: of 16,384 the creature's basis
-// is 2 % smaller.
-constexpr std::uint32_t block_vertices = 4096;
+// Ranges that start at multiples of a block cost nothing extra, so blocks are small. Larger ones have denser tiles: of
+// 16,384 the creature's basis is 2 % smaller, and meshes whose triangles share no vertices need them.
+constexpr std::uint32_t fewest_block_vertices = 4096, most_block_vertices = 65536;
+constexpr double most_pieces = 1.1; // of a tile, in the mean; with more, blocks are doubled
 
 struct FittedTile {
     VertexTile vertices;
@@ -31,6 +32,12 @@ struct Piece {
     std::size_t tile;
     std::size_t first, count;  // in the tile
     std::uint32_t block, kind; // the order in which the chunk has them
+};
+
+struct Partition {
+    std::uint32_t block_vertices;
+    std::vector<FittedTile> tiles;
+    std::vector<Piece> pieces;
 };
 
 // The bases of a column in units of 2^shift, rounded down, and the bits of its largest number above them.
@@ -123,12 +130,13 @@ template <class T, class Value> void put_vertices(Bytes& out, Eigen::Index verte
         }
 }
 
-void put_data(Bytes& out, const FittedTile& tile, const Piece& piece, const Eigen::VectorXd& rest)
+void put_data(Bytes& out, const Partition& partition, const Piece& piece, const Eigen::VectorXd& rest)
 {
+    const FittedTile& tile = partition.tiles[piece.tile];
     const auto first = Eigen::Index(piece.first), count = Eigen::Index(piece.count);
     const std::uint32_t* vertices = tile.vertices.data() + piece.first;
     for (Eigen::Index i = 0; i < (count + part_vertices - 1) / part_vertices * part_vertices; ++i)
-        out.put(i < count ? std::uint16_t(vertices[i] - piece.block * block_vertices) : std::uint16_t(0));
+        out.put(i < count ? std::uint16_t(vertices[i] - piece.block * partition.block_vertices) : std::uint16_t(0));
     if (tile.is_still) {
         put_vertices<float>(out, count,
                             [&](Eigen::Index v, Eigen::Index c) { return float(rest[3 * Eigen::Index(vertices[v]) + c]); });
@@ -166,22 +174,22 @@ double reach_of(const Eigen::MatrixXd& columns, const std::vector<FittedTile>& t
     return reach;
 }
 
-void put_head(Bytes& out, const ProductSettings& settings, const Eigen::MatrixXd& columns,
-              const std::vector<FittedTile>& tiles, std::size_t piece_count)
+void put_head(Bytes& out, const ProductSettings& settings, const Eigen::MatrixXd& columns, const Partition& partition)
 {
     pliant_format_factored head {};
-    head.tile_count = std::uint32_t(piece_count);
+    head.tile_count = std::uint32_t(partition.pieces.size());
     head.position_error = float(settings.error);
-    head.block_vertices = block_vertices;
+    head.block_vertices = partition.block_vertices;
     out.put(head);
     for (Eigen::Index j = 0; j < columns.cols(); ++j)
-        out.put(pliant_format_column { float(settings.scales[j]), 0, rounded_up(reach_of(columns, tiles, j)),
+        out.put(pliant_format_column { float(settings.scales[j]), 0, rounded_up(reach_of(columns, partition.tiles, j)),
                                        rounded_up(settings.samples.row(j).cwiseAbs().maxCoeff()) });
     out.align(PLIANT_FORMAT_CHUNK_ALIGNMENT);
 }
 
 // By blocks; in a block by kinds.
-std::vector<Piece> pieces_of(const std::vector<FittedTile>& tiles, const std::function<int(std::uint32_t)>& kind_of)
+std::vector<Piece> pieces_of(const std::vector<FittedTile>& tiles, std::uint32_t block_vertices,
+                             const std::function<int(std::uint32_t)>& kind_of)
 {
     std::vector<Piece> pieces;
     for (std::size_t t = 0; t < tiles.size(); ++t) {
@@ -200,6 +208,19 @@ std::vector<Piece> pieces_of(const std::vector<FittedTile>& tiles, const std::fu
     return pieces;
 }
 
+// Into the smallest blocks, from `block_vertices` on, that do not cut tiles into many pieces.
+Partition cut_into_blocks(const Eigen::VectorXd& rest, std::uint32_t block_vertices, const std::vector<bool>& is_still,
+                          const std::function<int(std::uint32_t)>& kind_of)
+{
+    Partition out { block_vertices, {}, {} };
+    for (const VertexTile& vertices : cut_tiles(rest, block_vertices, kind_of))
+        out.tiles.push_back({ vertices, is_still[vertices[0]], {}, {} });
+    out.pieces = pieces_of(out.tiles, block_vertices, kind_of);
+    const bool is_dense = double(out.pieces.size()) <= most_pieces * double(out.tiles.size());
+    if (is_dense || block_vertices == most_block_vertices) return out;
+    return cut_into_blocks(rest, 2 * block_vertices, is_still, kind_of);
+}
+
 // What the vertices of a tile have of `from`, and back.
 template <class M> M gather(const M& from, const VertexTile& vertices)
 {
@@ -215,11 +236,12 @@ template <class M> void scatter(const M& from, const VertexTile& vertices, M& ou
         out.middleRows(3 * Eigen::Index(vertices[i]), 3) = from.middleRows(3 * Eigen::Index(i), 3);
 }
 
-Bytes encode(const std::vector<FittedTile>& tiles, const std::vector<Piece>& pieces, const ProductSettings& settings,
-             const Eigen::VectorXd& rest, const Eigen::MatrixXd& columns)
+Bytes encode(const Partition& partition, const ProductSettings& settings, const Eigen::VectorXd& rest,
+             const Eigen::MatrixXd& columns)
 {
     Bytes out, data;
-    put_head(out, settings, columns, tiles, pieces.size());
+    const std::vector<Piece>& pieces = partition.pieces;
+    put_head(out, settings, columns, partition);
     for (std::uint32_t block = 0, i = 0; i < pieces.size(); ++block) {
         out.put(i);
         while (i < pieces.size() && pieces[i].block == block) ++i;
@@ -227,12 +249,12 @@ Bytes encode(const std::vector<FittedTile>& tiles, const std::vector<Piece>& pie
     out.put(std::uint32_t(pieces.size()));
     out.align(PLIANT_FORMAT_CHUNK_ALIGNMENT);
     for (const Piece& piece : pieces) {
-        const FittedTile& tile = tiles[piece.tile];
-        pliant_format_product head = tile.product ? tile.product->head : pliant_format_product {};
+        const std::optional<TileProduct>& product = partition.tiles[piece.tile].product;
+        pliant_format_product head = product ? product->head : pliant_format_product {};
         head.offset = std::uint32_t(data.data.size() / sizeof(std::uint32_t));
         head.vertex_count = std::uint16_t(piece.count);
         out.put(head);
-        put_data(data, tile, piece, rest);
+        put_data(data, partition, piece, rest);
     }
     out.align(PLIANT_FORMAT_CHUNK_ALIGNMENT);
     out.data.insert(out.data.end(), data.data.begin(), data.data.end());
@@ -248,9 +270,8 @@ std::optional<FactoredBasis> factor_basis(Eigen::VectorXd& rest, Eigen::MatrixXd
     for (Eigen::Index i = 0; i < columns.rows(); i += 3) is_still.push_back(columns.middleRows(i, 3).isZero(0));
     const auto kind_of = [&](std::uint32_t v) { return 2 * int(v >= boundary_count) + int(is_still[v]); };
     const ProductSettings settings = product_settings(columns, samples, error);
-    std::vector<FittedTile> tiles;
-    for (const VertexTile& vertices : cut_tiles(rest, block_vertices, kind_of))
-        tiles.push_back({ vertices, is_still[vertices[0]], {}, {} });
+    Partition partition = cut_into_blocks(rest, fewest_block_vertices, is_still, kind_of);
+    std::vector<FittedTile>& tiles = partition.tiles;
     Eigen::VectorXd stored_rest = rest;
     Eigen::MatrixXd stored_columns = columns;
     for_each_task(tiles.size(), [&](std::size_t t, std::size_t) {
@@ -268,7 +289,7 @@ std::optional<FactoredBasis> factor_basis(Eigen::VectorXd& rest, Eigen::MatrixXd
         if (!tile.is_still && !tile.product) return {};
         if (tile.product) out.largest_error = std::max(out.largest_error, tile.product->largest_error);
     }
-    out.chunk = encode(tiles, pieces_of(tiles, kind_of), settings, rest, stored_columns).data;
+    out.chunk = encode(partition, settings, rest, stored_columns).data;
     rest = std::move(stored_rest);
     columns = std::move(stored_columns);
     return out;

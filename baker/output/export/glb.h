@@ -51,7 +51,7 @@ public:
     // Throws Failure (failed, P5201) above 4 GiB, which the format cannot count.
     std::string bytes() const;
 
-    // Names an extension as used, and as required if readers must know it; again is no fault.
+    // Lists an extension as used, and as required if readers must know it. Listing it twice has no effect.
     void use_extension(const std::string& name, bool is_required);
 
 private:

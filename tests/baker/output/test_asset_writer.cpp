@@ -21,8 +21,8 @@ namespace {
 
 // A small tube whose surrogate energy has all elements at wrong weights, as if few had been chosen badly.
 struct Problem {
-    Problem()
-        : poses(tube_poses(3, Tube { 10, 6 }))
+    explicit Problem(const Tube& tube = { 10, 6 })
+        : poses(tube_poses(3, tube))
         , set(normalize(poses))
         , energy(set, ShellOptions())
         , solver(energy, set, default_solver())
@@ -79,13 +79,12 @@ struct Problem {
         return out;
     }
 
-    // As above, but all vertices are drawn that many times over.
-    AssetModel copies(const BlendModel& model, double error, std::size_t copy_count) const
+    // As above, but the vertices are drawn again and again until there are so many.
+    AssetModel copies(const BlendModel& model, double error, std::size_t drawn_count) const
     {
         AssetModel out = asset(model);
         std::vector<std::uint32_t> places;
-        for (std::size_t i = 0; i < copy_count * out.mesh.vertex_count; ++i)
-            places.push_back(std::uint32_t(i % out.mesh.vertex_count));
+        for (std::size_t i = 0; i < drawn_count; ++i) places.push_back(std::uint32_t(i % out.mesh.vertex_count));
         const std::shared_ptr<const RenderMesh> drawn = copy_to_render_mesh({}, {}, places);
         out.mesh.vertex_count = places.size();
         out.shape = store_shape(set, subspace, &drawn->embedding, reachable(), error, places.size());
@@ -267,13 +266,17 @@ TEST_CASE("a factored basis keeps its position error at averages, poses and betw
 
 TEST_CASE("vertices at one place stay at one place, in whatever blocks and however many they are")
 {
-    const Problem p;
+    const Problem p(Tube { 10, 7 });
     const BlendModel model = p.model();
     const auto n = std::size_t(p.set.dof_count() / 3);
-    for (const std::size_t copy_count : { std::size_t(3), 4096 / n + 1 }) { // more than a tile holds, and another block
-        CAPTURE(copy_count);
-        const AssetModel asset = p.copies(model, 1e-3 * p.set.diagonal, copy_count);
-        REQUIRE_FALSE(asset.shape.basis.empty());
+    // Four vertices of a second block; more at each place than a tile holds, which makes larger blocks worth it.
+    for (const auto& [drawn_count, block_vertices] : { std::pair(4100U, 4096U), std::pair(6000U, 65536U) }) {
+        CAPTURE(drawn_count);
+        const AssetModel asset = p.copies(model, 1e-3 * p.set.diagonal, drawn_count);
+        pliant_format_factored head {};
+        REQUIRE(asset.shape.basis.size() > sizeof head);
+        std::memcpy(&head, asset.shape.basis.data(), sizeof head);
+        CHECK(head.block_vertices == block_vertices);
         const RuntimeBlender blender(p.encode(asset), "memory", true);
         for (Eigen::Index s = 0; s < p.reachable().cols(); ++s) {
             const Eigen::VectorXf q = asset.shape.frame.stored(p.reachable().col(s)).cast<float>();

@@ -166,7 +166,7 @@ def test_roots_behind_links(folder):
 
 
 def test_report_of_failed_bake(folder):
-    """An asset that cannot be written leaves its report: files end one byte short of it."""
+    """An asset that cannot be written leaves the old report as it was. Files end one byte short of the asset."""
     report = folder / "a.json"
     words = ["bake", *poses(folder), "-o", folder / "a.pliant", "--report", report, *QUICK_OPTIONS]
     check(TOOL.run(*words).returncode == 0, "a report")

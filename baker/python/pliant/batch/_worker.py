@@ -152,7 +152,7 @@ def look_around(tool: Optional[str], manifest: str, digest: str, tokens: Sequenc
     if wrong:
         return place._replace(wrong=wrong)
     if signal.getsignal(signal.SIGCHLD) == signal.SIG_IGN:
-        return place._replace(wrong="it ignores SIGCHLD, so that it cannot see how bakes end; start it without that")
+        return place._replace(wrong="it ignores SIGCHLD and cannot see how bakes end: start it with the default handling")
     try:
         ended = call_tool(tool, ["--version"])
     except OSError as error:

@@ -194,7 +194,12 @@ inline std::string make_vtk(const SampleSolid& solid, SolidWriter::Kind kind, bo
     SolidWriter w(kind);
     w.text("# vtk DataFile Version " + std::string(has_offsets ? "5.1" : "3.0") + "\nPOINTS is only a title\n");
     w.text(is_text ? "ASCII\n" : "BINARY\n").text("DATASET UNSTRUCTURED_GRID\n");
-    if (has_offsets) w.text("FIELD FieldData 1\ntime 1 1 double\n").real(0.5).text("\n");
+    if (has_offsets) // as VTK writes it: metadata behind arrays whose range somebody asked for
+        w.text("FIELD FieldData 2\ntime 1 1 double\n")
+            .real(0.5)
+            .text("\nMETADATA\nINFORMATION 0\n\nspeed 1 1 double\n")
+            .real(0.5)
+            .text("\n");
     w.text("POINTS " + std::to_string(solid.positions.rows()) + " double\n");
     for (Eigen::Index i = 0; i < solid.positions.size(); ++i) w.real(solid.positions.data()[i]);
     w.text("\n");
