@@ -19,7 +19,7 @@ namespace pliant {
 
 namespace {
 
-// Held while an output is written, so that an interrupt comes before it or after it.
+// Held while outputs are tried or written, so that an interrupt comes before it or after it.
 std::mutex& output_mutex()
 {
     static std::mutex instance;
@@ -195,6 +195,12 @@ int catch_interrupts()
         throw Failure(ExitCode::failed, error_at(4601, "", "a pipe cannot be created", "close other programs"));
     interrupt_pipe = ends[1];
     return ends[0];
+}
+
+void try_outputs(const std::vector<std::string>& paths, const std::vector<std::string>& inputs)
+{
+    const std::lock_guard<std::mutex> lock(output_mutex());
+    probe_outputs(paths, inputs);
 }
 
 void write_output(const std::string& path, std::string_view bytes)

@@ -6,6 +6,8 @@
 
 #include <chrono>
 #include <string>
+#include <string_view>
+#include <vector>
 
 namespace pliant {
 
@@ -68,6 +70,9 @@ void name_interrupts(const std::string& verb);
 // From now on Ctrl-C and SIGTERM end nothing, but make the descriptor that is returned readable, for verbs that have to
 // clean up.
 int catch_interrupts();
+
+// probe_outputs (input/io/write_file.h), with the signals held back meanwhile.
+void try_outputs(const std::vector<std::string>& paths, const std::vector<std::string>& inputs);
 
 // write_file_atomically, with the signals held back meanwhile; an interrupt later says how many were written.
 void write_output(const std::string& path, std::string_view bytes);

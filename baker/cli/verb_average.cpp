@@ -135,7 +135,7 @@ void check_usage(const AverageArguments& a)
                       error_at(1224, "", "--list belongs to --grid", "the file of --path lists its weights already"));
     if (!a.weights.empty()) parse_weights(a.weights);
     const std::vector<std::string> inputs = all_inputs(a);
-    probe_outputs({ a.weights.empty() ? frame_name(a.output, 0) : a.output, a.list }, inputs);
+    try_outputs({ a.weights.empty() ? frame_name(a.output, 0) : a.output, a.list }, inputs);
     require_suffix("--output", a.output, ".ply");
     if (!a.weights.empty()) require_no_pattern(a.output, "--path and --grid");
     require_suffix("--list", a.list, ".csv");
@@ -214,7 +214,7 @@ ExitCode run_average(AverageArguments a, const CLI::App& verb)
     const std::vector<std::string> inputs = all_inputs(a);
     std::vector<std::string> outputs = { a.list };
     for (const Wanted& one : wanted) outputs.push_back(one.output);
-    probe_outputs(outputs, inputs);
+    try_outputs(outputs, inputs);
     const NormalizedPoses set = normalize_poses(poses, a.energy, progress);
     EnergyOptions options = a.energy;
     options.material = material_of(options, poses.is_solid());

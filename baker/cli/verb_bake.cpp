@@ -113,7 +113,7 @@ void probe_all_outputs(const BakeRequest& a)
     std::vector<std::string> inputs = input_files(a.poses, a.bake.energy);
     if (!a.surface.empty()) inputs.push_back(a.surface);
     if (!a.config.empty()) inputs.push_back(a.config);
-    probe_outputs({ a.output, a.report, a.depfile, a.stamp }, inputs);
+    try_outputs({ a.output, a.report, a.depfile, a.stamp }, inputs);
     if (!a.depfile.empty()) write_depfile(a.output, inputs); // throws at names that it cannot hold
     require_suffix("--output", a.output, ".pliant");
     require_suffix("--report", a.report, ".json");

@@ -4,7 +4,6 @@
 #include "base/common/print.h"
 #include "cli/manifest.h"
 #include "input/io/source_file.h"
-#include "input/io/write_file.h"
 
 #include <algorithm>
 #include <chrono>
@@ -83,7 +82,7 @@ ExitCode run_bake_all(const BatchArguments& a)
     const auto start = std::chrono::steady_clock::now();
     std::vector<BatchJob> jobs = read_manifest(a.manifest, threads_for_each(a.job_count), a.report);
     keep_only(jobs, a.only);
-    probe_outputs({ a.report }, { a.manifest });
+    try_outputs({ a.report }, { a.manifest });
     BatchOptions options;
     options.job_count = a.job_count;
     options.memory = memory;
@@ -100,13 +99,14 @@ ExitCode run_bake_all(const BatchArguments& a)
     if (goes_on && !a.is_dry_run) goes_on = run_batch(jobs, options);
     for (BatchJob& job : jobs) read_figures(job);
     const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-    const Json summary = summary_json(jobs, seconds);
+    const ExitCode code = goes_on ? ExitCode(exit_code_of(jobs)) : ExitCode::interrupted;
+    const Json summary = summary_json(jobs, seconds, int(code));
     if (!a.report.empty()) write_output(a.report, json_text(summary) + "\n");
     if (a.is_json)
         print_to(stdout, "{}\n", json_text(summary));
     else if (!a.is_dry_run && !a.talk.is_quiet)
         print_to(stdout, "{}", summary_table(jobs));
-    return goes_on ? ExitCode(exit_code_of(jobs)) : ExitCode::interrupted;
+    return code;
 }
 
 void add_what_to_do(CLI::App& verb, BatchArguments& a)

@@ -119,7 +119,7 @@ ExitCode blend_once(const BlendArguments& a, RuntimeBlender& blender, const Writ
 {
     pliant_solve_info info {};
     const std::vector<float> weights = a.set.empty() ? to_floats(parse_weights(a.weights)) : weights_by_name(a, blender);
-    probe_outputs({ a.output }, { a.asset });
+    try_outputs({ a.output }, { a.asset });
     require_suffix("--output", a.output, ".ply");
     require_no_pattern(a.output, "--path");
     const std::size_t count = write_frame(blender, blender.solve(weights, false, &info), how, a.output);
@@ -141,7 +141,7 @@ ExitCode blend_path(const BlendArguments& a, RuntimeBlender& blender, const Writ
     });
     std::vector<std::string> outputs;
     for (std::size_t frame = 0; frame < rows.size(); ++frame) outputs.push_back(frame_name(a.output, frame));
-    probe_outputs(outputs, { a.asset, a.path });
+    try_outputs(outputs, { a.asset, a.path });
     require_suffix("--output", a.output, ".ply");
     ConsoleProgress progress("blend", a.talk);
     nlohmann::ordered_json frames = nlohmann::ordered_json::array();

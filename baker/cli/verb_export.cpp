@@ -107,7 +107,7 @@ ExitCode run_export(const ExportArguments& a)
     RuntimeBlender blender = RuntimeBlender::from_file(a.asset);
     std::vector<std::string> inputs = { a.asset };
     if (!a.path.empty()) inputs.push_back(a.path);
-    probe_outputs({ a.output }, inputs);
+    try_outputs({ a.output }, inputs);
     require_suffix("--output", a.output, ".glb");
     ExportOptions options;
     options.with_morph_targets = with_morph;

@@ -4,7 +4,6 @@
 #include "elastic/pose/drag.h"
 #include "elastic/pose/rest_pose.h"
 #include "input/io/encode_msh.h"
-#include "input/io/write_file.h"
 
 #include <fmt/core.h>
 #include <memory>
@@ -56,7 +55,7 @@ ExitCode run_pose(const PoseArguments& a)
 {
     require_suffix("--output", a.output, ".msh");
     require_suffix("--ply", a.ply, ".ply");
-    probe_outputs({ a.output, a.ply }, { a.rest, a.script });
+    try_outputs({ a.output, a.ply }, { a.rest, a.script });
     DiagnosticList diagnostics;
     const std::optional<RestPose> rest = read_rest_pose(a.rest, diagnostics);
     const Script script = read_script(a.script, diagnostics);

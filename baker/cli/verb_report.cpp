@@ -45,7 +45,7 @@ ExitCode run_report(const ReportArguments& a)
         report = parse_report(bytes, a.input);
         asset = (std::filesystem::path(a.input).parent_path() / report->asset).string();
     }
-    probe_outputs({ a.output }, { a.input, asset });
+    try_outputs({ a.output }, { a.input, asset });
     require_suffix("--output", a.output, ".html");
     RuntimeBlender blender = RuntimeBlender::from_file(asset);
     if (report) check_same_bake(bytes, blender.certificate(), a.input, asset);

@@ -68,7 +68,7 @@ std::string plan_table(const std::vector<BatchJob>& jobs);
 std::string summary_table(const std::vector<BatchJob>& jobs);
 
 // For programs: bake_all_report.schema.json.
-Json summary_json(const std::vector<BatchJob>& jobs, double seconds);
+Json summary_json(const std::vector<BatchJob>& jobs, double seconds, int exit_code);
 
 // "up to date", "misses tolerance", ...
 std::string name_of(Outcome outcome);

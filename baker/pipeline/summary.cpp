@@ -136,7 +136,7 @@ std::string summary_table(const std::vector<BatchJob>& jobs)
     return text;
 }
 
-Json summary_json(const std::vector<BatchJob>& jobs, double seconds)
+Json summary_json(const std::vector<BatchJob>& jobs, double seconds, int exit_code)
 {
     Json bakes = Json::array();
     for (const BatchJob& job : jobs) {
@@ -156,11 +156,9 @@ Json summary_json(const std::vector<BatchJob>& jobs, double seconds)
         json.update(measured_json(job));
         bakes.push_back(json);
     }
-    return { { "bake_all", 1 },
-             { "baker", baker_version },
-             { "exit_code", exit_code_of(jobs) },
-             { "seconds", seconds },
-             { "bakes", bakes } };
+    return {
+        { "bake_all", 1 }, { "baker", baker_version }, { "exit_code", exit_code }, { "seconds", seconds }, { "bakes", bakes }
+    };
 }
 
 } // namespace pliant

@@ -86,7 +86,7 @@ typedef enum pliant_gl_path {
 typedef struct pliant_gl_desc {
     uint32_t struct_size; /**< set by pliant_gl_desc_default, do not change */
     pliant_gl_path path;  /**< default PLIANT_GL_PATH_AUTO */
-    /** Largest width and height of textures to use: a power of two, at least 16. 0 (default): the limit of the context. */
+    /** Largest height of textures, which are 1024 wide: a power of two, at least 16. 0 (default): the context's limit. */
     uint32_t max_texture_size;
     uint32_t max_layers; /**< largest number of layers of array textures to use; 0 (default): the limit of the context */
 } pliant_gl_desc;

@@ -290,16 +290,17 @@ def add_cases(good):
     meshopt("gltf_meshopt_huge", 4294967295 * 12, count=4294967295)
     meshopt("gltf_meshopt_outside", byteLength=1000000)
 
-    def skinned(name, joint, weight):
+    def skinned(name, joint, weight, **accessor):
         def edit(gltf):
             count = len(good().vertices)
             attributes = gltf.json["meshes"][0]["primitives"][0]["attributes"]
-            attributes["JOINTS_0"] = gltf.accessor([(joint, 0, 0, 0)] * count, 5121)
+            attributes["JOINTS_0"] = gltf.accessor([(joint, 0, 0, 0)] * count, 5121, **accessor)
             attributes["WEIGHTS_0"] = gltf.accessor([(1, 0, 0, weight)] * count)
             gltf.json["nodes"][0]["skin"] = 0
             gltf.json["skins"] = [{"joints": [0]}]
         case(name, edit)
     skinned("gltf_joint", 7, 0)
+    skinned("gltf_joint_normalized", 7, 0, normalized=True)
     skinned("gltf_joint_weight", 0, float("nan"))
 
     def image(gltf):

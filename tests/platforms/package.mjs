@@ -107,7 +107,8 @@ function checkErrors() {
   checkHuge();
   const fickle = Object.assign([0, 0, 0], { *[Symbol.iterator]() { yield 1; } });
   refuses(() => character.solve(fickle), 10, "1 weights given, the asset has 3");
-  for (const weights of [5, null, "abc", new Map([["pose 1", 1]])]) assert.throws(() => character.solve(weights), TypeError);
+  const wrong = [5, null, "abc", new Map([["pose 1", 1]]), ["1", 0, 0], [true, 0, 0], [1, , 0], { [asset.weights[0].name]: "1" }];
+  for (const weights of wrong) assert.throws(() => character.solve(weights), TypeError);
   refuses(() => pliant.open(new ArrayBuffer(0)), 20, "");
   const lookalike = { parts: asset.parts, weights: asset.weights, dimension: 1, vertexCount: 1, surfaceVertexCount: 1 };
   assert.throws(() => new character.constructor(lookalike), TypeError);

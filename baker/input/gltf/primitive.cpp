@@ -4,6 +4,7 @@
 #include "input/gltf/render_scene.h"
 
 #include <algorithm>
+#include <cmath>
 #include <fmt/format.h>
 #include <numeric>
 
@@ -86,6 +87,13 @@ struct AttributeReader {
     }
 };
 
+// Whatever is not a number of a joint (negative, or of a normalized accessor) becomes one that no skin has.
+std::uint32_t joint_of(double number)
+{
+    const bool is_joint = number >= 0 && number <= 65535 && number == std::floor(number);
+    return is_joint ? static_cast<std::uint32_t>(number) : UINT32_MAX;
+}
+
 void read_influences(const AttributeReader& reader, GltfPrimitive& out)
 {
     std::vector<GltfNumbers> joints, weights;
@@ -100,10 +108,7 @@ void read_influences(const AttributeReader& reader, GltfPrimitive& out)
         out.weights.middleCols(4 * static_cast<Eigen::Index>(k), 4) = weights[k];
     for (Eigen::Index v = 0; v < out.positions.rows(); ++v)
         for (const GltfNumbers& set : joints)
-            for (int c = 0; c < 4; ++c)
-                // Whatever is not a number of a joint becomes one that no skin has.
-                out.joints.push_back(set(v, c) >= 0 && set(v, c) <= 65535 ? static_cast<std::uint32_t>(set(v, c))
-                                                                          : UINT32_MAX);
+            for (int c = 0; c < 4; ++c) out.joints.push_back(joint_of(set(v, c)));
 }
 
 // The corners of a box behind the vertices, and their triangle. Where another program has moved vertices, a face has one of

@@ -262,6 +262,11 @@ void read_skins(GltfScene& scene, GltfAllowance& drawn)
     }
 }
 
+std::string name_of_joint(std::uint32_t joint)
+{
+    return joint == UINT32_MAX ? "a joint that is no whole number" : fmt::format("joint {}", joint);
+}
+
 // Influences name joints of the skin; weights are made to sum to 1. Returns how many did not, by more than files round.
 std::size_t normalise_weights(const GltfScene& scene, const GltfInstance& instance, GltfPrimitive& primitive)
 {
@@ -274,8 +279,8 @@ std::size_t normalise_weights(const GltfScene& scene, const GltfInstance& instan
             const std::uint32_t joint = primitive.joints[static_cast<std::size_t>(v * weights.size() + c)];
             if (weights[c] != 0 && joint >= joint_count)
                 scene.document->root().fail(2324,
-                                            fmt::format("node {}: vertex {} of its mesh uses joint {}, its skin has {}",
-                                                        instance.node, v, joint, joint_count),
+                                            fmt::format("node {}: vertex {} of its mesh uses {}, its skin has {}",
+                                                        instance.node, v, name_of_joint(joint), joint_count),
                                             "export the file again");
         }
         const double sum = weights.sum();

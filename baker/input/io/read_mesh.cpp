@@ -80,7 +80,7 @@ const char* sniff(std::string_view bytes)
         if (has_control_bytes(words.substr(0, 256))) return "binary data";
         const std::string_view word = next_word(words, '#');
         if (word.empty()) continue;
-        const bool ends_off = word.size() >= 3 && word.size() <= 6 && word.substr(word.size() - 3) == "OFF";
+        const bool ends_off = word.size() >= 3 && word.size() <= 7 && word.substr(word.size() - 3) == "OFF";
         if (ends_off) return "OFF";
         if (word == "ply") return "PLY";
         if (word == "MeshVersionFormatted") return "MEDIT";

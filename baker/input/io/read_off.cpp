@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <fmt/format.h>
+#include <string>
 
 namespace pliant {
 namespace {
@@ -47,6 +48,19 @@ bool OffReader::next_line()
     return false;
 }
 
+// OFF behind any mixture of ST, C and N. Geomview writes them in this order, other programs in theirs.
+bool is_text_kind(std::string_view keyword)
+{
+    constexpr std::string_view ending = "OFF";
+    if (keyword.size() < ending.size() || keyword.substr(keyword.size() - ending.size()) != ending) return false;
+    std::string additions(keyword.substr(0, keyword.size() - ending.size()));
+    for (const std::string_view addition : { "ST", "C", "N" }) {
+        const std::size_t place = additions.find(addition);
+        if (place != std::string::npos) additions.erase(place, addition.size());
+    }
+    return additions.empty();
+}
+
 bool OffReader::read_header()
 {
     if (!next_line()) {
@@ -54,13 +68,9 @@ bool OffReader::read_header()
         return false;
     }
     const std::string_view keyword = next_word(line_, '#');
-    constexpr std::array<std::string_view, 8> known {
-        "OFF", "COFF", "NOFF", "CNOFF", "STOFF", "STCOFF", "STNOFF", "STCNOFF"
-    };
-    const bool is_known = std::find(known.begin(), known.end(), keyword) != known.end();
     std::string_view rest = line_;
     const bool is_binary = next_word(rest, '#') == "BINARY";
-    if (!is_known || is_binary) {
+    if (!is_text_kind(keyword) || is_binary) {
         file_.error(2111, file_.at_line(lines_.number()),
                     fmt::format("this kind of OFF is not read: {}{}", excerpt(keyword), is_binary ? " BINARY" : ""),
                     "export as text OFF with three coordinates, or as PLY");

@@ -74,6 +74,8 @@ def checked(given: Mapping[str, Any], vertex_count: int) -> dict[str, Any]:
     """The given options in the form of the C++ module: without those that are None or off."""
     options: dict[str, Any] = {}
     for name, value in given.items():
+        if name in _FLAGS and value is not None and not isinstance(value, (bool, np.bool_)):
+            raise TypeError(f"{name}: expected True or False, got {value!r}")
         if value is None or (name in _FLAGS and not value):
             continue
         if name in RANGES:

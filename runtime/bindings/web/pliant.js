@@ -4,6 +4,13 @@ const OK = 0, ERROR_ARGUMENT = 10, ERROR_WEIGHT_NOT_FINITE = 40, ERROR_WEIGHT_NE
 const VERIFY_CHECKSUMS = 1;
 const STATUS = ["converged", "limit", "stalled"];
 const ALIGNMENT = 16;
+const WEIGHTS_EXPECTED = "weights are numbers in order, or by name";
+
+// JavaScript would take "1", true and null for numbers, and undefined for NaN.
+const numberOf = (value) => {
+  if (typeof value === "number") return value;
+  throw new TypeError(WEIGHTS_EXPECTED);
+};
 
 export class PliantError extends Error {
   constructor(message, result) {
@@ -159,12 +166,12 @@ export class PliantAsset {
   // Weights as numbers in order, or by name; those that are not named are 0.
   weightsFrom(weights) {
     if (Array.isArray(weights) || ArrayBuffer.isView(weights)) {
-      const numbers = Float32Array.from(weights);
+      const numbers = Float32Array.from(weights, numberOf);
       if (numbers.length === this.weights.length) return numbers;
       throw new PliantError(`${numbers.length} weights given, the asset has ${this.weights.length}`, ERROR_ARGUMENT);
     }
     if (typeof weights !== "object" || weights === null || Symbol.iterator in weights)
-      throw new TypeError("weights are numbers in order, or by name");
+      throw new TypeError(WEIGHTS_EXPECTED);
     const out = new Float32Array(this.weights.length);
     for (const [name, value] of Object.entries(weights)) {
       const index = this.weights.findIndex((weight) => weight.name === name);
@@ -172,7 +179,7 @@ export class PliantAsset {
         const known = this.weights.map((weight) => weight.name).join(", ");
         throw new PliantError(`there is no weight '${name}'; the weights are ${known}`, ERROR_ARGUMENT);
       }
-      out[index] = value;
+      out[index] = numberOf(value);
     }
     return out;
   }

@@ -70,6 +70,7 @@ class Arguments(unittest.TestCase):
         self.refuse(ValueError, "tolerance: expected a number", POSES, FACES, tolerance=float("nan"))
         self.refuse(TypeError, "dim: expected a whole number from 1 to 256, got 2.5", POSES, FACES, dim=2.5)
         self.refuse(TypeError, "threads: expected a whole number", POSES, FACES, threads=True)
+        self.refuse(TypeError, "preview: expected True or False, got 'no'", POSES, FACES, preview="no")
         self.refuse(ValueError, "seed: expected a whole number", POSES, FACES, seed=-1)
         self.refuse(ValueError, "material: expected one of 'discrete-shells', 'arap', ", POSES, FACES, material="rubber")
         self.refuse(ValueError, "energy: expected one of 'auto', 'quartic', ", POSES, FACES, energy="")

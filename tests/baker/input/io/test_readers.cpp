@@ -386,6 +386,9 @@ TEST_CASE("OFF: variants")
     const MeshFile coloured = read("a.off", "COFF\n3 1 0\n0 0 0 255 0 0 1\n1 0 0 0 0 0 1\n0 1 0 0 0 0 1\n3 2 1 0\n");
     CHECK(coloured.positions(2, 1) == 1);
     CHECK(face(coloured, 0) == Face { 2, 1, 0 });
+    for (const std::string kind : { "NCOFF", "CNOFF", "NCSTOFF", "STCNOFF" })
+        CHECK(read("a.off", kind + "\n3 1 0\n0 0 0 1 1\n1 0 0 1 1\n0 1 0 1 1\n3 2 1 0\n").positions(2, 1) == 1);
+    CHECK(error_of("a.off", "CCOFF\n3 1 0\n") == 2111);
 }
 
 TEST_CASE("OFF: what is wrong")
