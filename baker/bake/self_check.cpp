@@ -126,8 +126,10 @@ std::vector<CheckPoint> fresh_averages(OpenedAsset& opened, const FitProblem& pr
     shared.describe("check", 0, fmt::format("averages next to {} blends", points.size()));
     for_each_task(points.size(), [&](std::size_t i, std::size_t worker) {
         const AverageFamily& family = problem.family;
-        // Where the interpolation was right, the average is on the branch of the mean; else it is followed from there.
-        if (points[i].error > branch_distance / 2) points[i] = family.point_at(points[i].weights, worker, &shared);
+        // Where the interpolation was right, the average is on the branch of the mean; else it is followed from there, if
+        // there is time.
+        if (points[i].error > branch_distance / 2 && !problem.budget.is_spent())
+            points[i] = family.point_at(points[i].weights, worker, &shared);
         family.compare(points[i], blends[i], worker, &shared);
     });
     return points;
