@@ -216,7 +216,7 @@ std::string_view GltfDocument::read_buffer(const GltfValue& buffer)
 {
     const GltfValue uri = buffer["uri"];
     if (!uri.exists()) {
-        if (buffer.place() == "buffers[0]" && has_binary_) return binary_;
+        if (buffer == root()["buffers"].at(0) && has_binary_) return binary_;
         // Allowed for buffers that an extension fills; whoever looks into it is told that it is short.
         buffer.fail(2310, "has neither a uri nor a binary part in the file", "export the file again");
     }
@@ -267,7 +267,7 @@ void GltfDocument::read_buffers()
 // Without bytes: its views are all compressed.
 bool GltfDocument::is_placeholder(const GltfValue& buffer, bool needs_meshopt) const
 {
-    if (buffer["uri"].exists() || (buffer.place() == "buffers[0]" && has_binary_)) return false;
+    if (buffer["uri"].exists() || (buffer == root()["buffers"].at(0) && has_binary_)) return false;
     return needs_meshopt || buffer["extensions"][meshopt_extension]["fallback"].reference_or(false);
 }
 

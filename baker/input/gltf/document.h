@@ -23,7 +23,7 @@ public:
     GltfDocument& operator=(const GltfDocument&) = delete;
 
     const std::string& path() const { return path_; }
-    GltfValue root() const { return { path_, &json_, "" }; }
+    GltfValue root() const { return { path_, json_ }; }
     GltfValue operator[](const char* key) const { return root()[key]; }
 
     // Bytes of a buffer view, which lies inside its buffer or is unpacked at its first use (EXT_meshopt_compression: P2331).

@@ -22,7 +22,7 @@ GltfNumbers morphed(const GltfDocument& document, const GltfPrimitive& primitive
     GltfNumbers out = base;
     for (std::size_t k = 0; k < primitive.targets.size() && k < weights.size(); ++k) {
         if (weights[k] == 0) continue;
-        const GltfValue deltas = find_deltas(primitive.targets[k], attribute, allowance);
+        const GltfValue deltas = find_deltas(primitive.targets.at(k), attribute, allowance);
         if (!deltas.exists()) continue;
         allowance.take_all_of(deltas);
         out += weights[k] * read_numbers(document, deltas, { 3 }, primitive.stored_count).topRows(out.rows());
@@ -72,7 +72,7 @@ std::vector<double> morphed_steps(const GltfDocument& document, const GltfMesh& 
         steps.push_back(primitive.position_step);
         for (std::size_t k = 0; k < primitive.targets.size() && k < weights.size(); ++k) {
             if (weights[k] == 0) continue;
-            const GltfValue deltas = find_deltas(primitive.targets[k], "POSITION", allowance);
+            const GltfValue deltas = find_deltas(primitive.targets.at(k), "POSITION", allowance);
             if (deltas.exists())
                 steps.back() += std::abs(weights[k]) * step_of_target(document, primitive, deltas, allowance);
         }

@@ -151,7 +151,7 @@ std::uint64_t GltfPrimitive::number_count() const
 
 GltfPrimitive read_primitive(const GltfDocument& document, const GltfValue& primitive, GltfAllowance& allowance)
 {
-    GltfPrimitive out;
+    GltfPrimitive out(primitive["targets"]);
     const GltfValue attributes = primitive["attributes"];
     if (!attributes.exists() || !attributes.json().is_object()) attributes.fail(2306, "an object expected");
     out.material = primitive["material"].index_or_none(document["materials"].size(), "materials");
@@ -177,10 +177,8 @@ GltfPrimitive read_primitive(const GltfDocument& document, const GltfValue& prim
     read_influences(reader, out);
     out.stored_count = out.vertex_count();
     leave_out_box(primitive, out);
-    const GltfValue targets = primitive["targets"];
-    constexpr std::uint64_t numbers_of_target = 96; // its place, and its names
-    if (targets.size() != 0) allowance.take(targets, targets.size(), numbers_of_target);
-    for (std::size_t i = 0; i < targets.size(); ++i) out.targets.push_back(targets.at(i));
+    constexpr std::uint64_t numbers_of_target = 96; // its name, and a look for what it moves
+    if (out.targets.size() != 0) allowance.take(out.targets, out.targets.size(), numbers_of_target);
     return out;
 }
 

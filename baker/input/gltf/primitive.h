@@ -6,11 +6,17 @@
 
 #include <map>
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace pliant {
 
 struct GltfPrimitive {
+    explicit GltfPrimitive(GltfValue list_of_targets)
+        : targets(std::move(list_of_targets))
+    {
+    }
+
     std::ptrdiff_t material = -1;
     std::vector<Triangle> triangles;               // corners below vertex_count()
     GltfNumbers positions;                         // n x 3, finite or not: whoever shows them checks
@@ -19,8 +25,8 @@ struct GltfPrimitive {
     std::map<std::string, GltfNumbers> attributes; // NORMAL (n x 3), TEXCOORD_k (n x 2), COLOR_k (n x 3 or 4)
     // Influences of joints, `joint_count` a vertex: numbers into the skin's list, and weights as the file has them.
     std::vector<std::uint32_t> joints;
-    GltfNumbers weights;            // n x joint_count; 0 columns: not skinned
-    std::vector<GltfValue> targets; // read when they are needed: a file may list one array a thousand times
+    GltfNumbers weights; // n x joint_count; 0 columns: not skinned
+    GltfValue targets;   // a list, read when its elements are needed: they may name one array a thousand times
 
     std::uint64_t stored_count = 0; // vertices in the file, of which the first vertex_count() are the mesh
 

@@ -3,6 +3,7 @@
 
 #include "base/common/diagnostics.h"
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <nlohmann/json.hpp>
@@ -13,20 +14,20 @@ namespace pliant {
 
 using GltfJson = nlohmann::json;
 
-// A value of the JSON and its place, as "meshes[0].primitives[1].indices". May be absent. Cheap to copy; the document must
-// outlive it. All errors are Failure (bad_input): P2306 (another type than expected), P2307 (an index out of range).
+// A value of the JSON. May be absent. Cheap to copy; the document must outlive it. All errors are Failure (bad_input): P2306
+// (another type than expected), P2307 (an index out of range).
 class GltfValue {
 public:
-    GltfValue(const std::string& file, const GltfJson* json, std::string place)
+    GltfValue(const std::string& file, const GltfJson& root)
         : file_(&file)
-        , json_(json)
-        , place_(std::move(place))
+        , json_(&root)
     {
     }
 
-    bool exists() const { return json_ != nullptr; }
+    bool exists() const { return missing_.empty(); }
     const GltfJson& json() const { return *json_; } // of a value that exists
-    const std::string& place() const { return place_; }
+    std::string place() const;                      // as "meshes[0].primitives[1].indices"
+    bool operator==(const GltfValue& other) const { return json_ == other.json_ && missing_ == other.missing_; }
 
     // A member of an object, whose key may hold zeros; absent if this is. P2306 if this is no object.
     GltfValue operator[](const std::string& key) const;
@@ -49,11 +50,24 @@ public:
     [[noreturn]] void fail(int number, const std::string& what, const std::string& hint = {}) const;
 
 private:
+    // An element, or a member if there is a key, which is that of the document.
+    struct Step {
+        const std::string* key;
+        std::size_t index;
+    };
+
+    GltfValue step(const GltfJson& to, Step step) const;
+    GltfValue absent(const std::string& step) const;
     [[noreturn]] void expect(const char* what) const;
 
+    // Text of a place is made for messages only, which are rare. No value that we look for is so deep.
+    static constexpr std::size_t longest_way = 16;
+
     const std::string* file_;
-    const GltfJson* json_;
-    std::string place_;
+    const GltfJson* json_; // of an absent value the last one on the way to it that exists
+    std::array<Step, longest_way> way_ {};
+    std::size_t step_count_ = 0;
+    std::string missing_; // the rest of the way to an absent value: ".key[2]"
 };
 
 } // namespace pliant

@@ -69,7 +69,7 @@ struct Rod {
 GltfValue reference_to(const GltfDocument& document, std::size_t i)
 {
     static const GltfJson numbers = { 0, 1, 2 };
-    return { document.path(), &numbers[i], "accessor" };
+    return { document.path(), numbers[i] };
 }
 
 // In order and turned alike, from whichever corner on.

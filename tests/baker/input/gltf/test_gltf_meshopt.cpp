@@ -56,7 +56,7 @@ GltfNumbers numbers_in(const std::string& file, int width)
 {
     const GltfDocument document("a.glb", file);
     const GltfJson zero = 0;
-    return read_numbers(document, GltfValue(document.path(), &zero, "accessor"), { width });
+    return read_numbers(document, GltfValue(document.path(), zero), { width });
 }
 
 // Unit vectors with a fourth number 1.
@@ -127,7 +127,7 @@ TEST_CASE("the step of floats with exponents is in the file, whatever they round
                                     file_of(packed_rows(words.data(), 8, 16), 8, 16, "ATTRIBUTES", filter,
                                             { { "componentType", component_type }, { "type", "VEC4" } }));
         const GltfJson zero = 0;
-        return step_of(document, GltfValue(document.path(), &zero, "accessor"));
+        return step_of(document, GltfValue(document.path(), zero));
     };
     CHECK(step("EXPONENTIAL", gltf_float32) == std::exp2(-10));
     CHECK(step("NONE", gltf_float32) == 0);
