@@ -9,12 +9,13 @@ and installs the wheel in an environment of its own, where a sample must run. Wi
 The wheel has no code under the GPL (PLIANT_WITH_CHOLMOD=OFF). The licences of what is inside are in its .dist-info/licenses;
 they are taken from Debian's packages, so it is made on Debian or Ubuntu, for the glibc of that system and later ones. Tools
 come from the package index. Takes minutes; ccache is used where it is installed.
-Exit code: 0, 1 if something failed, 2 for a wrong argument.
+Exit code: 0, 1 if something failed, 2 for a wrong argument, 143 after SIGTERM, which leaves nothing behind.
 """
 import argparse
 import os
 import re
 import shutil
+import signal
 import subprocess
 import sys
 import tempfile
@@ -185,6 +186,7 @@ def main(arguments):
 
 
 if __name__ == "__main__":
+    signal.signal(signal.SIGTERM, lambda *_: sys.exit(128 + signal.SIGTERM))  # an exception: folders are removed
     try:
         sys.exit(main(sys.argv[1:]))
     except Failure as failure:

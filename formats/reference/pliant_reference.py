@@ -462,6 +462,11 @@ EVALUATE = {HINGE: evaluate_hinges, NEO_HOOKEAN: evaluate_neo_hookean, STVK: eva
             TET_MOONEY_RIVLIN: lambda batch, rows, weights: evaluate_tet_mooney_rivlin(combined(batch, weights), rows)}
 
 
+def printable(text):
+    """For terminals: characters of control, which names and tags of a file may hold, as \\x1b."""
+    return "".join(c if c.isprintable() else ascii(c)[1:-1] for c in text)
+
+
 def main():
     parser = argparse.ArgumentParser(description="numpy reference of the .pliant format")
     parser.add_argument("asset")
@@ -473,15 +478,15 @@ def main():
             asset = Asset(file.read())
         scene = asset.scene()
     except (OSError, FormatError) as error:
-        print(f"{options.asset}: {error}", file=sys.stderr)
+        print(printable(f"{options.asset}: {error}"), file=sys.stderr)
         return 3
     print(f"{asset.vertex_count} vertices, {asset.triangle_count} triangles, {asset.pose_count} poses "
-          f"({', '.join(asset.names)}), d = {asset.dimension}, "
+          f"({printable(', '.join(asset.names))}), d = {asset.dimension}, "
           + (", ".join(f"{batch.rows.shape[2]} elements of kind {batch.kind}" for batch in asset.batches)
              or f"{asset.quartic.indices.shape[0]} coefficients"))
-    print("chunks", *(f"{tag}:{size}" for tag, (_, size) in asset.chunks.items()))
+    print("chunks", *(f"{printable(tag)}:{size}" for tag, (_, size) in asset.chunks.items()))
     for name, (low, high, initial) in zip(asset.names[1:], asset.layers if asset.layers is not None else []):
-        print(f"layer {name}: {low:.6g} .. {high:.6g}, at first {initial:.6g}")
+        print(f"layer {printable(name)}: {low:.6g} .. {high:.6g}, at first {initial:.6g}")
     if scene:
         print(f"scene: {len(scene.parts)} parts, {len(scene.materials)} materials, {len(scene.images)} images")
     if options.weights is None:

@@ -10,7 +10,7 @@ Makes the folder OUT with
 Tools of the parts come from PyPI. Everything is made in a clone of the last commit, so the working tree must hold nothing
 else. OUT appears whole or not at all. The version of runtime/pliant.h must be the newest heading of CHANGELOG.md, with a
 date; --candidate accepts one that says "unreleased".
-Exit code: 0, 1 if something failed, 2 for a wrong argument.
+Exit code: 0, 1 if something failed, 2 for a wrong argument, 143 after SIGTERM, which leaves nothing behind.
 """
 import argparse
 import gzip
@@ -18,6 +18,7 @@ import hashlib
 import os
 import re
 import shutil
+import signal
 import subprocess
 import sys
 import tempfile
@@ -133,6 +134,7 @@ def main(arguments):
 
 
 if __name__ == "__main__":
+    signal.signal(signal.SIGTERM, lambda *_: sys.exit(128 + signal.SIGTERM))  # an exception: folders are removed
     try:
         sys.exit(main(sys.argv[1:]))
     except Failure as failure:

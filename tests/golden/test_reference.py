@@ -1,5 +1,6 @@
 """test_reference.py READER FOLDER: the reference reader opens every golden asset and lists its chunks; of the one with a
-scene it reads parts, materials and image as they were written, and damage to them is refused."""
+scene it reads parts, materials and image as they were written, and damage to them is refused. Control characters in names
+are not printed."""
 import pathlib
 import re
 import struct
@@ -8,9 +9,10 @@ import sys
 import tempfile
 
 reader, folder = pathlib.Path(sys.argv[1]), pathlib.Path(sys.argv[2])
-sys.path[:0] = [str(reader.parent), str(folder.parent / "runtime")]
+sys.path[:0] = [str(reader.parent), str(folder.parent / "runtime"), str(folder.parent)]
 import numpy as np  # noqa: E402
 import tiny_scene  # noqa: E402
+from asset_checksums import with_checksums  # noqa: E402
 from pliant_reference import Asset  # noqa: E402
 
 
@@ -38,6 +40,14 @@ def damaged(blob, old, new):
     return blob.replace(old, new)
 
 
+def with_a_bell(blob):
+    """With \\a for the first letter of the first pose's name."""
+    (count,) = struct.unpack_from("<I", blob, 24)
+    (name,) = (struct.unpack_from("<Q", blob, entry + 8)[0] for entry in range(64, 64 + 32 * count, 32)
+               if blob[entry:entry + 4] == b"NAME")
+    return with_checksums(blob[:name] + b"\a" + blob[name + 1:])
+
+
 golden = sorted(folder.glob("*.pliant"))
 assert len(golden) >= 8, golden
 for path in golden:
@@ -54,4 +64,7 @@ with tempfile.TemporaryDirectory(prefix="pliant_golden_") as temporary:
                      (b'"byteOffset": 0,', b'"byteOffset":-4,')):
         bad.write_bytes(damaged(whole, old, new))
         assert "GLTF" in read(bad, code=3)
+    bad.write_bytes(with_a_bell(whole))
+    said = read(bad)
+    assert "\a" not in said and "(\\x07" in said, said
 print(f"{len(golden)} assets")

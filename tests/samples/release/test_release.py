@@ -1,7 +1,7 @@
 """samples/release/make_release.py in a small checkout of its own: the sources are the committed files, the same bytes twice
 whatever the settings of git, with sums that sha256sum accepts; a tree that is not as committed, versions that disagree, a
-heading without a date, a folder that is there, and a part that fails are refused with a message, and leave nothing. Exit
-code 77, and the reason, without git."""
+heading without a date, a folder that is there, and a part that fails are refused with a message, and leave nothing; so does
+SIGTERM. Exit code 77, and the reason, without git."""
 import os
 import re
 import shutil
@@ -9,6 +9,7 @@ import subprocess
 import sys
 import tarfile
 import tempfile
+import time
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[3]
@@ -68,6 +69,24 @@ def check_refused(tree, folder, text, *options):
     assert sorted(folder.iterdir()) == before, "something was left"
 
 
+def check_terminated(tree, folder):
+    """While a git of our own takes long for the clone."""
+    before = sorted(folder.iterdir())
+    slow, started = tree.parent / "slow", tree.parent / "started"
+    slow.mkdir()
+    (slow / "git").write_text(f'#!/bin/sh\n[ "$1" != clone ] || {{ touch {started}; exec sleep 60; }}\n'
+                              f'exec {shutil.which("git")} "$@"\n')
+    (slow / "git").chmod(0o755)
+    environment = {**OFFLINE, "PATH": f"{slow}{os.pathsep}{OFFLINE['PATH']}"}
+    with subprocess.Popen([sys.executable, "-B", tree / SCRIPT, folder / "refused", *SOURCE_ONLY], env=environment) as run:
+        limit = time.monotonic() + 30
+        while not started.exists() and run.poll() is None and time.monotonic() < limit:
+            time.sleep(0.01)
+        run.terminate()
+    assert run.returncode == 143, run.returncode
+    assert sorted(folder.iterdir()) == before, "something was left"
+
+
 def main():
     if not shutil.which("git"):
         print("skipped: git is not installed")
@@ -77,6 +96,7 @@ def main():
         folder.mkdir()
         make_tree(tree)
         check_good(tree, folder)
+        check_terminated(tree, folder)
         if shutil.which("npm"):
             check_refused(tree, folder, "ziglang", "--without=blender")  # pip finds nothing
         (folder / "refused").mkdir()
