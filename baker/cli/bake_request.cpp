@@ -139,8 +139,8 @@ NamedRange parse_range(const std::string& text)
         if (colon == std::string::npos) throw std::invalid_argument(text);
         NamedRange out;
         if (start > 0) out.layer = text.substr(0, equals);
-        out.range.low = parse_weights(text.substr(start, colon - start)).at(0);
-        out.range.high = parse_weights(text.substr(colon + 1)).at(0);
+        out.range.low = parse_weight(text.substr(start, colon - start));
+        out.range.high = parse_weight(text.substr(colon + 1));
         return out;
     } catch (const std::exception&) {
         throw Failure(ExitCode::usage,

@@ -260,24 +260,28 @@ std::vector<std::string> input_files(const std::vector<std::string>& poses, cons
     return files;
 }
 
+double parse_weight(std::string word)
+{
+    word.erase(0, word.find_first_not_of(" \t"));
+    word.erase(word.find_last_not_of(" \t\r") + 1);
+    double value = 0;
+    const auto [rest, error] = std::from_chars(word.data(), word.data() + word.size(), value);
+    if (error != std::errc() || rest != word.data() + word.size())
+        throw Failure(ExitCode::usage,
+                      error_at(1201, "", fmt::format("weight {} is not a number", excerpt(word)),
+                               word.find('=') == std::string::npos
+                                   ? "write weights as 0.5,0.25,0.25 with a decimal point"
+                                   : "`pliant blend` takes weights by name, one each: --set " + word));
+    return value;
+}
+
 std::vector<double> parse_weights(const std::string& text)
 {
     std::vector<double> values;
     std::size_t start = 0;
     while (start <= text.size()) {
         const std::size_t end = std::min(text.find(',', start), text.size());
-        std::string word = text.substr(start, end - start);
-        word.erase(0, word.find_first_not_of(" \t"));
-        word.erase(word.find_last_not_of(" \t\r") + 1);
-        double value = 0;
-        const auto [rest, error] = std::from_chars(word.data(), word.data() + word.size(), value);
-        if (error != std::errc() || rest != word.data() + word.size())
-            throw Failure(ExitCode::usage,
-                          error_at(1201, "", fmt::format("weight {} is not a number", excerpt(word)),
-                                   word.find('=') == std::string::npos
-                                       ? "write weights as 0.5,0.25,0.25 with a decimal point"
-                                       : "`pliant blend` takes weights by name, one each: --set " + word));
-        values.push_back(value);
+        values.push_back(parse_weight(text.substr(start, end - start)));
         start = end + 1;
     }
     return values;

@@ -104,7 +104,7 @@ std::vector<float> weights_by_name(const BlendArguments& a, const RuntimeBlender
     for (const std::string& text : a.set) {
         const std::size_t i = find_weight(a, text, names);
         if (!given.insert(i).second) fail_set(a, fmt::format("'{}' gives {} a second time", text, names[i]), "give it once");
-        weights[i] = to_floats(parse_weights(text.substr(text.rfind('=') + 1)))[0];
+        weights[i] = to_floats({ parse_weight(text.substr(text.rfind('=') + 1)) })[0];
     }
     return weights;
 }

@@ -55,7 +55,8 @@ nlohmann::ordered_json describe_poses(const PoseSet& poses, const BakeOptions& o
 // The files that load_with_warnings reads: no output may replace one of them.
 std::vector<std::string> input_files(const std::vector<std::string>& poses, const EnergyOptions& options);
 
-// "1,0.5,2" as numbers. Throws Failure (usage, P1201) quoting what is not one.
+// "0.5", and "1,0.5,2", as numbers. Throw Failure (usage, P1201) quoting what is not one.
+double parse_weight(std::string word);
 std::vector<double> parse_weights(const std::string& text);
 
 // Calls use(weights) for each line of a file, one a frame. Throws Failure (bad_input): P2001, P2601 naming the line that is

@@ -7,7 +7,8 @@
 # and configurations are in the source folder, a relative OUTPUT in the binary folder; paths in OPTIONS should be absolute.
 # DEPENDS is for inputs that other rules of the project make. OPTIONS are those of the command line: OPTIONS --tolerance-max
 # 0.01 --seed 7. Needs the Ninja or a Makefile generator (DEPFILE). Paths of the project and of the files that the bake reads
-# must not have characters that dependency files cannot express, such as '=', '%', '[' or a quote (P4604).
+# must not have characters that dependency files cannot express, such as '=', '%', '[' or a quote (P4604). With Ninja neither
+# '#' nor '$': CMake (3.25) does not escape them there, and the asset is baked at every build.
 cmake_policy(PUSH)
 cmake_policy(VERSION 3.20...3.25) # 3.20: dependency files of both generators, paths in them as they are meant
 

@@ -46,6 +46,7 @@ def write_asset(path, content):
     """The file appears whole or not at all."""
     if path.suffix != ".pliant":
         raise shapes.Failure(f"'{path.name}' does not end in .pliant")
+    path = path.resolve()  # a link stays one, as with the tool
     with tempfile.TemporaryDirectory(prefix=".pliant_", dir=path.parent) as folder:
         part = pathlib.Path(folder, path.name)
         part.write_bytes(content)

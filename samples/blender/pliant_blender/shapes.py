@@ -7,6 +7,9 @@ import bpy
 import numpy as np
 
 
+LAST_FRAME = 1048574  # of Blender, and the first one below zero
+
+
 class Failure(Exception):
     """A text for people."""
 
@@ -98,9 +101,12 @@ def average(shapes):
 def frame_numbers(text):
     words = re.findall(r"[^\s,;]+", text)
     try:
-        return list(dict.fromkeys(int(word) for word in words))
+        numbers = list(dict.fromkeys(int(word) for word in words))
     except ValueError:
         raise Failure(f"frames '{text}': write whole numbers, for example 1, 10, 20") from None
+    if any(abs(number) > LAST_FRAME for number in numbers):
+        raise Failure(f"frames '{text}': Blender's last frame is {LAST_FRAME}")
+    return numbers
 
 
 def from_frames(scene, thing, text, layers):

@@ -19,7 +19,7 @@ def find():
     path = shutil.which(name)
     if not path:
         raise Failure(f"the tool '{name}' was not found: set its path in the preferences of the add-on")
-    return path
+    return os.path.abspath(path)  # it runs in other folders
 
 
 class Run:

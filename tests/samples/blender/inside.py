@@ -341,14 +341,19 @@ def errors():
     thing.modifiers.new("build", "BUILD").frame_duration = 20
     check_error("error P3003: 1/frame 20.ply: has", source="FRAMES", frames="10, 20")
     check_error("frames '1, x': write whole numbers", source="FRAMES", frames="1, x")
+    check_error("Blender's last frame is 1048574", source="FRAMES", frames="1, 99999999999")
     thing.data.shape_keys.use_relative = False
     check_error("tube.002: its shape keys are absolute")
     thing.data.shape_keys.use_relative = True
     preferences().tool = "no-such-pliant"
     check_error("the tool 'no-such-pliant' was not found")
-    preferences().tool = TOOL
+    preferences().tool = "/bin/true"
+    check_error("the tool ended with exit code 0 and wrote no asset")
+    preferences().tool = os.path.relpath(TOOL)
     check_miss(bake(preview=False, tolerance=1e-8))
+    preferences().tool = TOOL
     check_export_errors()
+    check_link()
 
 
 def check_miss(thing):
@@ -364,6 +369,13 @@ def check_export_errors():
         except RuntimeError as error:
             check(wanted in str(error), f"{name}, {kind}: {error}")
         check(not (FOLDER / name).exists(), f"{name} is there")
+
+
+def check_link():
+    """A link stays one, and its file is written."""
+    (FOLDER / "link.pliant").symlink_to("linked.pliant")
+    write(bpy.context.object, "link.pliant")
+    check((FOLDER / "link.pliant").is_symlink() and (FOLDER / "linked.pliant").exists(), "the link was replaced")
 
 
 def check_error(wanted, **options):
