@@ -10,7 +10,7 @@ NOTHING = """
     output_name_too_long output_is_dash unknown_option misspelt_option option_begun option_with_one_dash
     option_before_verb option_without_verb option_twice misspelt_verb verb_begun verb_version verb_completion
     bake_output_kind weights_not_numbers weights_by_name too_few_weights negative_weight range_without_zero range_too_far
-    range_of_no_layer range_of_average range_unreadable layers_with_krylov placed_with_krylov
+    range_of_no_layer range_of_average range_unreadable range_decimal_comma layers_with_krylov placed_with_krylov
     many_poses_with_krylov grid_too_fine
     layer_grid_too_fine too_few_layer_weights infinite_layer_weight layers_without_shape list_without_grid
     average_path_one_name average_pattern not_an_asset tolerance_missed tolerance_unchecked preview_and_limit
@@ -21,9 +21,10 @@ NOTHING = """
 
 # An asset.
 WITH_ASSET = """
-    no_weights asset_without_options set_unknown set_misspelt set_without_equals set_twice set_joined blend_pattern
-    blend_weight_count blend_output_kind export_path_missing export_no_asset export_over_asset export_folder_missing
-    export_frame_rate export_morph_and_skin export_no_bones export_output_kind export_too_fine
+    no_weights asset_without_options set_unknown set_misspelt set_without_equals set_twice set_decimal_comma
+    set_joined blend_pattern blend_weight_count blend_output_kind export_path_missing export_no_asset
+    export_over_asset export_folder_missing export_frame_rate export_morph_and_skin export_no_bones export_output_kind
+    export_too_fine
     """.split()
 
 # An asset and a list of weights, weights.csv.
