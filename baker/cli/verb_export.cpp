@@ -141,11 +141,11 @@ Verb add_export(CLI::App& app)
     CLI::App* verb = app.add_subcommand("export", "Write an asset as a GLB for engines");
     verb->footer(
         "Examples:\n"
-        "  pliant export hero.pliant -o hero.glb                 morph targets: works in any glTF viewer\n"
-        "  pliant export hero.pliant --meshopt -o hero.glb       a fifth of the size, for engines that read it\n"
-        "  pliant export hero.pliant --path weights.csv --fps 60 -o hero.glb\n"
-        "  pliant export hero.pliant --embed -o hero.glb         with the asset inside, for programs with the runtime\n"
-        "  pliant export hero.pliant --skin 24 -o hero.glb       bones: for crowds and engines without morph targets\n"
+        "  pliant export hero.pliant -o hero_blend.glb            morph targets: works in any glTF viewer\n"
+        "  pliant export hero.pliant --meshopt -o hero_blend.glb  a fifth of the size, for engines that read it\n"
+        "  pliant export hero.pliant --path weights.csv --fps 60 -o hero_blend.glb\n"
+        "  pliant export hero.pliant --embed -o hero_blend.glb    with the asset inside, for programs with the runtime\n"
+        "  pliant export hero.pliant --skin 24 -o hero_blend.glb  bones: for crowds and engines without morph targets\n"
         "Morph target j is coordinate q_j of the asset; its weights are in [0,1].\n"
         "pliant_morph_weights computes them from the q of pliant_solve.");
     verb->add_option("asset", a->asset, "Asset")->required()->type_name("ASSET");

@@ -227,11 +227,18 @@ def add_cases(good):
     def empty_targets(gltf):
         gltf.animation("Run", (0, "translation", "STEP", [0], [(0, 0, 0)]))
         positions, indices = gltf.accessor([(0, 0, 0), (1, 0, 0), (0, 1, 0)]), gltf.accessor([0, 1, 2], 5121)
-        primitive = {"attributes": {"POSITION": positions}, "indices": indices, "targets": [{}] * 3000}
-        gltf.json["meshes"] = [{"primitives": [primitive] * 10, "weights": [1] * 3000}]
-        gltf.json.update(scenes=[], nodes=[{"mesh": 0, "weights": [2]}, {"mesh": 0}] * 250)
+        primitive = {"attributes": {"POSITION": positions}, "indices": indices, "targets": [{}] * 300}
+        gltf.json["meshes"] = [{"primitives": [primitive] * 60, "weights": [1] * 300}]
+        gltf.json.update(scenes=[], nodes=[{"mesh": 0, "weights": [2] * 300}, {"mesh": 0}] * 300)
         del gltf.json["scene"]
     case("gltf_empty_targets", empty_targets)
+
+    def weights_of_nodes(gltf):
+        gltf.animation("Run", (0, "translation", "STEP", [0], [(0, 0, 0)]))
+        gltf.json["meshes"][0]["primitives"][0]["targets"] = [{}] * 2000
+        gltf.json.update(scenes=[], nodes=[{"mesh": 0}] * 2000)
+        del gltf.json["scene"]
+    case("gltf_weights_of_nodes", weights_of_nodes)
 
     def lines(gltf):
         first = gltf.json["meshes"][0]["primitives"][0]

@@ -197,6 +197,8 @@ case("solid_section_missing", lambda: {"part.msh": "\n".join(msh_lines(solid())[
 case("solid_section_twice", lambda: {"twice.veg": vega_text(solid()) + "*ELEMENTS\nTET\n0 4 0\n"})
 case("solid_tag_twice", lambda: {"tags.msh": edited(VERTEX_LINE, "1 0 0 0")})
 case("solid_out_of_order", lambda: {"order.veg": vega_with(f"\n{EDITED_VERTEX + 1} ", "\n99 ")})
+case("solid_materials_first", lambda: {"a.veg": solid(), "b.veg": vega_with("1e7", "1e8").replace("1e5", "1e6")})
+case("solid_other_materials", lambda: {"a.veg": solid(), "b.veg": vega_with("1e7", "1e6")})
 case("solid_material_kind", lambda: {"rubber.veg": vega_with("ENU, 1000, 1e7, 0.3", "MOONEYRIVLIN, 1000, 1, 2, 3")})
 case("solid_material_damaged", lambda: {"rubber.veg": vega_with("1e7, 0.3", "1e7, 0.5")})
 case("solid_material_missing", lambda: {"bare.veg": vega_with("*REGION\nallElements, soft\n", "")})

@@ -328,6 +328,7 @@ void check_skins(GltfScene& scene, std::vector<Diagnostic>& warnings)
 // Of all nodes, at rest. A mesh that is not drawn has not been read: it has none.
 void read_weights(GltfScene& scene, GltfAllowance& allowance)
 {
+    constexpr std::uint64_t numbers_of_weight = 8; // poses have copies, and look at every one
     const GltfDocument& document = *scene.document;
     for (std::size_t i = 0; i < scene.nodes.size(); ++i) {
         const std::ptrdiff_t mesh = scene.nodes[i].mesh;
@@ -335,7 +336,7 @@ void read_weights(GltfScene& scene, GltfAllowance& allowance)
         const GltfValue node = document["nodes"].at(i), own = node["weights"];
         const GltfValue weights
             = own.exists() || mesh < 0 ? own : document["meshes"].at(static_cast<std::size_t>(mesh))["weights"];
-        allowance.take(node, count);
+        allowance.take(node, count, numbers_of_weight);
         scene.rest.weights.push_back(count == 0 ? std::vector<double>() : weights_of(weights, count));
     }
 }

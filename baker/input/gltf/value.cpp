@@ -19,8 +19,10 @@ std::string key_in_place(const std::string& key)
 std::string GltfValue::place() const
 {
     std::string place;
-    for (std::size_t i = 0; i < step_count_; ++i)
+    for (std::size_t i = 0; i < step_count_; ++i) {
+        if (is_cut_ && i + 1 == longest_way) place += "...";
         place += way_[i].key ? key_in_place(*way_[i].key) : fmt::format("[{}]", way_[i].index);
+    }
     place += missing_;
     return place.empty() || place[0] != '.' ? place : place.substr(1);
 }
@@ -29,7 +31,9 @@ GltfValue GltfValue::step(const GltfJson& to, Step step) const
 {
     GltfValue out = *this;
     out.json_ = &to;
-    if (step_count_ < longest_way) out.way_[out.step_count_++] = step;
+    out.is_cut_ = step_count_ == longest_way;
+    if (!out.is_cut_) ++out.step_count_;
+    out.way_[out.step_count_ - 1] = step;
     return out;
 }
 

@@ -60,13 +60,14 @@ private:
     GltfValue absent(const std::string& step) const;
     [[noreturn]] void expect(const char* what) const;
 
-    // Text of a place is made for messages only, which are rare. No value that we look for is so deep.
+    // Text of a place is made for messages only, which are rare. Only extensions that we do not know are deeper.
     static constexpr std::size_t longest_way = 16;
 
     const std::string* file_;
     const GltfJson* json_; // of an absent value the last one on the way to it that exists
     std::array<Step, longest_way> way_ {};
     std::size_t step_count_ = 0;
+    bool is_cut_ = false; // steps before the last one are missing
     std::string missing_; // the rest of the way to an absent value: ".key[2]"
 };
 

@@ -16,6 +16,9 @@ bool check_same_faces(const MeshFile& first, const MeshFile& other, DiagnosticLi
 bool check_same_tets(const MeshFile& first, const MeshFile& other, DiagnosticList& diagnostics);
 bool check_same_kind(const MeshFile& first, const MeshFile& other, DiagnosticList& diagnostics);
 
+// Warning P3015 if the other has materials that the first one has not. The tetrahedra must be the same.
+void check_same_materials(const MeshFile& first, const MeshFile& other, DiagnosticList& diagnostics);
+
 // Same number of vertices, else P3003.
 bool check_same_vertex_count(const MeshFile& first, const MeshFile& other, DiagnosticList& diagnostics);
 

@@ -5,6 +5,7 @@
 #include "input/poses/check_solid.h"
 
 #include <algorithm>
+#include <cmath>
 #include <fmt/format.h>
 
 namespace pliant {
@@ -44,7 +45,33 @@ Polygons to_faces(const std::vector<Tetrahedron>& tets)
     return to_polygons(triangles);
 }
 
+// Of two solids with the same tetrahedra. Of moduli only ratios matter.
+bool has_same_materials(const SolidRegions& a, const SolidRegions& b)
+{
+    if (a.of_tet.empty() || b.of_tet.empty()) return a.of_tet.empty() == b.of_tet.empty();
+    const auto material
+        = [](const SolidRegions& regions, std::size_t tet) { return regions.materials[regions.of_tet[tet]]; };
+    const double unit_a = material(a, 0).young, unit_b = material(b, 0).young;
+    for (std::size_t tet = 0; tet < a.of_tet.size(); ++tet) {
+        const SolidMaterial x = material(a, tet), y = material(b, tet);
+        constexpr double digits = 1e-6; // that a file may have lost
+        if (std::abs(x.poisson - y.poisson) > digits
+            || std::abs(x.young / unit_a - y.young / unit_b) > digits * x.young / unit_a)
+            return false;
+    }
+    return true;
+}
+
 } // namespace
+
+void check_same_materials(const MeshFile& first, const MeshFile& other, DiagnosticList& diagnostics)
+{
+    if (other.regions.of_tet.empty() || has_same_materials(first.regions, other.regions)) return;
+    diagnostics.add(warning_at(3015, other.path,
+                               fmt::format("has materials that are not used: {} has {}", first.path,
+                                           first.regions.of_tet.empty() ? "none" : "others"),
+                               "the first pose gives the materials: name the file that has them first"));
+}
 
 bool check_same_kind(const MeshFile& first, const MeshFile& other, DiagnosticList& diagnostics)
 {

@@ -58,6 +58,7 @@ bool check_solids(const std::vector<MeshFile>& meshes, const Triangulation& boun
             is_comparable = false;
             continue;
         }
+        check_same_materials(first, meshes[k], diagnostics);
         check_volumes(meshes[k], &first, diagnostics);
         check_correspondence(first, meshes[k], boundary, diagnostics);
     }

@@ -122,7 +122,8 @@ void animate_weights(Glb& glb, const Eigen::MatrixXf& frames, double frames_per_
 Json add_morph_mesh(Glb& glb, RuntimeBlender& blender, const DrawnSpace& space, const RenderScene& scene,
                     const ExportOptions& options, ExportReport& report, Grid& grid)
 {
-    const MorphMesh morph = make_morph_mesh(blender, space, options.with_normals);
+    const Eigen::MatrixXf path = path_coordinates(blender, options.path);
+    const MorphMesh morph = make_morph_mesh(blender, space, path, options.with_normals);
     const PoseTable table = fit_pose_table(blender, morph);
     Json mesh;
     report.normal_error = morph.normal_error;
@@ -136,12 +137,7 @@ Json add_morph_mesh(Glb& glb, RuntimeBlender& blender, const DrawnSpace& space, 
         const Eigen::VectorXd box = morph.reachable.corners();
         mesh["primitives"] = primitives_of(glb, scene, morph, box, morph.deltas.cols());
     }
-    if (!options.path.empty()) {
-        Eigen::MatrixXf frames = path_coordinates(blender, options.path);
-        for (Eigen::Index i = 0; i < frames.cols(); ++i) frames.col(i) = morph.weights(frames.col(i));
-        require_usable_weights(frames, options.source);
-        animate_weights(glb, frames, options.frames_per_second);
-    }
+    if (!options.path.empty()) animate_weights(glb, morph.frames, options.frames_per_second);
     report.target_count = std::size_t(morph.deltas.cols());
     report.frame_count = options.path.size();
     report.diagonal = morph.reachable.diagonal();

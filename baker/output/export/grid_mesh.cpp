@@ -93,8 +93,8 @@ double round_to(const Grid& grid, Eigen::VectorXd& positions)
 GridMesh make_grid_mesh(const MorphMesh& mesh, const DrawnSpace& space, double error)
 {
     const GridRounding rounding(mesh.fitted);
-    Eigen::MatrixXf samples(mesh.fitted.rows(), mesh.fitted.cols() + mesh.judged.cols());
-    samples << mesh.fitted, mesh.judged;
+    Eigen::MatrixXf samples(mesh.fitted.rows(), mesh.fitted.cols() + mesh.judged.cols() + mesh.frames.cols());
+    samples << mesh.fitted, mesh.judged, mesh.frames;
     const Eigen::MatrixXd features = with_one(samples);
     const double allowed = error * mesh.reachable.diagonal();
     Box box = mesh.reachable;

@@ -43,18 +43,24 @@ Eigen::VectorXd column_of(const RuntimeBlender& blender, std::uint32_t j, const 
     return far_moved.allFinite() ? Eigen::VectorXd(far_moved / double(q[j])) : Eigen::VectorXd::Zero(far_moved.size());
 }
 
+// Of coordinates (d x blends).
+Eigen::MatrixXf weights_of(const MorphMesh& mesh, const Eigen::MatrixXf& coordinates)
+{
+    Eigen::MatrixXf all(coordinates.rows(), coordinates.cols());
+    for (Eigen::Index i = 0; i < all.cols(); ++i) all.col(i) = mesh.weights(coordinates.col(i));
+    return all;
+}
+
 // The weights of as many mixed blends, the poses and their mean.
 Eigen::MatrixXf blend_weights(RuntimeBlender& blender, const MorphMesh& mesh, std::size_t count, std::uint64_t seed)
 {
-    Eigen::MatrixXf all = blend_coordinates(blender, blender.domain().covering(count, seed));
-    for (Eigen::Index i = 0; i < all.cols(); ++i) all.col(i) = mesh.weights(all.col(i));
-    return all;
+    return weights_of(mesh, blend_coordinates(blender, blender.domain().covering(count, seed)));
 }
 
 Box box_of_blends(const MorphMesh& mesh)
 {
     Box box;
-    for (const Eigen::MatrixXf* weights : { &mesh.fitted, &mesh.judged })
+    for (const Eigen::MatrixXf* weights : { &mesh.fitted, &mesh.judged, &mesh.frames })
         for_each_batch(mesh.base.size(), weights->cols(), [&](Eigen::Index first, Eigen::Index count) {
             const Eigen::MatrixXd shapes = mesh.shapes(weights->middleCols(first, count));
             for (Eigen::Index i = 0; i < count; ++i) box.include(shapes.col(i));
@@ -153,7 +159,7 @@ Eigen::MatrixXd MorphMesh::shapes(const Eigen::MatrixXf& weights) const
     return moved.cast<double>();
 }
 
-MorphMesh make_morph_mesh(RuntimeBlender& blender, const DrawnSpace& space, bool with_normals)
+MorphMesh make_morph_mesh(RuntimeBlender& blender, const DrawnSpace& space, const Eigen::MatrixXf& path, bool with_normals)
 {
     MorphMesh mesh;
     const pliant_asset& asset = blender.asset();
@@ -173,10 +179,11 @@ MorphMesh make_morph_mesh(RuntimeBlender& blender, const DrawnSpace& space, bool
     mesh.deltas = deltas.cast<float>();
     mesh.fitted = blend_weights(blender, mesh, fitted_count(d), fit_seed);
     mesh.judged = blend_weights(blender, mesh, judged_count, judge_seed);
+    mesh.frames = weights_of(mesh, path);
     mesh.poses.resize(d, asset.pose_count);
     for (std::uint32_t k = 0; k < asset.pose_count; ++k)
         mesh.poses.col(k) = mesh.weights(Eigen::Map<const Eigen::VectorXf>(pliant_asset_pose_coordinates(&asset, k), d));
-    for (const Eigen::MatrixXf* weights : { &mesh.fitted, &mesh.judged, &mesh.poses })
+    for (const Eigen::MatrixXf* weights : { &mesh.fitted, &mesh.judged, &mesh.frames, &mesh.poses })
         require_usable_weights(*weights, space.path);
     mesh.reachable = box_of_blends(mesh);
     if (!with_normals) return mesh;

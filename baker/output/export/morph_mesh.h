@@ -48,6 +48,7 @@ struct MorphMesh {
     Eigen::MatrixXf deltas;         // 3n x d
     Eigen::MatrixXf fitted, judged; // weights of blends (d x blends): to fit to, and others that only judge
     Eigen::MatrixXf poses;          // those of the poses
+    Eigen::MatrixXf frames;         // those of the animation, whose weights may leave the ranges
     Box reachable;                  // of all these shapes, with a margin
     NormalFit::Result normals;      // empty without normals
     NormalError normal_error;       // over the judged blends
@@ -69,8 +70,9 @@ template <class Use> void for_each_batch(Eigen::Index rows, Eigen::Index blend_c
 // Throws Failure (bad_input, P5102) naming `path` unless all are numbers that a glTF file can hold and an engine use.
 void require_usable_weights(const Eigen::MatrixXf& weights, const std::string& path);
 
-// Fits. Cost: (8 d + 300) shapes, with their normals if these are wanted, and the solves for them.
-MorphMesh make_morph_mesh(RuntimeBlender& blender, const DrawnSpace& space, bool with_normals);
+// Fits. `path`: coordinates of the animation, d x frames. Cost: (8 d + 300) shapes, with their normals if these are wanted,
+// the solves for them, and a shape for each frame.
+MorphMesh make_morph_mesh(RuntimeBlender& blender, const DrawnSpace& space, const Eigen::MatrixXf& path, bool with_normals);
 
 // Of the judged blends.
 NormalError normal_error_of(const NormalFit::Result& normals, const MorphMesh& mesh, const DrawnSpace& space);

@@ -96,6 +96,16 @@ with tempfile.TemporaryDirectory(prefix="pliant_layers_") as temporary:
     for weights, outside in (("1,-0.5", 0), ("1.5,-0.5", 0.5)):
         frame = json.loads(run("blend", "tube.pliant", f"--weights={weights}", "-o", "w.ply", "--json"))["frames"][0]
         assert frame["outside"] == outside, frame
+    # The box of an export holds its own animation.
+    (work / "far.csv").write_text("0,0\n1.5,-1\n1,2\n", encoding="utf-8")
+    run("export", "tube.pliant", "--path", "far.csv", "-o", "far.glb")
+    glb = (work / "far.glb").read_bytes()
+    bounds = json.loads(glb[20:20 + struct.unpack_from("<I", glb, 12)[0]])["meshes"][0]["extras"]["pliant"]["bounds"]
+    for weights in ("1.5,-1", "1,2"):
+        run("blend", "tube.pliant", f"--weights={weights}", "-o", "far.ply")
+        outside = [point for point in read(work / "far.ply")
+                   if any(not low <= x <= high for low, x, high in zip(bounds["min"], point, bounds["max"]))]
+        assert not outside, (weights, bounds, outside[0])
     samples = json.loads(run("measure", "tube.pliant", "rest.obj", "twisted.obj", "bent.obj", "--samples", "12", "--json"))
     errors = [sample["relative_l2"] for sample in samples["samples"]]
     assert max(errors) < 2 * report["measured"]["largest_error"], errors
