@@ -166,13 +166,13 @@ std::string grid_list(const std::vector<Wanted>& wanted)
 std::vector<FamilyPoint> compute(const AverageFamily& family, const std::vector<Wanted>& wanted, std::size_t first,
                                  std::size_t count, ConsoleProgress& progress)
 {
-    if (wanted.size() == 1) return { family.at(wanted[0].weights, 0, &progress) };
+    if (wanted.size() == 1) return { family.at_or_near_pose(wanted[0].weights, 0, &progress) };
     SharedProgress shared(&progress);
     shared.describe("averages", double(first) / double(wanted.size()),
                     fmt::format("{} of {} written", first, wanted.size()));
     std::vector<FamilyPoint> points(count);
     for_each_task(count, [&](std::size_t i, std::size_t worker) {
-        points[i] = family.at(wanted[first + i].weights, worker, &shared);
+        points[i] = family.at_or_near_pose(wanted[first + i].weights, worker, &shared);
     });
     return points;
 }

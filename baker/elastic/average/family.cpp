@@ -321,6 +321,28 @@ FamilyPoint AverageFamily::at(const Weights& w, std::size_t worker, Progress* pr
     return from({ centre(), mean_->y }, w, worker, progress);
 }
 
+FamilyPoint AverageFamily::at_or_near_pose(const Weights& w, std::size_t worker, Progress* progress) const
+{
+    FamilyPoint point = at(w, worker, progress);
+    if (point.average.has_converged || has_layers()) return point;
+    const NormalizedPoses& set = pool_.set();
+    std::optional<NewtonResult> lowest;
+    std::size_t from = 0;
+    for (std::size_t k = 0; k < set.pose_count(); ++k) {
+        if (w[Eigen::Index(k)] == 0) continue;
+        NewtonResult result = near(set.shapes[k], w, worker, progress);
+        if (!result.has_converged || (lowest && result.energy >= lowest->energy)) continue;
+        lowest = std::move(result);
+        from = k;
+    }
+    if (!lowest) return point;
+    const Shape& left = point.average.y;
+    point.jumps.push_back(
+        { Branch::Kind::jump, w, from, relative_distance(set, lowest->y, left), farthest_vertex(set, lowest->y, left) });
+    point.average = std::move(*lowest);
+    return point;
+}
+
 // Newton's method from there; not converged where it has no finite energy.
 NewtonResult AverageFamily::beside_guess(const Weights& w, const Shape& guess, int iterations, std::size_t worker,
                                          Progress* progress) const

@@ -161,12 +161,13 @@ std::vector<double> averages(const PoseSet& poses, const std::vector<Weights>& w
     family.mean();
     std::vector<FamilyPoint> points(wanted.size());
     if (wanted.size() == 1) {
-        points[0] = family.at(wanted[0], 0, &progress);
+        points[0] = family.at_or_near_pose(wanted[0], 0, &progress);
     } else {
         SharedProgress shared(&progress);
         shared.describe("averages", 0, "");
-        for_each_task(wanted.size(),
-                      [&](std::size_t i, std::size_t worker) { points[i] = family.at(wanted[i], worker, &shared); });
+        for_each_task(wanted.size(), [&](std::size_t i, std::size_t worker) {
+            points[i] = family.at_or_near_pose(wanted[i], worker, &shared);
+        });
     }
     std::vector<double> out;
     for (std::size_t i = 0; i < points.size(); ++i) {
