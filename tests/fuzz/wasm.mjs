@@ -106,15 +106,15 @@ function take(bytes, count) {
   if (sizes.size > 0) throw new Error(`${sizes.size} blocks are left`);
 }
 
-// Numbers that dispose of the character while it reads them.
+// Weights that dispose of the character while it reads them.
 function disposeWithin(character, name, weights) {
   let before;
-  const number = { valueOf() {
+  const changing = Object.defineProperty([...weights], 0, { get() {
     character.dispose();
     before = new Uint8Array(memory.buffer).slice();
     return 1;
-  } };
-  const hasAnswered = attempt(() => (character[name]([number, ...weights.slice(1)]), true));
+  } });
+  const hasAnswered = attempt(() => (character[name](changing), true));
   if (hasAnswered || Buffer.compare(before, new Uint8Array(memory.buffer)) !== 0)
     throw new Error(`${name}() goes on with a character that its weights disposed of`);
 }
