@@ -101,12 +101,12 @@ public:
     // than path_limit.
     FamilyPoint at(const Weights& w, std::size_t worker, Progress* progress) const;
 
-    // The same; where the line was lost, the lowest of the averages next to poses, with a jump. At a corner that is the pose.
-    // Not for layers. Costs a minimisation for each pose then.
+    // The same; where the line was lost, the lowest of the averages next to poses, with a jump. At a corner that is the
+    // pose. Not for layers. Costs a minimisation for each pose then.
     FamilyPoint at_or_near_pose(const Weights& w, std::size_t worker, Progress* progress) const;
 
-    // The same as at() from a guess of the shape; where Newton's method fails there or goes far, along the line from the centre if
-    // `may_follow`.
+    // The same as at() from a guess of the shape; where Newton's method fails there or goes far, along the line from the
+    // centre if `may_follow`.
     FamilyPoint from_guess(const Weights& w, const Shape& guess, bool may_follow, std::size_t worker,
                            Progress* progress) const;
 
