@@ -463,7 +463,7 @@ EVALUATE = {HINGE: evaluate_hinges, NEO_HOOKEAN: evaluate_neo_hookean, STVK: eva
 
 
 def printable(text):
-    """For terminals: characters of control, which names and tags of a file may hold, as \\x1b."""
+    """For terminals: control characters, which names and tags of a file may hold, as \\x1b."""
     return "".join(c if c.isprintable() else ascii(c)[1:-1] for c in text)
 
 

@@ -65,6 +65,9 @@ case $way in
         ;;
     subdirectory)
         build_and_run -DPLIANT_SOURCE="$source_dir"
+        # The licence lies beside that of the other project, whose folder has another name.
+        cmake --install "$work_dir/consumer" --prefix "$work_dir/prefix"
+        test -f "$work_dir/prefix/share/doc/pliant/LICENSE"
         ;;
     *)
         echo "consumers.sh: unknown way '$way'"

@@ -101,8 +101,8 @@ public:
     // than path_limit.
     FamilyPoint at(const Weights& w, std::size_t worker, Progress* progress) const;
 
-    // The same; where the line was lost, the lowest of the averages next to poses, with a jump. At a corner that is the
-    // pose. Not for layers. Costs a minimisation for each pose then.
+    // As at(). Where the line does not reach w, the lowest of the averages next to the poses, with a jump: at a corner that
+    // is the pose. Of layers as at(). Cost there: one minimisation more for each pose.
     FamilyPoint at_or_near_pose(const Weights& w, std::size_t worker, Progress* progress) const;
 
     // The same as at() from a guess of the shape; where Newton's method fails there or goes far, along the line from the

@@ -45,15 +45,16 @@ Polygons to_faces(const std::vector<Tetrahedron>& tets)
     return to_polygons(triangles);
 }
 
-// Of two solids with the same tetrahedra. Of moduli only ratios matter.
+// Of two solids with the same tetrahedra, of which `b` has materials. Of moduli only ratios matter.
 bool has_same_materials(const SolidRegions& a, const SolidRegions& b)
 {
-    if (a.of_tet.empty() || b.of_tet.empty()) return a.of_tet.empty() == b.of_tet.empty();
-    const auto material
-        = [](const SolidRegions& regions, std::size_t tet) { return regions.materials[regions.of_tet[tet]]; };
+    if (a.of_tet.empty()) return false;
+    const auto material = [](const SolidRegions& regions, std::size_t tet) -> const SolidMaterial& {
+        return regions.materials[regions.of_tet[tet]];
+    };
     const double unit_a = material(a, 0).young, unit_b = material(b, 0).young;
     for (std::size_t tet = 0; tet < a.of_tet.size(); ++tet) {
-        const SolidMaterial x = material(a, tet), y = material(b, tet);
+        const SolidMaterial &x = material(a, tet), &y = material(b, tet);
         constexpr double digits = 1e-6; // that a file may have lost
         if (std::abs(x.poisson - y.poisson) > digits
             || std::abs(x.young / unit_a - y.young / unit_b) > digits * x.young / unit_a)
