@@ -83,9 +83,12 @@ BakeEstimate estimate_bake(std::size_t vertex_count, std::size_t pose_count, con
     if (options.time_limit)
         estimate.seconds = std::clamp(*options.time_limit, preview_share * estimate.seconds, estimate.seconds);
     // Factor and Hessian of every thread, all averages three times over while their directions are found, up to 64 with
-    // their derivatives as rotations and strains (48 bytes a vertex of a surface), a few copies of the basis.
+    // their derivatives as rotations and strains (48 bytes a vertex of a surface), a few copies of the basis. Besides, the
+    // process and what it needs for the smallest of meshes.
+    constexpr double process = 40 << 20;
     const double derivatives = has_mixtures ? 4 * m : 2 * m * std::min(training, 64 + m);
-    estimate.memory = 18e3 * n * double(worker_count()) + 24 * n * (5 * d + (is_adaptive ? 3 * averages : 0) + derivatives);
+    estimate.memory
+        = process + 18e3 * n * double(worker_count()) + 24 * n * (5 * d + (is_adaptive ? 3 * averages : 0) + derivatives);
     // Triangles, about 1.7 bytes for a number of the basis, and elements of 9 rows.
     estimate.asset_size = 24 * n + 1.7 * n * d + 4 * d * 36 * (d + 1 + m);
     return estimate;

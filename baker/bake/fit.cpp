@@ -55,7 +55,7 @@ public:
         : p_(problem)
         , options_(options)
         , progress_(progress)
-        , nearness_(nearness_wanted(p_.set, p_.family.energy_scale(), options.tolerance))
+        , nearness_(nearness_wanted(p_.set, p_.family.energy_scale(p_.domain), options.tolerance))
     {
         const AverageProjector projector(p_.energy, all(), p_.set, &progress);
         std::vector<AverageAt> averages = distinct_averages(p_.found.averages, corner_weights_of(p_.energy));
@@ -169,7 +169,7 @@ FittedModel Fitter::fit_at(Eigen::Index d, const Quartic* quartic)
 {
     FittedModel out;
     out.subspace = leading(all(), d);
-    ReducedSolver reduced(p_.energy, out.subspace, p_.family.mean_hessian(), p_.family.energy_scale());
+    ReducedSolver reduced(p_.energy, out.subspace, p_.family.mean_hessian(), p_.family.energy_scale(p_.domain));
     reduced.hold(p_.set);
     out.training = train(reduced);
     ChosenModel chosen = fit_surrogate(reduced.energy(), quartic, out);

@@ -6,6 +6,7 @@
 #include "pipeline/stamp.h"
 
 #include <algorithm>
+#include <csignal>
 #include <cstdio>
 #include <cstdlib>
 #include <filesystem>
@@ -80,12 +81,20 @@ void take_estimate(BatchJob& job, const ChildEnd& end, double memory)
                  "raise --memory, lower --threads, or bake a coarser mesh")));
 }
 
+// A child that is asked to stop ends with an exit code, unless it is so young that it does not listen yet.
+bool is_interruption(const ChildEnd& end)
+{
+    return end.signal == SIGINT || end.signal == SIGTERM || end.exit_code == int(ExitCode::interrupted);
+}
+
 // How a child ended, unless it was well.
 void record_end(BatchJob& job, const ChildEnd& end)
 {
     job.exit_code = end.exit_code;
     job.signal = end.signal;
-    if (end.signal != 0) {
+    if (is_interruption(end)) {
+        job.outcome = Outcome::interrupted;
+    } else if (end.signal != 0) {
         job.outcome = Outcome::crashed;
         print_line(to_text(error_at(4602, job.name, fmt::format("the bake was killed by signal {}", end.signal),
                                     end.signal == 9
@@ -93,8 +102,6 @@ void record_end(BatchJob& job, const ChildEnd& end)
                                         : "please report this with its poses")));
     } else if (end.exit_code == int(ExitCode::misses_tolerance)) {
         job.outcome = Outcome::misses_tolerance;
-    } else if (end.exit_code == int(ExitCode::interrupted)) {
-        job.outcome = Outcome::interrupted;
     } else if (end.exit_code != 0) {
         record_failure(job, end);
     }

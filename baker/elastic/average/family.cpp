@@ -279,12 +279,15 @@ void AverageFamily::search_mean()
     mean_ = std::move(means[best].average);
 }
 
-double AverageFamily::energy_scale()
+double AverageFamily::energy_scale(const WeightDomain& domain)
 {
     if (!has_layers()) return std::max(mean().energy, least_energy_scale);
     double sum = 0;
-    for (const Weights& v : corner_weights_of(pool_.energy())) sum += energy_value(pool_.energy(), v, pool_.set().shapes[0]);
-    return std::max(sum / (4 * double(pool_.set().pose_count() - 1)), least_energy_scale);
+    for (std::size_t layer = 0; layer < domain.size(); ++layer) {
+        const Weights whole = domain.full(layer) * corner_weights(domain.size(), layer);
+        sum += energy_value(pool_.energy(), whole, pool_.set().shapes[0]);
+    }
+    return std::max(sum / (4 * double(domain.size())), least_energy_scale);
 }
 
 std::size_t AverageFamily::start_pose()

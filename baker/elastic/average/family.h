@@ -2,6 +2,7 @@
 #pragma once
 
 #include "base/common/time_budget.h"
+#include "base/weights/domain.h"
 #include "elastic/average/hessian.h"
 #include "elastic/average/placement.h"
 #include "elastic/average/pose_sum.h"
@@ -80,8 +81,9 @@ public:
     std::size_t start_pose();
 
     // The unit of energies: that of the mean. Of layers, whose averages may have none at all, a quarter of what it takes to
-    // hold the rest shape against a whole layer, their mean: what the average of the two would have were it linear.
-    double energy_scale();
+    // hold the rest shape against a layer at the farther end of its range, their mean: what the average of the two would
+    // have were it linear.
+    double energy_scale(const WeightDomain& domain);
 
     // Sums of poses, made at the first call. Needs mean() before. Not from tasks.
     const PoseSum& sum();

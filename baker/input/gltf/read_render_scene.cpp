@@ -3,6 +3,7 @@
 #include "input/gltf/evaluate.h"
 
 #include <algorithm>
+#include <cmath>
 #include <fmt/format.h>
 #include <map>
 #include <set>
@@ -117,13 +118,19 @@ GltfJson take_images(const GltfDocument& document, RenderScene& out, std::vector
     return images;
 }
 
+// The place in `numbers` that a whole number names, however it is written; -1: none.
+int number_at(const GltfJson& place, const std::vector<int>& numbers)
+{
+    if (!place.is_number()) return -1;
+    const double index = place.get<double>();
+    return index >= 0 && index < double(numbers.size()) && index == std::floor(index) ? numbers[std::size_t(index)] : -1;
+}
+
 // An object with an image's number: the texture itself, or an extension's part of it.
 void renumber_source(GltfJson& holder, const std::vector<int>& numbers)
 {
     if (!holder.is_object() || !holder.contains("source")) return;
-    const GltfJson& source = holder["source"];
-    const bool is_known = source.is_number_unsigned() && source.get<std::uint64_t>() < numbers.size();
-    const int number = is_known ? numbers[source.get<std::size_t>()] : -1;
+    const int number = number_at(holder["source"], numbers);
     if (number < 0)
         holder.erase("source");
     else

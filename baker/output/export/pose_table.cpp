@@ -45,6 +45,24 @@ Blends blends_at(RuntimeBlender& blender, const MorphMesh& mesh, std::size_t cou
     return blends;
 }
 
+// The widest side of the box around the centres; no less than 1.
+double extent_of(const std::vector<Weights>& centres)
+{
+    Weights low = centres[0], high = centres[0];
+    for (const Weights& w : centres) {
+        low = low.cwiseMin(w);
+        high = high.cwiseMax(w);
+    }
+    return std::max(1.0, (high - low).maxCoeff());
+}
+
+// Coefficients are multiplied with cubes of distances: weights up to ten have coefficients of a thousandth.
+void round_coefficients(RadialFunction& function)
+{
+    const double digits = coefficient_digits * std::pow(10, std::ceil(3 * std::log10(extent_of(function.centres))));
+    for (double& x : function.coefficients.reshaped()) x = rounded(x, digits);
+}
+
 RadialFunction fit(const Blends& blends, const std::vector<std::size_t>& centres)
 {
     std::vector<Weights> places;
@@ -56,7 +74,7 @@ RadialFunction fit(const Blends& blends, const std::vector<std::size_t>& centres
         values.col(Eigen::Index(i)) = blends.morphs.col(Eigen::Index(centres[i]));
     }
     RadialFunction function = fit_radial_function(places, values, blends.has_layers);
-    for (double& x : function.coefficients.reshaped()) x = rounded(x, coefficient_digits);
+    round_coefficients(function);
     return function;
 }
 

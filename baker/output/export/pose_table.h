@@ -8,7 +8,7 @@
 namespace pliant {
 
 struct PoseTable {
-    RadialFunction function;                  // its numbers are those of the file, rounded to six decimals
+    RadialFunction function; // its numbers are those of the file, rounded: to six decimals where weights end at 1
     double mean_error = 0, largest_error = 0; // distance of vertices from the blends at fresh weights, of the diagonal
 };
 

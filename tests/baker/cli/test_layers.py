@@ -106,6 +106,19 @@ with tempfile.TemporaryDirectory(prefix="pliant_layers_") as temporary:
         outside = [point for point in read(work / "far.ply")
                    if any(not low <= x <= high for low, x, high in zip(bounds["min"], point, bounds["max"]))]
         assert not outside, (weights, bounds, outside[0])
+    # The unit of a weight makes no difference: of a layer that is a hundredth of the bend, and runs to 100.
+    write_obj(work / "hundredth.obj", tube(0, 0.012))
+    evaluations = {}
+    for layer, high in (("bent", 1), ("hundredth", 100)):
+        run("bake", "rest.obj", f"{layer}.obj", "--blend", "layers", "--range", f"0:{high}", "-o", "unit.pliant")
+        (work / "unit.csv").write_text("".join(f"{high * i / 20}\n" for i in range(21)), encoding="utf-8")
+        frames = json.loads(run("blend", "unit.pliant", "--path", "unit.csv", "-o", "u_%d.ply", "--json"))["frames"]
+        evaluations[layer] = sum(frame["evaluations"] for frame in frames)
+        run("export", "unit.pliant", "-o", "unit.glb")
+        glb = (work / "unit.glb").read_bytes()
+        table = json.loads(glb[20:20 + struct.unpack_from("<I", glb, 12)[0]])["meshes"][0]["extras"]["pliant"]["pose_table"]
+        assert table["error_of_diagonal"]["largest"] < 5e-3, (layer, table["error_of_diagonal"])
+    assert evaluations["hundredth"] < 2 * evaluations["bent"], evaluations
     samples = json.loads(run("measure", "tube.pliant", "rest.obj", "twisted.obj", "bent.obj", "--samples", "12", "--json"))
     errors = [sample["relative_l2"] for sample in samples["samples"]]
     assert max(errors) < 2 * report["measured"]["largest_error"], errors

@@ -201,6 +201,19 @@ def test_crash(folder):
     check("error P4602: large" in errors and bakes["small"]["outcome"] == "baked", "and harms no other")
 
 
+def test_young_children(folder):
+    """A signal to the whole group, at moments when some bakes do not listen yet: none of them crashed."""
+    poses(folder / "poses")
+    bakes = [{"name": f"bake_{i}", "poses": ["poses/rest.obj", "poses/bent.obj"], **QUICK} for i in range(12)]
+    manifest = write_json(folder / "all.json", {"bakes": bakes})
+    for delay in (0.1, 0.15, 0.2, 0.25, 0.3):
+        process = TOOL.start("bake-all", manifest, "--force", "--jobs", "4", start_new_session=True)
+        time.sleep(delay)
+        os.killpg(process.pid, signal.SIGTERM)
+        errors = process.communicate(timeout=60)[1]
+        check("P4602" not in errors, f"interrupted after {delay} s, no bake crashed: {errors}")
+
+
 def is_baking(pid):
     try:
         return b"--dry-run" not in pathlib.Path(f"/proc/{pid}/cmdline").read_bytes()
@@ -259,8 +272,8 @@ def test_configurations(folder):
 
 
 with tempfile.TemporaryDirectory(prefix="pliant-bake-all-") as name:
-    for number, test in enumerate((test_twelve, test_killed, test_interrupted, test_failures, test_crash, test_orphans,
-                                   test_memory, test_configurations)):
+    for number, test in enumerate((test_twelve, test_killed, test_interrupted, test_failures, test_crash,
+                                   test_young_children, test_orphans, test_memory, test_configurations)):
         place = pathlib.Path(name) / str(number)
         place.mkdir()
         test(place)

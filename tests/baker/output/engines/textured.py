@@ -64,6 +64,7 @@ def write(path, with_transform=False):
     builder.striped_material()
     if with_transform:
         builder.json["extensionsUsed"] = builder.json["extensionsRequired"] = ["KHR_texture_transform"]
+        builder.json["textures"][0]["source"] = 0.0  # whole numbers may be written so
         texture = builder.json["materials"][0]["pbrMetallicRoughness"]["baseColorTexture"]
         texture["extensions"] = {"KHR_texture_transform": {"offset": [0.25, 0]}}
     builder.json["materials"].append({"name": "lid", "pbrMetallicRoughness": {"baseColorFactor": LID, "metallicFactor": 0,
