@@ -10,7 +10,8 @@
    @endcode
 
    Wrong arguments and bad assets throw pliant::Error. Nothing else throws but std::bad_alloc, and only constructors
-   allocate. Threads: as pliant.h says of the C objects inside. */
+   allocate. An object that was moved from may be assigned to or destroyed, nothing else. Threads: as pliant.h says of the
+   C objects inside. */
 #ifndef PLIANT_HPP
 #define PLIANT_HPP
 
