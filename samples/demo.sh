@@ -54,7 +54,9 @@ newer_than() {
 
 build_tools() {
     local command=(cmake --build --preset release --parallel "$(nproc)" --target pliant creature pliant-player) steps
-    [[ -e $build/build.ninja ]] || cmake --preset release -DPLIANT_BUILD_TESTS=OFF > "$demo/configure.log" || {
+    # A folder that was configured before the player's packages were there has no player.
+    grep -qs '^build pliant-player:' "$build/build.ninja" \
+        || cmake --preset release -DPLIANT_BUILD_TESTS=OFF > "$demo/configure.log" || {
         tail -n 20 "$demo/configure.log" >&2
         return 1
     }

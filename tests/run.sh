@@ -43,6 +43,7 @@ while (($#)); do
     esac
     shift
 done
+((run_dev || run_asan)) || { echo "tests/run.sh: --dev and --asan exclude each other" >&2; exit 2; }
 
 passed=0 failed=0 skipped=0
 

@@ -103,7 +103,7 @@ BakedAsset bake(const PoseSet& poses, const BakeOptions& given, Progress& listen
 {
     PlannedProgress progress(listener, plan_stages());
     const BakeOptions options = resolve_options(given, poses);
-    warn_of_memory(estimate_bake(poses.vertex_count(), poses.pose_count(), options).memory, available_memory(), progress);
+    warn_of_memory(estimate_bake(poses, options).memory, available_memory(), progress);
     BakeReport report;
     Stopwatch watch;
     const TimeBudget budget(options.time_limit);

@@ -3,6 +3,7 @@
 #include "base/common/parallel.h"
 #include "base/weights/weights.h"
 #include "elastic/average/family.h"
+#include "input/gltf/render_scene.h"
 #include "pliant_format.h"
 #include "reduced/subspace/mixtures.h"
 
@@ -37,6 +38,16 @@ std::size_t snapshot_limit(std::size_t pose_count, const BakeOptions& options)
                                                : training_count(pose_count);
 }
 
+// Bytes of images and of the vertices' attributes.
+double scene_size(const PoseSet& poses)
+{
+    double size = 0;
+    if (!poses.scene) return size;
+    for (const std::string& image : poses.scene->images) size += double(image.size());
+    for (const VertexAttribute& attribute : poses.scene->attributes) size += sizeof(float) * double(attribute.values.size());
+    return size;
+}
+
 // The adaptive dimension depends on the poses. Of averages about four per pair, found on bodies in very different poses
 // (fewer when they are alike); of layers six each, of many poses twice their number.
 double expected_dimension(std::size_t pose_count, const BakeOptions& options)
@@ -61,9 +72,10 @@ int factorization_limit(std::size_t pose_count, const BakeOptions& options)
     return averages * (path_limit + 2 * step_limit);
 }
 
-BakeEstimate estimate_bake(std::size_t vertex_count, std::size_t pose_count, const BakeOptions& options)
+BakeEstimate estimate_bake(const PoseSet& poses, const BakeOptions& options)
 {
-    const double n = double(vertex_count), m = double(pose_count);
+    const std::size_t pose_count = poses.pose_count();
+    const double n = double(poses.vertex_count()), m = double(pose_count);
     const bool is_adaptive = options.subspace == SubspaceKind::adaptive, has_mixtures = is_of_mixtures(pose_count, options);
     BakeEstimate estimate {};
     estimate.dimension = Eigen::Index(expected_dimension(pose_count, options));
@@ -84,13 +96,13 @@ BakeEstimate estimate_bake(std::size_t vertex_count, std::size_t pose_count, con
         estimate.seconds = std::clamp(*options.time_limit, preview_share * estimate.seconds, estimate.seconds);
     // Factor and Hessian of every thread, all averages three times over while their directions are found, up to 64 with
     // their derivatives as rotations and strains (48 bytes a vertex of a surface), a few copies of the basis. Besides, the
-    // process and what it needs for the smallest of meshes.
+    // process and what it needs for the smallest of meshes, and the scene: read, kept, encoded, opened and written.
     constexpr double process = 40 << 20;
-    const double derivatives = has_mixtures ? 4 * m : 2 * m * std::min(training, 64 + m);
-    estimate.memory
-        = process + 18e3 * n * double(worker_count()) + 24 * n * (5 * d + (is_adaptive ? 3 * averages : 0) + derivatives);
+    const double derivatives = has_mixtures ? 4 * m : 2 * m * std::min(training, 64 + m), scene = scene_size(poses);
+    estimate.memory = process + 5 * scene + 18e3 * n * double(worker_count())
+        + 24 * n * (5 * d + (is_adaptive ? 3 * averages : 0) + derivatives);
     // Triangles, about 1.7 bytes for a number of the basis, and elements of 9 rows.
-    estimate.asset_size = 24 * n + 1.7 * n * d + 4 * d * 36 * (d + 1 + m);
+    estimate.asset_size = (options.keep_scene ? scene : 0) + 24 * n + 1.7 * n * d + 4 * d * 36 * (d + 1 + m);
     return estimate;
 }
 

@@ -22,6 +22,6 @@ struct BakeEstimate {
     double memory;
     double asset_size;
 };
-BakeEstimate estimate_bake(std::size_t vertex_count, std::size_t pose_count, const BakeOptions& options);
+BakeEstimate estimate_bake(const PoseSet& poses, const BakeOptions& options);
 
 } // namespace pliant

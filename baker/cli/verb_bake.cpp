@@ -117,6 +117,9 @@ void probe_all_outputs(const BakeRequest& a)
     if (!a.depfile.empty()) write_depfile(a.output, inputs); // throws at names that it cannot hold
     require_suffix("--output", a.output, ".pliant");
     require_suffix("--report", a.report, ".json");
+    // Who takes them for flags without a value names a pose.
+    require_suffix("--depfile", a.depfile, ".d");
+    require_suffix("--stamp", a.stamp, ".stamp");
 }
 
 // So that both may move together. Without a folder in common, or one that can be looked up, the absolute name.

@@ -157,7 +157,7 @@ ExitCode run_check(CheckArguments a, const CLI::App& verb)
                      turned_degrees(set, k), printable(poses.names[0]));
     print_folds(folds_of(set, a.bake.energy), poses.vertex_count());
     warn_of_contradictions(contradictions_of(poses, set), poses);
-    const BakeEstimate e = estimate_bake(poses.vertex_count(), poses.pose_count(), a.bake);
+    const BakeEstimate e = estimate_bake(poses, a.bake);
     print_to(stdout, "estimate of a bake ({}): d = {}, {}, {} of memory, an asset of {}\n", name_of(material), e.dimension,
              e.seconds < 1 ? "under a second" : duration_text(e.seconds), size_text(e.memory), size_text(e.asset_size));
     if (!poses.is_solid())
@@ -175,7 +175,7 @@ nlohmann::ordered_json describe_poses(const PoseSet& poses, const BakeOptions& o
     const NormalizedPoses set = normalize(poses, options.energy.keep_placement);
     const Material material = material_of(options.energy, poses.is_solid());
     const Folds folds = folds_of(set, options.energy);
-    const BakeEstimate e = estimate_bake(poses.vertex_count(), poses.pose_count(), options);
+    const BakeEstimate e = estimate_bake(poses, options);
     nlohmann::ordered_json list = nlohmann::ordered_json::array();
     for (std::size_t k = 0; k < poses.pose_count(); ++k)
         list.push_back({ { "name", poses.names[k] }, { "turned_degrees", turned_degrees(set, k) } });

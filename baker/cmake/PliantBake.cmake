@@ -8,7 +8,9 @@
 # DEPENDS is for inputs that other rules of the project make. OPTIONS are those of the command line: OPTIONS --tolerance-max
 # 0.01 --seed 7. Needs the Ninja or a Makefile generator (DEPFILE). Paths of the project and of the files that the bake reads
 # must not have characters that dependency files cannot express, such as '=', '%', '[' or a quote (P4604). With Ninja neither
-# '#' nor '$': CMake (3.25) does not escape them there, and the asset is baked at every build.
+# '#' nor '$': CMake (3.25) does not escape them there, and the asset is baked at every build. With Makefiles CMake (3.25)
+# never forgets a file of a dependency file: when one is removed or renamed, delete compiler_depend.* below CMakeFiles/ in
+# the build folder, or the asset is baked at every build.
 cmake_policy(PUSH)
 cmake_policy(VERSION 3.20...3.25) # 3.20: dependency files of both generators, paths in them as they are meant
 

@@ -22,6 +22,13 @@ std::size_t name_width(const std::vector<BatchJob>& jobs)
 
 bool has_asset(const BatchJob& job) { return job.file_size > 0; }
 
+// Whether the output is what this bake has made. One that names an error has left an older one.
+bool is_of_bake(const BatchJob& job)
+{
+    return job.outcome == Outcome::up_to_date || job.outcome == Outcome::baked
+        || (job.outcome == Outcome::misses_tolerance && job.error_number == 0);
+}
+
 std::string or_dash(bool is_known, const std::string& text) { return is_known ? text : "-"; }
 
 Json measured_json(const BatchJob& job)
@@ -64,10 +71,8 @@ std::string name_of(Outcome outcome)
 
 void read_figures(BatchJob& job)
 {
-    const bool may_have_asset
-        = job.outcome == Outcome::up_to_date || job.outcome == Outcome::baked || job.outcome == Outcome::misses_tolerance;
     std::error_code error;
-    if (!may_have_asset || !std::filesystem::exists(job.output, error)) return;
+    if (!is_of_bake(job) || !std::filesystem::exists(job.output, error)) return;
     try {
         const RuntimeBlender blender = RuntimeBlender::from_file(job.output);
         job.file_size = double(blender.asset().blob_size);

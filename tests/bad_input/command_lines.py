@@ -9,10 +9,10 @@ NOTHING = """
     missing_file one_pose too_many_poses good output_folder_missing output_is_folder output_is_input output_is_device
     output_name_too_long output_is_dash unknown_option misspelt_option option_begun option_with_one_dash
     option_before_verb option_without_verb option_twice misspelt_verb verb_begun verb_version verb_completion
-    bake_output_kind weights_not_numbers weights_by_name too_few_weights negative_weight range_without_zero range_too_far
-    range_of_no_layer range_of_average range_unreadable range_decimal_comma layers_with_krylov placed_with_krylov
-    many_poses_with_krylov grid_too_fine
-    layer_grid_too_fine too_few_layer_weights infinite_layer_weight layers_without_shape list_without_grid
+    bake_output_kind bake_stamp_kind bake_depfile_kind weights_not_numbers weights_by_name too_few_weights
+    negative_weight range_without_zero range_too_far range_of_no_layer range_of_average range_unreadable
+    range_decimal_comma layers_with_krylov placed_with_krylov many_poses_with_krylov grid_too_fine layer_grid_too_fine
+    too_few_layer_weights infinite_layer_weight layers_without_shape list_without_grid
     average_path_one_name average_pattern not_an_asset tolerance_missed tolerance_unchecked preview_and_limit
     time_limit_negative value_too_large value_not_a_number value_not_whole value_misspelt value_missing value_of_flag
     argument_missing output_missing argument_superfluous choice_of_plain_file idle_poisson idle_thickness memory_without_unit

@@ -292,6 +292,8 @@ case("surface_index", lambda: {"shell.obj": shell_text(0.5, face="f 1 3 9")})
 case("surface_nan", lambda: {"shell.obj": shell_text(0.5).replace("v 1 1.5 1.5", "v 1 nan 1.5")})
 case("surface_far", lambda: {"shell.obj": shell_text(50, place=(100, 100, 150))})
 case("surface_outside", lambda: {"shell.obj": shell_text(0.5).replace("v 1 1 2", "v 1 1 3.1")})
+case("surface_concave",
+     lambda: {"shell.obj": "v 0.5 0.5 1\nv 1 0.9 1\nv 1.5 0.5 1\nv 1 1.5 1\nf 1 2 3 4\n"})
 case("surface_is_solid", lambda: {})
 case("surface_without_area", lambda: {"shell.obj": "v 0 0 0\nv 1 1 1\nv 2 2 2\nf 1 2 3\n"})
 case("output_is_surface", lambda: {"shell.obj": shell_text(0.5)})

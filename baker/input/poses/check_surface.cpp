@@ -42,29 +42,6 @@ double half_size(const Positions& positions)
     return (0.5 * positions.colwise().maxCoeff() - 0.5 * positions.colwise().minCoeff()).maxCoeff();
 }
 
-// A fan covers a polygon once only if the polygon is convex, or at least visible from its first corner.
-void check_fans(const MeshFile& mesh, const Triangulation& triangulation, const Positions& positions,
-                DiagnosticList& diagnostics)
-{
-    const std::vector<Triangle>& triangles = triangulation.triangles;
-    for (std::size_t begin = 0, end = 0; begin < triangles.size(); begin = end) {
-        const std::uint32_t face = triangulation.faces[begin];
-        Eigen::Vector3d sum = Eigen::Vector3d::Zero();
-        for (; end < triangles.size() && triangulation.faces[end] == face; ++end)
-            sum += area_vector(positions, triangles[end]);
-        if (end - begin < 2) continue;
-        for (std::size_t t = begin; t < end; ++t) {
-            if (area_vector(positions, triangles[t]).dot(sum) > 0) continue;
-            diagnostics.add(about_faces(
-                warning_at(2210, where_is_face(mesh, face),
-                           fmt::format("face {} is not convex: its triangles from the first corner overlap", face),
-                           "triangulate it before you export it, the same way in all poses"),
-                { face }));
-            break;
-        }
-    }
-}
-
 } // namespace
 
 double coordinate_rounding(const Positions& positions)
@@ -117,10 +94,33 @@ std::vector<FlatTriangle> find_flat_triangles(const MeshFile& mesh, const std::v
     return flat;
 }
 
+// A fan covers a polygon once only if the polygon is convex, or at least visible from its first corner.
+void check_polygons(const MeshFile& mesh, const Triangulation& triangulation, DiagnosticList& diagnostics)
+{
+    const Positions positions = to_unit_box(mesh.positions);
+    const std::vector<Triangle>& triangles = triangulation.triangles;
+    for (std::size_t begin = 0, end = 0; begin < triangles.size(); begin = end) {
+        const std::uint32_t face = triangulation.faces[begin];
+        Eigen::Vector3d sum = Eigen::Vector3d::Zero();
+        for (; end < triangles.size() && triangulation.faces[end] == face; ++end)
+            sum += area_vector(positions, triangles[end]);
+        if (end - begin < 2) continue;
+        for (std::size_t t = begin; t < end; ++t) {
+            if (area_vector(positions, triangles[t]).dot(sum) > 0) continue;
+            diagnostics.add(about_faces(
+                warning_at(2210, where_is_face(mesh, face),
+                           fmt::format("face {} is not convex: its triangles from the first corner overlap", face),
+                           "triangulate it before you export it, the same way in all poses"),
+                { face }));
+            break;
+        }
+    }
+}
+
 void check_shape(const MeshFile& mesh, const Triangulation& triangulation, DiagnosticList& diagnostics)
 {
     check_precision(mesh, diagnostics);
-    check_fans(mesh, triangulation, to_unit_box(mesh.positions), diagnostics);
+    check_polygons(mesh, triangulation, diagnostics);
 }
 
 std::string where_is_face(const MeshFile& mesh, std::size_t face)

@@ -19,6 +19,9 @@ std::vector<FlatTriangle> find_flat_triangles(const MeshFile& mesh, const std::v
 // whose fan of triangles folds over.
 void check_shape(const MeshFile& mesh, const Triangulation& triangulation, DiagnosticList& diagnostics);
 
+// The part of it that looks at polygons: P2210.
+void check_polygons(const MeshFile& mesh, const Triangulation& triangulation, DiagnosticList& diagnostics);
+
 // The part of it that has nothing to do with surfaces: P2209.
 void check_precision(const MeshFile& mesh, DiagnosticList& diagnostics);
 

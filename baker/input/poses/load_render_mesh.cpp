@@ -8,6 +8,7 @@
 #include <cmath>
 #include <fmt/format.h>
 #include <limits>
+#include <utility>
 
 namespace pliant {
 namespace {
@@ -54,6 +55,15 @@ void check_is_surface(const MeshFile& mesh, const std::vector<Triangle>& triangl
             "the surface must lie at the place of the first pose, in the same units; or mesh a larger solid around it"));
 }
 
+// Of poses loading checks them.
+void warn_of_polygons(const MeshFile& mesh, const Triangulation& triangulation, std::vector<Diagnostic>* warnings)
+{
+    if (!warnings) return;
+    DiagnosticList found;
+    check_polygons(mesh, triangulation, found);
+    for (Diagnostic& warning : found.diagnostics()) warnings->push_back(std::move(warning));
+}
+
 void require_solid(const PoseSet& poses)
 {
     if (!poses.is_solid())
@@ -74,8 +84,10 @@ RenderMesh embed_render_mesh(MeshFile mesh, const PoseSet& poses, std::vector<Di
 {
     require_solid(poses);
     RenderMesh surface;
-    surface.triangles = triangulate(mesh.faces).triangles;
-    check_is_surface(mesh, surface.triangles);
+    Triangulation triangulation = triangulate(mesh.faces);
+    check_is_surface(mesh, triangulation.triangles);
+    warn_of_polygons(mesh, triangulation, warnings);
+    surface.triangles = std::move(triangulation.triangles);
     const double size = box_diagonal(poses.positions[0]);
     surface.embedding = embed(mesh.positions, poses.positions[0], poses.tets, outside_limit * size);
     const Eigen::VectorXd& distances = surface.embedding.distances;

@@ -11,7 +11,7 @@ import tempfile
 import time
 
 import support
-from support import QUICK, check, poses, write_json
+from support import QUICK, check, poses, write_gltf, write_json
 
 TOOL, SOURCE = support.Tool(sys.argv[1]), pathlib.Path(sys.argv[2])
 TWELVE = [f"hero{i:02d}" for i in range(12)]
@@ -165,7 +165,13 @@ def test_failures(folder):
         outcomes, result = run(manifest)
         check(result.returncode == 4 and outcomes["c"] == "misses tolerance" and (folder / "out/c.pliant").exists(),
               f"--best-effort: {text}")
+        check("mean_error" in json.loads(result.stdout)["bakes"][2], "with its error")
     check("c: started" not in result.stderr, "which bakes nothing")
+    value["bakes"][2]["best_effort"] = False
+    write_json(manifest, value)
+    c = json.loads(run(manifest)[1].stdout)["bakes"][2]
+    check(c["outcome"] == "misses tolerance" and not {"file_size", "elements", "mean_error"} & set(c),
+          f"the figures of an older asset are not those of a bake that writes none: {c}")
     (folder / "poses/a/bent.obj").write_text("v 0 0 nan\nf 1 1 1\n", encoding="utf-8")
     outcomes, result = run(manifest, "--force", "--fail-fast")
     check(result.returncode == 1 and outcomes["a"] == "failed" and done(outcomes, "not started") == ["b", "c", "d"],
@@ -256,6 +262,13 @@ def test_memory(folder):
     together, result = run(manifest, "--jobs", "3", "--force")
     steps = re.findall(r"(?m)^pliant bake-all: (?:(\w): started|\[\d/3\] (\w): baked)", result.stderr)
     check(done(together, "baked") == names and [a for a, b in steps[:3]] == names, f"memory for all: together {steps}")
+    write_gltf(folder / "hero.gltf", folder)
+    dry_run = ["bake", folder / "hero.gltf", "-o", folder / "hero.pliant", "--dry-run", "--json"]
+    without = json.loads(TOOL.run(*dry_run).stdout)["estimate"]
+    with (folder / "skin.png").open("ab") as image:
+        image.write(bytes(8 << 20))
+    estimate = json.loads(TOOL.run(*dry_run).stdout)["estimate"]
+    check(estimate["memory"] - without["memory"] == 5 * (8 << 20), f"images take memory {without} {estimate}")
 
 
 def test_configurations(folder):
