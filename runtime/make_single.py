@@ -55,6 +55,8 @@ def main():
     if len(sys.argv) != 2:
         sys.exit(__doc__)
     folder = Path(sys.argv[1])
+    if folder.resolve() == RUNTIME:
+        sys.exit("make_single.py: FOLDER is that of the sources: name another one")
     folder.mkdir(parents=True, exist_ok=True)
     licence = (ROOT / "LICENSE").read_text(encoding="utf-8").strip()
     text, seen = HEAD.format(licence=licence), {"pliant.h"}

@@ -15,8 +15,10 @@
 #include "pipeline/depfile.h"
 #include "pipeline/stamp.h"
 
+#include <algorithm>
 #include <filesystem>
 #include <fmt/core.h>
+#include <iterator>
 #include <memory>
 #include <new>
 #include <system_error>
@@ -136,6 +138,27 @@ std::string asset_seen_from_report(const BakeRequest& a)
     return asset.empty() ? a.output : asset.generic_string();
 }
 
+// A file that was written again while the bake ran is newer than the asset, as build systems see it.
+void date_before(const std::vector<ReadFile>& outdated, const std::string& output)
+{
+    std::error_code ignored;
+    for (const ReadFile& file : outdated) {
+        const auto time = std::filesystem::last_write_time(output, ignored);
+        std::filesystem::last_write_time(output, std::min(*file.written, time), ignored);
+    }
+}
+
+// The files among them that were written again.
+std::vector<ReadFile> warn_of_outdated(const std::vector<ReadFile>& files, Progress& progress)
+{
+    std::vector<ReadFile> outdated;
+    std::copy_if(files.begin(), files.end(), std::back_inserter(outdated), is_outdated);
+    for (const ReadFile& file : outdated)
+        progress.warn(4606, fmt::format("{} was written again while the bake ran: the asset is of the old file", file.path),
+                      "bake again");
+    return outdated;
+}
+
 // The dependencies come before the asset: who is stopped in between leaves an old asset with the new ones, which does no
 // harm. The report comes behind it, since it is about this asset, and the stamp last, since it says that both are whole.
 void write_outputs(const BakeRequest& a, const BakedAsset& baked, const std::vector<Diagnostic>& warnings,
@@ -189,12 +212,14 @@ ExitCode run_bake(BakeRequest& a, CLI::App& verb)
     }
     const BakedAsset baked = bake(poses, a.bake, progress);
     const ExitCode outcome = check_tolerance(a, baked, progress);
+    const std::vector<ReadFile> outdated = warn_of_outdated(log.files(), progress);
     add_warnings(progress.warnings(), baked.report, warnings);
     StampContent stamp;
     if (!a.stamp.empty()) stamp.options = stamped_options(config, a.output);
     stamp.exit_code = int(outcome);
     stamp.seconds = seconds_of(baked.report);
     write_outputs(a, baked, warnings, log.files(), std::move(stamp));
+    date_before(outdated, a.output);
     progress.clear_line();
     if (a.is_json)
         print_to(stdout, "{}\n", write_report(baked.report, a.output, warnings));

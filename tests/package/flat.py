@@ -33,6 +33,9 @@ def fill(root, form, folder):
 def hash_of(root, command, compiler, folder, assets):
     """Compiles everything in `folder` there by `command`, and runs test_bits, compiled by `compiler`, with it."""
     sources = sorted(path.name for path in folder.glob("*.c"))
+    fast = subprocess.run([*command, *STRICT, "-ffast-math", "-ffp-contract=off", "-c", *sources], cwd=folder, check=False,
+                          capture_output=True, text=True)
+    assert fast.returncode != 0 and "cannot be compiled with fast-math" in fast.stderr, fast.stderr
     subprocess.run([*command, *STRICT, "-c", *sources], cwd=folder, check=True)
     objects = sorted(str(path) for path in folder.glob("*.o"))
     program = folder / "bits"

@@ -10,7 +10,19 @@ namespace {
 
 thread_local ReadLog* innermost = nullptr;
 
+// Pipes have no time of their own.
+std::optional<std::filesystem::file_time_type> write_time(const std::string& path)
+{
+    std::error_code error;
+    if (!std::filesystem::is_regular_file(path, error)) return {};
+    const std::filesystem::file_time_type time = std::filesystem::last_write_time(path, error);
+    if (error) return {};
+    return time;
+}
+
 } // namespace
+
+bool is_outdated(const ReadFile& file) { return file.written && write_time(file.path) != file.written; }
 
 ReadLog::ReadLog()
     : outer_(innermost)
@@ -27,7 +39,8 @@ void ReadLog::note(const std::string& path, const std::function<ReadFile()>& fil
 
 void note_reading(const std::string& path, const std::optional<std::string>& bytes)
 {
-    if (innermost) innermost->note(path, [&] { return ReadFile { path, bytes ? sha256_hex(*bytes) : "", "" }; });
+    if (innermost)
+        innermost->note(path, [&] { return ReadFile { path, bytes ? sha256_hex(*bytes) : "", "", write_time(path) }; });
 }
 
 void note_link(const std::string& path)

@@ -1,6 +1,7 @@
 // Which files were read, and what was in them: for dependency files and stamps.
 #pragma once
 
+#include <filesystem>
 #include <functional>
 #include <optional>
 #include <string>
@@ -14,7 +15,11 @@ struct ReadFile {
     std::string path;   // as it was opened
     std::string digest; // SHA-256 of its bytes; empty: could not be read
     std::string place;  // of a file that was not read by this name: what its links lead to; else empty
+    std::optional<std::filesystem::file_time_type> written = {}; // of a regular file: its time then
 };
+
+// Whether it was written again since it was read.
+bool is_outdated(const ReadFile& file);
 
 // While one lives, every read_bytes of its thread is noted in it, each path once, in the order of the first reading. Logs of
 // one thread nest: the innermost one notes.

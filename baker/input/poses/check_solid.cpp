@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 #include <fmt/format.h>
+#include <limits>
 
 namespace pliant {
 namespace {
@@ -19,6 +20,9 @@ constexpr double volume_limit = 1e-6;
 
 // Nor may a tetrahedron be smaller than this part of the mean volume: in lengths, 1e-5. See area_limit for triangles.
 constexpr double relative_volume_limit = 1e-15;
+
+// Single precision holds seven digits of a force: beyond this ratio those of the softest material are lost among the others.
+constexpr double most_stiffness = 1e4;
 
 bool has_repeated_vertex(Tetrahedron t)
 {
@@ -77,6 +81,20 @@ Volumes measure(const MeshFile& mesh)
 } // namespace
 
 std::string corners_of(const Tetrahedron& t) { return fmt::format("{} {} {} {}", t[0], t[1], t[2], t[3]); }
+
+void check_stiffness(const MeshFile& mesh, DiagnosticList& diagnostics)
+{
+    double softest = std::numeric_limits<double>::infinity(), stiffest = 0;
+    for (const std::uint32_t material : mesh.regions.of_tet) {
+        softest = std::min(softest, mesh.regions.materials[material].young);
+        stiffest = std::max(stiffest, mesh.regions.materials[material].young);
+    }
+    if (!(stiffest > most_stiffness * softest)) return;
+    diagnostics.add(warning_at(3016, mesh.path,
+                               fmt::format("its stiffest material is {:.2g} times as stiff as its softest (above {:.0f})",
+                                           stiffest / softest, most_stiffness),
+                               "the bake takes long and may miss its tolerance: 1,000 times is as good as rigid"));
+}
 
 std::string where_is_tet(const MeshFile& mesh, std::size_t tet)
 {

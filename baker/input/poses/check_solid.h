@@ -22,6 +22,9 @@ bool check_volumes(const MeshFile& mesh, const MeshFile* first, DiagnosticList& 
 // were found to be wrong, which explains it). Warning: P2217 the boundary touches itself.
 void check_tets(const MeshFile& mesh, bool has_good_volumes, DiagnosticList& diagnostics);
 
+// Warning P3016 if the stiffest material that is used is so much stiffer than the softest that bakes miss their tolerance.
+void check_stiffness(const MeshFile& mesh, DiagnosticList& diagnostics);
+
 // "rod.msh:812" for tetrahedron 377 of a text file, "rod.msh" for one of a binary file.
 std::string where_is_tet(const MeshFile& mesh, std::size_t tet);
 

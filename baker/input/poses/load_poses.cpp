@@ -52,6 +52,7 @@ bool check_solids(const std::vector<MeshFile>& meshes, const Triangulation& boun
 {
     const MeshFile& first = meshes[0];
     check_tets(first, check_volumes(first, nullptr, diagnostics), diagnostics);
+    check_stiffness(first, diagnostics);
     bool is_comparable = true;
     for (std::size_t k = 1; k < meshes.size(); ++k) {
         if (!check_same_kind(first, meshes[k], diagnostics) || !check_same_tets(first, meshes[k], diagnostics)) {

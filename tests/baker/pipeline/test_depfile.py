@@ -83,6 +83,21 @@ def test_programs(folder):
         check(rebuilt(), f"{program} bakes again after a change")
 
 
+def test_race(folder):
+    """A pose that is exported again while its bake runs: the next build bakes again."""
+    for name, bend in (("rest", 0), ("bent", 1.5)):
+        support.sheet(folder / f"{name}.obj", bend, n=24)
+    process = TOOL.start("bake", "rest.obj", "bent.obj", "-o", "x.pliant", "--report", "x.json", cwd=folder)
+    while "mean" not in (line := process.stderr.readline()) and line:
+        pass
+    support.sheet(folder / "bent.obj", 1, n=24)
+    errors = process.communicate(timeout=280)[1]
+    check(process.returncode == 0 and "warning P4606: bent.obj was written again" in errors, f"told {errors}")
+    check("4606" in (folder / "x.json").read_text(encoding="utf-8"), "in the report, too")
+    times = [(folder / name).stat().st_mtime_ns for name in ("rest.obj", "x.pliant", "bent.obj")]
+    check(times[1] < times[2], f"the asset is older than its pose {times}")
+
+
 def test_any_bytes(folder):
     """A name that is not UTF-8 stands in the dependencies as it is; JSON has a replacement for it."""
     support.poses(folder)
@@ -135,7 +150,7 @@ def test_never_half(folder):
 
 
 with tempfile.TemporaryDirectory(prefix="pliant-depfile-") as name:
-    for number, test in enumerate((test_plain, test_gltf, test_programs, test_any_bytes, test_never_half)):
+    for number, test in enumerate((test_plain, test_gltf, test_programs, test_race, test_any_bytes, test_never_half)):
         place = pathlib.Path(name) / str(number)
         place.mkdir()
         test(place)
