@@ -22,7 +22,11 @@ std::optional<std::filesystem::file_time_type> write_time(const std::string& pat
 
 } // namespace
 
-bool is_outdated(const ReadFile& file) { return file.written && write_time(file.path) != file.written; }
+bool is_outdated(const ReadFile& file)
+{
+    const std::optional<std::filesystem::file_time_type> now = write_time(file.path);
+    return file.written && now && *now != *file.written;
+}
 
 ReadLog::ReadLog()
     : outer_(innermost)
