@@ -8,8 +8,8 @@
 
 #include <string.h>
 
-/* Functions round by adding and subtracting a large number, which fast-math takes away: shapes would be wrong by a fifth of
-   their size. With contraction off clang defines the second macro alone. */
+/* Functions round by adding and subtracting a large number, which fast-math leaves out: shapes would be wrong. With
+   contraction off clang defines the second macro alone. */
 #if defined(__FAST_MATH__) || (defined(__FINITE_MATH_ONLY__) && __FINITE_MATH_ONLY__) || defined(_M_FP_FAST)
 #error "Pliant cannot be compiled with fast-math: add -fno-fast-math, of MSVC /fp:precise"
 #endif

@@ -119,7 +119,7 @@ void probe_all_outputs(const BakeRequest& a)
     if (!a.depfile.empty()) write_depfile(a.output, inputs); // throws at names that it cannot hold
     require_suffix("--output", a.output, ".pliant");
     require_suffix("--report", a.report, ".json");
-    // Who takes them for flags without a value names a pose.
+    // A user who takes these for flags without a value has named a pose, which they would replace.
     require_suffix("--depfile", a.depfile, ".d");
     require_suffix("--stamp", a.stamp, ".stamp");
 }

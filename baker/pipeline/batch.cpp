@@ -81,7 +81,7 @@ void take_estimate(BatchJob& job, const ChildEnd& end, double memory)
                  "raise --memory, lower --threads, or bake a coarser mesh")));
 }
 
-// A child that is asked to stop ends with an exit code, unless it is so young that it does not listen yet.
+// A child that is asked to stop ends with an exit code, or by the signal if it has not installed its handlers yet.
 bool is_interruption(const ChildEnd& end)
 {
     return end.signal == SIGINT || end.signal == SIGTERM || end.exit_code == int(ExitCode::interrupted);

@@ -64,7 +64,7 @@ case $way in
         "$work_dir/gl_consumer"
         ;;
     subdirectory)
-        # The runtime is not compiled with the fast-math of the other project, or it would not compile.
+        # The runtime takes back the fast-math of the other project: its sources refuse it.
         build_and_run -DPLIANT_SOURCE="$source_dir" -DCMAKE_C_FLAGS=-ffast-math
         # The licence lies beside that of the other project, whose folder has another name.
         cmake --install "$work_dir/consumer" --prefix "$work_dir/prefix"

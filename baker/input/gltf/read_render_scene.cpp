@@ -118,7 +118,7 @@ GltfJson take_images(const GltfDocument& document, RenderScene& out, std::vector
     return images;
 }
 
-// The place in `numbers` that a whole number names, however it is written; -1: none.
+// The element of `numbers` that a whole number selects, also one written as 1.0; -1: there is none.
 int number_at(const GltfJson& place, const std::vector<int>& numbers)
 {
     if (!place.is_number()) return -1;

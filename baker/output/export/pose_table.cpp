@@ -56,7 +56,8 @@ double extent_of(const std::vector<Weights>& centres)
     return std::max(1.0, (high - low).maxCoeff());
 }
 
-// Coefficients are multiplied with cubes of distances: weights up to ten have coefficients of a thousandth.
+// Coefficients are multiplied by cubes of distances: for weights up to ten they are a thousandth as large, and need three
+// digits more.
 void round_coefficients(RadialFunction& function)
 {
     const double digits = coefficient_digits * std::pow(10, std::ceil(3 * std::log10(extent_of(function.centres))));

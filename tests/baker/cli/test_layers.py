@@ -106,7 +106,7 @@ with tempfile.TemporaryDirectory(prefix="pliant_layers_") as temporary:
         outside = [point for point in read(work / "far.ply")
                    if any(not low <= x <= high for low, x, high in zip(bounds["min"], point, bounds["max"]))]
         assert not outside, (weights, bounds, outside[0])
-    # The unit of a weight makes no difference: of a layer that is a hundredth of the bend, and runs to 100.
+    # The unit of a weight makes no difference: one layer is a hundredth of the bend, and its weight runs to 100.
     write_obj(work / "hundredth.obj", tube(0, 0.012))
     evaluations = {}
     for layer, high in (("bent", 1), ("hundredth", 100)):

@@ -315,16 +315,18 @@ def check_many_layers():
 
 
 def check_stated_error(thing, asset):
+    """At mixtures of the kinds that the stated errors are of: single layers, pairs, and mostly all three."""
     stated = json.loads(thing.data.pliant.table)["error_of_diagonal"]
-    rows = np.random.default_rng(1).uniform(0, 1, (8, 3)).round(3).tolist()
-    distances = []
-    for weights in rows:
+    rows = np.random.default_rng(1).uniform(0.3, 1, (24, 3)).round(3)
+    rows[::6, 1:] = rows[1::6, 0] = 0
+    distances, wanted = [], []
+    for weights in rows.tolist():
         set_weights(thing, *weights)
-        wanted = blended(asset, weights)
-        distances.append(np.linalg.norm(shown(thing) - wanted, axis=1) / np.linalg.norm(np.ptp(wanted, axis=0)))
+        wanted.append(blended(asset, weights))
+        distances.append(np.linalg.norm(shown(thing) - wanted[-1], axis=1))
+    distances = np.array(distances) / np.linalg.norm(np.ptp(np.concatenate(wanted), axis=0))
     mean, largest = np.mean(distances), np.max(distances)
-    # Dense mixtures alone are worse than the mean with single layers and pairs.
-    check(mean < 3 * stated["mean"] + 1e-5, f"the shape keys are {mean} off, {stated} stated")
+    check(mean < 2 * stated["mean"] + 1e-5, f"the shape keys are {mean} off, {stated} stated")
     check(largest < 2 * stated["largest"] + 1e-4, f"the shape keys are {largest} off, {stated} stated")
     print(f"shape keys: mean {mean:.1e}, largest {largest:.1e} of the diagonal, stated {stated}")
 
