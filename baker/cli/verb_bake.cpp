@@ -16,6 +16,7 @@
 #include "pipeline/stamp.h"
 
 #include <algorithm>
+#include <chrono>
 #include <filesystem>
 #include <fmt/core.h>
 #include <iterator>
@@ -138,13 +139,16 @@ std::string asset_seen_from_report(const BakeRequest& a)
     return asset.empty() ? a.output : asset.generic_string();
 }
 
-// A file that was written again while the bake ran is newer than the asset, as build systems see it.
+// A file that was written again while the bake ran is to be newer than the asset, as build systems see it. The copy of an
+// older file may have an old time.
 void date_before(const std::vector<ReadFile>& outdated, const std::string& output)
 {
-    std::error_code ignored;
+    constexpr std::chrono::seconds coarsest(2); // of file systems (FAT)
+    std::error_code error;
     for (const ReadFile& file : outdated) {
-        const auto time = std::filesystem::last_write_time(output, ignored);
-        std::filesystem::last_write_time(output, std::min(*file.written, time), ignored);
+        const auto time = std::filesystem::last_write_time(output, error),
+                   pose_time = std::filesystem::last_write_time(file.path, error);
+        if (!error) std::filesystem::last_write_time(output, std::min(time, pose_time - coarsest), error);
     }
 }
 

@@ -13,7 +13,7 @@ PLACES = {"__init__.py": ("(0, 0, 0)", "({}, {}, {})"), "blender_manifest.toml":
 
 def content(path, version):
     """A file of the package, with the version of the project."""
-    text = path.read_text()
+    text = path.read_text(encoding="utf-8")
     if path.name in PLACES:
         place, form = PLACES[path.name]
         if text.count(place) != 1:
@@ -26,9 +26,10 @@ def main(output):
     version = re.findall(r"^#define PLIANT_VERSION_(?:MAJOR|MINOR|PATCH) (\d+)", HEADER.read_text(), re.M)
     partial = output.with_name(output.name + ".part")
     with zipfile.ZipFile(partial, "w", zipfile.ZIP_DEFLATED) as archive:
-        for path in sorted([*PACKAGE.glob("*.py"), *PACKAGE.glob("*.toml")]):
-            archive.writestr(f"{PACKAGE.name}/{path.name}", content(path, version))
-        archive.write(HERE.parents[1] / "LICENSE", f"{PACKAGE.name}/LICENSE")
+        for path in [*sorted([*PACKAGE.glob("*.py"), *PACKAGE.glob("*.toml")]), HERE.parents[1] / "LICENSE"]:
+            entry = zipfile.ZipInfo.from_file(path, f"{PACKAGE.name}/{path.name}")
+            entry.external_attr = 0o644 << 16 # for all users to read, whatever the umask
+            archive.writestr(entry, content(path, version), zipfile.ZIP_DEFLATED)
     partial.replace(output)
     return 0
 

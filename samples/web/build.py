@@ -6,6 +6,7 @@ runtime/bindings/web/build.py has made; without it, it is made now. Any web serv
 python3 -m http.server --directory FOLDER
 """
 import argparse
+import re
 import shutil
 import subprocess
 import sys
@@ -31,6 +32,10 @@ def main():
     parser.add_argument("assets", type=Path, nargs="*", metavar="ASSET")
     parser.add_argument("--package", type=Path)
     options = parser.parse_args()
+    names = [asset.name for asset in options.assets]
+    for name in names:
+        if names.count(name) > 1 or not re.fullmatch(r"[\w.-]+", name, re.ASCII):
+            parser.error(f"{name}: names of assets must differ and have letters, digits, '_', '.' and '-' only")
     folder = options.folder
     with tempfile.TemporaryDirectory() as name:
         modules = Path(name)

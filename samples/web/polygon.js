@@ -35,13 +35,14 @@ export function weightsOf(point, corners) {
   if (at >= 0) return weights.map((_, k) => (k === at ? 1 : 0));
   for (let k = 0; k < n; ++k) {
     const next = (k + 1) % n, area = cross(rays[k], rays[next]), cosine = dot(rays[k], rays[next]);
-    if (Math.abs(area) < 1e-9 && cosine < 0) { // on this edge
+    const denominator = lengths[k] * lengths[next] + cosine;
+    if (denominator < 1e-9 * lengths[k] * lengths[next]) { // on this edge: the rays are opposite
       weights.fill(0);
       weights[k] = lengths[next];
       weights[next] = lengths[k];
       break;
     }
-    const tangent = area / (lengths[k] * lengths[next] + cosine); // of half the angle between both rays
+    const tangent = area / denominator; // of half the angle between both rays
     weights[k] += tangent / lengths[k];
     weights[next] += tangent / lengths[next];
   }

@@ -81,6 +81,9 @@ Target resolve(const std::string& path)
     if (S_ISDIR(status.st_mode)) fail(error_at(4003, path, "is a folder", "name a file in it"));
     // Renaming over a device or a pipe would replace it.
     if (!S_ISREG(status.st_mode)) fail(error_at(4006, path, "is not a regular file", "name another output"));
+    // Renaming would replace it all the same; version control protects files that are not checked out.
+    if (!(status.st_mode & 0222))
+        fail(error_at(4006, path, "is write-protected", "make it writable (or check it out), or name another output"));
     target.file_id = FileId { status.st_dev, status.st_ino };
     target.mode = status.st_mode & 0777;
     return target;

@@ -77,6 +77,8 @@ Subspace build_subspace(const NormalizedPoses& set, const Eigen::MatrixXd& vecto
     subspace.basis.resize(set.dof_count(), kept.cols() + extra);
     subspace.basis.leftCols(kept.cols()) = kept;
     if (extra > 0) subspace.basis.rightCols(extra) = directions;
+    // Sums of equal coordinates are rounded, and fixed vertices are to be still to the bit.
+    for (const std::uint32_t v : set.fixed_vertices) subspace.basis.middleRows(3 * Eigen::Index(v), 3).setZero();
 
     subspace.pose_coordinates.setZero(subspace.dimension(), m);
     if (m > 1) subspace.pose_coordinates.rightCols(m - 1) = subspace.basis.transpose() * times_mass(differences, set.masses);

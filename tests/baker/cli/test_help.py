@@ -139,6 +139,12 @@ def check_talk(folder):
     assert not embedded.stderr and "valid" in run("validate", "embedded.glb", cwd=folder).stdout
     command = run("check", "rest.obj", "bent.obj", "--weld", "0", cwd=folder).stdout.splitlines()[-1]
     assert command == "to bake: pliant bake rest.obj bent.obj --weld 0 -o rest.pliant", command
+    odd = "it's\x1b[2J\\x.obj"
+    (folder / odd).write_bytes((folder / "bent.obj").read_bytes())
+    command = run("check", "rest.obj", odd, cwd=folder).stdout.splitlines()[-1].removeprefix("to bake: ")
+    assert "\x1b" not in command, command
+    words = subprocess.run(["bash", "-c", f"printf '%s\n' {command}"], capture_output=True, text=True, check=True).stdout
+    assert words.splitlines()[3] == odd, words
 
 
 with tempfile.TemporaryDirectory(prefix="pliant_help_") as temporary:

@@ -34,6 +34,21 @@ def unity(stand_ins, tool, asset, _layers, folder):
     assert (vertices.min(axis=0) >= low - 1e-5 * size).all() and (vertices.max(axis=0) <= high + 1e-5 * size).all()
 
 
+def triangles(ply):
+    head, body = ply.read_bytes().split(b"end_header\n", 1)
+    count = int(head.split(b"element face ")[1].split()[0])
+    return np.frombuffer(body, [("count", "u1"), ("corners", "<i4", 3)], count, len(body) - 13 * count)["corners"]
+
+
+def normals_of(positions, corners):
+    """Sums of the normals of the triangles at a vertex, weighted by area."""
+    a, b, c = positions.astype(float)[corners.T]
+    sums = np.zeros(positions.shape)
+    for corner in corners.T:
+        np.add.at(sums, corner, np.cross(b - a, c - a))
+    return sums / np.linalg.norm(sums, axis=1, keepdims=True)
+
+
 def unreal(stand_ins, tool, asset, _layers, folder):
     run(sys.executable, "-B", ROOT / "runtime/make_single.py", folder)
     run("cc", "-std=c99", *FLAGS, "-c", folder / "pliant.c", "-o", folder / "pliant.o")
@@ -41,8 +56,10 @@ def unreal(stand_ins, tool, asset, _layers, folder):
     run("c++", "-std=c++17", "-Wall", "-Wextra", "-Werror", f"-I{folder}", stand_ins, folder / "pliant.o",
         "-o", folder / "recipe", "-lm")
     rows = run(folder / "recipe", asset, *WEIGHTS).splitlines()
-    vertices = np.array([row.split() for row in rows], float)
-    compare("Unreal", vertices[:, [0, 2, 1]] / 100, blended(tool, asset, WEIGHTS, folder), 1e-6)
+    made = np.array([row.split() for row in rows], float)
+    expected = blended(tool, asset, WEIGHTS, folder)
+    compare("Unreal", made[:, [0, 2, 1]] / 100, expected, 1e-6)
+    compare("Unreal, normals", made[:, [3, 5, 4]], normals_of(expected, triangles(folder / "blend.ply")), 1e-4)
 
 
 def bevy(_stand_ins, tool, asset, layers, folder):

@@ -1,5 +1,5 @@
 // What the C++ of samples/site/pages/engines/unreal.md uses of Unreal, as little of it as compiles, and a program that
-// prints the vertices of a blend: recipe ASSET WEIGHT...
+// prints the vertices and normals of a blend: recipe ASSET WEIGHT...
 #include <cstdint>
 #include <cstdio>
 #include <cstdlib>
@@ -40,6 +40,9 @@ int main(int argc, char** argv)
     for (int i = 2; i < argc; ++i) weights.push_back(std::strtof(argv[i], nullptr));
     FPliantCharacter character;
     if (!character.Open(blob.data(), blob.size()) || !character.Blend(weights.data())) return 1;
-    for (const FVector& v : character.Vertices.values) std::printf("%.9g %.9g %.9g\n", v.X, v.Y, v.Z);
+    for (std::size_t i = 0; i < character.Vertices.Num(); ++i) {
+        const FVector &v = character.Vertices[i], &n = character.Normals[i];
+        std::printf("%.9g %.9g %.9g %.9g %.9g %.9g\n", v.X, v.Y, v.Z, n.X, n.Y, n.Z);
+    }
     return 0;
 }

@@ -74,13 +74,10 @@ TEST_CASE("permissions stay, links are followed")
     struct stat status {};
     ::stat((folder / "a").c_str(), &status);
     CHECK((status.st_mode & 07777) == 0640);
-    for (const ::mode_t mode : { ::mode_t(04750), ::mode_t(0) }) {
-        ::chmod((folder / "a").c_str(), mode);
-        write_file_atomically(folder / "a", "newer");
-        REQUIRE(::stat((folder / "a").c_str(), &status) == 0);
-        CHECK((status.st_mode & 07777) == (mode & 0777));
-    }
-    ::chmod((folder / "a").c_str(), 0640);
+    ::chmod((folder / "a").c_str(), 04750);
+    write_file_atomically(folder / "a", "newer");
+    REQUIRE(::stat((folder / "a").c_str(), &status) == 0);
+    CHECK((status.st_mode & 07777) == 0750);
 }
 
 TEST_CASE("what cannot be written is refused, before and while writing")
@@ -96,6 +93,9 @@ TEST_CASE("what cannot be written is refused, before and while writing")
     CHECK(number_writing(folder / "dangling") == 4006);
     write_bytes(folder / "file", "old");
     CHECK(number_writing(folder / "file/a") == 4001);
+    ::chmod((folder / "file").c_str(), 0444);
+    CHECK(number_writing(folder / "file") == 4006);
+    CHECK(read_bytes(folder / "file") == "old");
     CHECK(folder.file_count() == 2);
 }
 
