@@ -11,6 +11,7 @@
 #include "reduced/subspace/tangents.h"
 
 #include <Eigen/Dense>
+#include <cmath>
 #include <doctest/doctest.h>
 
 using namespace pliant;
@@ -164,4 +165,17 @@ TEST_CASE("the subspace of Algorithm 1 holds the Krylov spaces of its start vect
             }
         }
     }
+}
+
+TEST_CASE("rounding in the vectors moves no fixed vertex")
+{
+    PoseSet poses = tube_poses(2, small_tube);
+    poses.fixed_vertices = { 0, 1, 2, 3, 4, 5 };
+    for (std::uint32_t v : poses.fixed_vertices) poses.positions[1].row(v) = poses.positions[0].row(v);
+    const NormalizedPoses set = normalize(poses);
+    Eigen::MatrixXd vectors(set.dof_count(), 1);
+    for (Eigen::Index i = 0; i < vectors.size(); ++i) vectors(i) = i < 18 ? 1e-16 * double(i) : std::sin(double(i));
+    const Subspace subspace = build_subspace(set, vectors, 4);
+    REQUIRE(subspace.dimension() == 2);
+    CHECK(subspace.basis.topRows(18).isZero(0));
 }
