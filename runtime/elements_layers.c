@@ -57,8 +57,13 @@ static PLIANT_INLINE void finish_hinge(const pliant_element_group* group, const 
     pliant_store_rows(plain, s, out, 4);
 }
 
-/* Of h and k: no blend stretches by more than exp(8), and what is beyond stays finite. */
-#define LARGEST_STRAIN 16.0f
+/* Of h, and of k. What grows by more has coefficients below the rounding of those beside them (exp(-2 h) of det G, exp(-h - k)
+   of N): of the wrong sign they would leave the energy without a lower bound, and blends would fly away. */
+#define LEAST_STRAIN (-16.0f)
+#define LARGEST_STRAIN 6.0f
+
+/* The same for b near 0: det G keeps this part of r P, beside the logarithm, at least. */
+#define LEAST_STIFFNESS 1e-6f
 
 /* X = exp(-S) minus the identity, S = h + (p q; q -p), where the eigenvalues of S - h are +-k0. */
 typedef struct inverse_stretch {
@@ -73,7 +78,7 @@ static PLIANT_INLINE inverse_stretch invert_stretch(float s11, float s12, float 
 {
     const float mean = 0.5f * s11 + 0.5f * s22, p = 0.5f * s11 - 0.5f * s22, q = s12;
     const float h0 = mean < LARGEST_STRAIN ? mean : LARGEST_STRAIN;
-    const float h = h0 > -LARGEST_STRAIN ? h0 : -LARGEST_STRAIN;
+    const float h = h0 > LEAST_STRAIN ? h0 : LEAST_STRAIN;
     const float ap = fabsf(p), aq = fabsf(q);
     const float large = ap < aq ? aq : ap, small = ap < aq ? ap : aq;
     const float t = small / (large > 0.0f ? large : 1.0f); /* squares of the numbers themselves would overflow */
@@ -129,8 +134,10 @@ static PLIANT_INLINE void finish_face_neo_hookean(const pliant_element_group* gr
         out[4][l] = shape * n11 + size * i11;
         out[5][l] = 2.0f * (shape * n12 + size * i12);
         out[6][l] = shape * n22 + size * i22;
-        out[7][l] = r * x.area * (b * ratio - a);
-        out[8][l] = x.area * (a + b);
+        const float barrier = x.area * (a + b), area = r * x.area * (b * ratio - a);
+        const float least = -(1.0f - LEAST_STIFFNESS) * r * barrier;
+        out[7][l] = area > least ? area : least;
+        out[8][l] = barrier;
     }
     pliant_store_rows(plain, s, out, 9);
 }

@@ -60,7 +60,7 @@ def matrix(m11, m12, m21, m22):
 def exponential(s):
     """Of symmetric matrices [E, 2, 2], with the limits of the SPEC, by eigenvalues."""
     values, vectors = np.linalg.eigh(s)
-    h, k = np.clip(values.mean(axis=1), -16, 16), np.clip((values[:, 1] - values[:, 0]) / 2, -16, 16)
+    h, k = np.clip(values.mean(axis=1), -16, 6), np.minimum((values[:, 1] - values[:, 0]) / 2, 6)
     values = np.exp(np.stack([h - k, h + k], axis=1))
     return (vectors * values[:, None]) @ vectors.transpose(0, 2, 1), np.exp(h)
 

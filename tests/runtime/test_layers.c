@@ -47,7 +47,7 @@ static void compute_face(const face_numbers* f, double numbers[5])
 {
     const double *x = f->fixed, *s = f->s;
     const double h0 = (s[0] + s[2]) / 2, p = (s[0] - s[2]) / 2, k0 = hypot(p, s[1]);
-    const double h = fmax(-16.0, fmin(16.0, h0)), k = fmin(16.0, k0);
+    const double h = fmax(-16.0, fmin(6.0, h0)), k = fmin(6.0, k0);
     const double ratio = k0 > 0.0 ? sinh(k) / k0 : 1.0, area = exp(h);
     /* cosh k - sinh k cancels in double, too */
     const double low = exp(-k) + ratio * (k0 - fabs(p)), high = cosh(k) + ratio * fabs(p);
@@ -114,6 +114,16 @@ static void check_faces(void)
     }
 }
 
+/* W of far shapes: the form (L + P I):G + (B + r P) det G, which must not be negative for any G that is. */
+static void check_lower_bound(const float plain[9][PLIANT_LANES], size_t l)
+{
+    const double r = (double)plain[3][l], p = (double)plain[8][l];
+    const double m11 = (double)plain[4][l] + p * (double)plain[0][l], m22 = (double)plain[6][l] + p * (double)plain[2][l];
+    const double m12 = 0.5 * (double)plain[5][l] + p * (double)plain[1][l];
+    CHECK((double)plain[7][l] + r * p > 5e-7 * r * p, "of det G: %g beside %g", (double)plain[7][l], r * p);
+    CHECK(m11 > 0.0 && m11 * m22 > m12 * m12, "of G: %g %g %g", m11, m12, m22);
+}
+
 /* What weights of 1e30 and hostile files bring: finite where the fixed numbers are sound; what is no number stays none. */
 static void check_absurd_faces(void)
 {
@@ -138,6 +148,7 @@ static void check_absurd_faces(void)
             CHECK(pliant_is_finite(plain[j][0]), "number %d for strains %g %g %g", j, (double)strains[i % count],
                   (double)strains[i / count % count], (double)strains[i / count / count]);
         CHECK(isnan(plain[4][4]) && !pliant_is_finite(plain[5][5]), "what is no number has become one");
+        check_lower_bound(plain, 0);
     }
 }
 
