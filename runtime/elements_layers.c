@@ -57,8 +57,8 @@ static PLIANT_INLINE void finish_hinge(const pliant_element_group* group, const 
     pliant_store_rows(plain, s, out, 4);
 }
 
-/* Of h, and of k. What grows by more has coefficients below the rounding of those beside them (exp(-2 h) of det G, exp(-h - k)
-   of N): of the wrong sign they would leave the energy without a lower bound, and blends would fly away. */
+/* Of h, and of k. What grows by more has coefficients (exp(-2 h) of det G, exp(-h - k) of N) below the rounding of those
+   beside them: with the wrong sign they would leave the energy without a lower bound, and blends would fly away. */
 #define LEAST_STRAIN (-16.0f)
 #define LARGEST_STRAIN 6.0f
 

@@ -20,7 +20,7 @@ while (($#)); do
         --truth) truth=1 ;;
         --no-install) install=0 ;;
         -h | --help)
-            sed -n '2,10s/^#  \{0,1\}//p' "${BASH_SOURCE[0]}"
+            sed -n '2,10s/^#  \{0,1\}//p' samples/demo.sh
             exit 0
             ;;
         *)

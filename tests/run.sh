@@ -19,7 +19,7 @@ exec < /dev/null # nothing below may wait for an answer
 # labels.
 readonly asan_labels='^(runtime|fuzz|bad_input|hostile)$'
 
-usage() { sed -n '4,10s/^#  \{0,1\}//p' "${BASH_SOURCE[0]}"; }
+usage() { sed -n '4,10s/^#  \{0,1\}//p' tests/run.sh; }
 
 run_dev=1 run_asan=1 asan_everything=0 only_build=0 install=1
 filter=()

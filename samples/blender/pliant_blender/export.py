@@ -43,13 +43,18 @@ class PLIANT_OT_export(bpy.types.Operator, ExportHelper):
 
 
 def write_asset(path, content):
-    """The file appears whole or not at all."""
+    """The file appears whole or not at all, with the permissions of the one it replaces, as with the tool."""
     if path.suffix != ".pliant":
         raise shapes.Failure(f"'{path.name}' does not end in .pliant")
-    path = path.resolve()  # a link stays one, as with the tool
+    path = path.resolve()  # a link stays one
+    mode = path.stat().st_mode & 0o777 if path.exists() else None
+    if mode is not None and not mode & 0o222:
+        raise shapes.Failure(f"'{path.name}' is write-protected")
     with tempfile.TemporaryDirectory(prefix=".pliant_", dir=path.parent) as folder:
         part = pathlib.Path(folder, path.name)
         part.write_bytes(content)
+        if mode is not None:
+            part.chmod(mode)
         os.replace(part, path)
 
 

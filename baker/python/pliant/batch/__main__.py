@@ -61,6 +61,8 @@ def main(words: Optional[List[str]] = None) -> int:
     signal.signal(signal.SIGCHLD, signal.SIG_DFL)  # inherited as ignored it would hide how workers and bakes end
     _hear_log()
     try:
+        if sys.stdout is None:
+            raise OSError("standard output is closed")
         distributed = distributed_module()
         memory = None if a.memory is None else float(importlib.import_module("dask.utils").parse_bytes(a.memory))
         if a.scheduler is None:
