@@ -57,13 +57,15 @@ static PLIANT_INLINE void finish_hinge(const pliant_element_group* group, const 
     pliant_store_rows(plain, s, out, 4);
 }
 
-/* Of h, and of k. What grows by more has coefficients (exp(-2 h) of det G, exp(-h - k) of N) below the rounding of those
-   beside them: with the wrong sign they would leave the energy without a lower bound, and blends would fly away. */
+/* Of h, of k, and of h + k. What grows by more has coefficients (exp(-2 h) of det G, exp(-h - k) of N) below the rounding of
+   those beside them: with the wrong sign they would leave the energy without a lower bound, and blends would fly away. */
 #define LEAST_STRAIN (-16.0f)
-#define LARGEST_STRAIN 6.0f
+#define LARGEST_STRAIN 8.0f
+#define LARGEST_SHEAR 6.0f
+#define LARGEST_SUM 12.0f
 
-/* The same for b near 0: det G keeps this part of r P, beside the logarithm, at least. */
-#define LEAST_STIFFNESS 1e-6f
+/* The same for det G, beside the logarithm: it keeps this part of r P at least, four units of rounding. */
+#define LEAST_STIFFNESS 2.4e-7f
 
 /* X = exp(-S) minus the identity, S = h + (p q; q -p), where the eigenvalues of S - h are +-k0. */
 typedef struct inverse_stretch {
@@ -83,8 +85,9 @@ static PLIANT_INLINE inverse_stretch invert_stretch(float s11, float s12, float 
     const float large = ap < aq ? aq : ap, small = ap < aq ? ap : aq;
     const float t = small / (large > 0.0f ? large : 1.0f); /* squares of the numbers themselves would overflow */
     const float k0 = large * sqrtf(1.0f + t * t);
-    const float k = k0 < LARGEST_STRAIN ? k0 : LARGEST_STRAIN;
-    const float cut = k0 < LARGEST_STRAIN ? 1.0f : LARGEST_STRAIN / k0;
+    const float left = LARGEST_SUM - h, most = left < LARGEST_SHEAR ? left : LARGEST_SHEAR;
+    const float k = k0 < most ? k0 : most;
+    const float cut = k0 < most ? 1.0f : most / k0;
     const float grown = pliant_expm1(k), shrunk = -grown / (1.0f + grown); /* exp(k) - 1, exp(-k) - 1 */
     const float ratio = cut * pliant_sinh_ratio(k, 1.0f + grown);
     const float sum = k0 + ap;

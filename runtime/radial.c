@@ -9,17 +9,24 @@ uint64_t pliant_radial_floats(const pliant_asset* asset)
     return pliant_pad_lanes(asset->predictor_count + (size_t)asset->pose_count);
 }
 
-/* What each row of the tables counts: the cubes of the distances from the centres, then the weights. */
+/* What each row of the tables counts: the cubes of the distances from the centres, then the weights. Of layers it is their
+   change since all weights were 0: the blend is then the rest shape, whatever the rounding of large coefficients. */
 static void measure_centres(const pliant_asset* asset, const float* weights, float* factors)
 {
     const size_t m = asset->pose_count;
+    float* linear = factors + asset->predictor_count;
     for (uint32_t i = 0; i < asset->predictor_count; ++i) {
         const float* centre = asset->predictor_centres + i * m;
-        float square = 0.0f;
-        for (size_t k = 0; k < m; ++k) square += (weights[k] - centre[k]) * (weights[k] - centre[k]);
-        factors[i] = square * sqrtf(square);
+        const float first = weights[0] - centre[0];
+        float square = first * first, rest = square;
+        for (size_t k = 1; k < m; ++k) {
+            square += (weights[k] - centre[k]) * (weights[k] - centre[k]);
+            rest += centre[k] * centre[k];
+        }
+        factors[i] = square * sqrtf(square) - (asset->has_layers ? rest * sqrtf(rest) : 0.0f);
     }
-    memcpy(factors + asset->predictor_count, weights, m * sizeof *weights);
+    memcpy(linear, weights, m * sizeof *weights);
+    if (asset->has_layers) linear[0] = 0.0f;
 }
 
 void pliant_radial_evaluate(const pliant_kernels* kernels, const pliant_asset* asset, const float* weights, float* scratch,

@@ -208,24 +208,32 @@ typedef struct compact_tile {
     float bases[TILE_FLOATS]; /* the sum of the columns' bases, for every vertex */
 } compact_tile;
 
+/* Words k of the lanes of every part: behind the whole ones lies the tail, which was unpacked. */
+static PLIANT_INLINE word_rows rows_at(const packed_columns* columns, const uint32_t* words, const uint32_t* tail,
+                                       uint32_t k)
+{
+    const word_rows tails = { tail, TILE_FLOATS };
+    if (k >= columns->whole) return tails; /* words there may be past the end of the file */
+    const word_rows whole = { words + (size_t)k * TILE_FLOATS, columns->part_words };
+    return whole;
+}
+
 /* Adds the fields of `parts` parts, weighted, to their sums: column by column, so that what a column needs is worked out
    once for all parts. */
 static PLIANT_INLINE void add_parts(const packed_columns* columns, const uint32_t* words, const uint32_t* tail, size_t parts,
                                     float* PLIANT_RESTRICT sum)
 {
-    const word_rows tails = { tail, TILE_FLOATS };
     uint32_t at = 0;
     for (size_t j = 0; j < columns->count; ++j) {
         const uint32_t width = columns->fields[j].width, shift = at % WORD_BITS, k = at / WORD_BITS,
                        mask = (1u << width) - 1u;
         if (width == 0) continue;
         const float factor = columns->factor * columns->weights[j];
-        const word_rows here = { words + (size_t)k * TILE_FLOATS, columns->part_words },
-                        behind = { here.first + TILE_FLOATS, columns->part_words }, word = k < columns->whole ? here : tails;
+        const word_rows word = rows_at(columns, words, tail, k);
         if (shift + width < WORD_BITS)
             add_inner(sum, parts, factor * negative_power(shift), word, mask << shift);
         else
-            add_crossing(sum, parts, factor, word, k + 1 < columns->whole ? behind : tails, shift, mask);
+            add_crossing(sum, parts, factor, word, rows_at(columns, words, tail, k + 1), shift, mask);
         at += width;
     }
 }

@@ -195,7 +195,7 @@ void print_figures(const AverageArguments& a, const nlohmann::ordered_json& aver
         print_to(stdout, "{}\n", json_text(json));
     } else if (!a.talk.is_quiet && averages.size() == 1) {
         print_to(stdout, "{}: energy {:.6e}, decrement {:.1e}, {} factorisations\n",
-                 averages[0]["output"].get<std::string>(), averages[0]["energy"].get<double>(),
+                 printable(averages[0]["output"].get<std::string>()), averages[0]["energy"].get<double>(),
                  averages[0]["decrement"].get<double>(), factorization_count);
     } else if (!a.talk.is_quiet) {
         print_to(stdout, "{} averages, {} factorisations\n", averages.size(), factorization_count);

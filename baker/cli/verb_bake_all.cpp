@@ -86,10 +86,10 @@ ExitCode run_bake_all(const BatchArguments& a)
     BatchOptions options;
     options.job_count = a.job_count;
     options.memory = memory;
-    options.is_forced = a.is_forced;
     options.is_fail_fast = a.is_fail_fast;
     options.is_quiet = a.talk.is_quiet;
     options.is_verbose = a.talk.is_verbose;
+    judge_stamps(jobs, a.is_forced); // reads all inputs: an interrupt ends it at once
     options.wake = catch_interrupts();
 
     bool goes_on = plan_batch(jobs, options);

@@ -111,12 +111,15 @@ void print_animations(const std::vector<std::string>& arguments, bool is_verbose
     }
 }
 
+// A path that begins with a dash is no option.
+std::string path_word(const std::string& path) { return shell_word(path[0] == '-' ? "./" + path : path); }
+
 // The bake of what was checked, with the options that were given.
 std::string bake_command(const CheckArguments& a, const CLI::App& verb)
 {
     const std::set<std::string> own = { "json", "quiet", "verbose" };
     std::string command = "pliant bake";
-    for (const std::string& pose : a.poses) command += " " + shell_word(pose);
+    for (const std::string& pose : a.poses) command += " " + path_word(pose);
     for (const CLI::Option* option : verb.get_options()) {
         if (option->count() == 0 || option->get_positional() || own.count(option->get_lnames().at(0)) > 0) continue;
         command += " --" + option->get_lnames()[0];
@@ -124,7 +127,7 @@ std::string bake_command(const CheckArguments& a, const CLI::App& verb)
             for (const std::string& value : option->results()) command += " " + shell_word(value);
     }
     const std::filesystem::path first = split_pose_argument(a.poses[0]).path;
-    return command + " -o " + shell_word(first.stem().string() + ".pliant");
+    return command + " -o " + path_word(first.stem().string() + ".pliant");
 }
 
 ExitCode run_check(CheckArguments a, const CLI::App& verb)

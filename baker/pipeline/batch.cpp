@@ -207,10 +207,14 @@ void take_end(BatchJob& job, const ChildEnd& end, const Schedule& schedule, bool
 
 } // namespace
 
+void judge_stamps(std::vector<BatchJob>& jobs, bool is_forced)
+{
+    for (BatchJob& job : jobs) check_job(job, is_forced);
+}
+
 bool plan_batch(std::vector<BatchJob>& jobs, const BatchOptions& options)
 {
     ChildGroup children(options.wake, line_printer(jobs));
-    for (BatchJob& job : jobs) check_job(job, options.is_forced);
     std::size_t next = 0;
     for (;;) {
         for (; next < jobs.size() && children.running_count() < options.job_count; ++next)

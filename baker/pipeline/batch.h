@@ -43,13 +43,15 @@ struct BatchJob {
 struct BatchOptions {
     std::size_t job_count = 1;
     double memory = 0; // bytes for all bakes that run together
-    bool is_forced = false, is_fail_fast = false, is_quiet = false, is_verbose = false;
+    bool is_fail_fast = false, is_quiet = false, is_verbose = false;
     int wake = -1; // readable once the user wants to stop
 };
 
-// Finds out what is to be done: stamps are judged, and of every bake that is to be done its poses are checked and its cost
-// estimated, in child processes. Sets outcome, reason and estimates. Messages and progress go to standard error. False if
-// the user has stopped it.
+// Finds out which assets are up to date, with the bytes of every input read. Sets outcome and reason.
+void judge_stamps(std::vector<BatchJob>& jobs, bool is_forced);
+
+// Of every bake that is to be done the poses are checked and the cost is estimated, in child processes. Sets outcome and
+// estimates. Messages and progress go to standard error. False if the user has stopped it.
 bool plan_batch(std::vector<BatchJob>& jobs, const BatchOptions& options);
 
 // Does what is pending: at most job_count at a time, whose estimates together stay within the memory; of those that fit, the

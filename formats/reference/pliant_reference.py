@@ -368,8 +368,11 @@ class Asset:
         return weights / weights.sum() if self.layers is None else np.concatenate([[1.0], weights])
 
     def features(self, weights):
-        """What PRED and LOAD are linear in: the cubed distances from the centres, and the weights."""
-        return np.concatenate([np.linalg.norm(weights - self.centres, axis=1) ** 3, weights])
+        """What PRED and LOAD are linear in: the cubed distances from the centres, and the weights; of layers their change
+        since v = 0."""
+        def at(w):
+            return np.concatenate([np.linalg.norm(w - self.centres, axis=1) ** 3, w])
+        return at(weights) if self.layers is None else at(weights) - at(np.eye(len(weights))[0])
 
     def predict(self, weights):
         return np.zeros(self.dimension) if self.centres is None else self.features(weights) @ self.coefficients
@@ -491,7 +494,11 @@ def main():
         print(f"scene: {len(scene.parts)} parts, {len(scene.materials)} materials, {len(scene.images)} images")
     if options.weights is None:
         return 0
-    weights = np.array([float(text) for text in options.weights.split(",")])
+    try:
+        weights = np.array([float(text) for text in options.weights.split(",")])
+    except ValueError:
+        print("--weights: need numbers with commas between", file=sys.stderr)
+        return 2
     if asset.layers is not None:
         if len(weights) != len(asset.layers) or not np.isfinite(weights).all():
             print(f"--weights: need {len(asset.layers)} finite numbers", file=sys.stderr)

@@ -60,7 +60,8 @@ def matrix(m11, m12, m21, m22):
 def exponential(s):
     """Of symmetric matrices [E, 2, 2], with the limits of the SPEC, by eigenvalues."""
     values, vectors = np.linalg.eigh(s)
-    h, k = np.clip(values.mean(axis=1), -16, 6), np.minimum((values[:, 1] - values[:, 0]) / 2, 6)
+    h = np.clip(values.mean(axis=1), -16, 8)
+    k = np.minimum((values[:, 1] - values[:, 0]) / 2, np.minimum(6, 12 - h))
     values = np.exp(np.stack([h - k, h + k], axis=1))
     return (vectors * values[:, None]) @ vectors.transpose(0, 2, 1), np.exp(h)
 
@@ -80,7 +81,7 @@ def evaluate_layered_neo_hookean(batch, differences, weights):
     u = np.trace(inverse0 @ growth, axis1=1, axis2=2) + r * det
     if (u <= -1).any():
         return np.inf, None
-    ratio = np.linalg.det(rest) / r
+    ratio = np.maximum(np.linalg.det(rest) / r, 2.4e-7 * (a + b) / np.maximum(b, 1e-300))
     cofactor = growth[:, ::-1, ::-1] * [[1, -1], [-1, 1]]
     change = a * np.trace(rest @ growth, axis1=1, axis2=2) + b * ratio * u - (a + b) * np.log1p(u)
     slope = (area * (b * ratio - (a + b) / (1 + u)))[:, None, None]

@@ -47,7 +47,7 @@ static void compute_face(const face_numbers* f, double numbers[5])
 {
     const double *x = f->fixed, *s = f->s;
     const double h0 = (s[0] + s[2]) / 2, p = (s[0] - s[2]) / 2, k0 = hypot(p, s[1]);
-    const double h = fmax(-16.0, fmin(6.0, h0)), k = fmin(6.0, k0);
+    const double h = fmax(-16.0, fmin(8.0, h0)), k = fmin(fmin(6.0, 12.0 - h), k0);
     const double ratio = k0 > 0.0 ? sinh(k) / k0 : 1.0, area = exp(h);
     /* cosh k - sinh k cancels in double, too */
     const double low = exp(-k) + ratio * (k0 - fabs(p)), high = cosh(k) + ratio * fabs(p);
@@ -120,7 +120,7 @@ static void check_lower_bound(const float plain[9][PLIANT_LANES], size_t l)
     const double r = (double)plain[3][l], p = (double)plain[8][l];
     const double m11 = (double)plain[4][l] + p * (double)plain[0][l], m22 = (double)plain[6][l] + p * (double)plain[2][l];
     const double m12 = 0.5 * (double)plain[5][l] + p * (double)plain[1][l];
-    CHECK((double)plain[7][l] + r * p > 5e-7 * r * p, "of det G: %g beside %g", (double)plain[7][l], r * p);
+    CHECK((double)plain[7][l] + r * p > 1e-7 * r * p, "of det G: %g beside %g", (double)plain[7][l], r * p);
     CHECK(m11 > 0.0 && m11 * m22 > m12 * m12, "of G: %g %g %g", m11, m12, m22);
 }
 
@@ -244,6 +244,20 @@ static void check_energy_at_rest(const opened* o)
         CHECK(fabs(energy) <= 2e-5 * (double)o->asset.energy_scale, "%s: energy %.3g at z = 0, scale %.3g", o->name, energy,
               (double)o->asset.energy_scale);
     }
+    free(made.memory);
+}
+
+/* Without layers there is neither a load nor a way from the rest shape, to the bit. */
+static void check_start_at_rest(const opened* o)
+{
+    const pliant_solver_desc desc = pliant_solver_desc_default();
+    const made_solver made = make_solver(&o->asset, &desc);
+    pliant_solver* s = made.solver;
+    memset(s->weights, 0, o->asset.pose_count * sizeof(float));
+    s->weights[0] = 1.0f;
+    pliant_radial_evaluate(s->kernels, &o->asset, s->weights, s->radial_scratch, s->start, s->load);
+    for (uint32_t j = 0; j < o->asset.dimension; ++j)
+        CHECK(s->start[j] == 0.0f && (!s->load || s->load[j] == 0.0f), "%s: start or load %u at rest", o->name, j);
     free(made.memory);
 }
 
@@ -421,6 +435,7 @@ static void check_asset(const opened* o)
     ++layered_count;
     check_known_answers(o);
     check_energy_at_rest(o);
+    check_start_at_rest(o);
     check_bad_weights(o);
     check_any_weights(o);
     check_outside(o);

@@ -6,9 +6,6 @@ namespace pliant {
 
 namespace {
 
-// Of an end of the range: with less of a layer its mixtures are nearly linear.
-constexpr double least_amplitude = 0.3;
-
 constexpr std::size_t kinds_of_mixtures = 6;
 
 std::vector<float> to_floats(const Weights& w)
@@ -35,34 +32,10 @@ double WeightDomain::full(std::size_t layer) const
     return range.high >= -range.low ? range.high : range.low;
 }
 
-// Either end of the range, the longer side more often.
-double WeightDomain::end(std::size_t layer, Random& random) const
-{
-    const WeightRange& range = ranges_[layer];
-    return random.uniform() * (range.high - range.low) < range.high ? range.high : range.low;
-}
-
-Weights WeightDomain::single(Random& random) const
+Weights WeightDomain::mixture(Random& random, std::size_t count) const
 {
     Weights v = centre();
-    const std::size_t layer = random.below(size_);
-    const WeightRange& range = ranges_[layer];
-    v[Eigen::Index(layer)] = range.low + random.uniform() * (range.high - range.low);
-    return v;
-}
-
-Weights WeightDomain::sparse(Random& random, std::size_t count) const
-{
-    Weights v = centre();
-    for (const std::size_t layer : random.distinct(size_, std::min(count, size_)))
-        v[Eigen::Index(layer)] = (least_amplitude + (1 - least_amplitude) * random.uniform()) * end(layer, random);
-    return v;
-}
-
-Weights WeightDomain::dense(Random& random) const
-{
-    Weights v = centre();
-    for (std::size_t layer = 0; layer < size_; ++layer) {
+    for (const std::size_t layer : random.distinct(size_, std::min(count, size_))) {
         const WeightRange& range = ranges_[layer];
         v[Eigen::Index(layer)] = range.low + random.uniform() * (range.high - range.low);
     }
@@ -75,18 +48,18 @@ Weights WeightDomain::corner(Random& random) const
     Weights v = centre();
     for (std::size_t layer = 0; layer < size_; ++layer)
         v[Eigen::Index(layer)] = random.uniform() < 0.5 ? ranges_[layer].low : ranges_[layer].high;
-    return (v.array() != 0).count() > 1 ? v : sparse(random, 2);
+    return (v.array() != 0).count() > 1 ? v : mixture(random, 2);
 }
 
 Weights WeightDomain::draw(Random& random, std::size_t index) const
 {
     if (!is_box()) return mixed_weights(random, size_, index);
     switch (index % kinds_of_mixtures) {
-    case 0: return single(random);
-    case 1: return sparse(random, 2);
-    case 4: return dense(random);
+    case 0: return mixture(random, 1);
+    case 1: return mixture(random, 2);
+    case 4: return mixture(random, size_);
     case 5: return corner(random);
-    default: return sparse(random, 3 + random.below(sparse_limit - 2));
+    default: return mixture(random, size_ < 3 ? 1 : 3 + random.below(sparse_limit - 2));
     }
 }
 

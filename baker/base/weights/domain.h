@@ -59,10 +59,8 @@ public:
     // seed.
     std::vector<std::vector<float>> covering(std::size_t count, std::uint64_t seed) const;
 
-    // Mixtures of layers: `count` of them at 0.3 to 1 of an end of their ranges, all of them anywhere, or all of them at an
-    // end.
-    Weights sparse(Random& random, std::size_t count) const;
-    Weights dense(Random& random) const;
+    // Mixtures of layers: `count` of them anywhere in their ranges, or all of them at an end.
+    Weights mixture(Random& random, std::size_t count) const;
     Weights corner(Random& random) const;
     // A layer at an end of its range, alone: the one farther from 0.
     double full(std::size_t layer) const;
@@ -73,8 +71,6 @@ private:
         , ranges_(std::move(ranges))
     {
     }
-    Weights single(Random& random) const;
-    double end(std::size_t layer, Random& random) const;
 
     std::size_t size_;
     std::vector<WeightRange> ranges_;

@@ -233,9 +233,8 @@ std::vector<Weights> training_mixtures(const NormalizedPoses& set, const WeightD
     append_singles(domain, out);
     append_overlaps(set, domain, out);
     const std::size_t layers = domain.size();
-    for (std::size_t i = 0; i < sparse_count.of(layers); ++i)
-        out.push_back(domain.sparse(random, 2 + i % (sparse_limit - 1)));
-    for (std::size_t i = 0; i < dense_count.of(layers); ++i) out.push_back(domain.dense(random));
+    for (std::size_t i = 0; i < sparse_count.of(layers); ++i) out.push_back(domain.mixture(random, 1 + i % sparse_limit));
+    for (std::size_t i = 0; i < dense_count.of(layers); ++i) out.push_back(domain.mixture(random, layers));
     for (std::size_t i = 0; i < corner_count; ++i) out.push_back(domain.corner(random));
     std::vector<Weights> shuffled;
     for (const std::size_t i : random.distinct(out.size(), out.size())) shuffled.push_back(out[i]);

@@ -57,7 +57,7 @@ class Block {
 
 function textAt(module, at) {
   const bytes = new Uint8Array(module.exports.memory.buffer, at >>> 0);
-  return new TextDecoder().decode(bytes.slice(0, bytes.indexOf(0)));
+  return new TextDecoder("utf-8", { ignoreBOM: true }).decode(bytes.slice(0, bytes.indexOf(0)));
 }
 
 function require(module, result) {

@@ -137,6 +137,26 @@ def test_interrupted(folder):
     check(done(run(manifest)[0], "up to date") == finished, "and what was finished stays")
 
 
+def test_interrupted_early(folder):
+    """While stamps are judged, which reads all inputs: 4 GiB of zeros take many seconds."""
+    manifest = manifest_of(folder, TWELVE[:1])
+    run(manifest)
+    with open(folder / "large", "wb") as large:
+        large.truncate(4 << 30)
+    stamp = folder / "out" / f"{TWELVE[0]}.pliant.stamp"
+    content = json.loads(stamp.read_text(encoding="utf-8"))
+    content["inputs"].insert(0, {"path": str(folder / "large"), "sha256": "0" * 64})
+    write_json(stamp, content)
+    process = TOOL.start("bake-all", manifest)
+    wait_until(lambda: any(os.readlink(f"/proc/{process.pid}/fd/{fd}") == str(folder / "large")
+                           for fd in os.listdir(f"/proc/{process.pid}/fd")))
+    start = time.monotonic()
+    process.send_signal(signal.SIGINT)
+    process.communicate(timeout=120)
+    check(process.returncode == 130 and time.monotonic() - start < 2,
+          f"exit code {process.returncode} after {time.monotonic() - start:.1f} s")
+
+
 def test_failures(folder):
     names = ["a", "b", "c", "d"]
     manifest = manifest_of(folder, names, c={"tolerance": 1e-8})
@@ -285,8 +305,8 @@ def test_configurations(folder):
 
 
 with tempfile.TemporaryDirectory(prefix="pliant-bake-all-") as name:
-    for number, test in enumerate((test_twelve, test_killed, test_interrupted, test_failures, test_crash,
-                                   test_young_children, test_orphans, test_memory, test_configurations)):
+    for number, test in enumerate((test_twelve, test_killed, test_interrupted, test_interrupted_early, test_failures,
+                                   test_crash, test_young_children, test_orphans, test_memory, test_configurations)):
         place = pathlib.Path(name) / str(number)
         place.mkdir()
         test(place)
