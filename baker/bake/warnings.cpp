@@ -63,7 +63,7 @@ std::string describe(const Branch& branch, const std::vector<std::string>& pose_
 std::optional<ToleranceMiss> find_miss(const BakeReport& r, const BakeOptions& options, bool has_tolerance)
 {
     if (r.check.blends.empty() || r.check.meets_tolerance) return {};
-    const bool is_asked = has_tolerance || options.tolerance_max > 0;
+    const bool is_asked = has_tolerance || (options.tolerance_max > 0 && r.check.largest_error > options.tolerance_max);
     if (!is_asked && (options.dimension || options.subspace != SubspaceKind::adaptive)) return {};
     std::string miss = fmt::format("{} miss the tolerance {:.3g}", r.input.ranges.empty() ? "blends" : "mixtures of layers",
                                    options.tolerance);

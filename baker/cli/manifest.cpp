@@ -139,8 +139,9 @@ void check_outputs(const std::vector<BatchJob>& jobs, const std::string& manifes
 {
     std::map<fs::path, std::string> owners;
     const auto place_of = [](const std::string& file) {
-        std::error_code ignored;
-        return fs::weakly_canonical(fs::absolute(file), ignored);
+        std::error_code error; // links that cannot be followed: the bake will say so
+        const fs::path place = fs::weakly_canonical(fs::absolute(file), error);
+        return error ? fs::absolute(file).lexically_normal() : place;
     };
     const auto take = [&](const std::string& file, const std::string& owner) {
         const auto [other, is_new] = owners.emplace(place_of(file), owner);

@@ -122,6 +122,7 @@ std::string bake_command(const CheckArguments& a, const CLI::App& verb)
     for (const std::string& pose : a.poses) command += " " + path_word(pose);
     for (const CLI::Option* option : verb.get_options()) {
         if (option->count() == 0 || option->get_positional() || own.count(option->get_lnames().at(0)) > 0) continue;
+        if (option->get_items_expected_max() == 0 && !option->as<bool>()) continue; // --no-align=false
         command += " --" + option->get_lnames()[0];
         if (option->get_items_expected_max() > 0)
             for (const std::string& value : option->results()) command += " " + shell_word(value);

@@ -189,7 +189,7 @@ const GltfDocument::FileBeside& GltfDocument::file_beside(const GltfValue& uri_v
     // A link inside the folder may still lead out of it.
     const std::filesystem::path home = place_of_folder(folder), place = place_of(folder / inside);
     if (home.empty() || place.empty()) {
-        note_reading(path, std::nullopt);
+        note_reading(path, std::nullopt, {});
         uri_value.fail(2310, fmt::format("{} cannot be looked up", excerpt(uri)),
                        "its name is too long, or its links go in circles: give it another name");
     }

@@ -10,8 +10,9 @@ namespace {
 
 thread_local ReadLog* innermost = nullptr;
 
-// Pipes have no time of their own.
-std::optional<std::filesystem::file_time_type> write_time(const std::string& path)
+} // namespace
+
+WriteTime write_time(const std::string& path)
 {
     std::error_code error;
     if (!std::filesystem::is_regular_file(path, error)) return {};
@@ -20,11 +21,9 @@ std::optional<std::filesystem::file_time_type> write_time(const std::string& pat
     return time;
 }
 
-} // namespace
-
 bool is_outdated(const ReadFile& file)
 {
-    const std::optional<std::filesystem::file_time_type> now = write_time(file.path);
+    const WriteTime now = write_time(file.path);
     return file.written && now && *now != *file.written;
 }
 
@@ -41,10 +40,9 @@ void ReadLog::note(const std::string& path, const std::function<ReadFile()>& fil
     if (paths_.insert(path).second) files_.push_back(file());
 }
 
-void note_reading(const std::string& path, const std::optional<std::string>& bytes)
+void note_reading(const std::string& path, const std::optional<std::string>& bytes, const WriteTime& written)
 {
-    if (innermost)
-        innermost->note(path, [&] { return ReadFile { path, bytes ? sha256_hex(*bytes) : "", "", write_time(path) }; });
+    if (innermost) innermost->note(path, [&] { return ReadFile { path, bytes ? sha256_hex(*bytes) : "", "", written }; });
 }
 
 void note_link(const std::string& path)

@@ -11,11 +11,15 @@
 
 namespace pliant {
 
+// Of a regular file; pipes have none of their own.
+using WriteTime = std::optional<std::filesystem::file_time_type>;
+WriteTime write_time(const std::string& path);
+
 struct ReadFile {
-    std::string path;   // as it was opened
-    std::string digest; // SHA-256 of its bytes; empty: could not be read
-    std::string place;  // of a file that was not read by this name: what its links lead to; else empty
-    std::optional<std::filesystem::file_time_type> written = {}; // of a regular file: its time then
+    std::string path;       // as it was opened
+    std::string digest;     // SHA-256 of its bytes; empty: could not be read
+    std::string place;      // of a file that was not read by this name: what its links lead to; else empty
+    WriteTime written = {}; // before it was opened: what is written later than that, even while it is read, outdates it
 };
 
 // Whether it was written again since it was read.
@@ -33,7 +37,7 @@ public:
     const std::vector<ReadFile>& files() const { return files_; }
 
 private:
-    friend void note_reading(const std::string& path, const std::optional<std::string>& bytes);
+    friend void note_reading(const std::string& path, const std::optional<std::string>& bytes, const WriteTime& written);
     friend void note_link(const std::string& path);
 
     // Once each path.
@@ -45,7 +49,7 @@ private:
 };
 
 // Notes that the file was read, or that it could not be. For read_bytes.
-void note_reading(const std::string& path, const std::optional<std::string>& bytes);
+void note_reading(const std::string& path, const std::optional<std::string>& bytes, const WriteTime& written);
 // Notes where the links of a name lead, in place of the content: the file was refused, or was read by another name. The
 // links are its own and those of the folders on the way.
 void note_link(const std::string& path);

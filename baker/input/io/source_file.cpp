@@ -124,8 +124,9 @@ void SourceFile::error(int number, std::string where, std::string what, std::str
 
 std::optional<std::string> read_bytes(const std::string& path, DiagnosticList& diagnostics)
 {
+    const WriteTime written = write_time(path);
     std::optional<std::string> bytes = read_whole(path, diagnostics);
-    note_reading(path, bytes);
+    note_reading(path, bytes, written);
     return bytes;
 }
 

@@ -6,6 +6,7 @@
 #include "run/pictures.h"
 #include "run/sheet.h"
 
+#include <csignal>
 #include <cstdio>
 #include <exception>
 #include <utility>
@@ -45,6 +46,9 @@ void flush_output()
 
 int main(int argc, char** argv)
 {
+#ifdef SIGXFSZ
+    std::signal(SIGXFSZ, SIG_IGN); // a limit of file sizes is then an error of writing, which we report
+#endif
     try {
         const int code = run(argc, argv);
         flush_output();

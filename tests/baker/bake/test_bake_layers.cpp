@@ -118,6 +118,12 @@ TEST_CASE("a miss of layers names the layers of the worst mixture, and no pose i
     CHECK(miss().what.find("at weights smile=1,frown=-0.25") != std::string::npos);
     CHECK(miss().hint.find("pose") == std::string::npos);
     CHECK(miss().hint.find("--range") != std::string::npos);
+    report.check.largest_error = 0.5;
+    options.tolerance_max = 1; // is kept: the mean of the default is an aim all the same
+    CHECK_FALSE(find_miss(report, options, false)->is_asked);
+    options.tolerance_max = 0.1;
+    CHECK(find_miss(report, options, false)->is_asked);
+    options.tolerance_max = 0;
     report.fit.subspace_error.mean = 1;
     CHECK(miss().hint.find("--dim") == std::string::npos); // it was not given
     options.dimension = 4;

@@ -139,6 +139,11 @@ def check_talk(folder):
     assert not embedded.stderr and "valid" in run("validate", "embedded.glb", cwd=folder).stdout
     command = run("check", "rest.obj", "bent.obj", "--weld", "0", cwd=folder).stdout.splitlines()[-1]
     assert command == "to bake: pliant bake rest.obj bent.obj --weld 0 -o rest.pliant", command
+    command = run("check", "rest.obj", "bent.obj", "--no-align=false", cwd=folder).stdout.splitlines()[-1]
+    assert command == "to bake: pliant bake rest.obj bent.obj -o rest.pliant", command
+    (folder / "-d.obj").write_bytes((folder / "bent.obj").read_bytes())
+    command = run("check", "--", "-d.obj", "rest.obj", cwd=folder).stdout.splitlines()[-1]
+    assert command == "to bake: pliant bake ./-d.obj rest.obj -o ./-d.pliant", command
     odd = "it's\x1b[2J\\x.obj"
     (folder / odd).write_bytes((folder / "bent.obj").read_bytes())
     command = run("check", "rest.obj", odd, cwd=folder).stdout.splitlines()[-1].removeprefix("to bake: ")

@@ -2,6 +2,7 @@
 import base64
 import json
 import math
+import os
 import pathlib
 import struct
 import subprocess
@@ -35,6 +36,14 @@ class Tool:
     def run(self, *arguments, cwd=None):
         return subprocess.run([self.path, *map(str, arguments)], stdin=subprocess.DEVNULL, capture_output=True, text=True,
                               timeout=300, cwd=cwd)
+
+
+def has_open(process, path):
+    """Whether it has the file open now."""
+    try:
+        return any(os.readlink(link) == str(path) for link in pathlib.Path(f"/proc/{process.pid}/fd").iterdir())
+    except OSError:
+        return False
 
 
 def sheet(path, bend, n=5, turn=0.0):

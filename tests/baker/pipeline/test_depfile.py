@@ -102,6 +102,21 @@ def test_race(folder):
         check(times[1] < times[2], f"the asset is older than its pose {times}")
 
 
+def test_race_while_reading(folder):
+    """The same while the file is read: 100 MB take long enough."""
+    for name, bend in (("rest", 0), ("bent", 1.5), ("new", 1)):
+        support.sheet(folder / f"{name}.obj", bend, n=6)
+    with open(folder / "bent.obj", "ab") as large:
+        large.write((b"#" * 99 + b"\n") * 1_000_000)
+    process = TOOL.start("bake", "rest.obj", "bent.obj", "-o", "x.pliant", "-q", *QUICK_OPTIONS, cwd=folder)
+    while process.poll() is None and not support.has_open(process, folder / "bent.obj"):
+        pass
+    os.replace(folder / "new.obj", folder / "bent.obj")
+    errors = process.communicate(timeout=280)[1]
+    check(process.returncode == 0 and "warning P4606: bent.obj was written again" in errors, f"told {errors}")
+    check((folder / "x.pliant").stat().st_mtime_ns < (folder / "bent.obj").stat().st_mtime_ns, "the asset is older")
+
+
 def test_any_bytes(folder):
     """A name that is not UTF-8 stands in the dependencies as it is; JSON has a replacement for it."""
     support.poses(folder)
@@ -154,7 +169,8 @@ def test_never_half(folder):
 
 
 with tempfile.TemporaryDirectory(prefix="pliant-depfile-") as name:
-    for number, test in enumerate((test_plain, test_gltf, test_programs, test_race, test_any_bytes, test_never_half)):
+    for number, test in enumerate((test_plain, test_gltf, test_programs, test_race, test_race_while_reading,
+                                   test_any_bytes, test_never_half)):
         place = pathlib.Path(name) / str(number)
         place.mkdir()
         test(place)
