@@ -17,11 +17,11 @@ static void measure_centres(const pliant_asset* asset, const float* weights, flo
     float* linear = factors + asset->predictor_count;
     for (uint32_t i = 0; i < asset->predictor_count; ++i) {
         const float* centre = asset->predictor_centres + i * m;
-        const float first = weights[0] - centre[0];
-        float square = first * first, rest = square;
-        for (size_t k = 1; k < m; ++k) {
-            square += (weights[k] - centre[k]) * (weights[k] - centre[k]);
-            rest += centre[k] * centre[k];
+        float square = 0.0f, rest = 0.0f;
+        for (size_t k = 0; k < m; ++k) {
+            const float now = weights[k] - centre[k], before = (k == 0 ? 1.0f : 0.0f) - centre[k];
+            square += now * now;
+            rest += before * before;
         }
         factors[i] = square * sqrtf(square) - (asset->has_layers ? rest * sqrtf(rest) : 0.0f);
     }

@@ -212,10 +212,10 @@ typedef struct compact_tile {
 static PLIANT_INLINE word_rows rows_at(const packed_columns* columns, const uint32_t* words, const uint32_t* tail,
                                        uint32_t k)
 {
-    const word_rows tails = { tail, TILE_FLOATS };
-    if (k >= columns->whole) return tails; /* words there may be past the end of the file */
-    const word_rows whole = { words + (size_t)k * TILE_FLOATS, columns->part_words };
-    return whole;
+    const int is_whole = k < columns->whole; /* else words there may be past the end of the file */
+    const word_rows rows
+        = { is_whole ? words + (size_t)k * TILE_FLOATS : tail, is_whole ? columns->part_words : TILE_FLOATS };
+    return rows;
 }
 
 /* Adds the fields of `parts` parts, weighted, to their sums: column by column, so that what a column needs is worked out

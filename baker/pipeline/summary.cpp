@@ -114,7 +114,7 @@ std::string plan_table(const std::vector<BatchJob>& jobs)
         text += fmt::format("{:<{}}  {:<16} {:>4} {:>8} {:>10}  {}\n", job.name, width, name_of(job.outcome),
                             or_dash(is_estimated, std::to_string(job.estimated_dimension)),
                             or_dash(is_estimated, fmt::format("{:.0f}", job.estimated_seconds)),
-                            or_dash(is_estimated, size_text(job.estimated_memory)), job.reason);
+                            or_dash(is_estimated, size_text(job.estimated_memory)), printable(job.reason));
         if (job.outcome != Outcome::pending) continue;
         seconds += job.estimated_seconds;
         memory = std::max(memory, job.estimated_memory);

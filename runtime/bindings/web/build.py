@@ -22,8 +22,8 @@ ZIG = "ziglang==0.17.0"
 COMPILE = ["-m", "ziglang", "cc", "-target", "wasm32-wasi", "-msimd128", "-std=c99", "-ffp-contract=off",
            "-fno-math-errno", "-fno-trapping-math", f"-I{RUNTIME}", f"-I{ROOT / 'formats'}"]
 # Not in a frame, or little of it: made small. The rest is made fast.
-SMALL = {"asset", "asset_energy", "asset_shape", "bounds", "glb", "morph", "normals", "objective", "open", "radial",
-         "solver"}
+SMALL = {"asset", "asset_energy", "asset_shape", "bounds", "elements_layers", "glb", "morph", "normals", "objective", "open",
+         "radial", "solver"}
 
 
 def functions():

@@ -81,6 +81,15 @@ def test_schema(report):
     check(len(judge(report)) == 2, f"and a spoilt one does not {judge(report)}")
 
 
+def test_schema_of_layers(folder):
+    """Weights beyond 1."""
+    judge = support.validator(SOURCE, "report.schema.json")
+    done = TOOL.run("bake", *poses(folder), "--blend", "layers", "--range", "0:1.3", "-o", folder / "a.pliant", "--report",
+                    folder / "a.json", *QUICK_OPTIONS)
+    report = json.loads((folder / "a.json").read_text(encoding="utf-8"))
+    check(done.returncode == 0 and not (judge and judge(report)), f"a report of layers holds to it, too {done.stderr}")
+
+
 def test_exit_codes(folder):
     pair = poses(folder)
     wanted = {0: ["check", *pair], 1: ["bake", *pair, "-o", folder / "no folder/a.pliant"], 2: ["bake", "--bogus"],
@@ -97,9 +106,10 @@ def test_exit_codes(folder):
 
 with tempfile.TemporaryDirectory(prefix="pliant-json-") as name:
     place = pathlib.Path(name)
-    for part in ("a", "b", "c"):
+    for part in ("a", "b", "c", "d"):
         (place / part).mkdir()
     test_schema(test_verbs(place / "a"))
     test_failures(place / "b")
+    test_schema_of_layers(place / "d")
     test_exit_codes(place / "c")
 support.finish()
