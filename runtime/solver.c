@@ -269,12 +269,12 @@ static start choose_start(pliant_solver* solver)
 static int write_coordinates(const pliant_solver* solver, float* q)
 {
     const pliant_asset* asset = &solver->asset;
+    const size_t d = asset->padded_dimension;
     float* sum = solver->product;
-    solver->kernels->combine_columns(sum, asset->whitening, solver->z, asset->dimension, asset->padded_dimension);
-    for (size_t j = 0; j < asset->dimension; ++j) {
-        sum[j] += asset->mean[j];
+    solver->kernels->combine_columns(sum, asset->whitening, solver->z, asset->dimension, d);
+    for (size_t j = 0; j < d; ++j) sum[j] += asset->mean[j];
+    for (size_t j = 0; j < asset->dimension; ++j)
         if (!pliant_is_finite(sum[j])) return 0;
-    }
     memcpy(q, sum, asset->dimension * sizeof *q);
     return 1;
 }

@@ -5,6 +5,7 @@
 #include "base/mesh/tets.h"
 #include "elastic/average/rigid_modes.h"
 #include "elastic/average/shape_error.h"
+#include "elastic/energy/energy.h"
 #include "elastic/parts/tied_energy.h"
 #include "output/asset/asset_facts.h"
 #include "output/asset/runtime_blender.h"
@@ -220,22 +221,14 @@ CheckReport compare_with_averages(OpenedAsset& opened, const FitProblem& problem
     return report;
 }
 
-// Weights at which the blend must be a pose: all weight on it, or of layers none.
-std::vector<std::pair<Weights, const Shape*>> weights_of_poses(const NormalizedPoses& set, const WeightDomain& domain)
-{
-    std::vector<std::pair<Weights, const Shape*>> out;
-    if (domain.is_box()) out.emplace_back(domain.centre(), &set.shapes[0]);
-    for (std::size_t k = 0; k < domain.size(); ++k)
-        if (!domain.is_box() || domain.ranges()[k].high >= 1)
-            out.emplace_back(corner_weights(domain.size(), k), &set.shapes[k + domain.is_box()]);
-    return out;
-}
-
-// A pose that single precision does not reach misses the tolerance, however good the mean is.
+// A pose that blends do not reach misses the tolerance, however good the mean is.
 void judge_poses(OpenedAsset& opened, const FitProblem& problem, const BakeOptions& options, CheckReport& report)
 {
-    for (const auto& [weights, pose] : weights_of_poses(problem.set, problem.domain)) {
-        const double error = relative_error(problem.set, opened.blend(weights), *pose);
+    const WeightDomain& domain = problem.domain;
+    for (std::size_t k = 0; k < problem.set.pose_count(); ++k) {
+        if (domain.is_box() && k > 0 && domain.ranges()[k - 1].high < 1) continue; // no blend goes there
+        const Weights weights = weights_of_pose(problem.energy, k);
+        const double error = relative_error(problem.set, opened.blend(weights), problem.set.shapes[k]);
         if (error <= options.tolerance) continue;
         report.meets_tolerance = false;
         if (error <= report.largest_error) continue;

@@ -139,7 +139,7 @@ void check_outputs(const std::vector<BatchJob>& jobs, const std::string& manifes
 {
     std::map<fs::path, std::string> owners;
     const auto place_of = [](const std::string& file) {
-        std::error_code error; // links that cannot be followed: the bake will say so
+        std::error_code error; // of a place that cannot be looked up: the bake reports it
         const fs::path place = fs::weakly_canonical(fs::absolute(file), error);
         return error ? fs::absolute(file).lexically_normal() : place;
     };

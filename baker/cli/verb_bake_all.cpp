@@ -89,7 +89,7 @@ ExitCode run_bake_all(const BatchArguments& a)
     options.is_fail_fast = a.is_fail_fast;
     options.is_quiet = a.talk.is_quiet;
     options.is_verbose = a.talk.is_verbose;
-    judge_stamps(jobs, a.is_forced); // reads all inputs: an interrupt ends it at once
+    judge_stamps(jobs, a.is_forced); // may take long, and an interrupt still ends the process at once
     options.wake = catch_interrupts();
 
     bool goes_on = plan_batch(jobs, options);

@@ -78,14 +78,16 @@ def evaluate_layered_neo_hookean(batch, differences, weights):
     # Of z = 0 the file has its own numbers, rounded: with them the energy is that of the numbers that a reader makes.
     inverse0, growth = matrix(i11, i12, i12, i22), metric - metric0
     det = np.linalg.det(growth)
-    u = np.trace(inverse0 @ growth, axis1=1, axis2=2) + r * det
+    trace = np.trace(inverse0 @ growth, axis1=1, axis2=2)
+    u = trace + r * det
     if (u <= -1).any():
         return np.inf, None
-    ratio = np.maximum(np.linalg.det(rest) / r, 2.4e-7 * (a + b) / np.maximum(b, 1e-300))
+    by_trace = b * np.linalg.det(rest) / r
+    by_det = np.maximum(by_trace, 2.4e-7 * (a + b))  # the SPEC's limit of B
     cofactor = growth[:, ::-1, ::-1] * [[1, -1], [-1, 1]]
-    change = a * np.trace(rest @ growth, axis1=1, axis2=2) + b * ratio * u - (a + b) * np.log1p(u)
-    slope = (area * (b * ratio - (a + b) / (1 + u)))[:, None, None]
-    by_metric = (area * a)[:, None, None] * rest + slope * (inverse0 + r[:, None, None] * cofactor)
+    change = a * np.trace(rest @ growth, axis1=1, axis2=2) + by_trace * trace + by_det * r * det - (a + b) * np.log1p(u)
+    by_metric = sum((area * factor)[:, None, None] * part for factor, part in (
+        (a, rest), (by_trace - (a + b) / (1 + u), inverse0), (r * (by_det - (a + b) / (1 + u)), cofactor)))
     return (area * change).sum(), (2 * shape @ by_metric).transpose(2, 1, 0).reshape(6, -1)
 
 

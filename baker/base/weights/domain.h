@@ -41,7 +41,7 @@ public:
     Weights centre() const;
 
     // One of a mixed bag, by index: of a simplex mixed_weights(); of a box in turn a single layer, a pair, twice a sparse
-    // mixture, a dense one and a corner.
+    // mixture (of two layers a single one), a dense one and a corner.
     Weights draw(Random& random, std::size_t index) const;
     std::vector<Weights> draw_all(std::uint64_t seed, std::size_t count) const;
 

@@ -11,7 +11,7 @@
 
 namespace pliant {
 
-// Of a regular file; pipes have none of their own.
+// When a regular file was written last; pipes have no time of their own.
 using WriteTime = std::optional<std::filesystem::file_time_type>;
 WriteTime write_time(const std::string& path);
 
@@ -19,7 +19,7 @@ struct ReadFile {
     std::string path;       // as it was opened
     std::string digest;     // SHA-256 of its bytes; empty: could not be read
     std::string place;      // of a file that was not read by this name: what its links lead to; else empty
-    WriteTime written = {}; // before it was opened: what is written later than that, even while it is read, outdates it
+    WriteTime written = {}; // before it was opened: a write during the reading makes it outdated, too
 };
 
 // Whether it was written again since it was read.
@@ -48,7 +48,7 @@ private:
     ReadLog* outer_;
 };
 
-// Notes that the file was read, or that it could not be. For read_bytes.
+// Notes that the file was read, or that it could not be; `written`: its time before it was opened. For read_bytes.
 void note_reading(const std::string& path, const std::optional<std::string>& bytes, const WriteTime& written);
 // Notes where the links of a name lead, in place of the content: the file was refused, or was read by another name. The
 // links are its own and those of the folders on the way.

@@ -138,11 +138,11 @@ def test_interrupted(folder):
 
 
 def test_interrupted_early(folder):
-    """While stamps are judged, which reads all inputs: 4 GiB of zeros take many seconds."""
+    """While stamps are judged, which reads all inputs: 2 GiB of zeros take many seconds."""
     manifest = manifest_of(folder, TWELVE[:1])
     run(manifest)
     with open(folder / "large", "wb") as large:
-        large.truncate(4 << 30)
+        large.truncate(2 << 30)
     stamp = folder / "out" / f"{TWELVE[0]}.pliant.stamp"
     content = json.loads(stamp.read_text(encoding="utf-8"))
     content["inputs"].insert(0, {"path": str(folder / "large"), "sha256": "0" * 64})

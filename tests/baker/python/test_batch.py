@@ -272,6 +272,18 @@ class WithClient(Folder):
         self.assertEqual(self.outcomes(summary), {"a": "baked", "b": "crashed"})
         self.assertEqual((summary.bakes[1]["signal"], summary.exit_code), (9, 1))
 
+    def test_a_bake_is_interrupted_before_its_plan(self):
+        manifest = manifest_of(self.folder, ["a", "b"])
+        tool = self.folder / "pliant"  # as it ends while it judges stamps: without a summary
+        tool.write_text(f'#!/bin/sh\ncase "$*" in *--dry-run*) ;; *"--only b"*) '
+                        f'mkdir {self.folder}/once 2>/dev/null && exit 130 ;; esac\n'
+                        f'exec {TOOL} "$@"\n')
+        tool.chmod(0o755)
+        with self.assertLogs("pliant.batch", "WARNING") as log:
+            summary = self.run_here(manifest, tool=tool)
+        self.assertEqual(self.outcomes(summary), {"a": "baked", "b": "baked"})
+        self.assertIn("b: the tool was interrupted; it is tried again", "".join(log.output))
+
     def test_a_manifest_is_refused(self):
         manifest = manifest_of(self.folder, ["hero"])
         with self.assertRaises(pliant.Error) as caught:

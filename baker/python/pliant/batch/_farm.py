@@ -174,8 +174,8 @@ class Farm:
         try:
             (record,) = json.loads(ended.output)["bakes"]
         except (ValueError, KeyError, TypeError):
-            if ended.exit_code == 130:  # it was stopped before it had a plan, and has listed nothing
-                return ({**lost, "outcome": "interrupted", "exit_code": 130}, f"on {ended.host}: stopped", True)
+            if ended.exit_code == 130:  # while it judged the stamp: it prints no summary then
+                return {**lost, "exit_code": 130}, "the tool was interrupted", True
             return ({**lost, "outcome": "failed", "exit_code": ended.exit_code},
                     f"on {ended.host}: {ended.errors.strip()}", False)
         # it was not when it was planned: a worker was lost after the bake, before it could tell
