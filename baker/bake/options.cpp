@@ -81,7 +81,7 @@ void require_comparisons(const BakeOptions& options, bool has_tolerance)
 void make_preview(BakeOptions& options, bool has_tolerance)
 {
     constexpr double preview_tolerance = 5e-3;
-    options.time_limit = 0;
+    if (!options.time_limit) options.time_limit = 0;
     if (!has_tolerance) options.tolerance = preview_tolerance;
 }
 

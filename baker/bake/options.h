@@ -83,7 +83,7 @@ WeightDomain domain_of(const BakeOptions& options, const PoseSet& poses);
 // Throws Failure (usage, P1240) if a tolerance is given and no blend is to be compared with an average.
 void require_comparisons(const BakeOptions& options, bool has_tolerance);
 
-// A bake that refines nothing, at a tolerance of its own where the caller has none.
+// A bake that refines nothing, with a rough tolerance: each unless the caller sets a limit of time or a tolerance.
 void make_preview(BakeOptions& options, bool has_tolerance);
 
 // Names used on the command line and in JSON.

@@ -104,11 +104,9 @@ void add_bake_options(CLI::App& verb, BakeRequest& r)
             "that of --preview. The asset depends on the speed of the machine, except with 0")
         ->check(number_in(0.0, 1e6))
         ->type_name("FLOAT");
-    verb.add_flag(
-            "--preview", r.is_preview,
-            "Bake a rough asset quickly, to try weights and poses: --time-limit 0, aiming at a tolerance of 5e-3 unless "
-            "you set one")
-        ->excludes("--time-limit");
+    verb.add_flag("--preview", r.is_preview,
+                  "Bake a rough asset quickly, to try weights and poses: --time-limit 0 and a tolerance of 5e-3 as its aim, "
+                  "each unless you set it");
     verb.add_option("--seed", r.bake.seed, "Random seed")->transform(whole_number_in(0, UINT64_MAX))->capture_default_str();
     verb.add_flag_callback(
         "--no-scene", [&r] { r.bake.keep_scene = false; },

@@ -163,10 +163,14 @@ std::vector<ReadFile> warn_of_outdated(const std::vector<ReadFile>& files, Progr
     return outdated;
 }
 
+std::string_view bytes_of(const BakedAsset& baked)
+{
+    return { reinterpret_cast<const char*>(baked.bytes.data()), baked.bytes.size() };
+}
+
 // The dependencies come before the asset: who is stopped in between leaves an old asset with the new ones, which does no
-// harm. The report comes behind it, since it is about this asset, and the stamp last, since it says that both are whole.
-void write_outputs(const BakeRequest& a, const BakedAsset& baked, const std::vector<Diagnostic>& warnings,
-                   const std::vector<ReadFile>& files, StampContent stamp)
+// harm.
+void write_asset(const BakeRequest& a, const BakedAsset& baked, const std::vector<ReadFile>& files, Progress& progress)
 {
     if (!a.depfile.empty()) {
         std::vector<std::string> names;
@@ -175,14 +179,8 @@ void write_outputs(const BakeRequest& a, const BakedAsset& baked, const std::vec
             if (!file.digest.empty()) names.push_back(file.path); // one that is not there would never be up to date
         write_output(a.depfile, write_depfile(a.output, names));
     }
-    const std::string_view bytes(reinterpret_cast<const char*>(baked.bytes.data()), baked.bytes.size());
-    write_output(a.output, bytes);
-    if (!a.report.empty()) write_output(a.report, write_report(baked.report, asset_seen_from_report(a), warnings));
-    if (a.stamp.empty()) return;
-    stamp.files = files;
-    stamp.output = a.output;
-    stamp.output_digest = sha256_hex(bytes);
-    write_output(a.stamp, write_stamp(stamp));
+    write_output(a.output, bytes_of(baked));
+    date_before(warn_of_outdated(files, progress), a.output);
 }
 
 double seconds_of(const BakeReport& report)
@@ -190,6 +188,17 @@ double seconds_of(const BakeReport& report)
     double seconds = 0;
     for (const StageTime& stage : report.stages) seconds += stage.seconds;
     return seconds;
+}
+
+// The report comes behind the asset, since it is about this asset, and the stamp last, since it says that both are whole.
+void write_records(const BakeRequest& a, const Json& config, const BakedAsset& baked, ExitCode outcome,
+                   const std::vector<ReadFile>& files, const std::vector<Diagnostic>& warnings)
+{
+    if (!a.report.empty()) write_output(a.report, write_report(baked.report, asset_seen_from_report(a), warnings));
+    if (!a.stamp.empty())
+        write_output(a.stamp,
+                     write_stamp({ stamped_options(config, a.output), files, a.output, sha256_hex(bytes_of(baked)),
+                                   int(outcome), seconds_of(baked.report) }));
 }
 
 ExitCode run_bake(BakeRequest& a, CLI::App& verb)
@@ -216,14 +225,9 @@ ExitCode run_bake(BakeRequest& a, CLI::App& verb)
     }
     const BakedAsset baked = bake(poses, a.bake, progress);
     const ExitCode outcome = check_tolerance(a, baked, progress);
-    const std::vector<ReadFile> outdated = warn_of_outdated(log.files(), progress);
+    write_asset(a, baked, log.files(), progress);
     add_warnings(progress.warnings(), baked.report, warnings);
-    StampContent stamp;
-    if (!a.stamp.empty()) stamp.options = stamped_options(config, a.output);
-    stamp.exit_code = int(outcome);
-    stamp.seconds = seconds_of(baked.report);
-    write_outputs(a, baked, warnings, log.files(), std::move(stamp));
-    date_before(outdated, a.output);
+    write_records(a, config, baked, outcome, log.files(), warnings);
     progress.clear_line();
     if (a.is_json)
         print_to(stdout, "{}\n", write_report(baked.report, a.output, warnings));

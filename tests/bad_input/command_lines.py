@@ -13,7 +13,7 @@ NOTHING = """
     negative_weight range_without_zero range_too_far range_of_no_layer range_of_average range_unreadable
     range_decimal_comma layers_with_krylov placed_with_krylov many_poses_with_krylov grid_too_fine layer_grid_too_fine
     too_few_layer_weights infinite_layer_weight layers_without_shape list_without_grid
-    average_path_one_name average_pattern not_an_asset tolerance_missed tolerance_unchecked preview_and_limit
+    average_path_one_name average_pattern not_an_asset tolerance_missed tolerance_unchecked two_ways_on
     time_limit_negative value_too_large value_not_a_number value_not_whole value_misspelt value_missing value_of_flag
     argument_missing output_missing argument_superfluous choice_of_plain_file idle_poisson idle_thickness memory_without_unit
     memory_unreadable not_a_number not_a_number_seconds whole_negative whole_beyond whole_exponent

@@ -178,6 +178,11 @@ def test_wrong_partners(folder, poses):
     check(preview.returncode == 4 and "warning P4404" in preview.stderr and "leave out --preview" in preview.stderr,
           f"a preview that misses its tolerance: exit code {preview.returncode}, {preview.stderr}")
     check(run("validate", folder / "preview.pliant").returncode == 0, "the preview is written, and valid")
+    config = folder / "preview.json"
+    config.write_text('{"preview": true, "tolerance": 1e-8}', encoding="utf-8")
+    longer = run("bake", "--config", config, *poses, "-o", folder / "preview.pliant", "--time-limit", "1")
+    check(longer.returncode == 4 and "raise --time-limit" in longer.stderr,
+          f"a limit of time overrides that of a preview: exit code {longer.returncode}, {longer.stderr}")
 
 
 def test_drawn_surface(folder):

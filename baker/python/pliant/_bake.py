@@ -120,7 +120,7 @@ def bake(
     check_samples, fresh_samples   numbers of unreduced averages that the errors are measured at
     position_error  largest movement of a vertex by compressing the basis, relative to the diagonal
     time_limit      seconds after which the bake refines no more and returns the best so far
-    preview         a rough asset quickly: time_limit=0 and, if not given, tolerance=5e-3
+    preview         a rough asset quickly: time_limit=0 and tolerance=5e-3, each if not given
     no_scene        do not store materials and images of glTF poses
     solver, seed    results depend on them
     threads         results do not depend on it; None: all cores
