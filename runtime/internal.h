@@ -273,8 +273,8 @@ double pliant_quartic_evaluate(const pliant_kernels* kernels, const pliant_asset
 uint64_t pliant_radial_floats(const pliant_asset* asset);
 
 /* The start z0(w) and the dead load c(w) for normalised weights or (1, v), padded_dimension floats each, padding zero; 0
-   where the asset has none. `load` must be null if the asset has none. Cost: centre_count * (pose_count + dimension for
-   each) multiply-adds. */
+   where the asset has none. `load` must be null if the asset has none. Cost: centre_count * (pose_count, of layers
+   twice, + dimension for each) multiply-adds. */
 void pliant_radial_evaluate(const pliant_kernels* kernels, const pliant_asset* asset, const float* weights, float* scratch,
                             float* start, float* load);
 

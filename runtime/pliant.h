@@ -269,7 +269,7 @@ PLIANT_API void pliant_solver_reset(pliant_solver* solver);
    predictor is stuck if it ends with STALLED or has used three quarters of max_evaluations, and the energy could still fall
    by more than noise. Then a second descent starts from z = 0, within what is left of both limits, and the lower end is
    returned. So with max_iterations > 0 and max_evaluations > 1 a jump ends, up to that noise, no higher than the predictor
-   and no higher than the equal-weight average.
+   and no higher than the equal-weight average (of layers with weights up to 1e12: rounding exceeds the noise beyond).
 
    Not guaranteed: that a converged descent from the predictor ends as low as one from z = 0 would. Where the surrogate
    energy has several minima, only two full descents could tell; the predictor leads to the lower one far more often
@@ -301,8 +301,8 @@ typedef struct pliant_solve_info {
    Cost: if the weights are those of the last frame and that one converged, dimension squared multiply-adds. Otherwise one
    combination of the surrogate energy's numbers, linear in the number of poses with a weight other than zero (of layers
    linear in the elements that these change, and at most the time of one evaluation for the new rest states); predictor and
-   dead load, (pose_count + 2 * dimension) multiply-adds for each centre of the predictor; and (iterations + 1)
-   evaluations of the surrogate energy, or a few more. */
+   dead load, (pose_count + 2 * dimension) multiply-adds for each centre of the predictor, of layers pose_count more; and
+   (iterations + 1) evaluations of the surrogate energy, or a few more. */
 PLIANT_API pliant_result pliant_solve(pliant_solver* solver, const float* weights, float* q, pliant_solve_info* info);
 
 /* ------------------------------------------------------------------------------------------- reconstruction ---- */
@@ -385,7 +385,7 @@ PLIANT_API size_t pliant_normals_memory(const pliant_asset* asset);
 /** Builds the adjacency of `asset` in `memory` (any alignment, `memory_size` bytes). Memory and blob must outlive it.
    There is nothing to free. PLIANT_ERROR_LIMIT: the vertices of all groups together would read more than 2^22 neighbours,
    beside 256 times as many as there are; `pliant bake` puts at most 256 vertices into a group. Cost: linear, some 10 ms for
-   100,000 triangles. */
+   100,000 triangles of a usual mesh, ten times that where each vertex has dozens of triangles. */
 PLIANT_API pliant_result pliant_normals_init(pliant_normals* out, const pliant_asset* asset, void* memory,
                                              size_t memory_size);
 

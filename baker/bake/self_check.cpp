@@ -221,15 +221,17 @@ CheckReport compare_with_averages(OpenedAsset& opened, const FitProblem& problem
     return report;
 }
 
-// A pose that blends do not reach misses the tolerance, however good the mean is.
+// A pose that blends do not reach misses the tolerance, however good the mean is: that of the largest error, too.
 void judge_poses(OpenedAsset& opened, const FitProblem& problem, const BakeOptions& options, CheckReport& report)
 {
     const WeightDomain& domain = problem.domain;
+    const double allowed
+        = options.tolerance_max > 0 ? std::min(options.tolerance, options.tolerance_max) : options.tolerance;
     for (std::size_t k = 0; k < problem.set.pose_count(); ++k) {
         if (domain.is_box() && k > 0 && domain.ranges()[k - 1].high < 1) continue; // no blend goes there
         const Weights weights = weights_of_pose(problem.energy, k);
         const double error = relative_error(problem.set, opened.blend(weights), problem.set.shapes[k]);
-        if (error <= options.tolerance) continue;
+        if (error <= allowed) continue;
         report.meets_tolerance = false;
         if (error <= report.largest_error) continue;
         report.largest_error = error;

@@ -105,8 +105,10 @@ function checkErrors() {
   assert.deepEqual(Float32Array.from(character.positions), before);
   assert.throws(() => pliant.open("a name"), TypeError);
   checkHuge();
-  const fickle = Object.assign([0, 0, 0], { *[Symbol.iterator]() { yield 1; } });
-  refuses(() => character.solve(fickle), 10, "1 weights given, the asset has 3");
+  refuses(() => character.solve(new Array(2 ** 32 - 1)), 10, "4294967295 weights given, the asset has 3");
+  refuses(() => character.solve(new DataView(new ArrayBuffer(12))), 10, "0 weights given, the asset has 3");
+  const fickle = Object.assign([0, 0, 0], { *[Symbol.iterator]() { for (;;) yield 1; } });
+  assert.deepEqual(Float32Array.from(character.solve(fickle)), Float32Array.from(character.solve([0, 0, 0])));
   const wrong = [5, null, "abc", new Map([["pose 1", 1]]), ["1", 0, 0], [true, 0, 0], [1, , 0], { [asset.weights[0].name]: "1" }];
   for (const weights of wrong) assert.throws(() => character.solve(weights), TypeError);
   refuses(() => pliant.open(new ArrayBuffer(0)), 20, "");

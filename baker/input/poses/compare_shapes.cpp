@@ -85,12 +85,19 @@ double median_stretch(const std::vector<double>& ratios, double scale)
     return quantile(stretches, 0.5);
 }
 
+// Vertices without faces and the fineness of the mesh do not move it.
+Eigen::Vector3d surface_centroid(const Shape& shape, const std::vector<Triangle>& triangles)
+{
+    const Eigen::VectorXd masses = lumped_masses(shape, triangles);
+    const Eigen::Map<const Positions> rows(shape.data(), shape.size() / 3, 3);
+    return rows.transpose() * masses / masses.sum();
+}
+
 // The vertex around which the signed volume under the surface, as seen from the middle, falls most.
 std::uint32_t most_turned_vertex(const Shape& first, const Shape& other, const std::vector<Triangle>& triangles)
 {
     const auto volumes_of = [&](const Shape& shape) {
-        const Eigen::Map<const Positions> rows(shape.data(), shape.size() / 3, 3);
-        const Eigen::Vector3d middle = rows.colwise().mean().transpose();
+        const Eigen::Vector3d middle = surface_centroid(shape, triangles);
         Eigen::VectorXd volumes = Eigen::VectorXd::Zero(shape.size() / 3); // under the faces around each vertex
         for (const Triangle& t : triangles) {
             const double volume = double_area_vector(shape, t).dot(point(shape, t[0]) - middle) / 6;
@@ -115,8 +122,7 @@ struct Enclosure {
 
 Enclosure enclosure(const Shape& shape, const std::vector<Triangle>& triangles)
 {
-    const Eigen::Map<const Positions> rows(shape.data(), shape.size() / 3, 3);
-    const Eigen::Vector3d middle = rows.colwise().mean().transpose();
+    const Eigen::Vector3d middle = surface_centroid(shape, triangles);
     std::vector<std::pair<std::uint64_t, double>> edges; // vertex pair and length
     double volume = 0, area = 0, border = 0;
     for (const Triangle& t : triangles) {

@@ -166,9 +166,9 @@ export class PliantAsset {
   // Weights as numbers in order, or by name; those that are not named are 0.
   weightsFrom(weights) {
     if (Array.isArray(weights) || ArrayBuffer.isView(weights)) {
-      const numbers = Float32Array.from(weights, numberOf);
-      if (numbers.length === this.weights.length) return numbers;
-      throw new PliantError(`${numbers.length} weights given, the asset has ${this.weights.length}`, ERROR_ARGUMENT);
+      const count = weights.length ?? 0; // a DataView has none
+      if (count === this.weights.length) return Float32Array.from({ length: count }, (_, i) => numberOf(weights[i]));
+      throw new PliantError(`${count} weights given, the asset has ${this.weights.length}`, ERROR_ARGUMENT);
     }
     if (typeof weights !== "object" || weights === null || Symbol.iterator in weights)
       throw new TypeError(WEIGHTS_EXPECTED);

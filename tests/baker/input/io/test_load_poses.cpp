@@ -190,6 +190,18 @@ TEST_CASE("no verdict depends on the unit of length or on the place")
     }
 }
 
+TEST_CASE("a vertex without faces, far away, turns no open surface inside out")
+{
+    Model blob = make_blob(8);
+    const double brim = 0.8 * blob.positions.col(0).maxCoeff();
+    const auto is_beyond = [&](const Triangle& t) { return blob.positions(t[0], 0) > brim; };
+    blob.triangles.erase(std::remove_if(blob.triangles.begin(), blob.triangles.end(), is_beyond), blob.triangles.end());
+    Positions rest(blob.positions.rows() + 1, 3), pose = rest;
+    rest << blob.positions, 1e4, 0, 0;
+    pose << bent(blob.positions, 0.3) * Eigen::Vector3d(-1, -1, 1).asDiagonal(), 1e4, 0, 0;
+    for (const int number : numbers_of({ rest, pose }, blob.triangles)) CHECK(number / 100 == 22); // warnings
+}
+
 TEST_CASE("moved and turned poses are fine, and the same when they are aligned")
 {
     const Model blob = make_blob(6);
