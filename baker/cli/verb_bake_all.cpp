@@ -53,13 +53,16 @@ void keep_only(std::vector<BatchJob>& jobs, const std::vector<std::string>& only
 // Of --memory. A number without a unit is one of bytes, but who writes 16 means another.
 double bytes_of(const std::string& text)
 {
+    constexpr const char* digits = "0123456789";
+    const std::size_t unit = text.find_first_not_of(digits);
+    const bool has_unit = unit != std::string::npos;
+    const bool is_size = unit > 0 && (!has_unit || text.find_first_of(digits, unit) == std::string::npos); // not 0x10KiB
     double bytes = 0;
     try {
         std::string number = text;
-        if (CLI::AsSizeValue(false)(number).empty()) bytes = std::strtod(number.c_str(), nullptr);
+        if (is_size && CLI::AsSizeValue(false)(number).empty()) bytes = std::strtod(number.c_str(), nullptr);
     } catch (const CLI::Error&) {
     }
-    const bool has_unit = text.find_first_not_of("0123456789") != std::string::npos;
     if (bytes > 0 && (has_unit || bytes >= 1048576)) return bytes;
     throw Failure(ExitCode::usage,
                   error_at(1239, "",

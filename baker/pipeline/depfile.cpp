@@ -1,7 +1,6 @@
 #include "pipeline/depfile.h"
 
 #include "base/common/diagnostics.h"
-#include "input/io/source_file.h"
 
 #include <fmt/format.h>
 
@@ -42,7 +41,7 @@ void check_name(const std::string& path)
     if (part.empty()) return;
     throw Failure(ExitCode::failed,
                   error_at(4604, "",
-                           fmt::format("the name {} {}, which a dependency file cannot express", excerpt(path), part),
+                           fmt::format("the name '{}' {}, which a dependency file cannot express", printable(path), part),
                            "rename it, or leave --depfile out"));
 }
 

@@ -3,10 +3,12 @@
 #include "ply.h"
 
 #include <charconv>
+#include <csignal>
 #include <cstdio>
 #include <cstring>
 #include <exception>
 #include <filesystem>
+#include <stdexcept>
 #include <string>
 #include <system_error>
 
@@ -60,6 +62,9 @@ std::string parse(int argc, char** argv, Options& options)
 
 int main(int argc, char** argv)
 {
+#ifdef SIGXFSZ
+    std::signal(SIGXFSZ, SIG_IGN); // a limit on the size of files is an error like a full disk
+#endif
     Options options;
     const std::string wrong = parse(argc, argv, options);
     if (!wrong.empty()) {
@@ -84,6 +89,7 @@ int main(int argc, char** argv)
         pliant::creature::write_ply_set(files, character.faces);
         std::printf("creature: %zu poses, %zu vertices, %zu faces\n", character.poses.size(),
                     character.poses.front().points.size(), character.faces.size());
+        if (std::fflush(stdout) != 0) throw std::runtime_error("standard output cannot be written");
     } catch (const std::exception& error) {
         std::fprintf(stderr, "creature: error: %s\n", error.what());
         return 1;

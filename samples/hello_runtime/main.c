@@ -70,6 +70,7 @@ int main(int argc, char** argv)
     printf("\nfirst of %u vertices\n", asset.vertex_count);
     for (uint32_t v = 0; v < 3 && v < asset.vertex_count; ++v)
         printf("  %g %g %g\n", vertices[v][0], vertices[v][1], vertices[v][2]);
+    if (fflush(stdout) != 0) return fail("standard output", "cannot be written");
     free(q), free(weights), free(memory), free(blob);
     return 0;
 }

@@ -16,7 +16,8 @@ NOTHING = """
     average_path_one_name average_pattern not_an_asset tolerance_missed tolerance_unchecked two_ways_on
     time_limit_negative value_too_large value_not_a_number value_not_whole value_misspelt value_missing value_of_flag
     argument_missing output_missing argument_superfluous choice_of_plain_file idle_poisson idle_thickness memory_without_unit
-    memory_unreadable not_a_number not_a_number_seconds whole_negative whole_beyond whole_exponent
+    memory_unreadable memory_unit_alone memory_hexadecimal not_a_number not_a_number_seconds whole_negative whole_beyond
+    whole_exponent
     """.split()
 
 # An asset.
