@@ -175,6 +175,33 @@ TEST_CASE("a layer that grows a body is reached, or misses the tolerance")
     }
 }
 
+TEST_CASE("the limit of the largest error holds at the poses, too")
+{
+    const PoseSet poses = tube_poses(3);
+    const NormalizedPoses set = normalize(poses, true);
+    BakeOptions options;
+    options.tolerance = 1e-2;
+    options.dimension = 16; // far more than the tolerance needs
+    options.element_count = 200;
+    options.position_error = 1e-3; // moves the poses more than what lies between them
+    const BakedAsset baked = bake_quietly(poses, options);
+    RuntimeBlender blender(baked.bytes, "coarse");
+    double error = 0;
+    for (std::size_t k = 0; k < 3; ++k) {
+        std::vector<float> w(3);
+        w[k] = 1;
+        Shape shape = from_input_units(set, blender.positions(blender.solve(w, false)));
+        apply(best_rigid_motion(shape, set.shapes[k], set.masses), shape);
+        error = std::max(error, relative_error(set, shape, set.shapes[k]));
+    }
+    CHECK(baked.report.check.meets_tolerance);
+    REQUIRE(error > baked.report.check.largest_error);
+    options.tolerance_max = 0.5 * (error + baked.report.check.largest_error);
+    const CheckReport limited = bake_quietly(poses, options).report.check;
+    CHECK_FALSE(limited.meets_tolerance);
+    CHECK(limited.largest_error > options.tolerance_max);
+}
+
 TEST_CASE("ranges of layers beyond 0 to 1 are measured")
 {
     BakeOptions options = layered_options(Material::discrete_shells, -0.5, 1.5);
