@@ -39,6 +39,10 @@ class Energy:
     def __init__(self, view: core.EnergyView, has_layers: bool) -> None:
         self._view = view
         self._has_layers = has_layers
+        try:  # here and not in hessian(): a child that is forked while another thread imports would wait for ever
+            self._sparse: Any = importlib.import_module("scipy.sparse")
+        except ImportError:
+            self._sparse = None
 
     @property
     def vertex_count(self) -> int:
@@ -90,12 +94,10 @@ class Energy:
         Returns a scipy.sparse.csc_matrix, or without scipy the arrays (rows, columns, values), each entry once.
         """
         rows, columns, values = self._view.hessian(self._positions(x), self._weights(weights), bool(projected))
-        try:
-            sparse: Any = importlib.import_module("scipy.sparse")
-        except ImportError:
+        if self._sparse is None:
             return rows, columns, values
         size = 3 * self.vertex_count
-        return sparse.csc_matrix((values, (rows, columns)), shape=(size, size))
+        return self._sparse.csc_matrix((values, (rows, columns)), shape=(size, size))
 
     def _positions(self, x: npt.ArrayLike) -> npt.NDArray[np.float64]:
         n = self.vertex_count

@@ -160,6 +160,20 @@ class Ending(unittest.TestCase):
 
 
 class Sharing(unittest.TestCase):
+    # Else a child that is forked meanwhile would wait for the import.
+    def test_the_hessian_imports_nothing(self):
+        class Finder:
+            def find_spec(self, name, path=None, target=None):
+                found.append(name)
+
+        energy, found = pliant.energy(POSES, FACES), []
+        sys.meta_path.insert(0, Finder())
+        try:
+            energy.hessian(POSES[0])
+        finally:
+            del sys.meta_path[0]
+        self.assertEqual(found, [])
+
     @unittest.skipIf("libtsan" in os.environ.get("LD_PRELOAD", ""), "ThreadSanitizer takes no threads in a forked child")
     def test_children_forked_while_a_thread_works(self):
         def loop():
