@@ -14,7 +14,8 @@ def dot(a, b):
 
 
 def cross(a, b):
-    return np.cross(a, b, axis=0)
+    # np.cross takes five times as long for so few columns
+    return np.stack([a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]])
 
 
 def combined(batch, weights):

@@ -3,6 +3,8 @@
 Every energy is written twice: absolute_energy() as a textbook has it, and the batches as SPEC.md section 4 wants them.
 tiny_asset.make_model() insists that they differ by a constant.
 """
+import math
+
 import numpy as np
 
 import pliant_reference_path  # noqa: F401
@@ -173,7 +175,7 @@ def cell_edges(spokes, closed):
 def half_cotangent(pose, c, a, b):
     """Of the angle at c."""
     u, v = pose[a] - pose[c], pose[b] - pose[c]
-    return 0.5 * (u @ v) / np.linalg.norm(np.cross(u, v))
+    return 0.5 * (u @ v) / math.hypot(u[1] * v[2] - u[2] * v[1], u[2] * v[0] - u[0] * v[2], u[0] * v[1] - u[1] * v[0])
 
 
 def cotangent_weights(topology, pose):
@@ -181,8 +183,9 @@ def cotangent_weights(topology, pose):
     for face in topology.faces:
         for i in range(3):
             a, b, c = face[i], face[(i + 1) % 3], face[(i + 2) % 3]
+            cotangent = half_cotangent(pose, c, a, b)
             for key in ((a, b), (b, a)):
-                weights[key] = weights.get(key, 0.0) + half_cotangent(pose, c, a, b)
+                weights[key] = weights.get(key, 0.0) + cotangent
     return weights
 
 
