@@ -61,8 +61,8 @@ private:
             return RuntimeBlender(bytes, "the asset just baked");
         } catch (const Failure& failure) {
             Diagnostic diagnostic = failure.diagnostics().at(0);
-            diagnostic.hint
-                = "single precision does not hold its numbers: leave out the pose that is stretched or pressed most";
+            diagnostic.hint = "single precision does not hold its numbers: leave out --preview or the limit of time, or the "
+                              "pose that is stretched or pressed most";
             throw Failure(ExitCode::failed, diagnostic);
         }
     }

@@ -1,5 +1,6 @@
 #include "input/poses/compare_poses.h"
 
+#include "base/common/union_find.h"
 #include "base/mesh/align.h"
 #include "input/poses/check_surface.h"
 
@@ -93,6 +94,36 @@ Eigen::Vector3d surface_centroid(const Shape& shape, const std::vector<Triangle>
     return rows.transpose() * masses / masses.sum();
 }
 
+// The triangles in patches of one orientation, each turned so that the first pose has a positive volume under it as seen from
+// its middle. Faces of files may be turned over: a signed volume over patches of both orientations would say nothing.
+std::vector<Triangle> oriented_triangles(const Shape& shape, std::vector<Triangle> triangles)
+{
+    struct Side {
+        std::uint64_t edge;
+        std::uint32_t face;
+        bool is_forward;
+    };
+    std::vector<Side> sides;
+    for (std::uint32_t f = 0; f < triangles.size(); ++f)
+        for (std::size_t i = 0; i < 3; ++i) {
+            const std::uint32_t from = triangles[f][i], to = triangles[f][(i + 1) % 3];
+            sides.push_back({ std::uint64_t(std::min(from, to)) << 32 | std::max(from, to), f, from < to });
+        }
+    std::sort(sides.begin(), sides.end(), [](const Side& a, const Side& b) { return a.edge < b.edge; });
+    UnionFind patches(triangles.size());
+    for (std::size_t i = 1; i < sides.size(); ++i)
+        if (sides[i].edge == sides[i - 1].edge && sides[i].is_forward != sides[i - 1].is_forward)
+            patches.join(sides[i].face, sides[i - 1].face);
+
+    const Eigen::Vector3d middle = surface_centroid(shape, triangles);
+    std::vector<double> volumes(triangles.size());
+    for (std::uint32_t f = 0; f < triangles.size(); ++f)
+        volumes[patches.find(f)] += double_area_vector(shape, triangles[f]).dot(point(shape, triangles[f][0]) - middle);
+    for (std::uint32_t f = 0; f < triangles.size(); ++f)
+        if (volumes[patches.find(f)] < 0) std::swap(triangles[f][1], triangles[f][2]);
+    return triangles;
+}
+
 // The vertex around which the signed volume under the surface, as seen from the middle, falls most.
 std::uint32_t most_turned_vertex(const Shape& first, const Shape& other, const std::vector<Triangle>& triangles)
 {
@@ -171,8 +202,9 @@ MirrorFit mirror_fit(const Shape& first, const Shape& other, const Eigen::Vector
 // (a walk seen half a step later is nearly one), and a sheet that bends the other way is exactly one. But an enclosing
 // surface would have to be turned inside out. So that is the error; a nearly exact mirror image of a sheet is a warning.
 void check_mirrored(const MeshFile& first, const MeshFile& other, const Shape& a, const Shape& b,
-                    const std::vector<Triangle>& triangles, DiagnosticList& diagnostics)
+                    const std::vector<Triangle>& given, DiagnosticList& diagnostics)
 {
+    const std::vector<Triangle> triangles = oriented_triangles(a, given);
     constexpr double open = 0.5;        // a hemisphere has 0.7, a face with its neck 0.2, a closed surface 0
     constexpr double enclosing = 0.005; // a human body has 0.1 to 0.2, a pillow ten times as wide as high 0.15
     constexpr double exact = 0.02, distinct = 0.01;

@@ -2,8 +2,10 @@
 
 #include "base/weights/sampling.h"
 #include "elastic/average/rigid_modes.h"
+#include "elastic/energy/energy.h"
 
 #include <algorithm>
+#include <cmath>
 #include <fmt/core.h>
 
 namespace pliant {
@@ -66,7 +68,9 @@ void add_training(FoundSubspace& out, InterpolatedFamily& known, std::vector<Wei
     out.has_sound_interpolations = explained != Explained::shapes || out.averages.size() < sound_count(pose_count);
     const std::vector<Weights> rest(training.begin() + std::ptrdiff_t(out.averages.size()), training.end());
     std::vector<Shape> shapes = known.at(rest);
-    for (std::size_t i = 0; i < rest.size(); ++i) out.averages.push_back({ rest[i], std::move(shapes[i]), true });
+    for (std::size_t i = 0; i < rest.size(); ++i) // without those that a solid cannot have
+        if (std::isfinite(energy_value(known.family().pool().energy(), rest[i], shapes[i])))
+            out.averages.push_back({ rest[i], std::move(shapes[i]), true });
 }
 
 } // namespace

@@ -7,6 +7,7 @@
 
 #include <Eigen/Dense>
 #include <algorithm>
+#include <cmath>
 #include <numeric>
 
 namespace pliant {
@@ -25,6 +26,20 @@ std::vector<Weights> centres_of(const TrainingSet& training, const Energy& energ
 RadialFunction fit_to_training(const TrainingSet& training, const Energy& energy, const Eigen::MatrixXd& values)
 {
     return fit_radial_function(centres_of(training, energy), values, energy.blend() == Blend::layers);
+}
+
+// Weights and averages without those at which the surrogate energy is infinite: rough training data, as previews have them,
+// may turn elements of a solid inside out. The first one, the mean, stays.
+TrainingSet finite_part(const SurrogateEnergy& surrogate, const TrainingSet& training)
+{
+    TrainingSet out;
+    out.energy_scale = training.energy_scale;
+    for (std::size_t t = 0; t < training.weights.size(); ++t) {
+        if (t > 0 && !std::isfinite(surrogate.value(training.weights[t], training.averages[t]))) continue;
+        out.weights.push_back(training.weights[t]);
+        out.averages.push_back(training.averages[t]);
+    }
+    return out;
 }
 
 double mean_energy(const SurrogateEnergy& surrogate, const TrainingSet& training)
@@ -92,10 +107,10 @@ MinimizeResult BlendModel::solve(const Weights& w, double tolerance) const
     return result;
 }
 
-BlendModel plain_model(std::shared_ptr<const SurrogateEnergy> surrogate, const TrainingSet& training,
-                       const Subspace& subspace)
+BlendModel plain_model(std::shared_ptr<const SurrogateEnergy> surrogate, const TrainingSet& given, const Subspace& subspace)
 {
     const Energy& energy = surrogate->energy();
+    const TrainingSet training = finite_part(*surrogate, given);
     const MinimizeResult mean = minimize_newton(*surrogate, training.weights[0], training.averages[0], 1e-8, 100);
     BlendModel model = model_around(std::move(surrogate), training, mean.q);
     const Eigen::MatrixXd metric = model.whitening * model.whitening.transpose();
@@ -112,10 +127,10 @@ BlendModel plain_model(std::shared_ptr<const SurrogateEnergy> surrogate, const T
     return model;
 }
 
-BlendModel loaded_model(std::shared_ptr<const SurrogateEnergy> surrogate, const TrainingSet& training,
-                        const Subspace& subspace)
+BlendModel loaded_model(std::shared_ptr<const SurrogateEnergy> surrogate, const TrainingSet& given, const Subspace& subspace)
 {
     const Energy& energy = surrogate->energy();
+    const TrainingSet training = finite_part(*surrogate, given);
     BlendModel model = model_around(std::move(surrogate), training, training.averages[0]);
     Eigen::MatrixXd q = pose_columns(subspace, training.weights.size(), energy);
     Eigen::MatrixXd loads = Eigen::MatrixXd::Zero(q.rows(), q.cols());

@@ -202,6 +202,26 @@ TEST_CASE("a vertex without faces, far away, turns no open surface inside out")
     for (const int number : numbers_of({ rest, pose }, blob.triangles)) CHECK(number / 100 == 22); // warnings
 }
 
+TEST_CASE("a mirror image is told from parts of which one is inside out")
+{
+    const Model blob = make_blob(6);
+    const std::uint32_t count = std::uint32_t(blob.positions.rows());
+    std::vector<Triangle> triangles = blob.triangles;
+    for (const Triangle& t : blob.triangles) triangles.push_back({ t[0] + count, t[1] + count, t[2] + count });
+    const auto pair_of = [&](double left, double right) { // the right one is the mirror image of the left one
+        Positions both(2 * count, 3);
+        both << left * blob.positions, right * blob.positions * Eigen::Vector3d(-1, 1, 1).asDiagonal();
+        both.col(0).tail(count).array() += 8;
+        return both;
+    };
+    const Positions rest = pair_of(1, 0.8), pose = pair_of(0.8, 1);
+    for (const bool is_mirrored : { false, true }) {
+        const Positions other = pose * Eigen::Vector3d(1, is_mirrored ? -1 : 1, 1).asDiagonal();
+        const Numbers numbers = numbers_of({ rest, other }, triangles);
+        CHECK(std::count(numbers.begin(), numbers.end(), 3007) == (is_mirrored ? 1 : 0));
+    }
+}
+
 TEST_CASE("moved and turned poses are fine, and the same when they are aligned")
 {
     const Model blob = make_blob(6);
