@@ -94,8 +94,8 @@ Eigen::Vector3d surface_centroid(const Shape& shape, const std::vector<Triangle>
     return rows.transpose() * masses / masses.sum();
 }
 
-// The triangles in patches of one orientation, each turned so that the volume under it in this pose is positive, as seen from
-// the middle. Faces of files may be turned over: a signed volume over patches of both orientations would say nothing.
+// The triangles in patches of one orientation, each turned so that the volume under it in this pose is positive as seen
+// from the middle. Faces of files may be turned over: a signed volume over both orientations would say nothing.
 std::vector<Triangle> oriented_triangles(const Shape& shape, std::vector<Triangle> triangles)
 {
     struct Side {
