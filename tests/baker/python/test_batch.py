@@ -255,13 +255,18 @@ class WithClient(Folder):
         self.assertEqual(self.outcomes(summary), {"a": "baked", "b": "baked"})
         self.assertNotIn("seconds", summary.bakes[1])
 
-    def test_a_bake_is_killed_from_outside(self):
-        manifest = manifest_of(self.folder, ["a", "b"])
-        tool = self.folder / "pliant"  # the first bake of "b" meets a SIGKILL
+    def tool_that_ends_once(self, how):
+        """The tool, but its first bake of "b" ends so."""
+        tool = self.folder / "pliant"
         tool.write_text(f'#!/bin/sh\ncase "$*" in *--dry-run*) ;; *"--only b"*) '
-                        f'mkdir {self.folder}/once 2>/dev/null && kill -9 $$ ;; esac\n'
+                        f'mkdir {self.folder}/once 2>/dev/null && {how} ;; esac\n'
                         f'exec {TOOL} "$@"\n')
         tool.chmod(0o755)
+        return tool
+
+    def test_a_bake_is_killed_from_outside(self):
+        manifest = manifest_of(self.folder, ["a", "b"])
+        tool = self.tool_that_ends_once("kill -9 $$")
         with self.assertLogs("pliant.batch", "WARNING") as log:
             summary = self.run_here(manifest, tool=tool)
         self.assertEqual(self.outcomes(summary), {"a": "baked", "b": "baked"})
@@ -274,11 +279,7 @@ class WithClient(Folder):
 
     def test_a_bake_is_interrupted_before_its_plan(self):
         manifest = manifest_of(self.folder, ["a", "b"])
-        tool = self.folder / "pliant"  # as it ends while it judges stamps: without a summary
-        tool.write_text(f'#!/bin/sh\ncase "$*" in *--dry-run*) ;; *"--only b"*) '
-                        f'mkdir {self.folder}/once 2>/dev/null && exit 130 ;; esac\n'
-                        f'exec {TOOL} "$@"\n')
-        tool.chmod(0o755)
+        tool = self.tool_that_ends_once("exit 130")  # as while it judges stamps: without a summary
         with self.assertLogs("pliant.batch", "WARNING") as log:
             summary = self.run_here(manifest, tool=tool)
         self.assertEqual(self.outcomes(summary), {"a": "baked", "b": "baked"})
