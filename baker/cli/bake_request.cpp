@@ -49,8 +49,8 @@ void add_bake_options(CLI::App& verb, BakeRequest& r)
         ->check(number_in(1e-8, 1.0))
         ->capture_default_str();
     verb.add_option("--tolerance-max", r.bake.tolerance_max,
-                    "Allowed largest error over the check weights and at the poses (default: no limit); a miss ends as that of "
-                    "--tolerance")
+                    "Allowed largest error over the check weights and at the poses (default: no limit); a miss ends as that "
+                    "of --tolerance")
         ->check(number_in(1e-8, 1.0));
     verb.add_flag("--best-effort", r.is_best_effort,
                   "Write the asset even if it misses the tolerance that you set; the exit code is 4 then, too");
