@@ -385,7 +385,7 @@ PLIANT_API size_t pliant_normals_memory(const pliant_asset* asset);
 /** Builds the adjacency of `asset` in `memory` (any alignment, `memory_size` bytes). Memory and blob must outlive it.
    There is nothing to free. PLIANT_ERROR_LIMIT: the vertices of all groups together would read more than 2^22 neighbours,
    beside 256 times as many as there are; `pliant bake` puts at most 256 vertices into a group. Cost: linear, some 10 ms for
-   100,000 triangles of a usual mesh, ten times that where each vertex has dozens of triangles. */
+   100,000 triangles of a usual mesh, more where each vertex has dozens of triangles. */
 PLIANT_API pliant_result pliant_normals_init(pliant_normals* out, const pliant_asset* asset, void* memory,
                                              size_t memory_size);
 

@@ -71,10 +71,7 @@ int main(int argc, char** argv)
         std::fprintf(stderr, "creature: error: %s\nhint: see creature --help\n", wrong.c_str());
         return 2;
     }
-    if (options.help) {
-        std::fputs(help_text, stdout);
-        return 0;
-    }
+    if (options.help) return std::fputs(help_text, stdout) < 0 || std::fflush(stdout) != 0;
     // Checked first: building takes seconds.
     std::error_code ignored;
     if (!std::filesystem::is_directory(options.folder, ignored)) {

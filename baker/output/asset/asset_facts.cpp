@@ -1,10 +1,10 @@
 #include "output/asset/asset_facts.h"
 
+#include "base/common/foreign_json.h"
 #include "pliant_format.h"
 
 #include <cstring>
 #include <fmt/format.h>
-#include <nlohmann/json.hpp>
 
 namespace pliant {
 
@@ -56,7 +56,7 @@ std::string format_version(const pliant_asset& asset)
 
 bool has_render_mesh(const std::string& certificate)
 {
-    const auto json = nlohmann::json::parse(certificate, nullptr, false);
+    const auto json = parse_foreign_json(certificate);
     return json.is_object() && json.contains("surface");
 }
 

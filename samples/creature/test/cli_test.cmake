@@ -33,6 +33,17 @@ expect_exit_code(1 -o ${WORK}/missing --vertices 8000)
 expect_exit_code(1 -o ${WORK}/blocked --vertices 8000)
 expect_files(${WORK}/blocked creature_curl.ply.tmp)
 
+# Files of at most 4 KiB, then a full disk behind standard output: an error, no signal, no file left.
+if(EXISTS /dev/full)
+  set(program ${CREATURE})
+  set(CREATURE sh -c "ulimit -f 8 && exec \"$@\"" sh ${program})
+  expect_exit_code(1 -o ${WORK}/a --vertices 8000)
+  expect_files(${WORK}/a)
+  set(CREATURE sh -c "exec \"$@\" > /dev/full" sh ${program})
+  expect_exit_code(1 --help)
+  set(CREATURE ${program})
+endif()
+
 expect_exit_code(0 -o ${WORK}/a --vertices 8000)
 expect_exit_code(0 --vertices 8000 --output ${WORK}/b)
 expect_files(${WORK}/a ${poses})

@@ -27,6 +27,13 @@ TEST_CASE("the certificate of a large bake is read, an object of many keys is no
     CHECK(parse_foreign_json("{").is_discarded());
 }
 
+TEST_CASE("a zero byte does not end the text")
+{
+    CHECK(parse_foreign_json("{}").is_object());
+    CHECK(parse_foreign_json(std::string("{}\0", 3)).is_discarded());
+    CHECK(parse_foreign_json(std::string("{}\0}", 4)).is_discarded());
+}
+
 TEST_CASE("depth and keys are counted for any bytes")
 {
     CHECK(json_shape("}]:{\"a\":{\"b\":1,\"c\":2},\"d\":[[3]]}").nesting == 1);
