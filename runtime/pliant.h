@@ -269,7 +269,7 @@ PLIANT_API void pliant_solver_reset(pliant_solver* solver);
    predictor is stuck if it ends with STALLED or has used three quarters of max_evaluations, and the energy could still fall
    by more than noise. Then a second descent starts from z = 0, within what is left of both limits, and the lower end is
    returned. So with max_iterations > 0 and max_evaluations > 1 a jump ends, up to that noise, no higher than the predictor
-   and no higher than the equal-weight average (of layers with weights up to 1e6: rounding may exceed that noise beyond).
+   and no higher than the equal-weight average (of layers with weights up to 1e3: rounding may exceed that noise beyond).
 
    Not guaranteed: that a converged descent from the predictor ends as low as one from z = 0 would. Where the surrogate
    energy has several minima, only two full descents could tell; the predictor leads to the lower one far more often

@@ -6,8 +6,10 @@
 #include <cstdio>
 #include <cstdlib>
 #include <cstring>
+#include <filesystem>
 #include <fstream>
 #include <stdexcept>
+#include <system_error>
 
 namespace {
 
@@ -64,6 +66,10 @@ Options parse(int argc, char** argv)
             options.file = word;
     }
     if (options.file.empty()) throw Usage("no file is given");
+    for (const std::string& output : { options.positions, options.picture }) {
+        std::error_code missing;
+        if (std::filesystem::equivalent(options.file, output, missing)) throw Usage(output + " is the file to show");
+    }
     return options;
 }
 

@@ -99,6 +99,10 @@ def check_refusals(glb, folder):
     assert not (folder / "x").exists()
     rewrite(glb, changed, lambda document: nested(document, 60))
     run(GAME, changed, "--headless", folder / "x")
+    before = glb.read_bytes()
+    for option in ("--headless", "--picture"):
+        assert "is the file to show" in run(GAME, glb, option, folder / "." / glb.name, expected=2)
+    assert glb.read_bytes() == before, "the character is kept"
 
 
 def check_picture(glb, folder):

@@ -4,6 +4,8 @@
 #include "elastic/energy/metric_logarithm.h"
 #include "pliant_format.h"
 
+#include <algorithm>
+#include <array>
 #include <cmath>
 
 namespace pliant {
@@ -31,6 +33,19 @@ double angle_of(const Shape& shape, const std::array<std::uint32_t, 4>& v)
     return hinge_angle(point(shape, v[0]), point(shape, v[1]), point(shape, v[2]), point(shape, v[3]));
 }
 
+// The triangles with their widest corner first, the one opposite the longest edge. Seen from the tip of a needle the terms
+// of the membrane are a thousand times their sum, which the runtime's single precision does not bear.
+std::vector<Triangle> from_widest_corners(std::vector<Triangle> triangles, const Shape& shape)
+{
+    for (Triangle& t : triangles) {
+        std::array<double, 3> lengths2;
+        for (std::size_t c = 0; c < 3; ++c)
+            lengths2[c] = (point(shape, t[(c + 1) % 3]) - point(shape, t[(c + 2) % 3])).squaredNorm();
+        std::rotate(t.begin(), t.begin() + (std::max_element(lengths2.begin(), lengths2.end()) - lengths2.begin()), t.end());
+    }
+    return triangles;
+}
+
 } // namespace
 
 DiscreteShells::DiscreteShells(const NormalizedPoses& set, const ShellOptions& options, Blend blend)
@@ -39,7 +54,7 @@ DiscreteShells::DiscreteShells(const NormalizedPoses& set, const ShellOptions& o
     , pose_count_(Eigen::Index(set.pose_count()))
     , dof_count_(set.dof_count())
     , hinges_(find_hinges(set.triangles, set.shapes[0]))
-    , triangles_(set.triangles)
+    , triangles_(from_widest_corners(set.triangles, set.shapes[0]))
 {
     rest_metrics_.resize(3 * pose_count_, Eigen::Index(triangles_.size()));
     for (Eigen::Index k = 0; k < pose_count_; ++k)
