@@ -147,7 +147,11 @@ static bool has_avx2()
 #endif
 }
 
-static bool set_if_unset(const char* name, const char* value) { return !std::getenv(name) && ::setenv(name, value, 1) == 0; }
+static bool set_if_unset(const char* name, const char* value)
+{
+    const char* const given = std::getenv(name);
+    return (!given || !*given) && ::setenv(name, value, 1) == 0;
+}
 
 void start_with_fixed_blas(char** arguments)
 {

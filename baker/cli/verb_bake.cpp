@@ -174,7 +174,6 @@ void write_asset(const BakeRequest& a, const BakedAsset& baked, const std::vecto
 {
     if (!a.depfile.empty()) {
         std::vector<std::string> names;
-        if (!a.config.empty()) names.push_back(a.config);
         for (const ReadFile& file : files)
             if (!file.digest.empty()) names.push_back(file.path); // one that is not there would never be up to date
         write_output(a.depfile, write_depfile(a.output, names));
@@ -203,6 +202,7 @@ void write_records(const BakeRequest& a, const Json& config, const BakedAsset& b
 
 ExitCode run_bake(BakeRequest& a, CLI::App& verb)
 {
+    const ReadLog configuration_log;
     complete_request(verb, a);
     const Json config = effective_config(verb);
     if (a.is_print_config) {
@@ -225,7 +225,9 @@ ExitCode run_bake(BakeRequest& a, CLI::App& verb)
     }
     const BakedAsset baked = bake(poses, a.bake, progress);
     const ExitCode outcome = check_tolerance(a, baked, progress);
-    write_asset(a, baked, log.files(), progress);
+    std::vector<ReadFile> dependencies = configuration_log.files(); // a stamp has their options
+    dependencies.insert(dependencies.end(), log.files().begin(), log.files().end());
+    write_asset(a, baked, dependencies, progress);
     add_warnings(progress.warnings(), baked.report, warnings);
     write_records(a, config, baked, outcome, log.files(), warnings);
     progress.clear_line();

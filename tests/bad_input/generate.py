@@ -260,6 +260,8 @@ file_case("coordinate_too_large", "large.obj", lambda: edited_vertex("v 0 1e20 0
 file_case("vertex_with_two_numbers", "short.obj", lambda: edited_vertex("v 0.5 0.5"))
 file_case("unknown_statement", "odd.obj", lambda: edited_vertex("w" + vertex_line()[1:]))
 file_case("free_form_surface", "surf.obj", lambda: obj_text(bent()) + "surf 0 1 0 1 1 2 3\n")
+file_case("free_form_first", "call.obj", lambda: "call other.obj\n" + obj_text(bent()))
+file_case("rare_statement_first", "merged.obj", lambda: "mg 1 0.5\n" + obj_text(bent()))
 file_case("more_after_end", "more.off", lambda: off_text(bent()) + "3 0 1 2\n")
 
 file_case("index_zero", "zero.obj", lambda: edited_face("f 0 1 2"))

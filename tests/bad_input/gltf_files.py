@@ -156,6 +156,7 @@ def add_cases(good):
     case("gltf_nesting", file="a.gltf", write=lambda g: b'{"asset":' + b"[" * 1000000)
     edited("gltf_initial_weight", "meshes", 0, "weights", value=[1e8])
     edited("gltf_version", "asset", "version", value="1.0")
+    edited("gltf_least_version", "asset", "minVersion", value="2.1")
     edited("gltf_extension", "extensionsRequired", value=["KHR_materials_unlit", "ACME_secret"])
     edited("gltf_instancing", "nodes", 0, "extensions",
            value={"EXT_mesh_gpu_instancing": {"attributes": {"TRANSLATION": 0}}})

@@ -1,12 +1,29 @@
 #include "base/common/memory.h"
 
 #include <algorithm>
+#include <cmath>
 #include <fstream>
+#include <limits>
 #include <sys/mman.h>
 #include <sys/resource.h>
 #include <unistd.h>
 
 namespace pliant {
+namespace {
+
+// Of the address space, or of what may be written to; infinite if there is none.
+double limit_of_process()
+{
+    double bytes = std::numeric_limits<double>::infinity();
+    for (const auto resource : { RLIMIT_AS, RLIMIT_DATA }) {
+        rlimit limit {};
+        if (::getrlimit(resource, &limit) == 0 && limit.rlim_cur != RLIM_INFINITY)
+            bytes = std::min(bytes, double(limit.rlim_cur));
+    }
+    return bytes;
+}
+
+} // namespace
 
 double available_memory()
 {
@@ -15,10 +32,15 @@ double available_memory()
         double limit = 0; // "max" is no number, and no limit
         if (std::ifstream(path) >> limit && limit > 0) bytes = std::min(bytes, limit);
     }
-    rlimit limit {};
-    if (::getrlimit(RLIMIT_AS, &limit) == 0 && limit.rlim_cur != RLIM_INFINITY)
-        bytes = std::min(bytes, double(limit.rlim_cur));
-    return bytes;
+    return std::min(bytes, limit_of_process());
+}
+
+bool is_memory_limited()
+{
+    constexpr int never_overcommits = 2;
+    int mode = 0;
+    std::ifstream("/proc/sys/vm/overcommit_memory") >> mode;
+    return mode == never_overcommits || std::isfinite(limit_of_process());
 }
 
 bool has_room(std::size_t size)

@@ -13,7 +13,6 @@
 #include <mutex>
 #include <new>
 #include <sstream>
-#include <sys/resource.h>
 #include <vector>
 
 #ifdef PLIANT_WITH_CHOLMOD
@@ -99,12 +98,11 @@ private:
 
 constexpr std::size_t blas_buffer_size = std::size_t(128) << 20; // of OpenBLAS, a thread that computes: address space
 
-// OpenBLAS tries for ever to map a buffer where the address space is limited (ulimit -v) and used up. So it maps one for
-// each thread now, after we have seen that there is room; it keeps them.
+// OpenBLAS tries for ever to map a buffer where memory is limited and used up. So it maps one for each thread now, after we
+// have seen that there is room; it keeps them.
 void map_blas_buffers(std::size_t thread_count)
 {
-    rlimit limit {};
-    if (!blas_memory_alloc || ::getrlimit(RLIMIT_AS, &limit) != 0 || limit.rlim_cur == RLIM_INFINITY) return;
+    if (!blas_memory_alloc || !is_memory_limited()) return;
     static std::size_t mapped_count = 0;
     std::vector<void*> buffers;
     bool is_enough = true;
@@ -118,7 +116,7 @@ void map_blas_buffers(std::size_t thread_count)
         throw Failure(
             ExitCode::failed,
             error_at(4306, "",
-                     fmt::format("the address space is limited (ulimit -v): OpenBLAS needs {} MiB for each of {} threads",
+                     fmt::format("memory is limited (ulimit -v or -d): OpenBLAS needs {} MiB for each of {} threads",
                                  blas_buffer_size >> 20, thread_count),
                      "raise the limit, or use fewer --threads or --solver eigen"));
 }

@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <utility>
 
 namespace pliant {
 
@@ -33,15 +34,16 @@ double angle_of(const Shape& shape, const std::array<std::uint32_t, 4>& v)
     return hinge_angle(point(shape, v[0]), point(shape, v[1]), point(shape, v[2]), point(shape, v[3]));
 }
 
-// The triangles with their widest corner first, the one opposite the longest edge. Seen from the tip of a needle the terms
-// of the membrane are a thousand times their sum, which the runtime's single precision does not bear.
+// The triangles with their widest corner first, the one opposite the longest edge; of equal ones the last vertex. Seen from
+// the tip of a needle the terms of the membrane are a thousand times their sum, which the runtime's single precision does not
+// bear.
 std::vector<Triangle> from_widest_corners(std::vector<Triangle> triangles, const Shape& shape)
 {
     for (Triangle& t : triangles) {
-        std::array<double, 3> lengths2;
+        std::array<std::pair<double, std::uint32_t>, 3> corners;
         for (std::size_t c = 0; c < 3; ++c)
-            lengths2[c] = (point(shape, t[(c + 1) % 3]) - point(shape, t[(c + 2) % 3])).squaredNorm();
-        std::rotate(t.begin(), t.begin() + (std::max_element(lengths2.begin(), lengths2.end()) - lengths2.begin()), t.end());
+            corners[c] = { (point(shape, t[(c + 1) % 3]) - point(shape, t[(c + 2) % 3])).squaredNorm(), t[c] };
+        std::rotate(t.begin(), t.begin() + (std::max_element(corners.begin(), corners.end()) - corners.begin()), t.end());
     }
     return triangles;
 }

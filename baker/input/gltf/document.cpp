@@ -143,6 +143,10 @@ void GltfDocument::parse(std::string_view text)
     if (version.compare(0, 2, "2.") != 0)
         root().fail(2304, fmt::format("its glTF version is {}, only 2.x is read", excerpt(version)),
                     "export it as glTF 2.0");
+    const std::string least = (*this)["asset"]["minVersion"].text_or("2.0");
+    if (least != "2.0")
+        root().fail(2304, fmt::format("it asks for readers of glTF {}, only 2.0 is read", excerpt(least)),
+                    "export it as glTF 2.0");
 }
 
 void GltfDocument::check_extensions() const

@@ -85,10 +85,7 @@ const char* sniff(std::string_view bytes)
         if (word == "ply") return "PLY";
         if (word == "MeshVersionFormatted") return "MEDIT";
         if (word[0] == '*') return "Vega";
-        constexpr std::array<std::string_view, 15> obj_words { "f",      "fo", "g",  "l",  "mtllib", "o",   "p",     "s",
-                                                               "usemtl", "v",  "vn", "vp", "vt",     "deg", "cstype" };
-        const bool is_obj = std::find(obj_words.begin(), obj_words.end(), word) != obj_words.end();
-        return is_obj ? "OBJ" : "other text";
+        return is_obj_statement(word) ? "OBJ" : "other text";
     }
     return nullptr;
 }

@@ -184,6 +184,12 @@ void ObjReader::store_positions() const
 
 } // namespace
 
+bool is_obj_statement(std::string_view word)
+{
+    return word == "v" || word == "f" || word == "fo" || contains(skipped_statements, word)
+        || contains(free_form_statements, word);
+}
+
 bool read_obj(const SourceFile& file, MeshFile& mesh) { return ObjReader(file, mesh).read(); }
 
 } // namespace pliant

@@ -107,6 +107,7 @@ private:
 
 // The readers proper. False if the file was left half read; errors are in file.diagnostics either way.
 bool read_obj(const SourceFile& file, MeshFile& mesh);
+bool is_obj_statement(std::string_view word); // whether a line of OBJ may begin with it
 bool read_ply(const SourceFile& file, MeshFile& mesh);
 bool read_off(const SourceFile& file, MeshFile& mesh);
 

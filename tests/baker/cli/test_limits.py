@@ -54,23 +54,25 @@ def check_batch(good):
 
 
 def check_memory(good):
-    """From the limit on at which the system can load the program at all."""
-    for mebibytes in (72, 80, 100, 150, 200, 260, 300, 400, 600):
+    """From the limit on at which the system can load the program at all: of the address space, and of writable memory."""
+    address_space = [(resource.RLIMIT_AS, size) for size in (72, 80, 100, 150, 200, 260, 300, 400, 600)]
+    data = [(resource.RLIMIT_DATA, size) for size in (60, 100, 150, 300, 600)]
+    for kind, mebibytes in data + address_space:
         for options in ((), ("--threads", "1"), ("--solver", "eigen")):
             def limit():
-                resource.setrlimit(resource.RLIMIT_AS, (mebibytes << 20, mebibytes << 20))
+                resource.setrlimit(kind, (mebibytes << 20, mebibytes << 20))
 
             done = subprocess.run([TOOL, *BAKE, *options, "-o", "a.pliant"], cwd=work, capture_output=True, text=True,
                                   check=False, timeout=60, preexec_fn=limit)
-            where = (mebibytes, options, done)
+            where = (kind, mebibytes, options, done)
             if done.returncode == 127 or "OpenBLAS blas_thread_init" in done.stderr:
                 continue  # before our first line: a library could not be loaded, or threads of OpenBLAS not be started
-            data = bytes_of("a.pliant")
+            asset = bytes_of("a.pliant")
             assert done.returncode in (0, 1), where
             if done.returncode == 1:
-                assert not data and any(f"error P{n}: " in done.stderr for n in (4306, 4901, 4301)), where
+                assert not asset and any(f"error P{n}: " in done.stderr for n in (4306, 4901, 4301)), where
             elif options != ("--solver", "eigen"):
-                assert data == good, where
+                assert asset == good, where
     assert done.returncode == 0, "600 MiB are enough"
 
 
