@@ -148,13 +148,21 @@ NamedRange parse_range(const std::string& text)
     }
 }
 
+Json read_config(BakeRequest& r)
+{
+    const ReadLog log;
+    Json json = read_json_file(r.config);
+    r.config_files = log.files();
+    return json;
+}
+
 } // namespace
 
 void complete_request(CLI::App& verb, BakeRequest& r)
 {
     if (!r.config.empty()) {
         const std::string folder = std::filesystem::path(r.config).parent_path().string();
-        apply_config(verb, checked_config(verb, read_json_file(r.config), r.config, folder), r.config);
+        apply_config(verb, checked_config(verb, read_config(r), r.config, folder), r.config);
     }
     if (r.poses.empty())
         throw Failure(

@@ -4,6 +4,7 @@
 
 #include "bake/options.h"
 #include "cli/console.h"
+#include "input/io/read_log.h"
 #include "pipeline/json_file.h"
 
 #include <CLI/CLI.hpp>
@@ -15,6 +16,7 @@ namespace pliant {
 struct BakeRequest {
     std::vector<std::string> poses, ranges;
     std::string output, report, surface, depfile, stamp, config;
+    std::vector<ReadFile> config_files; // the configuration, as it was read
     std::string subspace = "adaptive", surrogate = "auto";
     BakeOptions bake;
     bool has_tolerance = false, is_best_effort = false, is_preview = false;

@@ -202,7 +202,6 @@ void write_records(const BakeRequest& a, const Json& config, const BakedAsset& b
 
 ExitCode run_bake(BakeRequest& a, CLI::App& verb)
 {
-    const ReadLog configuration_log;
     complete_request(verb, a);
     const Json config = effective_config(verb);
     if (a.is_print_config) {
@@ -225,7 +224,7 @@ ExitCode run_bake(BakeRequest& a, CLI::App& verb)
     }
     const BakedAsset baked = bake(poses, a.bake, progress);
     const ExitCode outcome = check_tolerance(a, baked, progress);
-    std::vector<ReadFile> dependencies = configuration_log.files(); // a stamp has their options
+    std::vector<ReadFile> dependencies = a.config_files; // a stamp has their options
     dependencies.insert(dependencies.end(), log.files().begin(), log.files().end());
     write_asset(a, baked, dependencies, progress);
     add_warnings(progress.warnings(), baked.report, warnings);

@@ -43,7 +43,8 @@ std::vector<Triangle> from_widest_corners(std::vector<Triangle> triangles, const
         std::array<std::pair<double, std::uint32_t>, 3> corners;
         for (std::size_t c = 0; c < 3; ++c)
             corners[c] = { (point(shape, t[(c + 1) % 3]) - point(shape, t[(c + 2) % 3])).squaredNorm(), t[c] };
-        std::rotate(t.begin(), t.begin() + (std::max_element(corners.begin(), corners.end()) - corners.begin()), t.end());
+        const auto widest = std::max_element(corners.begin(), corners.end()) - corners.begin();
+        std::rotate(t.begin(), t.begin() + widest, t.end());
     }
     return triangles;
 }
