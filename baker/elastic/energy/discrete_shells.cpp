@@ -35,8 +35,8 @@ double angle_of(const Shape& shape, const std::array<std::uint32_t, 4>& v)
 }
 
 // The triangles with their widest corner first, the one opposite the longest edge; of equal ones the last vertex. Seen from
-// the tip of a needle the terms of the membrane are a thousand times their sum, which the runtime's single precision does not
-// bear.
+// the tip of a needle the terms of the membrane are a thousand times their sum: too much for the single precision of the
+// runtime.
 std::vector<Triangle> from_widest_corners(std::vector<Triangle> triangles, const Shape& shape)
 {
     for (Triangle& t : triangles) {
