@@ -23,28 +23,20 @@ Metric metric_of(const Eigen::Vector3d& e, const Eigen::Vector3d& a)
     return { e.squaredNorm(), e.dot(a), a.squaredNorm() };
 }
 
-Metric metric_of(const Shape& shape, const Triangle& t)
-{
-    const Eigen::Vector3d origin = point(shape, t[0]);
-    return metric_of(point(shape, t[1]) - origin, point(shape, t[2]) - origin);
-}
-
 double angle_of(const Shape& shape, const std::array<std::uint32_t, 4>& v)
 {
     return hinge_angle(point(shape, v[0]), point(shape, v[1]), point(shape, v[2]), point(shape, v[3]));
 }
 
-// The triangles with their widest corner first, the one opposite the longest edge; of equal ones the last vertex. Seen from
-// the tip of a needle the terms of the membrane are a thousand times their sum: too much for the single precision of the
-// runtime.
-std::vector<Triangle> from_widest_corners(std::vector<Triangle> triangles, const Shape& shape)
+// The triangles with their widest corner, the one opposite the longest edge, at `place`; of equal ones the last vertex.
+std::vector<Triangle> with_widest_corners_at(std::size_t place, std::vector<Triangle> triangles, const Shape& shape)
 {
     for (Triangle& t : triangles) {
         std::array<std::pair<double, std::uint32_t>, 3> corners;
         for (std::size_t c = 0; c < 3; ++c)
             corners[c] = { (point(shape, t[(c + 1) % 3]) - point(shape, t[(c + 2) % 3])).squaredNorm(), t[c] };
-        const auto widest = std::max_element(corners.begin(), corners.end()) - corners.begin();
-        std::rotate(t.begin(), t.begin() + widest, t.end());
+        const auto widest = std::size_t(std::max_element(corners.begin(), corners.end()) - corners.begin());
+        t = { t[(widest + 3 - place) % 3], t[(widest + 4 - place) % 3], t[(widest + 5 - place) % 3] };
     }
     return triangles;
 }
@@ -57,14 +49,32 @@ DiscreteShells::DiscreteShells(const NormalizedPoses& set, const ShellOptions& o
     , pose_count_(Eigen::Index(set.pose_count()))
     , dof_count_(set.dof_count())
     , hinges_(find_hinges(set.triangles, set.shapes[0]))
-    , triangles_(from_widest_corners(set.triangles, set.shapes[0]))
+    , triangles_(with_widest_corners_at(options.membrane == Membrane::edge ? 0 : 2, set.triangles, set.shapes[0]))
 {
+    find_shears(set.shapes[0]);
     rest_metrics_.resize(3 * pose_count_, Eigen::Index(triangles_.size()));
     for (Eigen::Index k = 0; k < pose_count_; ++k)
         for (std::size_t f = 0; f < triangles_.size(); ++f)
-            rest_metrics_.block<3, 1>(3 * k, Eigen::Index(f)) = metric_of(set.shapes[std::size_t(k)], triangles_[f]);
+            rest_metrics_.block<3, 1>(3 * k, Eigen::Index(f)) = metric_of(set.shapes[std::size_t(k)], f);
     if (blend_ == Blend::layers) take_logarithms();
     measure_hinges(set);
+}
+
+void DiscreteShells::find_shears(const Shape& shape)
+{
+    shears_.setZero(Eigen::Index(triangles_.size()));
+    if (options_.membrane == Membrane::edge) return; // looks at the edges themselves
+    for (std::size_t f = 0; f < triangles_.size(); ++f) {
+        const Metric g = metric_of(shape, f);
+        if (g[0] > 0) shears_[Eigen::Index(f)] = g[1] / g[0];
+    }
+}
+
+Metric DiscreteShells::metric_of(const Shape& shape, std::size_t face) const
+{
+    const Triangle& t = triangles_[face];
+    const Eigen::Vector3d origin = point(shape, t[0]), e = point(shape, t[1]) - origin;
+    return pliant::metric_of(e, point(shape, t[2]) - origin - shears_[Eigen::Index(face)] * e);
 }
 
 void DiscreteShells::take_logarithms()
@@ -176,8 +186,9 @@ void DiscreteShells::evaluate_face(std::size_t face, const double* weights, cons
                                    ElementResult& result) const
 {
     const Eigen::Map<const Eigen::Vector3d> x0(x), x1(x + 3), x2(x + 6);
-    const Eigen::Vector3d e = x1 - x0, a = x2 - x0;
-    const Metric g = metric_of(e, a);
+    const double shear = shears_[Eigen::Index(face)];
+    const Eigen::Vector3d e = x1 - x0, a = x2 - x0 - shear * e;
+    const Metric g = pliant::metric_of(e, a);
     double value = 0;
     Metric slope = Metric::Zero();
     MetricHessian curvature = MetricHessian::Zero();
@@ -198,8 +209,10 @@ void DiscreteShells::evaluate_face(std::size_t face, const double* weights, cons
     jacobian << 2 * e, a, Eigen::Vector3d::Zero(), Eigen::Vector3d::Zero(), e, 2 * a;
     Eigen::Matrix<double, 6, 9> to_vertices = Eigen::Matrix<double, 6, 9>::Zero();
     for (int c = 0; c < 3; ++c) {
-        to_vertices(c, c) = to_vertices(3 + c, c) = -1;
+        to_vertices(c, c) = -1;
+        to_vertices(3 + c, c) = shear - 1;
         to_vertices(c, 3 + c) = to_vertices(3 + c, 6 + c) = 1;
+        to_vertices(3 + c, 3 + c) = -shear;
     }
     result.gradient = to_vertices.transpose() * (jacobian * slope);
     if (order < Order::hessian) return;
@@ -241,16 +254,25 @@ RuntimeElement DiscreteShells::runtime_hinge(std::size_t hinge, const Shape& ref
     return out;
 }
 
+// Its two vectors.
+RuntimeElement DiscreteShells::seen_face(std::size_t face) const
+{
+    const Triangle& t = triangles_[face];
+    RuntimeElement out;
+    out.differences = { { t[0], t[1] }, { t[0], t[2] } };
+    out.combination.setIdentity(2, 2);
+    out.combination(0, 1) = -shears_[Eigen::Index(face)];
+    return out;
+}
+
 // Kind 10 of formats/SPEC.md. Only with a neo-Hookean membrane.
 RuntimeElement DiscreteShells::runtime_layered_face(std::size_t face, const Shape& reference) const
 {
-    const Triangle& t = triangles_[face];
-    const Metric g = metric_of(reference, t), rest = rest_metric(face, 0);
+    const Metric g = metric_of(reference, face), rest = rest_metric(face, 0);
     const double det = determinant(g), a = std::sqrt(rest[0]), c = std::sqrt(determinant(rest)) / a,
                  area = std::sqrt(determinant(rest)) / 2;
-    RuntimeElement out;
+    RuntimeElement out = seen_face(face);
     out.kind = PLIANT_ELEMENT_LAYERED_FACE_NEO_HOOKEAN;
-    out.differences = { { t[0], t[1] }, { t[0], t[2] } };
     out.fixed = { g[2] / det,
                   -g[1] / det,
                   g[0] / det,
@@ -269,12 +291,10 @@ RuntimeElement DiscreteShells::runtime_layered_face(std::size_t face, const Shap
 RuntimeElement DiscreteShells::runtime_face(std::size_t face, const Shape& reference) const
 {
     if (blend_ == Blend::layers) return runtime_layered_face(face, reference);
-    const Triangle& t = triangles_[face];
-    const Metric g0 = metric_of(reference, t);
+    const Metric g0 = metric_of(reference, face);
     const double det0 = determinant(g0);
     const MembraneModuli& m = options_.moduli;
-    RuntimeElement out;
-    out.differences = { { t[0], t[1] }, { t[0], t[2] } };
+    RuntimeElement out = seen_face(face);
     const Metric lengths2(g0[0], g0[2], g0[0] - 2 * g0[1] + g0[2]);
     switch (options_.membrane) {
     case Membrane::neo_hookean:
