@@ -51,7 +51,7 @@ DiscreteShells::DiscreteShells(const NormalizedPoses& set, const ShellOptions& o
     , hinges_(find_hinges(set.triangles, set.shapes[0]))
     , triangles_(with_widest_corners_at(options.membrane == Membrane::edge ? 0 : 2, set.triangles, set.shapes[0]))
 {
-    find_shears(set.shapes[0]);
+    find_shears(set);
     rest_metrics_.resize(3 * pose_count_, Eigen::Index(triangles_.size()));
     for (Eigen::Index k = 0; k < pose_count_; ++k)
         for (std::size_t f = 0; f < triangles_.size(); ++f)
@@ -60,13 +60,21 @@ DiscreteShells::DiscreteShells(const NormalizedPoses& set, const ShellOptions& o
     measure_hinges(set);
 }
 
-void DiscreteShells::find_shears(const Shape& shape)
+// Least squares of how far the vector leans in the poses, in heights; layers are seen from pose 0.
+void DiscreteShells::find_shears(const NormalizedPoses& set)
 {
     shears_.setZero(Eigen::Index(triangles_.size()));
     if (options_.membrane == Membrane::edge) return; // looks at the edges themselves
+    const std::size_t count = blend_ == Blend::layers ? 1 : set.pose_count();
     for (std::size_t f = 0; f < triangles_.size(); ++f) {
-        const Metric g = metric_of(shape, f);
-        if (g[0] > 0) shears_[Eigen::Index(f)] = g[1] / g[0];
+        double sum = 0, total = 0;
+        for (std::size_t k = 0; k < count; ++k) {
+            const Metric g = metric_of(set.shapes[k], f);
+            const double det = determinant(g), slimness = det > 0 ? g[0] * g[0] / det : 0; // length over height, squared
+            sum += slimness * g[1] / g[0];
+            total += slimness;
+        }
+        if (total > 0) shears_[Eigen::Index(f)] = sum / total;
     }
 }
 
@@ -294,6 +302,8 @@ RuntimeElement DiscreteShells::runtime_face(std::size_t face, const Shape& refer
     const Metric g0 = metric_of(reference, face);
     const double det0 = determinant(g0);
     const MembraneModuli& m = options_.moduli;
+    // Of the quadratic energy of a sliver that leans in some pose: single precision would round less than this below 0.
+    constexpr double least_stiffness = 1e-6;
     RuntimeElement out = seen_face(face);
     const Metric lengths2(g0[0], g0[2], g0[0] - 2 * g0[1] + g0[2]);
     switch (options_.membrane) {
@@ -326,6 +336,8 @@ RuntimeElement DiscreteShells::runtime_face(std::size_t face, const Shape& refer
             break;
         }
         case Membrane::stvk:
+            curvature.diagonal() *= 1 + least_stiffness;
+            slope = curvature * (g0 - rest);
             row << slope[0], slope[1], slope[2], curvature(0, 0), curvature(0, 1), curvature(0, 2), curvature(1, 1),
                 curvature(1, 2), curvature(2, 2);
             break;

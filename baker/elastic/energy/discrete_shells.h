@@ -47,7 +47,7 @@ private:
     RuntimeElement runtime_face(std::size_t face, const Shape& reference) const;
     RuntimeElement runtime_layered_face(std::size_t face, const Shape& reference) const;
     RuntimeElement seen_face(std::size_t face) const;
-    void find_shears(const Shape& shape);
+    void find_shears(const NormalizedPoses& set);
     void measure_hinges(const NormalizedPoses& set);
     void take_logarithms();
     Metric metric_of(const Shape& shape, std::size_t face) const;
@@ -61,9 +61,9 @@ private:
     Blend blend_;
     Eigen::Index pose_count_, dof_count_;
     std::vector<Hinge> hinges_;
-    // A face is seen along its longest edge x1 - x0 and its height x2 - x0 - s (x1 - x0), both of pose 0. From a corner, the
-    // terms of a sliver's energy are thousands of times their sum: too much for the single precision of the runtime. An edge
-    // membrane sees edges, from the widest corner (s = 0).
+    // A face is seen along its longest edge x1 - x0 and its height x2 - x0 - s (x1 - x0). From a corner, the terms of a
+    // sliver's energy are thousands of times their sum: too much for the single precision of the runtime. An edge membrane
+    // sees edges, from the widest corner (s = 0).
     std::vector<Triangle> triangles_;
     Eigen::VectorXd shears_;       // per face: s
     Eigen::VectorXd centres_;      // per hinge
