@@ -170,7 +170,7 @@ TEST_CASE("a layer that grows a body is reached, or misses the tolerance")
         const Shape shape = from_input_units(set, blender.positions(blender.solve({ 1.0f }, false)));
         const double error = relative_error(set, shape, set.shapes[1]);
         CAPTURE(error);
-        CHECK((error < options.tolerance) == (growth < 25));
+        CHECK((error < options.tolerance) == (growth < 55)); // the most that the format holds
         CHECK((error < options.tolerance || !baked.report.check.meets_tolerance));
     }
 }
