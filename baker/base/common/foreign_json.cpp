@@ -42,7 +42,7 @@ nlohmann::ordered_json parse_foreign_json(const std::string& text)
 {
     constexpr int deepest = 32;
     constexpr std::size_t most_keys = 1000;
-    if (text.find('\0') != std::string::npos) return nlohmann::ordered_json::value_t::discarded; // its end for the parser
+    if (text.find('\0') != std::string::npos) return nlohmann::ordered_json::value_t::discarded; // would end the parse
     const JsonShape shape = json_shape(text);
     if (shape.nesting > deepest || shape.key_count > most_keys) return nlohmann::ordered_json::value_t::discarded;
     return nlohmann::ordered_json::parse(text, nullptr, false);
