@@ -50,6 +50,13 @@ std::string written_text()
     ::_exit(int(ExitCode::interrupted));
 }
 
+// nohup ignores the end of the terminal, which has to stay so: a signal that is awaited is no longer ignored.
+bool is_ignored(int number)
+{
+    struct sigaction action = {};
+    return ::sigaction(number, nullptr, &action) == 0 && action.sa_handler == SIG_IGN;
+}
+
 } // namespace
 
 std::string duration_text(double seconds)
@@ -176,6 +183,7 @@ void install_signal_handlers()
     sigemptyset(&awaited);
     sigaddset(&awaited, SIGINT);
     sigaddset(&awaited, SIGTERM);
+    if (!is_ignored(SIGHUP)) sigaddset(&awaited, SIGHUP);
     pthread_sigmask(SIG_BLOCK, &awaited, nullptr);
     std::thread([] {
         for (;;) {

@@ -60,14 +60,15 @@ bool flush_output();
 // those: an OpenBLAS older than the processor takes much slower ones, and other kernels change the last bits of a bake.
 void start_with_fixed_blas(char** arguments);
 
-// Ctrl-C and SIGTERM end the process with exit code 130 at once. That is safe: outputs exist under their own name only when
-// they are whole, and while one is written the signal waits until its temporary file is gone or has its name.
+// Ctrl-C, SIGTERM and, unless nohup has it ignored, SIGHUP end the process with exit code 130 at once. That is safe: outputs
+// exist under their own name only when they are whole, and while one is written the signal waits until its temporary file is
+// gone or has its name.
 void install_signal_handlers();
 
 // The verb that an interrupt names. To be called once.
 void name_interrupts(const std::string& verb);
 
-// From now on Ctrl-C and SIGTERM end nothing, but make the descriptor that is returned readable, for verbs that have to
+// From now on these signals end nothing, but make the descriptor that is returned readable, for verbs that have to
 // clean up.
 int catch_interrupts();
 

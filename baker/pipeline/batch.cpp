@@ -84,7 +84,8 @@ void take_estimate(BatchJob& job, const ChildEnd& end, double memory)
 // A child that is asked to stop ends with an exit code, or by the signal if it has not installed its handlers yet.
 bool is_interruption(const ChildEnd& end)
 {
-    return end.signal == SIGINT || end.signal == SIGTERM || end.exit_code == int(ExitCode::interrupted);
+    const bool is_asked = end.signal == SIGINT || end.signal == SIGTERM || end.signal == SIGHUP;
+    return is_asked || end.exit_code == int(ExitCode::interrupted);
 }
 
 // How a child ended, unless it was well.

@@ -35,12 +35,23 @@ def bake(poses, output, *options, **keywords):
                             stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True, **keywords)
 
 
-def test_interrupt(folder, poses, number, name):
+def take_signals(number, ignored):
+    signal.signal(number, signal.SIG_DFL)  # the test may run under nohup
+    for other in ignored:
+        signal.signal(other, signal.SIG_IGN)
+
+
+def test_interrupt(folder, poses, number, ignored=()):
+    name = number.name
     (folder / "out").mkdir(exist_ok=True)
     target = folder / "out" / "a.pliant"
     target.write_bytes(b"old")
-    process = bake(poses, target)
+    process = bake(poses, target, preexec_fn=lambda: take_signals(number, ignored))
     time.sleep(1) # long enough to be at work; a bake of this mesh takes many seconds
+    for other in ignored:
+        process.send_signal(other)
+        time.sleep(0.2)
+        check(process.poll() is None, f"{name}: {other.name} is ignored, as under nohup")
     is_working = process.poll() is None
     process.send_signal(number)
     _, errors = process.communicate(timeout=60)
@@ -216,8 +227,9 @@ def main():
         large = [folder / "large.obj", folder / "large_bent.obj"]
         generate.write_mesh(large[0], generate.sheet(generate.saddle, n=120))
         generate.write_mesh(large[1], generate.sheet(generate.roof, n=120))
-        test_interrupt(folder, large, signal.SIGINT, "SIGINT")
-        test_interrupt(folder, large, signal.SIGTERM, "SIGTERM")
+        test_interrupt(folder, large, signal.SIGINT)
+        test_interrupt(folder, large, signal.SIGHUP)
+        test_interrupt(folder, large, signal.SIGTERM, ignored=[signal.SIGHUP])
         test_interrupt_of_many(folder, small)
         test_cut_short(folder, small)
         test_wrong_partners(folder, small)
