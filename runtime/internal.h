@@ -9,9 +9,14 @@
 #include <string.h>
 
 /* Functions round by adding and subtracting a large number, which fast-math leaves out: shapes would be wrong. With
-   contraction off clang defines the second macro alone. */
-#if defined(__FAST_MATH__) || (defined(__FINITE_MATH_ONLY__) && __FINITE_MATH_ONLY__) || defined(_M_FP_FAST)
+   contraction off clang defines the second macro alone. -fassociative-math alone does the same harm: gcc has a macro for
+   it, clang a pragma against it. */
+#if defined(__FAST_MATH__) || (defined(__FINITE_MATH_ONLY__) && __FINITE_MATH_ONLY__) || defined(_M_FP_FAST) \
+    || defined(__ASSOCIATIVE_MATH__)
 #error "Pliant cannot be compiled with fast-math: add -fno-fast-math, of MSVC /fp:precise"
+#endif
+#if defined(__clang_major__) && __clang_major__ >= 13
+#pragma clang fp reassociate(off)
 #endif
 
 /* Vector loops run over this many floats, a constant, so that every build adds in the same order whatever its vectors'
