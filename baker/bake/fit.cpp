@@ -261,7 +261,7 @@ FittedModel fit(const FitProblem& problem, const BakeOptions& options, Progress&
         progress.warn(4402,
                       fmt::format("the surrogate energy is not convex at some training weights (lowest curvature {:.3g})",
                                   out.report.surrogate.curvature.lowest),
-                      "raise --elements, or add an in-between pose");
+                      "raise --elements, or add an in-between pose; `pliant measure` looks at more blends");
     return out;
 }
 

@@ -23,7 +23,7 @@ std::string choice_at_fault(const BakeReport& r, const BakeOptions& options)
 std::string remedy(const BakeReport& r, const BakeOptions& options)
 {
     if (options.time_limit)
-        return *options.time_limit > 0 ? "raise --time-limit or leave it out, " : "leave out --preview, ";
+        return *options.time_limit > 0 ? "raise --time-limit or leave it out, " : "leave out --preview or --time-limit 0, ";
     const bool is_shell = r.input.material == Material::discrete_shells;
     const bool has_layers = !r.input.ranges.empty();
     const bool has_jumps = std::any_of(r.branches.begin(), r.branches.end(),

@@ -100,7 +100,9 @@ void fail_wrong_kind(const std::string& where, const std::string& key, const std
     if (wants("true or false"))
         hint = "write true or false, without quotation marks";
     else if (wants("number"))
-        hint = value.is_string() ? "write it without quotation marks" : "write digits alone, without a decimal point";
+        hint = value.is_string()    ? "write it without quotation marks"
+            : wants("whole number") ? "write digits alone, without a decimal point"
+                                    : "write digits, as in 0.001";
     else if (key == "range")
         hint = "write [\"0:1.3\"], or [\"smile=0:1\", \"jaw=-0.5:1\"]";
     else if (wants("list"))

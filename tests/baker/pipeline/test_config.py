@@ -86,6 +86,7 @@ def test_mistakes(folder):
     refused(folder, {"config": "a.json"}, "P2704", "the keys are ", "a key that no configuration has")
     refused(folder, {"dim": "3"}, "P2705", "without quotation marks", "a number in quotation marks")
     refused(folder, {"dim": 2.5}, "P2705", "without a decimal point", "half a dimension")
+    refused(folder, {"tolerance": None}, "P2705", "as in 0.001", "no number")
     refused(folder, {"no_align": 1}, "P2705", "true or false expected", "a number for a boolean")
     refused(folder, {"poses": "rest.obj"}, "P2705", "a list", "one pose for a list")
     refused(folder, {"range": "0:1.3"}, "P2705", 'write ["0:1.3"]', "one range for a list")
