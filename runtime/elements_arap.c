@@ -2,11 +2,11 @@
 
    The rotation R that maximises tr(R^T M) is the eigenvector, a quaternion, of the largest eigenvalue of Horn's symmetric
    4x4 matrix of M (Horn, "Closed-form solution of absolute orientation using unit quaternions", JOSA A 1987): the sign of
-   det M, repeated and vanishing singular values need no cases; where the two largest eigenvalues nearly meet (M nearly a
-   mirror image with equal singular values, or nearly of rank one) the maximum is flat, and R keeps fewer digits. The eigenvalue is the largest root of a quartic, the
-   eigenvector a column of an adjugate (Theobald, "Rapid calculation of RMSDs using a quaternion-based characteristic
-   polynomial", Acta Crystallographica A 2005). That leaves some digits; Newton's method on rotations adds the others. No
-   step branches over the lanes.
+   det M, repeated and vanishing singular values need no cases. Where the two largest eigenvalues nearly meet (M nearly a
+   mirror image with equal singular values, or nearly of rank one) the maximum is flat, and R keeps fewer digits. The
+   eigenvalue is the largest root of a quartic, the eigenvector a column of an adjugate (Theobald, "Rapid calculation of
+   RMSDs using a quaternion-based characteristic polynomial", Acta Crystallographica A 2005). That leaves some digits;
+   Newton's method on rotations adds the others. No step branches over the lanes.
 
    Energy: Sorkine, Alexa, "As-Rigid-As-Possible Surface Modeling", SGP 2007; spokes and rims: Chao, Pinkall, Sanan,
    Schroeder, "A Simple Geometric Model for Elastic Deformations", SIGGRAPH 2010. */

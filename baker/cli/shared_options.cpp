@@ -119,7 +119,7 @@ void add_energy_options(CLI::App& verb, EnergyOptions& options)
                "Sparse factorisation: cholmod (fast) or eigen (portable, bit-stable)");
     verb.add_flag("--no-align", options.keep_placement,
                   "Keep the poses where they are instead of aligning them rigidly with the first; those of one glTF file "
-                  "stay where it puts them (unless one turns by more than 75 degrees: P4413)");
+                  "stay where it puts them unless they turn too far (P4413)");
     verb.add_option(
             "--weld", options.weld_tolerance,
             "Weld surface vertices that are closer than this in all poses, as a fraction of the bounding-box diagonal, so "

@@ -186,7 +186,8 @@ def test_wrong_partners(folder, poses):
           f"best effort: exit code {missed.returncode}, {missed.stderr}")
     check((folder / "missed.pliant").exists(), "best effort: the asset is written")
     preview = run("bake", *poses, "-o", folder / "preview.pliant", "--tolerance", "1e-8", "--preview")
-    check(preview.returncode == 4 and "warning P4404" in preview.stderr and "leave out --preview or --time-limit 0" in preview.stderr,
+    check(preview.returncode == 4 and "warning P4404" in preview.stderr
+          and "leave out --preview or --time-limit 0" in preview.stderr,
           f"a preview that misses its tolerance: exit code {preview.returncode}, {preview.stderr}")
     check(run("validate", folder / "preview.pliant").returncode == 0, "the preview is written, and valid")
     config = folder / "preview.json"
