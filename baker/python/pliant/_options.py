@@ -1,7 +1,6 @@
 """Options of bakes and averages: names and ranges as on the command line, checked before work starts."""
 from __future__ import annotations
 
-import math
 import operator
 from typing import Any, Mapping
 
@@ -40,9 +39,9 @@ def _number(name: str, value: object) -> float | int:
         if isinstance(value, (bool, np.bool_)):
             raise TypeError
         number = operator.index(value) if name in _WHOLE else float(value)  # type: ignore[arg-type]
-    except (TypeError, ValueError):
+    except (TypeError, ValueError, OverflowError):
         raise TypeError(f"{name}: expected {kind} from {low:g} to {high:g}, got {value!r}") from None
-    if math.isnan(number) or not low <= number <= high:
+    if not low <= number <= high:  # so is NaN
         raise ValueError(f"{name}: expected {kind} from {low:g} to {high:g}, got {value!r}")
     return number
 
