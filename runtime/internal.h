@@ -8,15 +8,18 @@
 
 #include <string.h>
 
-/* Functions round by adding and subtracting a large number, which fast-math leaves out: shapes would be wrong. With
-   contraction off clang defines the second macro alone. -fassociative-math alone does the same harm: gcc has a macro for
-   it, clang a pragma against it. */
+/* Functions round by adding and subtracting a large number, which fast-math leaves out and the x87 does in 64 bits: shapes
+   would be wrong. With contraction off clang defines the second macro alone. -fassociative-math alone does the same harm:
+   gcc has a macro for it, clang a pragma against it. The last macro is 16 where a processor has half precision, too. */
 #if defined(__FAST_MATH__) || (defined(__FINITE_MATH_ONLY__) && __FINITE_MATH_ONLY__) || defined(_M_FP_FAST) \
     || defined(__ASSOCIATIVE_MATH__)
 #error "Pliant cannot be compiled with fast-math: add -fno-fast-math, of MSVC /fp:precise"
 #endif
 #if defined(__clang_major__) && __clang_major__ >= 13
-#pragma clang fp reassociate(off)
+#pragma clang fp reassociate(off) contract(off)
+#endif
+#if defined(__FLT_EVAL_METHOD__) && (__FLT_EVAL_METHOD__ < 0 || __FLT_EVAL_METHOD__ == 1 || __FLT_EVAL_METHOD__ == 2)
+#error "Pliant cannot be compiled for the x87: on 32-bit x86 add -msse2 -mfpmath=sse"
 #endif
 
 /* Vector loops run over this many floats, a constant, so that every build adds in the same order whatever its vectors'

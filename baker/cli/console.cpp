@@ -138,7 +138,7 @@ bool flush_output()
 {
     if (std::fflush(stdout) == 0 && !std::ferror(stdout)) return true;
     pollfd reader { STDOUT_FILENO, 0, 0 };
-    if (::poll(&reader, 1, 0) == 1 && (reader.revents & POLLERR)) {
+    if (!::isatty(STDOUT_FILENO) && ::poll(&reader, 1, 0) == 1 && (reader.revents & POLLERR)) {
         std::signal(SIGPIPE, SIG_DFL);
         std::raise(SIGPIPE);
     }

@@ -12,6 +12,7 @@ come from the package index. Takes minutes; ccache is used where it is installed
 Exit code: 0, 1 if something failed, 2 for a wrong argument, 143 after SIGTERM, which leaves nothing behind.
 """
 import argparse
+import contextlib
 import os
 import re
 import shutil
@@ -19,6 +20,7 @@ import signal
 import subprocess
 import sys
 import tempfile
+import time
 from pathlib import Path
 
 PACKAGE = Path(__file__).resolve().parent
@@ -39,13 +41,31 @@ class Failure(Exception):
     """What failed, with a remedy."""
 
 
+def stop(child):
+    """Ends it with all that it has started, such as compilers: what they still write could not be removed."""
+    with contextlib.suppress(ProcessLookupError):
+        os.killpg(child.pid, signal.SIGTERM)
+        end = time.monotonic() + 10
+        while time.monotonic() < end:
+            child.poll()
+            os.killpg(child.pid, 0)
+            time.sleep(0.05)
+        os.killpg(child.pid, signal.SIGKILL)
+    child.wait()
+
+
 def run(*command, **options):
     print("+", *command, flush=True)
-    done = subprocess.run([str(word) for word in command], text=True, stdout=subprocess.PIPE, stderr=subprocess.STDOUT,
-                          **options)
-    if done.returncode != 0:
-        raise Failure(f"{command[0]}: exit code {done.returncode}\n{done.stdout[-3000:]}")
-    return done.stdout
+    child = subprocess.Popen([str(word) for word in command], text=True, stdout=subprocess.PIPE, stderr=subprocess.STDOUT,
+                             start_new_session=True, **options)
+    try:
+        said = child.communicate()[0]
+    except BaseException:
+        stop(child)
+        raise
+    if child.returncode != 0:
+        raise Failure(f"{command[0]}: exit code {child.returncode}\n{said[-3000:]}")
+    return said
 
 
 def sources():
@@ -163,14 +183,15 @@ def make_all(out, has_wheel, work):
     python = work / "tools/bin/python"
     run(python, "-m", "pip", "install", "--quiet", *TOOLS)
     sdist = make_sdist(python, work)
-    out.mkdir(parents=True, exist_ok=True)
+    wheel = None
     if has_wheel:
         wheel, libraries = add_licences(python, make_wheel(python, sdist, work), work, work)
         system = check(wheel, work)
         print("inside:", ", ".join(f"{name} ({package})" for name, package in libraries.items()) or "no library")
         print("of the system:", ", ".join(system))
-        shutil.move(wheel, out / wheel.name)
-    shutil.move(sdist, out / sdist.name)
+    out.mkdir(parents=True, exist_ok=True)
+    for made in [wheel] * has_wheel + [sdist]:
+        shutil.move(made, out / made.name)
 
 
 def main(arguments):
@@ -179,6 +200,7 @@ def main(arguments):
     parser.add_argument("--sdist", action="store_true")
     options = parser.parse_args(arguments)
     with tempfile.TemporaryDirectory(prefix="pliant-wheels-") as folder:
+        os.environ["TMPDIR"] = folder  # of pip and the compilers
         make_all(options.out.resolve(), not options.sdist, Path(folder))
     for path in sorted(options.out.iterdir()):
         print(f"{path.stat().st_size:>12,}  {path.name}")

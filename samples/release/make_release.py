@@ -32,11 +32,17 @@ class Failure(Exception):
 
 
 def run(*command, cwd=ROOT):
-    done = subprocess.run([str(word) for word in command], cwd=cwd, capture_output=True)
-    if done.returncode != 0:
-        said = (done.stdout + done.stderr).decode(errors="replace")[-3000:]
-        raise Failure(f"{' '.join(map(str, command))}: exit code {done.returncode}\n{said}")
-    return done.stdout
+    child = subprocess.Popen([str(word) for word in command], cwd=cwd, stdout=subprocess.PIPE, stderr=subprocess.PIPE)
+    try:
+        said, errors = child.communicate()
+    except BaseException:
+        child.terminate()  # not killed, so that it removes what it has made
+        child.wait()
+        raise
+    if child.returncode != 0:
+        text = (said + errors).decode(errors="replace")[-3000:]
+        raise Failure(f"{' '.join(map(str, command))}: exit code {child.returncode}\n{text}")
+    return said
 
 
 def version_of(tree):
@@ -106,6 +112,8 @@ def make_all(out, without, version):
         work = Path(name)
         staging, clone = work / "out", work / "clone"
         staging.mkdir()
+        (work / "tmp").mkdir()
+        os.environ["TMPDIR"] = str(work / "tmp")  # of the tools
         run("git", "clone", "--quiet", "--no-hardlinks", "--config", "core.autocrlf=false", ROOT, clone)
         for part, make in PARTS.items():
             if part not in without:

@@ -3,6 +3,8 @@ from __future__ import annotations
 
 import importlib
 import os
+import tempfile
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -13,6 +15,7 @@ from ._asset import Asset, Weights
 # Where a slider of a layer ends: so much of its range beyond it, since layers may leave their ranges.
 _MARGIN = 0.5
 _GAP = 0.25  # between the two shapes, over their width
+_PNG_END = b"IEND\xaeB`\x82"
 _COLOURS = {"elastic": (0.16, 0.47, 0.71), "linear": (0.80, 0.52, 0.25)}
 
 
@@ -26,8 +29,23 @@ def _polyscope(is_headless: bool) -> Any:
             polyscope.set_allow_headless_backends(True)
         polyscope.set_program_name("pliant")
         polyscope.set_verbosity(0)
+        polyscope.set_use_prefs_file(False)
         polyscope.init()
+        # Without a name Dear ImGui leaves imgui.ini alone, which may be that of another program of the user.
+        importlib.import_module("polyscope.imgui").GetIO().IniFilename = ""
     return polyscope
+
+
+def _write_picture(polyscope: Any, picture: Path) -> None:
+    """polyscope says nothing of what it cannot write, so it writes elsewhere first."""
+    if picture.suffix.lower() != ".png":
+        raise ValueError(f"picture: expected a name that ends in .png, got {str(picture)!r}")
+    with tempfile.TemporaryDirectory(prefix=".pliant-", dir=picture.parent) as folder:
+        made = Path(folder, "picture.png")
+        polyscope.screenshot(str(made), transparent_bg=False)
+        if not made.is_file() or not made.read_bytes().endswith(_PNG_END):
+            raise OSError(f"picture: {str(picture)!r} cannot be written whole: is there space?")
+        os.replace(made, picture)
 
 
 class Viewer:
@@ -105,18 +123,24 @@ def show(
 
     weights  to start with, as for Asset.blend(); default: those of the asset, mostly equal weights or no layer
     linear   draw the linear blend, too
-    picture  write a PNG of this name and open no window; without a display this needs EGL, which Mesa has
+    picture  write a PNG of this name (.png), whole or not at all, and open no window; without a display this needs EGL,
+             which Mesa has
 
     Sliders of layers go half a range beyond the measured one. polyscope has one scene for each process: its meshes of the
-    names "elastic" and "linear" are replaced. Raises ImportError without polyscope, and the errors of Asset.blend().
+    names "elastic" and "linear" are replaced, and a window takes the place of the user callback. Neither polyscope's
+    settings nor imgui.ini of the current folder are written. Raises ImportError without polyscope, RuntimeError for a window
+    without a display, ValueError and OSError for a picture that cannot be written, and the errors of Asset.blend().
     """
     polyscope = _polyscope(picture is not None)
-    polyscope.remove_all_structures()
+    if picture is None and polyscope.is_headless():
+        raise RuntimeError("show: polyscope found no display when it was started; give picture=")
+    for name in _COLOURS:
+        polyscope.remove_surface_mesh(name, error_if_absent=False)
     viewer = Viewer(polyscope, asset, weights, linear)
     polyscope.set_ground_plane_mode("none")
     polyscope.reset_camera_to_home_view()
     if picture is not None:
-        polyscope.screenshot(os.fspath(picture), transparent_bg=False)
+        _write_picture(polyscope, Path(os.fspath(picture)))
         return
     imgui = importlib.import_module("polyscope.imgui")
     polyscope.set_user_callback(lambda: viewer.draw_panel(imgui))

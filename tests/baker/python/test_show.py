@@ -1,4 +1,5 @@
 """pliant.show() in polyscope without a display: what is registered, what the sliders do, a picture."""
+import os
 import subprocess
 import sys
 import tempfile
@@ -110,9 +111,43 @@ class Show(unittest.TestCase):
         self.assertTrue(brown[:, 0].max() < blue[:, 0].min() or blue[:, 0].max() < brown[:, 0].min())
         self.assertTrue((np.concatenate([pixels[0], pixels[-1]]) > 0.99).all())
 
+    def test_pictures_that_cannot_be_written(self):
+        with tempfile.TemporaryDirectory() as folder:
+            for name, error in (("smile", ValueError), ("smile.jpg", ValueError), ("no/smile.png", FileNotFoundError)):
+                with self.assertRaises(error):
+                    pliant.show(TUBE, picture=Path(folder, name))
+            whole, written = polyscope.screenshot, Path(folder, "smile.png")
+            written.write_bytes(b"old")
+            try:
+                polyscope.screenshot = lambda name, **_: Path(name).write_bytes(b"half")  # as on a full disk
+                with self.assertRaisesRegex(OSError, "cannot be written whole"):
+                    pliant.show(TUBE, picture=written)
+            finally:
+                polyscope.screenshot = whole
+            self.assertEqual(written.read_bytes(), b"old")
+            self.assertEqual([path.name for path in Path(folder).iterdir()], ["smile.png"])
+
+    def test_what_is_the_users_stays(self):
+        polyscope.register_point_cloud("mine", POSES[0])
+        program = (f"import pathlib, sys; sys.path[:0] = {sys.path!r}; import pliant\n"
+                   "asset = pliant.Asset.open(pathlib.Path(sys.argv[1]).read_bytes())\n"
+                   "pliant.show(asset, picture='a.png'); pliant.show(asset)")
+        with tempfile.TemporaryDirectory() as folder:
+            pliant.show(TUBE, picture=Path(folder, "tube.png"))
+            TUBE.save(Path(folder, "tube.pliant"))
+            Path(folder, "imgui.ini").write_text("[MyGame][settings]\nscore=5\n")
+            environment = {name: value for name, value in os.environ.items() if name not in ("DISPLAY", "WAYLAND_DISPLAY")}
+            done = subprocess.run([sys.executable, "-c", program, "tube.pliant"], cwd=folder, capture_output=True, text=True,
+                                  timeout=60, env=environment)
+            self.assertIn("RuntimeError: show: polyscope found no display", done.stderr)
+            self.assertEqual(Path(folder, "imgui.ini").read_text(), "[MyGame][settings]\nscore=5\n")
+            self.assertEqual(sorted(path.name for path in Path(folder).iterdir()),
+                             ["a.png", "imgui.ini", "tube.pliant", "tube.png"])
+        self.assertTrue(polyscope.has_point_cloud("mine"))
+
     def test_window(self):
         drawn = []
-        panel, window = _show.Viewer.draw_panel, polyscope.show
+        panel, window, is_headless = _show.Viewer.draw_panel, polyscope.show, polyscope.is_headless
 
         def draw_panel(viewer, imgui):
             panel(viewer, imgui)
@@ -120,9 +155,10 @@ class Show(unittest.TestCase):
 
         try:
             _show.Viewer.draw_panel, polyscope.show = draw_panel, polyscope.frame_tick  # one frame, and closed
+            polyscope.is_headless = lambda: False
             pliant.show(TUBE)
         finally:
-            _show.Viewer.draw_panel, polyscope.show = panel, window
+            _show.Viewer.draw_panel, polyscope.show, polyscope.is_headless = panel, window, is_headless
         self.assertGreater(min(drawn), 80)  # text, two sliders and a button
 
     def test_without_polyscope(self):

@@ -87,6 +87,30 @@ def check_terminated(tree, folder):
     assert sorted(folder.iterdir()) == before, "something was left"
 
 
+BUILDER = """
+import os, signal, sys
+sys.path.insert(0, sys.argv[1])
+import build_wheels
+signal.signal(signal.SIGTERM, lambda *_: sys.exit(143))
+build_wheels.run("sh", "-c", f"sleep 60 & echo $! > {sys.argv[2]}.part; mv {sys.argv[2]}.part {sys.argv[2]}; wait")
+"""
+
+
+def check_builder_terminated(folder):
+    """What build_wheels.py has started ends with it, here a child of its child."""
+    written = folder / "pid"
+    command = [sys.executable, "-B", "-c", BUILDER, ROOT / "baker/python", written]
+    with subprocess.Popen(command, stdout=subprocess.DEVNULL) as run:
+        limit = time.monotonic() + 30
+        while not written.exists() and run.poll() is None and time.monotonic() < limit:
+            time.sleep(0.01)
+        run.terminate()
+    assert run.returncode == 143, run.returncode
+    command_line = Path("/proc", written.read_text().strip(), "cmdline")
+    assert not command_line.exists() or not command_line.read_bytes(), "its child works on"
+    written.unlink()
+
+
 def main():
     if not shutil.which("git"):
         print("skipped: git is not installed")
@@ -97,6 +121,7 @@ def main():
         make_tree(tree)
         check_good(tree, folder)
         check_terminated(tree, folder)
+        check_builder_terminated(folder)
         if shutil.which("npm"):
             check_refused(tree, folder, "ziglang", "--without=blender")  # pip finds nothing
         (folder / "refused").mkdir()
