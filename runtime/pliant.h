@@ -42,8 +42,8 @@
      vector width of the processor. The library must be compiled without floating-point contraction and fast-math, as
      the CMake project does.
    @par Platforms
-     Little-endian, with IEEE single and double precision; not the x87, which computes in another. On a big-endian machine pliant_asset_open returns
-     PLIANT_ERROR_VERSION: assets are used in place and would have to be converted first.
+     Little-endian, with IEEE single and double precision; not the x87, which computes in another. On a big-endian machine
+     pliant_asset_open returns PLIANT_ERROR_VERSION: assets are used in place and would have to be converted first.
    @par Untrusted input
      pliant_asset_open accepts any bytes. It returns an error code, or an asset on which no later call reads or writes out
      of bounds, whatever numbers it holds. Weights may be anything: invalid ones return an error code and change nothing. */
