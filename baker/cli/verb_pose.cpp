@@ -47,6 +47,12 @@ DragResult drag_with_progress(const PoseArguments& a, const RestPose& rest, cons
     ConsoleProgress progress("pose", a.talk);
     progress.update("motion", 0);
     return drag(to_shape_set(rest, handles.vertices()), handles, a.material, [&](const DragStep& step) {
+        if (step.snap > 0)
+            progress.warn(4307,
+                          fmt::format("the body snaps over at {:.1f} % of the motion: a vertex moves by {:.3g}, the energy "
+                                      "falls from {:.3g} to {:.3g}",
+                                      100 * step.time, step.snap, step.start_energy, step.energy),
+                          "turn or move by less: a body that is twisted too far loses whole turns");
         progress.update("motion", step.time, fmt::format("energy {:.4e}, smallest J {:.3f}", step.energy, step.smallest_j));
     });
 }

@@ -21,6 +21,16 @@ constexpr double shortest_step = 1.0 / 256;
 // A rough equilibrium suffices to start the next step; the last one is written.
 constexpr double rough = 1e-5, precise = 1e-10;
 
+// After a step that loses a fifth of its energy, and moves a vertex by this much (of the cube root of the volume) from the
+// start that the linearised body gives, the body has snapped over: other steps lose some percent. A bar that is twisted too
+// far loses whole turns so.
+constexpr double snap_energy = 0.8, snap_way = 0.05;
+
+double farthest(const Shape& way)
+{
+    return std::sqrt(Eigen::Map<const Eigen::Matrix3Xd>(way.data(), 3, way.size() / 3).colwise().squaredNorm().maxCoeff());
+}
+
 NewtonOptions newton_options(bool is_last)
 {
     NewtonOptions options;
@@ -110,6 +120,8 @@ bool Dragger::try_step(double time, DragStep& step)
         compressed_tet_ = smallest_j(rest_, result.y).tet;
         return false;
     }
+    const double way = farthest(result.y - start);
+    if (result.energy < snap_energy * step.start_energy && way > snap_way) step.snap = way * rest_.length;
     y_ = result.y;
     step.time = time;
     step.energy = result.energy;

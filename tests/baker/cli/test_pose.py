@@ -96,6 +96,17 @@ def case_mirrored(folder):
     subprocess.run([TOOL, "check", rest, out], check=True, capture_output=True)
 
 
+def case_snap(folder):
+    """A bar that is twisted by two turns comes back to its rest pose, which must not happen in silence."""
+    rest, script, out = (folder / name for name in ("bar.msh", "twist.txt", "twisted.msh"))
+    write_bar(rest)
+    for degrees in (180, 720):
+        script.write_text(f"box 0 0 0 1 1 0.05 hold\nbox 0 0 0.95 1 1 1 turn 0.5 0.5 0.5 0 0 1 {degrees}\n")
+        stdout, stderr = run(rest, script, "-o", out)
+        energy = float(re.search(r"energy (\S+),", stdout)[1])
+        assert ("warning P4307: the body snaps over at" in stderr) == (degrees == 720) == (energy < 1e-3), stdout + stderr
+
+
 def case_all_errors(folder):
     """One run reports the bad lines of a script, and the bad mesh, with file and line. tests/bad_input has each error."""
     rest, script, out = (folder / name for name in ("bar.msh", "wrong.txt", "bent.msh"))
