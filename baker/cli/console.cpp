@@ -12,6 +12,7 @@
 #include <fmt/core.h>
 #include <mutex>
 #include <poll.h>
+#include <sys/stat.h>
 #include <thread>
 #include <unistd.h>
 
@@ -137,8 +138,11 @@ void open_closed_streams()
 bool flush_output()
 {
     if (std::fflush(stdout) == 0 && !std::ferror(stdout)) return true;
+    struct stat output = {};
     pollfd reader { STDOUT_FILENO, 0, 0 };
-    if (!::isatty(STDOUT_FILENO) && ::poll(&reader, 1, 0) == 1 && (reader.revents & POLLERR)) {
+    // Of a terminal that has ended isatty() says that it is none.
+    const bool is_device = ::fstat(STDOUT_FILENO, &output) != 0 || S_ISCHR(output.st_mode);
+    if (!is_device && ::poll(&reader, 1, 0) == 1 && (reader.revents & POLLERR)) {
         std::signal(SIGPIPE, SIG_DFL);
         std::raise(SIGPIPE);
     }

@@ -123,5 +123,5 @@ int main(int argc, char** argv)
     const ExitCode code = guarded(verb, [&] { return run_tool(argc, argv, verb); });
     if (flush_output()) return int(code);
     print_finding(verb, error_at(4903, "", "standard output could not be written"));
-    return int(ExitCode::failed);
+    return int(code == ExitCode::interrupted ? code : ExitCode::failed);
 }

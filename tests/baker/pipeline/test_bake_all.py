@@ -4,6 +4,7 @@ end as they should."""
 import json
 import os
 import pathlib
+import pty
 import re
 import signal
 import sys
@@ -135,6 +136,20 @@ def test_interrupted(folder):
           f"its children have ended {outcomes}")
     finished = stamps(folder)
     check(done(run(manifest)[0], "up to date") == finished, "and what was finished stays")
+
+
+def test_terminal_ends(folder):
+    """Its summary has nowhere to go then."""
+    manifest = manifest_of(folder, TWELVE[:6])
+    pid, terminal = pty.fork()
+    if pid == 0:
+        signal.signal(signal.SIGHUP, signal.SIG_DFL)  # the test may run under nohup
+        os.execv(sys.argv[1], [sys.argv[1], "bake-all", str(manifest)])
+    wait_until(lambda: len(stamps(folder)) >= 1)
+    children = children_of(pid)
+    os.close(terminal)
+    code = os.waitstatus_to_exitcode(os.waitpid(pid, 0)[1])
+    check(code == 130 and not any(is_running(child) for child in children), f"its terminal ends: exit code {code}")
 
 
 def test_interrupted_early(folder):
@@ -304,8 +319,9 @@ def test_configurations(folder):
 
 
 with tempfile.TemporaryDirectory(prefix="pliant-bake-all-") as name:
-    for number, test in enumerate((test_twelve, test_killed, test_interrupted, test_interrupted_early, test_failures,
-                                   test_crash, test_young_children, test_orphans, test_memory, test_configurations)):
+    for number, test in enumerate((test_twelve, test_killed, test_interrupted, test_terminal_ends, test_interrupted_early,
+                                   test_failures, test_crash, test_young_children, test_orphans, test_memory,
+                                   test_configurations)):
         place = pathlib.Path(name) / str(number)
         place.mkdir()
         test(place)
