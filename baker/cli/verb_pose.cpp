@@ -51,7 +51,7 @@ DragResult drag_with_progress(const PoseArguments& a, const RestPose& rest, cons
             progress.warn(4307,
                           fmt::format("the body snaps over at {:.1f} % of the motion: a vertex moves by {:.3g}, the energy "
                                       "falls from {:.3g} to {:.3g}",
-                                      100 * step.time, step.snap, step.start_energy, step.energy),
+                                      100 * step.time, step.snap, step.last_energy, step.energy),
                           "turn or move by less: a body that is twisted too far loses whole turns");
         progress.update("motion", step.time, fmt::format("energy {:.4e}, smallest J {:.3f}", step.energy, step.smallest_j));
     });

@@ -21,10 +21,10 @@ constexpr double shortest_step = 1.0 / 256;
 // A rough equilibrium suffices to start the next step; the last one is written.
 constexpr double rough = 1e-5, precise = 1e-10;
 
-// After a step that loses a fifth of its energy, and moves a vertex by this much (of the cube root of the volume) from the
-// start that the linearised body gives, the body has snapped over: other steps lose some percent. A bar that is twisted too
-// far loses whole turns so.
-constexpr double snap_energy = 0.8, snap_way = 0.05;
+// Handles move away from rest, so energy grows from equilibrium to equilibrium. Where it falls below this part of the last
+// one, and a vertex ends this far (of the cube root of the volume) from the start that the linearised body gives, the body has
+// snapped over. A bar that is twisted too far loses whole turns so.
+constexpr double snap_energy = 0.95, snap_way = 0.05;
 
 double farthest(const Shape& way)
 {
@@ -69,6 +69,7 @@ private:
     HessianAssembler tangent_; // at y_, handles not fixed: the forces of the handles on their neighbours
     Weights weights_;
     Shape y_;
+    double energy_before_ = 0;       // of y_
     std::size_t bad_tet_ = 0;        // of the last rejected step
     std::size_t compressed_tet_ = 0; // of the last step in which Newton's method did not converge
 };
@@ -121,8 +122,10 @@ bool Dragger::try_step(double time, DragStep& step)
         return false;
     }
     const double way = farthest(result.y - start);
-    if (result.energy < snap_energy * step.start_energy && way > snap_way) step.snap = way * rest_.length;
+    step.last_energy = energy_before_;
+    if (result.energy < snap_energy * energy_before_ && way > snap_way) step.snap = way * rest_.length;
     y_ = result.y;
+    energy_before_ = result.energy;
     step.time = time;
     step.energy = result.energy;
     step.smallest_j = smallest_j(rest_, y_).value;

@@ -13,8 +13,9 @@ struct DragStep {
     double time = 0;         // fraction of the motion that is done
     double start_energy = 0; // at the start of Newton's method, in units of Young's modulus times the volume of the body
     double energy = 0;
-    double smallest_j = 0; // of all tetrahedra: volume over volume at rest
-    double snap = 0;       // if the body snapped over to another equilibrium: the way of its farthest vertex, input units
+    double last_energy = 0; // of the step before
+    double smallest_j = 0;  // of all tetrahedra: volume over volume at rest
+    double snap = 0;        // if the body snapped over to another equilibrium: the way of its farthest vertex, input units
     int iterations = 0;
     int halvings = 0; // number of times the step was too long
 };
