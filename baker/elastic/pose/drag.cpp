@@ -22,8 +22,8 @@ constexpr double shortest_step = 1.0 / 256;
 constexpr double rough = 1e-5, precise = 1e-10;
 
 // Handles move away from rest, so energy grows from equilibrium to equilibrium. Where it falls below this part of the last
-// one, and a vertex ends this far (of the cube root of the volume) from the start that the linearised body gives, the body has
-// snapped over. A bar that is twisted too far loses whole turns so.
+// one, and a vertex ends this far (of the cube root of the volume) from the start that the linearised body gives, the body
+// has snapped over. A bar that is twisted too far loses whole turns so.
 constexpr double snap_energy = 0.95, snap_way = 0.05;
 
 double farthest(const Shape& way)

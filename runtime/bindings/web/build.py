@@ -10,6 +10,7 @@ import re
 import shutil
 import subprocess
 import sys
+import tempfile
 import venv
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
@@ -53,15 +54,13 @@ def compile_one(python, source, output):
 
 def main(folder):
     python = python_with_zig()
-    objects = folder / "objects"
-    objects.mkdir(parents=True, exist_ok=True)
+    folder.mkdir(parents=True, exist_ok=True)
     sources = sorted(RUNTIME.glob("*.c"))
-    with ThreadPoolExecutor(2) as pool:
-        compiled = list(pool.map(lambda source: compile_one(python, source, objects / f"{source.stem}.o"), sources))
-    exports = [f"-Wl,--export={name}" for name in ("malloc", "free", *functions())]
-    link = [python, *COMPILE, "-O2", "-s", "-mexec-model=reactor", *compiled, *exports, "-o", str(folder / "pliant.wasm")]
-    subprocess.run(link, check=True)
-    shutil.rmtree(objects)
+    with tempfile.TemporaryDirectory(prefix="pliant-web-") as objects, ThreadPoolExecutor(2) as pool:
+        compiled = list(pool.map(lambda source: compile_one(python, source, Path(objects, f"{source.stem}.o")), sources))
+        exports = [f"-Wl,--export={name}" for name in ("malloc", "free", *functions())]
+        link = [python, *COMPILE, "-O2", "-s", "-mexec-model=reactor", *compiled, *exports, "-o", str(folder / "pliant.wasm")]
+        subprocess.run(link, check=True)
     for name in FILES:
         shutil.copy(HERE / name, folder)
     shutil.copy(ROOT / "LICENSE", folder)
