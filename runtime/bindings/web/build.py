@@ -59,8 +59,8 @@ def main(folder):
     with tempfile.TemporaryDirectory(prefix="pliant-web-") as objects, ThreadPoolExecutor(2) as pool:
         compiled = list(pool.map(lambda source: compile_one(python, source, Path(objects, f"{source.stem}.o")), sources))
         exports = [f"-Wl,--export={name}" for name in ("malloc", "free", *functions())]
-        link = [python, *COMPILE, "-O2", "-s", "-mexec-model=reactor", *compiled, *exports, "-o", str(folder / "pliant.wasm")]
-        subprocess.run(link, check=True)
+        link = [python, *COMPILE, "-O2", "-s", "-mexec-model=reactor", *compiled, *exports]
+        subprocess.run([*link, "-o", str(folder / "pliant.wasm")], check=True)
     for name in FILES:
         shutil.copy(HERE / name, folder)
     shutil.copy(ROOT / "LICENSE", folder)
