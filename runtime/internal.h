@@ -8,7 +8,7 @@
 
 #include <string.h>
 
-/* Functions round by adding and subtracting a large number, which fast-math leaves out and the x87 does in 64 bits: shapes
+/* Functions round by adding and subtracting a large number, which fast-math leaves out and the x87 does with 64 bits: shapes
    would be wrong. With contraction off clang defines the second macro alone. -fassociative-math alone does the same harm:
    gcc has a macro for it, clang a pragma against it. The last macro is 16 where a processor has half precision, too. */
 #if defined(__FAST_MATH__) || (defined(__FINITE_MATH_ONLY__) && __FINITE_MATH_ONLY__) || defined(_M_FP_FAST) \
