@@ -178,7 +178,8 @@ def check(wheel, work):
     return sorted(system)
 
 
-def make_all(out, has_wheel, work):
+def make_all(has_wheel, work):
+    """The archives below `work`."""
     run(sys.executable, "-m", "venv", work / "tools")
     python = work / "tools/bin/python"
     run(python, "-m", "pip", "install", "--quiet", *TOOLS)
@@ -189,9 +190,14 @@ def make_all(out, has_wheel, work):
         system = check(wheel, work)
         print("inside:", ", ".join(f"{name} ({package})" for name, package in libraries.items()) or "no library")
         print("of the system:", ", ".join(system))
-    out.mkdir(parents=True, exist_ok=True)
-    for made in [wheel] * has_wheel + [sdist]:
-        shutil.move(made, out / made.name)
+    return [*[wheel] * has_wheel, sdist]
+
+
+def place(archives, out):
+    """Under their names when they are whole: OUT may be on another file system, and that one full."""
+    with tempfile.TemporaryDirectory(prefix=".pliant-", dir=out) as folder:
+        for made in archives:
+            os.replace(shutil.copy(made, folder), out / made.name)
 
 
 def main(arguments):
@@ -201,7 +207,9 @@ def main(arguments):
     options = parser.parse_args(arguments)
     with tempfile.TemporaryDirectory(prefix="pliant-wheels-") as folder:
         os.environ["TMPDIR"] = folder  # of pip and the compilers
-        make_all(options.out.resolve(), not options.sdist, Path(folder))
+        archives = make_all(not options.sdist, Path(folder))
+        options.out.mkdir(parents=True, exist_ok=True)
+        place(archives, options.out)
     for path in sorted(options.out.iterdir()):
         print(f"{path.stat().st_size:>12,}  {path.name}")
     return 0

@@ -1,7 +1,9 @@
 #!/usr/bin/env python3
 """The add-on as a zip that Blender installs: build.py OUT.zip"""
+import os
 import re
 import sys
+import tempfile
 import zipfile
 from pathlib import Path
 
@@ -24,13 +26,14 @@ def content(path, version):
 
 def main(output):
     version = re.findall(r"^#define PLIANT_VERSION_(?:MAJOR|MINOR|PATCH) (\d+)", HEADER.read_text(), re.M)
-    partial = output.with_name(output.name + ".part")
-    with zipfile.ZipFile(partial, "w", zipfile.ZIP_DEFLATED) as archive:
-        for path in [*sorted([*PACKAGE.glob("*.py"), *PACKAGE.glob("*.toml")]), HERE.parents[1] / "LICENSE"]:
-            entry = zipfile.ZipInfo.from_file(path, f"{PACKAGE.name}/{path.name}")
-            entry.external_attr = 0o644 << 16 # for all users to read, whatever the umask
-            archive.writestr(entry, content(path, version), zipfile.ZIP_DEFLATED)
-    partial.replace(output)
+    with tempfile.TemporaryDirectory(prefix=".pliant-", dir=output.parent) as folder:
+        made = Path(folder, output.name)
+        with zipfile.ZipFile(made, "w", zipfile.ZIP_DEFLATED) as archive:
+            for path in [*sorted([*PACKAGE.glob("*.py"), *PACKAGE.glob("*.toml")]), HERE.parents[1] / "LICENSE"]:
+                entry = zipfile.ZipInfo.from_file(path, f"{PACKAGE.name}/{path.name}")
+                entry.external_attr = 0o644 << 16  # for all users to read, whatever the umask
+                archive.writestr(entry, content(path, version), zipfile.ZIP_DEFLATED)
+        os.replace(made, output)
     return 0
 
 

@@ -3,6 +3,7 @@
 #include <cerrno>
 #include <cstdio>
 #include <cstring>
+#include <random>
 #include <stdexcept>
 
 namespace pliant::creature {
@@ -41,7 +42,7 @@ std::string encode(const std::vector<Vec3>& points, const std::vector<Face>& fac
 
 void write_file(const std::string& path, const std::string& bytes)
 {
-    std::FILE* file = std::fopen(path.c_str(), "wb");
+    std::FILE* file = std::fopen(path.c_str(), "wbx"); // never a file that is there
     if (!file) fail(path, "create", errno);
     // A full disk may show only when buffers are flushed or the file is closed.
     bool written = std::fwrite(bytes.data(), 1, bytes.size(), file) == bytes.size() && std::fflush(file) == 0;
@@ -69,8 +70,9 @@ struct Temporaries {
 void write_ply_set(const std::vector<PlyFile>& files, const std::vector<Face>& faces)
 {
     Temporaries written;
+    const std::string ending = '.' + std::to_string(std::random_device()()) + ".tmp"; // a name that nobody else has
     for (const PlyFile& file : files) {
-        const std::string temporary = file.path + ".tmp";
+        const std::string temporary = file.path + ending;
         write_file(temporary, encode(file.points, faces));
         written.paths.push_back(temporary);
     }

@@ -1,8 +1,9 @@
 #!/usr/bin/env python3
 """The page as a folder of static files: build.py FOLDER [--package PACKAGE] ASSET...
 
-The assets are copied; the page opens creature.pliant first. three.js comes from the npm registry. PACKAGE is the folder that
-runtime/bindings/web/build.py has made; without it, it is made now. Any web server serves FOLDER:
+The assets are copied; the page opens creature.pliant first. FOLDER is new, empty, or a page that this script made before.
+three.js comes from the npm registry. PACKAGE is the folder that runtime/bindings/web/build.py has made; without it, it is
+made now. Any web server serves FOLDER:
 python3 -m http.server --directory FOLDER
 """
 import argparse
@@ -18,6 +19,7 @@ BINDING = HERE.parents[1] / "runtime/bindings/web/build.py"
 PAGE = ["index.html", "example.html", "style.css", "page.js", "polygon.js", "view.js"]
 THREE = ["build/three.module.js", "build/three.core.js", "examples/jsm/controls/OrbitControls.js", "LICENSE"]
 PACKAGE = ["pliant.js", "pliant.wasm", "three.js", "LICENSE"]
+STAMP = ".made_by_samples_web"
 
 
 def copy(files, source, folder):
@@ -37,18 +39,22 @@ def main():
         if names.count(name) > 1 or not re.fullmatch(r"[\w.-]+", name, re.ASCII):
             parser.error(f"{name}: names of assets must differ and have letters, digits, '_', '.' and '-' only")
     folder = options.folder
+    if folder.exists() and not (folder / STAMP).exists() and not (folder.is_dir() and not any(folder.iterdir())):
+        parser.error(f"{folder} is there, and is no page of this script: name a new folder")
     with tempfile.TemporaryDirectory() as name:
-        modules = Path(name)
+        modules, page = Path(name), Path(name, "page")
         copy(["package.json", "package-lock.json"], HERE, modules)
         subprocess.run(["npm", "ci", "--no-audit", "--no-fund", "--ignore-scripts", "--silent", "--fetch-retries=1"],
                        cwd=modules, check=True)
-        copy(THREE, modules / "node_modules/three", folder / "three")
+        copy(THREE, modules / "node_modules/three", page / "three")
         package = options.package or modules / "package"
         if not options.package:
             subprocess.run([sys.executable, "-B", BINDING, package], check=True)
-        copy(PACKAGE, package, folder / "pliant")
-    copy(PAGE, HERE, folder)
-    copy(options.assets, Path(), folder)
+        copy(PACKAGE, package, page / "pliant")
+        copy(PAGE, HERE, page)
+        copy(options.assets, Path(), page)
+        (page / STAMP).touch()
+        shutil.copytree(page, folder, dirs_exist_ok=True)
     return 0
 
 

@@ -69,6 +69,9 @@ def main():
     parser.add_argument("study", type=Path, metavar="STUDY")
     parser.add_argument("-o", "--output", type=Path, default=HERE / "results", metavar="RESULTS")
     options = parser.parse_args()
+    kept = options.output / "README.md"
+    if options.output.exists() and not (kept.exists() and kept.read_text(encoding="utf-8").startswith("# Results")):
+        sys.exit(f"keep.py: {options.output} does not hold results of the study: name a new folder")
     with tempfile.TemporaryDirectory(prefix="pliant-keep-", dir=options.output.resolve().parent) as name:
         folder = Path(name)
         log = (options.study / "log.txt").read_text().strip().splitlines()
@@ -79,9 +82,6 @@ def main():
         size = sum(path.stat().st_size for path in folder.iterdir())
         if size > LIMIT:
             sys.exit(f"keep.py: {size} bytes are more than {LIMIT}: nothing was changed")
-        kept = options.output / "README.md"
-        if options.output.exists() and not (kept.exists() and kept.read_text(encoding="utf-8").startswith("# Results")):
-            sys.exit(f"keep.py: {options.output} does not hold results of the study: name a new folder")
         shutil.rmtree(options.output, ignore_errors=True)
         shutil.copytree(folder, options.output)
         options.output.chmod(0o755)  # a temporary folder is private

@@ -361,12 +361,14 @@ NewtonResult NewtonSolver::minimize(const Weights& w, const Shape& start, const 
     return result;
 }
 
-void NewtonSolver::factorize_equilibrium(const Weights& w, const Shape& y, HessianKind kind)
+bool NewtonSolver::factorize_equilibrium(const Weights& w, const Shape& y, HessianKind kind)
 {
     hold(y);
     assembler_.assemble(w, y, kind);
     pin(assembler_.matrix(), pins_);
-    if (!cholesky_.factorize(assembler_.matrix())) factorize_shifted(w, y, HessianKind::projected);
+    if (cholesky_.factorize(assembler_.matrix())) return true;
+    factorize_shifted(w, y, HessianKind::projected);
+    return false;
 }
 
 Eigen::MatrixXd NewtonSolver::solve_free(const Eigen::MatrixXd& loads, const Solve& solve) const

@@ -59,9 +59,9 @@ public:
     // A shape near a minimizer without its small creases: Relaxation::settle() down to a millionth of the energy.
     Shape settled(const Weights& w, Shape y);
 
-    // Factors the exact Hessian of W(w, .) at an equilibrium y (a pose, an average) for solve_equilibrium. Throws Failure
-    // (P4302) if it has negative or further zero eigenvalues.
-    void factorize_equilibrium(const Weights& w, const Shape& y, HessianKind kind = HessianKind::exact);
+    // Factors the exact Hessian of W(w, .) at an equilibrium y (a pose, an average) for solve_equilibrium. False: it has
+    // negative or further zero eigenvalues, and a model without was factored. Throws Failure (P4302) if that fails, too.
+    bool factorize_equilibrium(const Weights& w, const Shape& y, HessianKind kind = HessianKind::exact);
 
     // Solves K x = f (columns) at that equilibrium. Of a free body in the quotient by rigid motions: f is balanced, x is
     // mass-orthogonal to them. Else x vanishes at fixed vertices.

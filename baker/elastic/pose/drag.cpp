@@ -7,6 +7,7 @@
 #include <cmath>
 #include <fmt/format.h>
 #include <limits>
+#include <random>
 
 namespace pliant {
 
@@ -25,6 +26,11 @@ constexpr double rough = 1e-5, precise = 1e-10;
 // one, and a vertex ends this far (of the cube root of the volume) from the start that the linearised body gives, the body
 // has snapped over. A bar that is twisted too far loses whole turns so.
 constexpr double snap_energy = 0.95, snap_way = 0.05;
+
+// An equilibrium of a symmetric body may be a saddle: a column that is pressed along itself stays straight. The search goes
+// on from a shape this far (of the cube root of the volume) beside it, at most so often.
+constexpr double nudge = 0.01;
+constexpr int most_saddles = 3;
 
 double farthest(const Shape& way)
 {
@@ -50,12 +56,14 @@ public:
         , weights_(Weights::Ones(1))
         , y_(rest.shapes[0])
     {
+        solver_.factorize_equilibrium(weights_, y_);
     }
 
     DragResult run(const DragReport& report);
 
 private:
-    void linearise();
+    NewtonResult equilibrium(const Shape& start, const NewtonOptions& options);
+    Shape nudged(const Shape& saddle) const;
     Shape start_of(double time) const;
     bool try_step(double time, DragStep& step);
     std::size_t worst_tet(const Shape& start) const;
@@ -74,10 +82,26 @@ private:
     std::size_t compressed_tet_ = 0; // of the last step in which Newton's method did not converge
 };
 
-void Dragger::linearise()
+// Random forces move a body where it is soft: sideways, where it is about to buckle.
+Shape Dragger::nudged(const Shape& saddle) const
 {
-    tangent_.assemble(weights_, y_, HessianKind::exact);
-    solver_.factorize_equilibrium(weights_, y_);
+    std::minstd_rand random; // the same everywhere
+    const Shape load
+        = Shape::NullaryExpr(saddle.size(), [&] { return double(random()) / double(std::minstd_rand::max()) - 0.5; });
+    const Shape way = solver_.solve_equilibrium(load);
+    return saddle + nudge / farthest(way) * way;
+}
+
+// A minimum: the exact Hessian there, which is left factored, is positive definite.
+NewtonResult Dragger::equilibrium(const Shape& start, const NewtonOptions& options)
+{
+    NewtonResult result = solver_.minimize(weights_, start, options);
+    for (int i = 0; result.has_converged && !solver_.factorize_equilibrium(weights_, result.y) && i < most_saddles; ++i) {
+        const int iterations = result.iterations;
+        result = solver_.minimize(weights_, nudged(result.y), options);
+        result.iterations += iterations;
+    }
+    return result;
 }
 
 // Moves the handles to their positions at `time` and the other vertices as the linearised body does. If only the handles
@@ -115,7 +139,7 @@ bool Dragger::try_step(double time, DragStep& step)
     bad_tet_ = worst_tet(start);
     if (bad_tet_ < rest_.tets.size()) return false;
     step.start_energy = energy_value(energy_, weights_, start);
-    const NewtonResult result = solver_.minimize(weights_, start, newton_options(time >= 1));
+    const NewtonResult result = equilibrium(start, newton_options(time >= 1));
     step.iterations += result.iterations;
     if (!result.has_converged) {
         compressed_tet_ = smallest_j(rest_, result.y).tet;
@@ -168,7 +192,7 @@ DragResult Dragger::run(const DragReport& report)
     const double nominal = 1.0 / handles_.nominal_steps();
     double time = 0, length = nominal;
     while (time < 1) {
-        linearise();
+        tangent_.assemble(weights_, y_, HessianKind::exact);
         DragStep step;
         for (;; length /= 2) {
             if (length < shortest_step * nominal) give_up(time);

@@ -1,6 +1,7 @@
 """show(): an asset in a window of polyscope, which is imported when it is called."""
 from __future__ import annotations
 
+import ctypes
 import importlib
 import os
 import tempfile
@@ -19,6 +20,16 @@ _PNG_END = b"IEND\xaeB`\x82"
 _COLOURS = {"elastic": (0.16, 0.47, 0.71), "linear": (0.80, 0.52, 0.25)}
 
 
+def _needs_egl() -> None:
+    """Without a display polyscope draws with EGL, and crashes where that is missing."""
+    if os.name != "posix" or os.environ.get("DISPLAY") or os.environ.get("WAYLAND_DISPLAY"):
+        return
+    try:
+        ctypes.CDLL("libEGL.so.1")
+    except OSError:
+        raise RuntimeError("show: a picture without a display needs the library libEGL.so.1 (Debian: libegl1)") from None
+
+
 def _polyscope(is_headless: bool) -> Any:
     try:
         polyscope: Any = importlib.import_module("polyscope")
@@ -26,6 +37,7 @@ def _polyscope(is_headless: bool) -> Any:
         raise ImportError("pliant.show needs polyscope: pip install 'pliant[show]'", name="polyscope") from None
     if not polyscope.is_initialized():
         if is_headless:
+            _needs_egl()
             polyscope.set_allow_headless_backends(True)
         polyscope.set_program_name("pliant")
         polyscope.set_verbosity(0)
@@ -104,7 +116,10 @@ class Viewer:
         imgui.Text("blue: elastic" + (", orange: linear" if "linear" in self._meshes else ""))
         weights = self.weights.copy()
         for k, name in enumerate(self.asset.weight_names):
-            _, weights[k] = imgui.SliderFloat(f"{name}##{k}", float(weights[k]), *self.limits[k])
+            low, high = self.limits[k]
+            is_moved, weight = imgui.SliderFloat(f"{name}##{k}", float(weights[k]), low, high)
+            if is_moved:  # by Ctrl+Click to any number, and to nan
+                weights[k] = min(max(low, weight), high)
         if imgui.Button("Start"):
             weights[:] = [initial for _, _, _, initial in self.asset._weights()]
         if not np.array_equal(weights, self.weights):
@@ -129,7 +144,8 @@ def show(
     Sliders of layers go half a range beyond the measured one. polyscope has one scene for each process: its meshes of the
     names "elastic" and "linear" are replaced, and a window takes the place of the user callback. Neither polyscope's
     settings nor imgui.ini of the current folder are written. Raises ImportError without polyscope, RuntimeError for a window
-    without a display, ValueError and OSError for a picture that cannot be written, and the errors of Asset.blend().
+    without a display or a picture with neither display nor EGL, ValueError and OSError for a picture that cannot be written,
+    and the errors of Asset.blend().
     """
     polyscope = _polyscope(picture is not None)
     if picture is None and polyscope.is_headless():
@@ -144,5 +160,7 @@ def show(
         return
     imgui = importlib.import_module("polyscope.imgui")
     polyscope.set_user_callback(lambda: viewer.draw_panel(imgui))
-    polyscope.show()
-    polyscope.clear_user_callback()
+    try:
+        polyscope.show()
+    finally:
+        polyscope.clear_user_callback()

@@ -2,10 +2,11 @@
 """The npm package: build.py FOLDER
 
 Compiles the runtime to FOLDER/pliant.wasm and copies the package's other files beside it; `npm pack` in FOLDER makes the
-archive. The compiler is zig, of the Python that runs this; where that has none, zig is installed from PyPI once, into
-build/zig of the project. The module imports nothing.
+archive. FOLDER is new, empty, or a package that this script made before. The compiler is zig, of the Python that runs this;
+where that has none, zig is installed from PyPI once, into build/zig of the project. The module imports nothing.
 """
 import importlib.util
+import json
 import re
 import shutil
 import subprocess
@@ -52,18 +53,32 @@ def compile_one(python, source, output):
     return str(output)
 
 
+def is_ours(folder):
+    """Whether this script may write into the folder."""
+    if not folder.exists():
+        return True
+    if not folder.is_dir() or folder.samefile(HERE):
+        return False
+    try:
+        return not any(folder.iterdir()) or json.loads((folder / "package.json").read_text("utf-8"))["name"] == "pliant"
+    except (OSError, ValueError, LookupError, TypeError):
+        return False
+
+
 def main(folder):
+    if not is_ours(folder):
+        sys.exit(f"build.py: error: {folder} is there, and is no package of this script\nhint: name a new folder")
     python = python_with_zig()
-    folder.mkdir(parents=True, exist_ok=True)
     sources = sorted(RUNTIME.glob("*.c"))
-    with tempfile.TemporaryDirectory(prefix="pliant-web-") as objects, ThreadPoolExecutor(2) as pool:
-        compiled = list(pool.map(lambda source: compile_one(python, source, Path(objects, f"{source.stem}.o")), sources))
+    with tempfile.TemporaryDirectory(prefix="pliant-web-") as work, ThreadPoolExecutor(2) as pool:
+        compiled = list(pool.map(lambda source: compile_one(python, source, Path(work, f"{source.stem}.o")), sources))
         exports = [f"-Wl,--export={name}" for name in ("malloc", "free", *functions())]
         link = [python, *COMPILE, "-O2", "-s", "-mexec-model=reactor", *compiled, *exports]
-        subprocess.run([*link, "-o", str(folder / "pliant.wasm")], check=True)
-    for name in FILES:
-        shutil.copy(HERE / name, folder)
-    shutil.copy(ROOT / "LICENSE", folder)
+        module = Path(work, "pliant.wasm")
+        subprocess.run([*link, "-o", str(module)], check=True)
+        folder.mkdir(parents=True, exist_ok=True)
+        for path in [module, *(HERE / name for name in FILES), ROOT / "LICENSE"]:
+            shutil.copy(path, folder)
     return 0
 
 

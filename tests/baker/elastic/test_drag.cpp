@@ -110,6 +110,20 @@ TEST_CASE("a bar is bent by 90 degrees")
     }
 }
 
+// Its straight shape is an equilibrium, too, by symmetry, but of more energy.
+TEST_CASE("a bar that is pressed along itself buckles")
+{
+    Bar bar;
+    for (const char* press : { "-0.15", "-0.2" }) {
+        const Handles handles = bar.handles("box 0 0 0  1 1 0  hold\nbox 0 0 1  1 1 1  move 0 0 " + std::string(press));
+        const Positions pressed = drag_and_check(bar, handles, SolidLaw::mooney_rivlin);
+        const int layer = (cells + 1) * (cells + 1);
+        const Eigen::RowVector3d middle = pressed.middleRows(layer * length_cells / 2, layer).colwise().mean();
+        const Eigen::RowVector3d foot = pressed.topRows(layer).colwise().mean();
+        CHECK((middle - foot).head<2>().norm() > 0.3);
+    }
+}
+
 TEST_CASE("a bar is twisted, stretched and taken hold of by numbers")
 {
     Bar bar;

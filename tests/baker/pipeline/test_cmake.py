@@ -38,6 +38,21 @@ def later(path):
     time.sleep(0.05)
 
 
+def check_choice(source, build, tool):
+    """Poses of a GLB file, one by the name of a target that must arrive as it is written."""
+    model = source / "strip.glb"
+    run(tool, "export", build / "strip.pliant", "-o", model)
+    exported, names = model.read_bytes(), b'"q0","q1","q2"'
+    check(exported.count(names) == 1, "three targets")
+    model.write_bytes(exported.replace(names, b'"..//","q","r"'))
+    project = source / "CMakeLists.txt"
+    project.write_text(project.read_text(encoding="utf-8") + 'pliant_bake(OUTPUT chosen.pliant POSES "strip.glb" '
+                       '"poses/../strip.glb#target=..//" OPTIONS ${quick})\n', encoding="utf-8")
+    log = run(CMAKE, "--build", build)
+    check("Baking chosen.pliant" in log and (build / "chosen.pliant").exists(), "a pose with a choice")
+    check("Baking" not in run(CMAKE, "--build", build), "and then nothing, with a choice")
+
+
 def main():
     if not shutil.which(PROGRAM):
         print(f"skipped: {PROGRAM} is not installed")
@@ -75,6 +90,7 @@ def main():
         later(prefix / "bin/pliant")
         check(baked("the tool") == both, "another tool: both")
         check(baked("at last") == set(), "and then nothing")
+        check_choice(source, build, prefix / "bin/pliant")
         (source / "poses/strip_bent.obj").write_text("v 0 0 0\n", encoding="utf-8")
         broken = subprocess.run([CMAKE, "--build", str(build)], stdin=subprocess.DEVNULL, capture_output=True, text=True,
                                 timeout=280)

@@ -86,6 +86,14 @@ class Show(unittest.TestCase):
             viewer.draw_panel(hand)
             self.assertEqual(viewer.weights.tolist(), [0.5, 0.5] if asset is TUBE else [0])
 
+    def test_numbers_beyond_the_slider(self):
+        viewer = _show.Viewer(polyscope, TUBE, {"bent": 3}, True)
+        viewer.draw_panel(Hand({}))
+        self.assertEqual(viewer.weights.tolist(), [0, 3])
+        for typed, weight in ((-1.0, 0), (1e39, 1), (float("inf"), 1), (float("nan"), 0)):
+            viewer.draw_panel(Hand({"straight": 0.5, "bent": typed}))
+            self.assertEqual(viewer.weights.tolist(), [0.5, weight])
+
     def test_averages_with_no_weights_stay(self):
         viewer = _show.Viewer(polyscope, TUBE, None, True)
         viewer.draw_panel(Hand({"straight": 0.0, "bent": 0.0}))
@@ -157,9 +165,23 @@ class Show(unittest.TestCase):
             _show.Viewer.draw_panel, polyscope.show = draw_panel, polyscope.frame_tick  # one frame, and closed
             polyscope.is_headless = lambda: False
             pliant.show(TUBE)
+            polyscope.show = None
+            with self.assertRaises(TypeError):
+                pliant.show(TUBE)
+            polyscope.frame_tick()  # the panel is gone, whatever ended the window
+            frames = len(drawn)
+            polyscope.frame_tick()
+            self.assertEqual(len(drawn), frames)
         finally:
             _show.Viewer.draw_panel, polyscope.show, polyscope.is_headless = panel, window, is_headless
         self.assertGreater(min(drawn), 80)  # text, two sliders and a button
+
+    def test_without_egl(self):
+        program = ("import ctypes, sys; sys.path[:0] = %r; import pliant\ndef missing(name): raise OSError(name)\n"
+                   "ctypes.CDLL = missing\nfrom pliant import _show; _show._polyscope(True)" % (sys.path,))
+        environment = {name: value for name, value in os.environ.items() if name not in ("DISPLAY", "WAYLAND_DISPLAY")}
+        done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, env=environment)
+        self.assertIn("RuntimeError: show: a picture without a display needs", done.stderr)
 
     def test_without_polyscope(self):
         program = "import sys; sys.modules['polyscope'] = None; import pliant; pliant.show(None)"

@@ -11,6 +11,7 @@ import tarfile
 import tempfile
 import time
 from pathlib import Path
+from unittest import mock
 
 ROOT = Path(__file__).resolve().parents[3]
 SCRIPT = "samples/release/make_release.py"
@@ -111,6 +112,25 @@ def check_builder_terminated(folder):
     written.unlink()
 
 
+def check_full_disk(folder):
+    """An archive that does not fit is not there, under no name."""
+    sys.path.insert(0, str(ROOT / "baker/python"))
+    import build_wheels
+
+    def copy(source, target):
+        Path(target, "half").touch()
+        raise OSError(28, "No space left on device")
+
+    before = sorted(folder.iterdir())
+    with mock.patch("shutil.copy", copy), mock.patch("shutil.copyfile", copy):
+        try:
+            build_wheels.place([ROOT / "LICENSE"], folder)
+        except OSError:
+            assert sorted(folder.iterdir()) == before, "something was left"
+            return
+    raise AssertionError("no error")
+
+
 def main():
     if not shutil.which("git"):
         print("skipped: git is not installed")
@@ -122,6 +142,7 @@ def main():
         check_good(tree, folder)
         check_terminated(tree, folder)
         check_builder_terminated(folder)
+        check_full_disk(folder)
         if shutil.which("npm"):
             check_refused(tree, folder, "ziglang", "--without=blender")  # pip finds nothing
         (folder / "refused").mkdir()
