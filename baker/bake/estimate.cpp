@@ -96,10 +96,12 @@ BakeEstimate estimate_bake(const PoseSet& poses, const BakeOptions& options)
         estimate.seconds = std::clamp(*options.time_limit, preview_share * estimate.seconds, estimate.seconds);
     // Factor and Hessian of every thread, all averages three times over while their directions are found, up to 64 with
     // their derivatives as rotations and strains (48 bytes a vertex of a surface), a few copies of the basis. Besides, the
-    // process and what it needs for the smallest of meshes, and the scene: read, kept, encoded, opened and written.
+    // process and what it needs for the smallest of meshes, the rows of 12 degrees of freedom of the elements that compete
+    // (8,000 of about five a vertex), as they are and whitened, and the scene: read, kept, encoded, opened and written.
     constexpr double process = 40 << 20;
+    const double rows = sizeof(double) * 12 * 2 * d * std::min(8e3, 5 * n);
     const double derivatives = has_mixtures ? 4 * m : 2 * m * std::min(training, 64 + m), scene = scene_size(poses);
-    estimate.memory = process + 5 * scene + 18e3 * n * double(worker_count())
+    estimate.memory = process + 5 * scene + rows + 18e3 * n * double(worker_count())
         + 24 * n * (5 * d + (is_adaptive ? 3 * averages : 0) + derivatives);
     // Triangles, about 1.7 bytes for a number of the basis, and elements of 9 rows.
     estimate.asset_size = (options.keep_scene ? scene : 0) + 24 * n + 1.7 * n * d + 4 * d * 36 * (d + 1 + m);
