@@ -3,6 +3,7 @@
 #include <cerrno>
 #include <cstdio>
 #include <cstring>
+#include <filesystem>
 #include <random>
 #include <stdexcept>
 
@@ -69,6 +70,8 @@ struct Temporaries {
 
 void write_ply_set(const std::vector<PlyFile>& files, const std::vector<Face>& faces)
 {
+    for (const PlyFile& file : files)
+        if (std::filesystem::is_directory(file.path)) fail(file.path, "replace", EISDIR);
     Temporaries written;
     const std::string ending = '.' + std::to_string(std::random_device()()) + ".tmp"; // a name that nobody else has
     for (const PlyFile& file : files) {

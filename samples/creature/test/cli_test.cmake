@@ -17,7 +17,7 @@ endfunction()
 
 set(poses creature_curl.ply creature_leap.ply creature_reach.ply creature_rest.ply creature_twist.ply)
 file(REMOVE_RECURSE ${WORK})
-file(MAKE_DIRECTORY ${WORK}/a ${WORK}/b ${WORK}/blocked/creature_curl.ply.tmp)
+file(MAKE_DIRECTORY ${WORK}/a ${WORK}/b ${WORK}/blocked/creature_curl.ply)
 
 expect_exit_code(0 --help)
 expect_exit_code(2)
@@ -29,9 +29,9 @@ expect_files(${WORK}/a)
 
 expect_exit_code(1 -o ${WORK}/missing --vertices 8000)
 
-# A folder stands where the third file's temporary is to be written: none of the five may appear.
+# A folder stands where the third file is to be written: none of the other four may appear.
 expect_exit_code(1 -o ${WORK}/blocked --vertices 8000)
-expect_files(${WORK}/blocked creature_curl.ply.tmp)
+expect_files(${WORK}/blocked creature_curl.ply)
 
 # Files of at most 4 KiB, then a full disk behind standard output: an error, no signal, no file left.
 if(EXISTS /dev/full)
