@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""The page as a folder of static files: build.py FOLDER [--package PACKAGE] ASSET...
+"""The page as a folder of static files: build.py [--package PACKAGE] FOLDER ASSET...
 
 The assets are copied; the page opens creature.pliant first. FOLDER is new, empty, or a page that this script made before.
 three.js comes from the npm registry. PACKAGE is the folder that runtime/bindings/web/build.py has made; without it, it is
@@ -7,6 +7,7 @@ made now. Any web server serves FOLDER:
 python3 -m http.server --directory FOLDER
 """
 import argparse
+import os
 import re
 import shutil
 import subprocess
@@ -25,7 +26,17 @@ STAMP = ".made_by_samples_web"
 def copy(files, source, folder):
     folder.mkdir(parents=True, exist_ok=True)
     for name in files:
-        shutil.copy(source / name, folder)
+        shutil.copyfile(source / name, folder / Path(name).name)  # without the write protection that sources may have
+
+
+def replace(page, folder):
+    """Moves the files of the page to the folder, on the same file system."""
+    for path in sorted(page.rglob("*")):
+        target = folder / path.relative_to(page)
+        if path.is_dir():
+            target.mkdir(exist_ok=True)
+        else:
+            os.replace(path, target)
 
 
 def main():
@@ -33,15 +44,18 @@ def main():
     parser.add_argument("folder", type=Path, metavar="FOLDER")
     parser.add_argument("assets", type=Path, nargs="*", metavar="ASSET")
     parser.add_argument("--package", type=Path)
-    options = parser.parse_args()
+    options = parser.parse_intermixed_args()
     names = [asset.name for asset in options.assets]
     for name in names:
-        if names.count(name) > 1 or not re.fullmatch(r"[\w.-]+", name, re.ASCII):
-            parser.error(f"{name}: names of assets must differ and have letters, digits, '_', '.' and '-' only")
+        if name in PAGE or names.count(name) > 1 or not re.fullmatch(r"[\w.-]+", name, re.ASCII):
+            parser.error(f"{name}: names of assets must differ, from those of the page, too, and have letters, digits, '_', '.' "
+                         "and '-' only")
     folder = options.folder
-    if folder.exists() and not (folder / STAMP).exists() and not (folder.is_dir() and not any(folder.iterdir())):
+    is_empty = folder.is_dir() and not any(folder.iterdir())
+    if os.path.lexists(folder) and not (folder / STAMP).exists() and not is_empty:
         parser.error(f"{folder} is there, and is no page of this script: name a new folder")
-    with tempfile.TemporaryDirectory() as name:
+    folder.mkdir(parents=True, exist_ok=True)
+    with tempfile.TemporaryDirectory(prefix=".pliant-", dir=folder) as name:
         modules, page = Path(name), Path(name, "page")
         copy(["package.json", "package-lock.json"], HERE, modules)
         subprocess.run(["npm", "ci", "--no-audit", "--no-fund", "--ignore-scripts", "--silent", "--fetch-retries=1"],
@@ -53,8 +67,8 @@ def main():
         copy(PACKAGE, package, page / "pliant")
         copy(PAGE, HERE, page)
         copy(options.assets, Path(), page)
-        (page / STAMP).touch()
-        shutil.copytree(page, folder, dirs_exist_ok=True)
+        (folder / STAMP).touch()
+        replace(page, folder)
     return 0
 
 

@@ -2,7 +2,8 @@
 
 Copies the tables (CSV) and pictures (PNG, in 96 colours, at most 1,400 pixels wide) of the folder STUDY that run.sh wrote to
 RESULTS (default: the folder results beside this file), and writes README.md there: date, commit, machine, all tables, each
-with its picture. Refuses more than 2 MB.
+with its picture. What was there is replaced: results of parts that this study leaves out are gone. Refuses more than 2 MB,
+and a folder that holds anything else.
 """
 import argparse
 import datetime
@@ -17,6 +18,7 @@ from pathlib import Path
 from PIL import Image
 
 HERE = Path(__file__).resolve().parent
+TITLE = "# Results of the study"
 LIMIT, WIDTH, COLOURS = 2_000_000, 1400, 96
 PICTURES_ALONE = ("*_sheet.png", "*_bases.png", "rivals/*.png")
 
@@ -64,19 +66,28 @@ def keep_pictures(study, folder):
     return text
 
 
+def is_ours(results):
+    """Whether the folder may be replaced: it is not there, or holds such results and nothing else."""
+    if not os.path.lexists(results):
+        return True
+    files = list(results.iterdir()) if results.is_dir() and not results.is_symlink() else []
+    are_kept = all(path.is_file() and (path.name == "README.md" or path.suffix in (".csv", ".png")) for path in files)
+    readme = results / "README.md"
+    return are_kept and readme in files and readme.read_text("utf-8").startswith(TITLE + "\n")
+
+
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("study", type=Path, metavar="STUDY")
     parser.add_argument("-o", "--output", type=Path, default=HERE / "results", metavar="RESULTS")
     options = parser.parse_args()
-    kept = options.output / "README.md"
-    if options.output.exists() and not (kept.exists() and kept.read_text(encoding="utf-8").startswith("# Results")):
+    if not is_ours(options.output):
         sys.exit(f"keep.py: {options.output} does not hold results of the study: name a new folder")
     with tempfile.TemporaryDirectory(prefix="pliant-keep-", dir=options.output.resolve().parent) as name:
         folder = Path(name)
         log = (options.study / "log.txt").read_text().strip().splitlines()
         run = f"`bash tests/paper/run.sh`, {datetime.date.today()}, commit {commit()},\n{machine()}."
-        head = [f"# Results of the study\n\n{run}\n", "```", *log, "```\n"]
+        head = [f"{TITLE}\n\n{run}\n", "```", *log, "```\n"]
         body = keep_tables(options.study, folder) + ["## Pictures\n", *keep_pictures(options.study, folder)]
         (folder / "README.md").write_text("\n".join(head + body))
         size = sum(path.stat().st_size for path in folder.iterdir())

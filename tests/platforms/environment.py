@@ -2,6 +2,7 @@
 all targets, and the oldest CMake that builds the runtime, from the Python package index; FOLDER/package is the npm package.
 The environment is made once, the package every time. Exit code 77, and the reason, where pip cannot fetch."""
 import pathlib
+import shutil
 import subprocess
 import sys
 import venv
@@ -27,6 +28,7 @@ def fetch(folder):
 
 def main(folder):
     fetch(folder)
+    shutil.rmtree(folder / "package", ignore_errors=True)
     build = ROOT / "runtime/bindings/web/build.py"
     return subprocess.run([str(folder / "bin/python"), "-B", str(build), str(folder / "package")]).returncode
 

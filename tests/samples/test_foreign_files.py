@@ -17,10 +17,13 @@ FOLDERS = {
     "tests/paper/keep.py": ["README.md", "notes.txt"],
 }
 
+# What a user may have that looks like ours.
+LIKE_OURS = {"package.json": '{"name": "pliant"}', "README.md": "# Results of the study\n"}
+
 
 def fill(folder, names):
     for name in names:
-        (folder / name).write_text(f"of the user: {name}")
+        (folder / name).write_text(LIKE_OURS.get(name, f"of the user: {name}"))
     return {path: path.read_bytes() for path in folder.iterdir()}
 
 

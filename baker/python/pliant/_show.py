@@ -20,14 +20,13 @@ _PNG_END = b"IEND\xaeB`\x82"
 _COLOURS = {"elastic": (0.16, 0.47, 0.71), "linear": (0.80, 0.52, 0.25)}
 
 
-def _needs_egl() -> None:
-    """Without a display polyscope draws with EGL, and crashes where that is missing."""
-    if os.name != "posix" or os.environ.get("DISPLAY") or os.environ.get("WAYLAND_DISPLAY"):
-        return
+def _has_egl() -> bool:
+    """Without a display polyscope draws with it, and crashes where it is missing."""
     try:
         ctypes.CDLL("libEGL.so.1")
     except OSError:
-        raise RuntimeError("show: a picture without a display needs the library libEGL.so.1 (Debian: libegl1)") from None
+        return False
+    return True
 
 
 def _polyscope(is_headless: bool) -> Any:
@@ -36,13 +35,17 @@ def _polyscope(is_headless: bool) -> Any:
     except ImportError:
         raise ImportError("pliant.show needs polyscope: pip install 'pliant[show]'", name="polyscope") from None
     if not polyscope.is_initialized():
-        if is_headless:
-            _needs_egl()
+        if is_headless and _has_egl():
             polyscope.set_allow_headless_backends(True)
         polyscope.set_program_name("pliant")
         polyscope.set_verbosity(0)
         polyscope.set_use_prefs_file(False)
-        polyscope.init()
+        try:
+            polyscope.init()
+        except RuntimeError as error:
+            raise RuntimeError(
+                "show: polyscope has no display to draw on; a picture without one needs libEGL.so.1 (Debian: libegl1)"
+            ) from error
         # Without a name Dear ImGui leaves imgui.ini alone, which may be that of another program of the user.
         importlib.import_module("polyscope.imgui").GetIO().IniFilename = ""
     return polyscope

@@ -6,7 +6,7 @@ archive. FOLDER is new, empty, or a package that this script made before. The co
 where that has none, zig is installed from PyPI once, into build/zig of the project. The module imports nothing.
 """
 import importlib.util
-import json
+import os
 import re
 import shutil
 import subprocess
@@ -20,6 +20,7 @@ HERE = Path(__file__).resolve().parent
 RUNTIME = HERE.parents[1]
 ROOT = RUNTIME.parent
 FILES = ["package.json", "pliant.js", "pliant.d.ts", "three.js", "three.d.ts", "README.md"]
+STAMP = ".made_by_pliant_web"
 ZIG = "ziglang==0.17.0"
 COMPILE = ["-m", "ziglang", "cc", "-target", "wasm32-wasi", "-msimd128", "-std=c99", "-ffp-contract=off",
            "-fno-math-errno", "-fno-trapping-math", f"-I{RUNTIME}", f"-I{ROOT / 'formats'}"]
@@ -55,14 +56,18 @@ def compile_one(python, source, output):
 
 def is_ours(folder):
     """Whether this script may write into the folder."""
-    if not folder.exists():
-        return True
-    if not folder.is_dir() or folder.samefile(HERE):
-        return False
-    try:
-        return not any(folder.iterdir()) or json.loads((folder / "package.json").read_text("utf-8"))["name"] == "pliant"
-    except (OSError, ValueError, LookupError, TypeError):
-        return False
+    return not os.path.lexists(folder) or (folder / STAMP).exists() or (folder.is_dir() and not any(folder.iterdir()))
+
+
+def place(files, folder):
+    """All or none of them, without the write protection that sources may have."""
+    folder.mkdir(parents=True, exist_ok=True)
+    with tempfile.TemporaryDirectory(prefix=".pliant-", dir=folder) as work:
+        for path in files:
+            shutil.copyfile(path, Path(work, path.name))
+        (folder / STAMP).touch()
+        for path in files:
+            os.replace(Path(work, path.name), folder / path.name)
 
 
 def main(folder):
@@ -76,9 +81,7 @@ def main(folder):
         link = [python, *COMPILE, "-O2", "-s", "-mexec-model=reactor", *compiled, *exports]
         module = Path(work, "pliant.wasm")
         subprocess.run([*link, "-o", str(module)], check=True)
-        folder.mkdir(parents=True, exist_ok=True)
-        for path in [module, *(HERE / name for name in FILES), ROOT / "LICENSE"]:
-            shutil.copy(path, folder)
+        place([module, *(HERE / name for name in FILES), ROOT / "LICENSE"], folder)
     return 0
 
 

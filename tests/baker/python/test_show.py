@@ -180,8 +180,10 @@ class Show(unittest.TestCase):
         program = ("import ctypes, sys; sys.path[:0] = %r; import pliant\ndef missing(name): raise OSError(name)\n"
                    "ctypes.CDLL = missing\nfrom pliant import _show; _show._polyscope(True)" % (sys.path,))
         environment = {name: value for name, value in os.environ.items() if name not in ("DISPLAY", "WAYLAND_DISPLAY")}
-        done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, env=environment)
-        self.assertIn("RuntimeError: show: a picture without a display needs", done.stderr)
+        for display in ({}, {"DISPLAY": ":77"}):  # none, and one that is gone
+            done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True,
+                                  env={**environment, **display})
+            self.assertIn("RuntimeError: show: polyscope has no display to draw on", done.stderr)
 
     def test_without_polyscope(self):
         program = "import sys; sys.modules['polyscope'] = None; import pliant; pliant.show(None)"
