@@ -202,7 +202,7 @@ CheckReport compare_with_averages(OpenedAsset& opened, const FitProblem& problem
     const NormalizedPoses& set = pool.set();
     const TieSet* ties = ties_of(pool.energy());
     std::optional<TieReport> tie_report;
-    if (ties) tie_report = start_tie_report(*ties, set);
+    if (ties) tie_report = start_tie_report(*ties, set, problem.domain);
     std::vector<BlendCheck> blends;
     for (std::size_t i = 0; i < points.size(); ++i) {
         const CheckPoint& point = points[i];

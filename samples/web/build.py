@@ -48,8 +48,8 @@ def main():
     names = [asset.name for asset in options.assets]
     for name in names:
         if name in PAGE or names.count(name) > 1 or not re.fullmatch(r"[\w.-]+", name, re.ASCII):
-            parser.error(f"{name}: names of assets must differ, from those of the page, too, and have letters, digits, '_', '.' "
-                         "and '-' only")
+            parser.error(f"{name}: names of assets must differ, from those of the page, too, and have letters, digits, '_', "
+                         "'.' and '-' only")
     folder = options.folder
     is_empty = folder.is_dir() and not any(folder.iterdir())
     if os.path.lexists(folder) and not (folder / STAMP).exists() and not is_empty:

@@ -1,5 +1,6 @@
 #include "elastic/parts/joints.h"
 
+#include "elastic/energy/blend.h"
 #include "elastic/parts/rotations.h"
 
 #include <Eigen/Dense>
@@ -224,6 +225,28 @@ std::vector<PenaltyTerm> find_joint_terms(const NormalizedPoses& set, const Tie*
     for (PenaltyTerm& term : maker.rotation_terms()) out.push_back(std::move(term));
     for (PenaltyTerm& term : out) term.part = first->part;
     return out;
+}
+
+JointTurn turn_of_layers(const Joint& joint, const Weights& v)
+{
+    const Eigen::Index count = Eigen::Index(joint.terms.size()) - 1; // without the pivot
+    Eigen::Matrix3Xd rest(3, count), now(3, count);
+    const auto turn = [&](const Weights& weights) {
+        for (Eigen::Index i = 0; i < count; ++i) {
+            const Eigen::Matrix3Xd& places = joint.terms[std::size_t(i) + 1].rest;
+            rest.col(i) = places.col(0);
+            now.col(i) = layered(places, weights.data());
+        }
+        return nearest_rotation(now * rest.transpose());
+    };
+    Eigen::Vector3d sum = Eigen::Vector3d::Zero();
+    for (Eigen::Index k = 0; k < v.size(); ++k) {
+        if (v[k] == 0) continue;
+        const Eigen::AngleAxisd own(turn(Weights::Unit(v.size(), k)));
+        sum += v[k] * own.angle() * own.axis();
+    }
+    const Eigen::Matrix3d is = turn(v), wanted = Eigen::AngleAxisd(sum.norm(), sum.stableNormalized()).toRotationMatrix();
+    return { Eigen::AngleAxisd(is).angle(), sum.norm(), Eigen::AngleAxisd(is.transpose() * wanted).angle() };
 }
 
 } // namespace pliant

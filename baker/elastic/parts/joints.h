@@ -2,6 +2,7 @@
 // the chord; a joint holds one pivot and the rotation about it. baker/THEORY.md, "Ties", has the derivation.
 #pragma once
 
+#include "base/weights/weights.h"
 #include "elastic/parts/tie_set.h"
 
 namespace pliant {
@@ -10,5 +11,13 @@ namespace pliant {
 // direction of the part), or none unless the tied vertices and their anchors are each rigid and rotate far against each
 // other between two poses. Cost: constant per pose (at most 16 ties are used).
 std::vector<PenaltyTerm> find_joint_terms(const NormalizedPoses& set, const Tie* first, const Tie* last);
+
+// Of layers, in radians: how far a joint turns its part against the rest shape, how far the layers' own turns would add up
+// to, and the angle between the two. A joint blends the axes of the part linearly, and a part takes the nearest rotation: the
+// turn of one layer from 0 to 1, but less than the opposite below 0, than more of it above 1, and than the sum of two layers.
+struct JointTurn {
+    double angle = 0, sum = 0, miss = 0;
+};
+JointTurn turn_of_layers(const Joint& joint, const Weights& v);
 
 } // namespace pliant

@@ -14,9 +14,36 @@ namespace {
 // holds it.
 constexpr double far_away = 0.1;
 
+// A turn that is off by less is not seen (radians).
+constexpr double visible_turn = 0.1;
+
+constexpr double degrees = 57.29577951308232;
+
 void add(const TieDrift& drift, const Eigen::VectorXd& weights, WorstDrift& worst)
 {
     if (drift.largest > worst.drift.largest) worst = { drift, weights };
+}
+
+void add_turn(const Joint& joint, std::size_t part, const Weights& v, WorstTurn& worst)
+{
+    const JointTurn turn = turn_of_layers(joint, v);
+    if (turn.miss > worst.turn.miss) worst = { turn, part, v };
+}
+
+// The ends of the ranges of the layers that turn the joint, one at a time and two at a time.
+void add_turns(const Joint& joint, std::size_t part, const std::vector<WeightRange>& ranges, WorstTurn& worst)
+{
+    const Eigen::Index count = Eigen::Index(ranges.size());
+    std::vector<Weights> ends;
+    for (Eigen::Index k = 0; k < count; ++k) {
+        if (turn_of_layers(joint, Weights::Unit(count, k)).angle < visible_turn) continue;
+        for (const double end : { ranges[std::size_t(k)].low, ranges[std::size_t(k)].high })
+            ends.push_back(end * Weights::Unit(count, k));
+    }
+    for (std::size_t i = 0; i < ends.size(); ++i) {
+        add_turn(joint, part, ends[i], worst);
+        for (std::size_t j = i % 2 ? i + 1 : i + 2; j < ends.size(); ++j) add_turn(joint, part, ends[i] + ends[j], worst);
+    }
 }
 
 std::vector<PartSummary> describe_parts(const TieSet& ties, const NormalizedPoses& set)
@@ -33,13 +60,16 @@ std::vector<PartSummary> describe_parts(const TieSet& ties, const NormalizedPose
 
 } // namespace
 
-TieReport start_tie_report(const TieSet& ties, const NormalizedPoses& set)
+TieReport start_tie_report(const TieSet& ties, const NormalizedPoses& set, const WeightDomain& domain)
 {
     TieReport report;
     report.part_count = ties.parts.count();
     report.tie_count = ties.ties.size();
     report.seam_count = ties.seam_count;
-    for (const Joint& joint : ties.joints) report.joint_count += joint.is_used;
+    for (const Joint& joint : ties.joints) {
+        report.joint_count += joint.is_used;
+        if (joint.is_used && domain.is_box()) add_turns(joint, joint.terms[0].part, domain.ranges(), report.turn);
+    }
     report.parts = describe_parts(ties, set);
     return report;
 }
@@ -120,6 +150,19 @@ void warn_about_drift(const TieReport& report, double limit, Progress& progress)
                   "has moved apart");
 }
 
+void warn_about_turn(const TieReport& report, Progress& progress)
+{
+    const WorstTurn& worst = report.turn;
+    if (!(worst.turn.miss > visible_turn)) return;
+    progress.warn(
+        4414,
+        fmt::format("the part of vertex {} turns by {:.0f} degrees at weights {}, where its layers add up to {:.0f}",
+                    report.parts[worst.part].vertex, degrees * worst.turn.angle, weights_text(worst.weights),
+                    degrees * worst.turn.sum),
+        "a part of its own turns by less below weight 0, above 1 and where layers add up: draw turns to both sides "
+        "as layers of their own, and far turns whole");
+}
+
 } // namespace
 
 std::vector<std::uint32_t> loose_parts(const TieReport& report) { return vertices_of(parts_that(report, is_loose)); }
@@ -130,6 +173,7 @@ void warn_about_ties(const TieReport& report, double limit, Progress& progress)
     warn_about_loose(parts_that(report, is_loose), progress);
     warn_about_distant(parts_that(report, is_distant), progress);
     warn_about_drift(report, limit, progress);
+    warn_about_turn(report, progress);
 }
 
 } // namespace pliant

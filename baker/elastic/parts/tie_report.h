@@ -2,7 +2,9 @@
 #pragma once
 
 #include "base/common/progress.h"
+#include "base/weights/domain.h"
 #include "elastic/parts/drift.h"
+#include "elastic/parts/joints.h"
 
 namespace pliant {
 
@@ -20,16 +22,24 @@ struct WorstDrift {
     Eigen::VectorXd weights;
 };
 
+// Of layers: the joint that misses the sum of the layers' turns most, at weights within the ranges.
+struct WorstTurn {
+    JointTurn turn;
+    std::size_t part = 0;
+    Weights weights;
+};
+
 struct TieReport {
     std::size_t part_count = 1;
     std::size_t tie_count = 0; // with those that joints replace
     std::size_t seam_count = 0, joint_count = 0;
     std::vector<PartSummary> parts; // by part number
     WorstDrift reference, blends;   // over the checks: of the unreduced averages, and of the blends
+    WorstTurn turn;
 };
 
-// The counts and parts, without drift.
-TieReport start_tie_report(const TieSet& ties, const NormalizedPoses& set);
+// The counts and parts, and of layers the turns at the ends of their ranges, of one layer and of two; without drift.
+TieReport start_tie_report(const TieSet& ties, const NormalizedPoses& set, const WeightDomain& domain);
 
 // Adds one check: the unreduced average (`reference`) and the blend at the same weights.
 void add_check(const TieSet& ties, const NormalizedPoses& set, const Eigen::VectorXd& weights, const Shape& reference,
@@ -42,8 +52,8 @@ void use_file_numbers(const std::vector<std::uint32_t>& numbers, TieReport& repo
 std::vector<std::uint32_t> loose_parts(const TieReport& report);
 std::vector<std::uint32_t> distant_parts(const TieReport& report);
 
-// Warns of parts without ties (P4409), of parts far from their parent (P4410), and of blends that drift by more than
-// `limit`, in units of the diagonal (P4408).
+// Warns of parts without ties (P4409), of parts far from their parent (P4410), of blends that drift by more than `limit`, in
+// units of the diagonal (P4408), and of layers whose turns of a part do not add up (P4414).
 void warn_about_ties(const TieReport& report, double limit, Progress& progress);
 
 } // namespace pliant

@@ -13,6 +13,7 @@
 
 #include <Eigen/Eigenvalues>
 #include <algorithm>
+#include <complex>
 #include <doctest/doctest.h>
 
 using namespace pliant;
@@ -228,6 +229,33 @@ TEST_CASE("a joint turns a rigid part in step, and is rest at the poses")
     CAPTURE(without);
     CHECK(with < drift_limit);
     CHECK(with < 0.8 * without);
+}
+
+TEST_CASE("turns of layers add up at a joint as far as its linear axes allow, and a bake warns of the rest")
+{
+    const PoseSet poses = hinged_tubes({ 0, 1, 0.5 }, true);
+    TieSet ties = find_ties(normalize(poses));
+    REQUIRE(ties.joints.size() == 1);
+    // The rotation nearest to 1 + v (exp(i t) - 1) in the plane of the hinge.
+    for (const Weights& v :
+         { Weights(Eigen::Vector2d(1, 0)), Weights(Eigen::Vector2d(-1, 0)), Weights(Eigen::Vector2d(2, 0)),
+           Weights(Eigen::Vector2d(1, 1)), Weights(Eigen::Vector2d(1, -1)) }) {
+        const std::complex<double> one(1, 0), i(0, 1);
+        const std::complex<double> axis = one + v[0] * (std::exp(i) - one) + v[1] * (std::exp(0.5 * i) - one);
+        const JointTurn turn = turn_of_layers(ties.joints[0], v);
+        CAPTURE(weights_text(v));
+        CHECK(turn.angle == doctest::Approx(std::abs(std::arg(axis))).epsilon(1e-3));
+        CHECK(turn.sum == doctest::Approx(std::abs(v[0] + 0.5 * v[1])).epsilon(1e-3));
+        CHECK(turn.miss == doctest::Approx(std::abs(std::arg(axis) - v[0] - 0.5 * v[1])).epsilon(0.01));
+    }
+    ties.joints[0].is_used = true;
+    const NormalizedPoses set = normalize(poses);
+    const auto worst = [&](double low) {
+        return start_tie_report(ties, set, WeightDomain::box({ { low, 1 }, { low, 1 } })).turn;
+    };
+    CHECK(worst(0).weights == Eigen::Vector2d(1, 1));
+    CHECK(worst(-1).weights == Eigen::Vector2d(-1, -1));
+    CHECK(start_tie_report(ties, set, WeightDomain::simplex(3)).turn.turn.miss == 0);
 }
 
 TEST_CASE("a part that turns far gets a joint or ties, whatever keeps its place")
@@ -487,7 +515,9 @@ TEST_CASE("what is wrong with parts is said")
     report.parts.push_back({ 11, 0, 3, 12, 0.3 });
     report.blends = { { 0.02, 1, 6 }, Eigen::Vector2d(0.5, 0.5) };
     warn_about_ties(report, drift_limit, heard);
-    CHECK(heard.numbers == std::vector<int> { 4409, 4410, 4408 });
+    report.turn = { { 0.5, 1, 0.5 }, 1, Eigen::Vector2d(-1, 0) };
+    warn_about_ties(report, 1, heard);
+    CHECK(heard.numbers == std::vector<int> { 4409, 4410, 4408, 4409, 4410, 4414 });
     use_file_numbers({ 10, 11, 12, 13, 14, 15, 16, 17, 18, 19, 20, 21 }, report);
     CHECK(report.parts[2].vertex == 18);
     CHECK(report.blends.drift.vertex == 16);
