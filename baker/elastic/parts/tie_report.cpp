@@ -137,7 +137,7 @@ void warn_about_distant(const std::vector<PartSummary>& parts, Progress& progres
         "bake separate objects one by one");
 }
 
-void warn_about_drift(const TieReport& report, double limit, Progress& progress)
+void warn_about_drift(const TieReport& report, double limit, const std::vector<std::string>& pose_names, Progress& progress)
 {
     const WorstDrift& worst = report.blends;
     if (!(worst.drift.largest > limit)) return;
@@ -145,19 +145,19 @@ void warn_about_drift(const TieReport& report, double limit, Progress& progress)
                   fmt::format("the part of vertex {} drifts by {:.2f} % of the diagonal from its attachment, most at vertex "
                               "{}, weights {}",
                               report.parts[worst.drift.part].vertex, 100 * worst.drift.largest, worst.drift.vertex,
-                              weights_text(worst.weights)),
+                              blend_text(worst.weights, pose_names)),
                   "add a pose in between, or lower --tolerance; --weld 1e-4 (or 1e-3) joins borders that compression "
                   "has moved apart");
 }
 
-void warn_about_turn(const TieReport& report, Progress& progress)
+void warn_about_turn(const TieReport& report, const std::vector<std::string>& pose_names, Progress& progress)
 {
     const WorstTurn& worst = report.turn;
     if (!(worst.turn.miss > visible_turn)) return;
     progress.warn(
         4414,
         fmt::format("the part of vertex {} turns by {:.0f} degrees at weights {}, where its layers add up to {:.0f}",
-                    report.parts[worst.part].vertex, degrees * worst.turn.angle, weights_text(worst.weights),
+                    report.parts[worst.part].vertex, degrees * worst.turn.angle, blend_text(worst.weights, pose_names),
                     degrees * worst.turn.sum),
         "a part of its own turns by less below weight 0, above 1 and where layers add up: draw turns to both sides "
         "as layers of their own, and far turns whole");
@@ -168,12 +168,12 @@ void warn_about_turn(const TieReport& report, Progress& progress)
 std::vector<std::uint32_t> loose_parts(const TieReport& report) { return vertices_of(parts_that(report, is_loose)); }
 std::vector<std::uint32_t> distant_parts(const TieReport& report) { return vertices_of(parts_that(report, is_distant)); }
 
-void warn_about_ties(const TieReport& report, double limit, Progress& progress)
+void warn_about_ties(const TieReport& report, double limit, const std::vector<std::string>& pose_names, Progress& progress)
 {
     warn_about_loose(parts_that(report, is_loose), progress);
     warn_about_distant(parts_that(report, is_distant), progress);
-    warn_about_drift(report, limit, progress);
-    warn_about_turn(report, progress);
+    warn_about_drift(report, limit, pose_names, progress);
+    warn_about_turn(report, pose_names, progress);
 }
 
 } // namespace pliant
