@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """The runtime as one C file and one header: make_single.py FOLDER
 
-Writes pliant.c and pliant.h into FOLDER. They need the C library only and compile as C99 and as C++17. pliant.h is a copy of
+Writes pliant.c and pliant.h into FOLDER. They need the C library only and compile as C99 and as C++11. pliant.h is a copy of
 runtime/pliant.h; pliant.c holds runtime/*.c, their internal headers and formats/pliant_format.h. pliant_gl is not included.
 Programs that read chunks by tag (pliant_asset_chunk) also need a copy of formats/pliant_format.h.
 """

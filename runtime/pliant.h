@@ -254,7 +254,8 @@ typedef struct pliant_solver pliant_solver;
 PLIANT_API size_t pliant_solver_memory(const pliant_asset* asset, const pliant_solver_desc* desc);
 
 /** Makes a solver in `memory` (any alignment, `memory_size` bytes). The solver copies the view and keeps pointers into the
-   asset's blob. There is nothing to free: drop the memory when you are done. */
+   asset's blob. There is nothing to free: drop the memory when you are done. Until then it must not move: a copy of it is
+   good only when it is put back at the same place. */
 PLIANT_API pliant_result pliant_solver_init(pliant_solver** out, const pliant_asset* asset, const pliant_solver_desc* desc,
                                             void* memory, size_t memory_size);
 

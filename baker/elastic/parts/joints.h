@@ -13,8 +13,8 @@ namespace pliant {
 std::vector<PenaltyTerm> find_joint_terms(const NormalizedPoses& set, const Tie* first, const Tie* last);
 
 // Of layers, in radians: how far a joint turns its part against the rest shape, how far the layers' own turns would add up
-// to, and the angle between the two. A joint blends the axes of the part linearly, and a part takes the nearest rotation: the
-// turn of one layer between 0 and 1, but less than the opposite below 0, than more above 1, and than the sum of two layers.
+// to, and the angle between the two. A joint blends the axes of the part linearly, and the part takes the nearest rotation.
+// From 0 to 1 it follows one layer; below 0, above 1 and where layers add up it turns by less.
 struct JointTurn {
     double angle = 0, sum = 0, miss = 0;
 };
