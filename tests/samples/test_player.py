@@ -60,6 +60,8 @@ def case_usage(folder):
         refused(asset, "--screenshot", out, f"--weights={weights}", code=2, number=5902)
     line = refused(asset, "--screenshot", out, "--weights", "1,1", code=2, number=5902)
     assert "2 weights for 3 poses" in line, line
+    line = refused(asset, "--screenshot", out, "--set", "\x1b[2J=1", code=2, number=5902)
+    assert "\\x1b[2J" in line and "\x1b" not in line, line
     assert not out.exists()
 
 

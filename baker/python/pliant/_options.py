@@ -36,7 +36,7 @@ def _number(name: str, value: object) -> float | int:
     low, high = RANGES[name]
     kind = "a whole number" if name in _WHOLE else "a number"
     try:
-        if isinstance(value, (bool, np.bool_)):
+        if isinstance(value, (bool, np.bool_, str, bytes, bytearray)):
             raise TypeError
         number = operator.index(value) if name in _WHOLE else float(value)  # type: ignore[arg-type]
     except (TypeError, ValueError, OverflowError):

@@ -9,6 +9,7 @@
 #include <csignal>
 #include <cstdio>
 #include <exception>
+#include <string>
 #include <utility>
 
 namespace {
@@ -42,6 +43,22 @@ void flush_output()
                 "free space on the disk that it goes to");
 }
 
+// Names come from files: bytes that would steer the terminal are written as numbers.
+std::string printable(const std::string& text)
+{
+    std::string out;
+    for (const char byte : text) {
+        const auto code = static_cast<unsigned char>(byte);
+        char number[5];
+        std::snprintf(number, sizeof number, "\\x%02x", code);
+        if (code < ' ' || code == 0x7f)
+            out += number;
+        else
+            out += byte;
+    }
+    return out;
+}
+
 } // namespace
 
 int main(int argc, char** argv)
@@ -54,8 +71,9 @@ int main(int argc, char** argv)
         flush_output();
         return code;
     } catch (const Error& error) {
-        std::fprintf(stderr, "pliant-player: error P%d: %s\n", static_cast<int>(error.number), error.what());
-        if (!error.hint.empty()) std::fprintf(stderr, "hint: %s\n", error.hint.c_str());
+        std::fprintf(stderr, "pliant-player: error P%d: %s\n", static_cast<int>(error.number),
+                     printable(error.what()).c_str());
+        if (!error.hint.empty()) std::fprintf(stderr, "hint: %s\n", printable(error.hint).c_str());
         return static_cast<int>(error.exit_code);
     } catch (const std::exception& error) {
         std::fprintf(stderr, "pliant-player: error P5903: %s\n", error.what());

@@ -71,6 +71,7 @@ class Arguments(unittest.TestCase):
         self.refuse(TypeError, "dim: expected a whole number from 1 to 256, got 2.5", POSES, FACES, dim=2.5)
         self.refuse(ValueError, "dim: expected a whole number", POSES, FACES, dim=10**400)
         self.refuse(TypeError, "tolerance: expected a number", POSES, FACES, tolerance=10**400)
+        self.refuse(TypeError, "tolerance: expected a number", POSES, FACES, tolerance="1e-3")
         self.refuse(TypeError, "threads: expected a whole number", POSES, FACES, threads=True)
         self.refuse(TypeError, "preview: expected True or False, got 'no'", POSES, FACES, preview="no")
         self.refuse(ValueError, "seed: expected a whole number", POSES, FACES, seed=-1)
