@@ -55,6 +55,7 @@ def main():
     if os.path.lexists(folder) and not (folder / STAMP).exists() and not is_empty:
         parser.error(f"{folder} is there, and is no page of this script: name a new folder")
     folder.mkdir(parents=True, exist_ok=True)
+    (folder / STAMP).touch()
     with tempfile.TemporaryDirectory(prefix=".pliant-", dir=folder) as name:
         modules, page = Path(name), Path(name, "page")
         copy(["package.json", "package-lock.json"], HERE, modules)
@@ -67,7 +68,6 @@ def main():
         copy(PACKAGE, package, page / "pliant")
         copy(PAGE, HERE, page)
         copy(options.assets, Path(), page)
-        (folder / STAMP).touch()
         replace(page, folder)
     return 0
 

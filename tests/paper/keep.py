@@ -84,7 +84,8 @@ def main():
     if not is_ours(options.output):
         sys.exit(f"keep.py: {options.output} does not hold results of the study: name a new folder")
     with tempfile.TemporaryDirectory(prefix="pliant-keep-", dir=options.output.resolve().parent) as name:
-        folder = Path(name)
+        folder, before = Path(name, "results"), Path(name, "before")
+        folder.mkdir()
         log = (options.study / "log.txt").read_text().strip().splitlines()
         run = f"`bash tests/paper/run.sh`, {datetime.date.today()}, commit {commit()},\n{machine()}."
         head = [f"{TITLE}\n\n{run}\n", "```", *log, "```\n"]
@@ -93,9 +94,9 @@ def main():
         size = sum(path.stat().st_size for path in folder.iterdir())
         if size > LIMIT:
             sys.exit(f"keep.py: {size} bytes are more than {LIMIT}: nothing was changed")
-        shutil.rmtree(options.output, ignore_errors=True)
-        shutil.copytree(folder, options.output)
-        options.output.chmod(0o755)  # a temporary folder is private
+        if options.output.exists():
+            os.rename(options.output, before)
+        os.rename(folder, options.output)
     print(f"kept {size / 1e6:.2f} MB in {options.output}")
 
 

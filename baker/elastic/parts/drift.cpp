@@ -86,4 +86,20 @@ TieDrift measure_drift(const TieSet& ties, const NormalizedPoses& set, const Eig
     return out;
 }
 
+TieDrift measure_joint_drift(const TieSet& ties, const Eigen::VectorXd& weights, const Shape& y)
+{
+    TieDrift out;
+    for (const PartPlaces& places : place_parts(ties, weights, y)) {
+        const Joint* joint = joint_of(ties, places.first_tie);
+        if (!joint || !joint->is_used) continue;
+        const Eigen::Vector3d centre = places.expected.rowwise().mean();
+        const double radius = (places.expected.colwise() - centre).colwise().norm().maxCoeff();
+        for (std::size_t i = 0; i < std::size_t(places.actual.cols()); ++i) {
+            const double drift = places.drift(i) / radius;
+            if (!(drift <= out.largest)) out = { drift, places.part, ties.ties[places.first_tie + i].vertices[0] };
+        }
+    }
+    return out;
+}
+
 } // namespace pliant

@@ -29,4 +29,8 @@ struct TieDrift {
 };
 TieDrift measure_drift(const TieSet& ties, const NormalizedPoses& set, const Eigen::VectorXd& weights, const Shape& y);
 
+// The same of parts with joints, such as eyes, each in units of the radius of its tied vertices about their centroid: what
+// is nothing beside the diagonal may be a visible turn of a small part.
+TieDrift measure_joint_drift(const TieSet& ties, const Eigen::VectorXd& weights, const Shape& y);
+
 } // namespace pliant

@@ -79,6 +79,7 @@ void add_check(const TieSet& ties, const NormalizedPoses& set, const Eigen::Vect
 {
     add(measure_drift(ties, set, weights, reference), weights, report.reference);
     add(measure_drift(ties, set, weights, blend), weights, report.blends);
+    add(measure_joint_drift(ties, weights, blend), weights, report.joints);
 }
 
 void use_file_numbers(const std::vector<std::uint32_t>& numbers, TieReport& report)
@@ -86,7 +87,8 @@ void use_file_numbers(const std::vector<std::uint32_t>& numbers, TieReport& repo
     if (numbers.empty()) return;
     for (PartSummary& part : report.parts)
         part.vertex = numbers[part.vertex], part.parent_vertex = numbers[part.parent_vertex];
-    for (WorstDrift* worst : { &report.reference, &report.blends }) worst->drift.vertex = numbers[worst->drift.vertex];
+    for (WorstDrift* worst : { &report.reference, &report.blends, &report.joints })
+        worst->drift.vertex = numbers[worst->drift.vertex];
 }
 
 namespace {
@@ -139,15 +141,18 @@ void warn_about_distant(const std::vector<PartSummary>& parts, Progress& progres
 
 void warn_about_drift(const TieReport& report, double limit, const std::vector<std::string>& pose_names, Progress& progress)
 {
-    const WorstDrift& worst = report.blends;
-    if (!(worst.drift.largest > limit)) return;
-    progress.warn(4408,
-                  fmt::format("the part of vertex {} drifts by {:.2f} % of the diagonal from its attachment, most at vertex "
-                              "{}, weights {}",
-                              report.parts[worst.drift.part].vertex, 100 * worst.drift.largest, worst.drift.vertex,
-                              blend_text(worst.weights, pose_names)),
-                  "add a pose in between, or lower --tolerance; --weld 1e-4 (or 1e-3) joins borders that compression "
-                  "has moved apart");
+    const bool is_far = report.blends.drift.largest > limit;
+    if (!is_far && !(report.joints.drift.largest > visible_turn)) return;
+    const WorstDrift& worst = is_far ? report.blends : report.joints;
+    progress.warn(
+        4408,
+        fmt::format("the part of vertex {} drifts by {:.2f} % of {} from its attachment, most at vertex {}, "
+                    "weights {}",
+                    report.parts[worst.drift.part].vertex, 100 * worst.drift.largest,
+                    is_far ? "the diagonal" : "its own radius", worst.drift.vertex, blend_text(worst.weights, pose_names)),
+        is_far ? "add a pose in between, or lower --tolerance; --weld 1e-4 (or 1e-3) joins borders that compression "
+                 "has moved apart"
+               : "it is small: lower --tolerance to a tenth");
 }
 
 void warn_about_turn(const TieReport& report, const std::vector<std::string>& pose_names, Progress& progress)

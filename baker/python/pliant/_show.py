@@ -35,13 +35,15 @@ def _polyscope(is_headless: bool) -> Any:
     except ImportError:
         raise ImportError("pliant.show needs polyscope: pip install 'pliant[show]'", name="polyscope") from None
     if not polyscope.is_initialized():
-        if is_headless and _has_egl():
-            polyscope.set_allow_headless_backends(True)
         polyscope.set_program_name("pliant")
         polyscope.set_verbosity(0)
         polyscope.set_use_prefs_file(False)
         try:
-            polyscope.init()
+            if is_headless and _has_egl():  # a display may lack OpenGL 3.3, where polyscope crashes
+                polyscope.set_allow_headless_backends(True)
+                polyscope.init("openGL3_egl")
+            else:
+                polyscope.init()
         except RuntimeError as error:
             raise RuntimeError(
                 "show: polyscope has no display to draw on; a picture without one needs libEGL.so.1 (Debian: libegl1)"
@@ -148,7 +150,8 @@ def show(
     names "elastic" and "linear" are replaced, and a window takes the place of the user callback. Neither polyscope's
     settings nor imgui.ini of the current folder are written. Raises ImportError without polyscope, RuntimeError for a window
     without a display or a picture with neither display nor EGL, ValueError and OSError for a picture that cannot be written,
-    and the errors of Asset.blend().
+    and the errors of Asset.blend(). On a display without OpenGL 3.3, as of ssh -X, polyscope ends the process when it opens
+    a window.
     """
     polyscope = _polyscope(picture is not None)
     if picture is None and polyscope.is_headless():

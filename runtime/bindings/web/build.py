@@ -62,10 +62,10 @@ def is_ours(folder):
 def place(files, folder):
     """All or none of them, without the write protection that sources may have."""
     folder.mkdir(parents=True, exist_ok=True)
+    (folder / STAMP).touch()
     with tempfile.TemporaryDirectory(prefix=".pliant-", dir=folder) as work:
         for path in files:
             shutil.copyfile(path, Path(work, path.name))
-        (folder / STAMP).touch()
         for path in files:
             os.replace(Path(work, path.name), folder / path.name)
 
@@ -86,6 +86,6 @@ def main(folder):
 
 
 if __name__ == "__main__":
-    if len(sys.argv) != 2:
+    if len(sys.argv) != 2 or sys.argv[1].startswith("-"):
         sys.exit(__doc__)
     sys.exit(main(Path(sys.argv[1])))

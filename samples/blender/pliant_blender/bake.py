@@ -85,6 +85,7 @@ def put_result(context, job):
 def new_object(context, origin, options):
     thing = origin.copy()
     thing.name = origin.name + " Pliant"
+    thing.show_only_shape_key = False  # a pin would keep the sliders from moving anything
     thing.pliant.origin = origin
     for collection in origin.users_collection:
         collection.objects.link(thing)

@@ -515,9 +515,10 @@ TEST_CASE("what is wrong with parts is said")
     report.parts.push_back({ 11, 0, 3, 12, 0.3 });
     report.blends = { { 0.02, 1, 6 }, Eigen::Vector2d(0.5, 0.5) };
     warn_about_ties(report, drift_limit, {}, heard);
+    report.joints = { { 0.2, 1, 6 }, Eigen::Vector2d(0.5, 0.5) };
     report.turn = { { 0.5, 1, 0.5 }, 1, Eigen::Vector2d(-1, 0) };
     warn_about_ties(report, 1, {}, heard);
-    CHECK(heard.numbers == std::vector<int> { 4409, 4410, 4408, 4409, 4410, 4414 });
+    CHECK(heard.numbers == std::vector<int> { 4409, 4410, 4408, 4409, 4410, 4408, 4414 });
     use_file_numbers({ 10, 11, 12, 13, 14, 15, 16, 17, 18, 19, 20, 21 }, report);
     CHECK(report.parts[2].vertex == 18);
     CHECK(report.blends.drift.vertex == 16);
