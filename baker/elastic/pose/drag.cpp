@@ -172,7 +172,7 @@ void Dragger::give_up(double time) const
         error_at(4304, "",
                  fmt::format("stuck at {:.1f} % of the motion: tetrahedron {} (at rest near {:.4g} {:.4g} {:.4g}) {}",
                              100 * time, tet, centre[0], centre[1], centre[2],
-                             is_inverted ? "would be inverted" : "is compressed most, and there is no equilibrium"),
+                             is_inverted ? "would be inverted" : "is compressed most, and no equilibrium was found"),
                  hint));
 }
 
