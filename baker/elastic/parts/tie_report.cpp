@@ -152,7 +152,7 @@ void warn_about_drift(const TieReport& report, double limit, const std::vector<s
                     is_far ? "the diagonal" : "its own radius", worst.drift.vertex, blend_text(worst.weights, pose_names)),
         is_far ? "add a pose in between, or lower --tolerance; --weld 1e-4 (or 1e-3) joins borders that compression "
                  "has moved apart"
-               : "it is small: lower --tolerance to a tenth");
+               : "lower --tolerance to a tenth: a tolerance of the whole shape hardly sees a small part");
 }
 
 void warn_about_turn(const TieReport& report, const std::vector<std::string>& pose_names, Progress& progress)

@@ -212,6 +212,13 @@ TEST_CASE("a joint turns a rigid part in step, and is rest at the poses")
         CHECK(values[6] > 1e-8 * values[values.size() - 1]);
     }
 
+    // Where a shape is another pose than the weights say, the part is off by most of its radius or more.
+    TieSet used = ties;
+    CHECK(measure_joint_drift(used, corner_weights(3, 2), set.shapes[0]).largest == 0);
+    used.joints[0].is_used = true;
+    CHECK(measure_joint_drift(used, corner_weights(3, 2), set.shapes[0]).largest > 0.7);
+    CHECK(measure_joint_drift(used, corner_weights(3, 2), set.shapes[2]).largest < 1e-6);
+
     // Half and half between two poses is half the angle about the same hinge, and that is no drift.
     const Weights w = Eigen::Vector3d(0.5, 0, 0.5);
     Shape half = shape_of(set, hinged_tubes({ 1 }, true).positions[0]);
