@@ -77,10 +77,8 @@ private:
     bool chooses_dimension() const { return !averages_.empty() && !options_.dimension && !p_.found.checks.empty(); }
     SurrogateOptions surrogate_options() const
     {
-        return { options_.tolerance,       options_.tolerance_max,
-                 options_.element_count,   options_.seed,
-                 options_.cubature_solver, drift_limit,
-                 p_.budget.part(fit_share) };
+        return { options_.tolerance, options_.tolerance_max,   options_.element_count,
+                 options_.seed,      options_.cubature_solver, p_.budget.part(fit_share) };
     }
     double training_error(Eigen::Index d) const;
     Eigen::Index least_dimension() const;

@@ -191,7 +191,7 @@ void warn_of_blends(const BakeReport& report, const PoseSet& poses, Progress& pr
                           ? hint_for_turns(report.input.is_aligned)
                           : hint_for_jumps(report.input.material, !report.input.ranges.empty()));
     warn_of_inversion(report, progress);
-    if (report.check.ties) warn_about_ties(*report.check.ties, drift_limit, poses.names, progress);
+    if (report.check.ties) warn_about_ties(*report.check.ties, poses.names, progress);
 }
 
 void add_warnings(const std::vector<Diagnostic>& warned, const BakeReport& report, std::vector<Diagnostic>& warnings)

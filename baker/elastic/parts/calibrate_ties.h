@@ -9,11 +9,8 @@ namespace pliant {
 
 struct CoarseBody;
 
-// The goal for every part of a character: the largest drift (elastic/parts/drift.h), in units of the diagonal.
-constexpr double drift_limit = 0.005;
-
 // Computes the average of all poses and of every pair, and repeats with changed ties while that helps. A part with a joint
-// gets the joint or its ties, whichever drifts less. The ties of parts that drift are balanced, made stiffer, or made
+// gets the joint or its ties, whichever drifts less (elastic/parts/drift.h). The ties of parts that drift are balanced, made stiffer, or made
 // softer. If some part still drifts by more than twice drift_limit, all ties keep their first stiffness.
 // `coarse`: null, or where the mean is searched, with ties of its own.
 // Depends on the inner energy, the ties and the set only, so that every user of the same poses gets the same energy.

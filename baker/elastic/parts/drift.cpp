@@ -3,6 +3,7 @@
 #include "elastic/parts/rotations.h"
 
 #include <Eigen/Dense>
+#include <algorithm>
 
 namespace pliant {
 
@@ -100,6 +101,12 @@ TieDrift measure_joint_drift(const TieSet& ties, const Eigen::VectorXd& weights,
         }
     }
     return out;
+}
+
+double drift_over_limit(const TieSet& ties, const NormalizedPoses& set, const Eigen::VectorXd& weights, const Shape& y)
+{
+    return std::max(measure_drift(ties, set, weights, y).largest / drift_limit,
+                    measure_joint_drift(ties, weights, y).largest / joint_drift_limit);
 }
 
 } // namespace pliant

@@ -33,4 +33,10 @@ TieDrift measure_drift(const TieSet& ties, const NormalizedPoses& set, const Eig
 // is nothing beside the diagonal may be a visible turn of a small part.
 TieDrift measure_joint_drift(const TieSet& ties, const Eigen::VectorXd& weights, const Shape& y);
 
+// The goal for every part of a character: drifts above are seen. Of a part with a joint it is a turn by a tenth of a radian.
+constexpr double drift_limit = 0.005, joint_drift_limit = 0.1;
+
+// The larger of both over its limit.
+double drift_over_limit(const TieSet& ties, const NormalizedPoses& set, const Eigen::VectorXd& weights, const Shape& y);
+
 } // namespace pliant

@@ -15,7 +15,7 @@ namespace {
 constexpr double far_away = 0.1;
 
 // A turn that is off by less is not seen (radians).
-constexpr double visible_turn = 0.1;
+constexpr double visible_turn = joint_drift_limit;
 
 constexpr double degrees = 57.29577951308232;
 
@@ -139,10 +139,10 @@ void warn_about_distant(const std::vector<PartSummary>& parts, Progress& progres
         "bake separate objects one by one");
 }
 
-void warn_about_drift(const TieReport& report, double limit, const std::vector<std::string>& pose_names, Progress& progress)
+void warn_about_drift(const TieReport& report, const std::vector<std::string>& pose_names, Progress& progress)
 {
-    const bool is_far = report.blends.drift.largest > limit;
-    if (!is_far && !(report.joints.drift.largest > visible_turn)) return;
+    const bool is_far = report.blends.drift.largest > drift_limit;
+    if (!is_far && !(report.joints.drift.largest > joint_drift_limit)) return;
     const WorstDrift& worst = is_far ? report.blends : report.joints;
     progress.warn(
         4408,
@@ -173,11 +173,11 @@ void warn_about_turn(const TieReport& report, const std::vector<std::string>& po
 std::vector<std::uint32_t> loose_parts(const TieReport& report) { return vertices_of(parts_that(report, is_loose)); }
 std::vector<std::uint32_t> distant_parts(const TieReport& report) { return vertices_of(parts_that(report, is_distant)); }
 
-void warn_about_ties(const TieReport& report, double limit, const std::vector<std::string>& pose_names, Progress& progress)
+void warn_about_ties(const TieReport& report, const std::vector<std::string>& pose_names, Progress& progress)
 {
     warn_about_loose(parts_that(report, is_loose), progress);
     warn_about_distant(parts_that(report, is_distant), progress);
-    warn_about_drift(report, limit, pose_names, progress);
+    warn_about_drift(report, pose_names, progress);
     warn_about_turn(report, pose_names, progress);
 }
 

@@ -53,8 +53,8 @@ void use_file_numbers(const std::vector<std::uint32_t>& numbers, TieReport& repo
 std::vector<std::uint32_t> loose_parts(const TieReport& report);
 std::vector<std::uint32_t> distant_parts(const TieReport& report);
 
-// Warns of parts without ties (P4409), of parts far from their parent (P4410), of blends that drift by more than `limit`, in
-// units of the diagonal (P4408), and of layers whose turns of a part do not add up (P4414).
-void warn_about_ties(const TieReport& report, double limit, const std::vector<std::string>& pose_names, Progress& progress);
+// Warns of parts without ties (P4409), of parts far from their parent (P4410), of blends that drift by more than a limit
+// (P4408), and of layers whose turns of a part do not add up (P4414).
+void warn_about_ties(const TieReport& report, const std::vector<std::string>& pose_names, Progress& progress);
 
 } // namespace pliant

@@ -145,23 +145,34 @@ BlendModel loaded_model(std::shared_ptr<const SurrogateEnergy> surrogate, const 
     return model;
 }
 
+namespace {
+
+// A blend drifts as far as the average if it drifts by at most this much more.
+constexpr double as_far = 1.1;
+
+// Blends follow the averages: where those drift, blends cannot be asked to drift less.
+double avoidable_drift(const TieSet& ties, const NormalizedPoses& set, const CheckPoint& check, const Shape& blend)
+{
+    const double drift = drift_over_limit(ties, set, check.weights, blend);
+    return drift <= as_far * drift_over_limit(ties, set, check.weights, check.reference) ? 0 : drift;
+}
+
+} // namespace
+
 BlendError blend_error(const BlendModel& model, const Subspace& subspace, const NormalizedPoses& set,
                        const std::vector<CheckPoint>& checks, double outlier_share)
 {
     const Energy& energy = model.surrogate->energy();
     // a ghost's are of other vertices
     const TieSet* ties = energy.dof_count() == set.dof_count() ? ties_of(energy) : nullptr;
-    std::vector<double> errors(checks.size()), drifts(checks.size(), 0), of_reference(checks.size(), 0);
+    std::vector<double> errors(checks.size()), drifts(checks.size(), 0);
     for_each_task(checks.size(), [&](std::size_t i, std::size_t) {
         const Shape shape = subspace.shape(model.solve(checks[i].weights).q);
         errors[i] = relative_error(set, shape, checks[i].reference);
-        if (!ties) return;
-        drifts[i] = measure_drift(*ties, set, checks[i].weights, shape).largest;
-        of_reference[i] = measure_drift(*ties, set, checks[i].weights, checks[i].reference).largest;
+        if (ties) drifts[i] = avoidable_drift(*ties, set, checks[i], shape);
     });
     BlendError out;
-    for (double drift : drifts) out.drift = std::max(out.drift, drift);
-    for (double drift : of_reference) out.drift_of_references = std::max(out.drift_of_references, drift);
+    std::sort(drifts.begin(), drifts.end());
     std::sort(errors.begin(), errors.end());
     const std::size_t usual_count = errors.size() - std::size_t(outlier_share * double(errors.size()));
     for (std::size_t i = 0; i < errors.size(); ++i) {
@@ -170,6 +181,7 @@ BlendError blend_error(const BlendModel& model, const Subspace& subspace, const 
         if (i >= usual_count) continue;
         out.usual_mean += errors[i] / double(usual_count);
         out.usual_largest = errors[i];
+        out.drift = drifts[i];
     }
     return out;
 }

@@ -29,9 +29,9 @@ struct BlendModel {
 struct BlendError {
     double mean = 0, largest = 0;
     double usual_mean = 0, usual_largest = 0; // without outliers: what choices are made by
-    // The largest of tied vertices (elastic/parts/drift.h): a small part can be lost without that the body's error shows it
+    // The usual largest of tied vertices over its limit (elastic/parts/drift.h), 0 where the averages drift as far: the error
+    // of the body does not show a small part that is lost
     double drift = 0;
-    double drift_of_references = 0; // what no blend near them can be asked to stay below
 };
 
 // The surrogate energy as it is: its own mean, its own minimizers as the predictor's data.

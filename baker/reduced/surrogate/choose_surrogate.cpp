@@ -36,17 +36,11 @@ constexpr double outlier_share = 0.05;
 // Candidates of the cubature when the time is spent before the first fit.
 constexpr std::size_t least_candidate_count = 2000;
 
-// Blends follow the reference averages: where those drift, nothing that is fitted to them can be asked to drift less.
-double wanted_drift(const BlendError& error, const SurrogateOptions& options)
-{
-    return std::max(aim * options.drift, reachable * error.drift_of_references);
-}
-
 // Mean and largest error count alike, each in units of what is wanted of it; parts only where they drift too far.
 double score(const BlendError& error, const SurrogateOptions& options)
 {
     return error.usual_mean / options.tolerance + error.usual_largest / options.largest()
-        + std::max(0.0, error.drift - wanted_drift(error, options)) / options.drift;
+        + std::max(0.0, error.drift / options.drift - aim);
 }
 
 } // namespace
@@ -54,7 +48,7 @@ double score(const BlendError& error, const SurrogateOptions& options)
 bool is_enough(const BlendError& error, const SurrogateOptions& options)
 {
     return error.usual_mean < aim * options.tolerance && error.usual_largest < aim * options.largest()
-        && error.drift <= wanted_drift(error, options);
+        && error.drift < aim * options.drift;
 }
 
 ChosenModel fit_model(std::shared_ptr<const SurrogateEnergy> surrogate, const Subspace& subspace, const NormalizedPoses& set,

@@ -3,7 +3,6 @@
 #pragma once
 
 #include "base/common/time_budget.h"
-#include "elastic/parts/calibrate_ties.h"
 #include "reduced/surrogate/blend_model.h"
 #include "reduced/surrogate/cubature.h"
 
@@ -17,8 +16,8 @@ struct SurrogateOptions {
     std::size_t element_count = 0; // 0: as few as keep the tolerance, four to twelve per dimension
     std::uint64_t seed = 1;
     CubatureSolver cubature = CubatureSolver::nnls;
-    double drift = drift_limit; // wanted of the parts of a character
-    TimeBudget budget;          // when it is spent, the best fit so far is taken
+    TimeBudget budget; // when it is spent, the best fit so far is taken
+    double drift = 1;  // wanted of the parts of a character, over its limit
 
     double largest() const { return tolerance_max > 0 ? tolerance_max : 3 * tolerance; }
 };

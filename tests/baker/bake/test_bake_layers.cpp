@@ -9,6 +9,8 @@
 #include "base/weights/weights.h"
 #include "elastic/average/corrected_family.h"
 #include "elastic/average/shape_error.h"
+#include "elastic/parts/drift.h"
+#include "elastic/parts/find_ties.h"
 #include "output/asset/runtime_blender.h"
 
 #include <doctest/doctest.h>
@@ -61,6 +63,26 @@ PoseSet bent_sheet()
         poses.polygons.indices.insert(poses.polygons.indices.end(), t.begin(), t.end());
         poses.polygons.offsets.push_back(std::uint32_t(poses.polygons.indices.size()));
     }
+    return poses;
+}
+
+// A tube with a small eye at its surface, and four layers that turn the eye alone: by 60 degrees to both sides about two axes.
+PoseSet small_eye()
+{
+    PartsMesh mesh;
+    mesh.has_jacket = mesh.has_vertex = false;
+    PoseSet poses = mesh.poses(1);
+    const Eigen::Index first = Eigen::Index(tube_poses(1).vertex_count()), count = poses.positions[0].rows() - first;
+    const Eigen::RowVector3d centre(0.15, 0, 4.5), place(0.45, 0, 4.5);
+    const Eigen::MatrixX3d about = 0.2 * (poses.positions[0].bottomRows(count).rowwise() - centre);
+    poses.blend = Blend::layers;
+    poses.positions.assign(5, poses.positions[0]);
+    for (int k = 0; k < 5; ++k) {
+        const Eigen::Vector3d axis = k < 3 ? Eigen::Vector3d::UnitZ() : Eigen::Vector3d::UnitY();
+        const Eigen::AngleAxisd turn(k == 0 ? 0 : k % 2 ? 1.05 : -1.05, axis);
+        poses.positions[std::size_t(k)].bottomRows(count) = (about * turn.matrix().transpose()).rowwise() + place;
+    }
+    poses.names = poses.paths = { "rest", "left", "right", "up", "down" };
     return poses;
 }
 
@@ -221,6 +243,23 @@ TEST_CASE("layers that turn a body as a whole leave no blend adrift")
 {
     const BakeReport report = bake_quietly(bent_sheet(), layered_options(Material::discrete_shells, -0.5, 1.3)).report;
     for (const BlendCheck& check : report.check.blends) CHECK(check.error.relative_l2 < 2e-2);
+}
+
+TEST_CASE("a small part turns as far as its layers ask, although the error of the body hardly shows it")
+{
+    const PoseSet poses = small_eye();
+    const BakedAsset baked = bake_quietly(poses, layered_options());
+    const NormalizedPoses set = normalize(poses, true);
+    TieSet ties = find_ties(set);
+    REQUIRE(ties.joints.size() == 1);
+    ties.joints[0].is_used = true;
+    RuntimeBlender blender(baked.bytes, "the test's asset");
+    for (const Eigen::Vector4f& v : { Eigen::Vector4f(1, 0, 1, 0), Eigen::Vector4f(0, 1, 0, 1),
+                                      Eigen::Vector4f(0.5f, 0, 0.5f, 0), Eigen::Vector4f(0, 0.6f, 0, 0.8f) }) {
+        const Shape shape = from_input_units(set, blender.positions(blender.solve({ v[0], v[1], v[2], v[3] }, false)));
+        CAPTURE(weights_text(v.cast<double>()));
+        CHECK(measure_joint_drift(ties, v.cast<double>(), shape).largest < 0.1);
+    }
 }
 
 TEST_CASE("layers whose sum is linear take no more dimensions than layers")
