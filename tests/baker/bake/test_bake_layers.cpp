@@ -66,7 +66,8 @@ PoseSet bent_sheet()
     return poses;
 }
 
-// A tube with a small eye at its surface, and four layers that turn the eye alone: by 60 degrees to both sides about two axes.
+// A tube with a small eye at its surface, and four layers that turn the eye alone: by 60 degrees to both sides about two
+// axes.
 PoseSet small_eye()
 {
     PartsMesh mesh;
