@@ -1,5 +1,6 @@
 #include "elastic/parts/drift.h"
 
+#include "elastic/parts/joints.h"
 #include "elastic/parts/rotations.h"
 
 #include <Eigen/Dense>
@@ -19,37 +20,64 @@ Eigen::Matrix3Xd posed_positions(const Tie& tie, const Shape& y)
     return (frame.inverse() * tie.rest).colwise() + point(y, v[1]);
 }
 
-// The weighted mean of point clouds (3 x n each) that keeps its size where they are rotated against each other: the mean of
-// their shapes after each is rotated onto the plain mean. Rigid clouds are then rotated by the mean of their rotations, so
-// that they do not leave the plane of their motion. The pivot of the result is at the weighted mean of the clouds' pivots.
-Eigen::Matrix3Xd mean_cloud(const std::vector<Eigen::Matrix3Xd>& clouds, const Eigen::VectorXd& shares, bool is_rigid)
-{
-    const Eigen::Index count = clouds[0].cols();
-    Eigen::Matrix3Xd plain = Eigen::Matrix3Xd::Zero(3, count);
-    for (std::size_t k = 0; k < clouds.size(); ++k) plain += shares[Eigen::Index(k)] * clouds[k];
-    if (count < 3) return plain;            // too few points to define a rotation
+// A cloud counts as rigid if it keeps its shape to this share of its radius in all poses: the anchors of a part that lies on
+// a soft body do not agree on its shape.
+constexpr double rigid_share = 0.5;
+
+// Point clouds, one per pose, each rotated back onto their plain mean and taken about its centroid.
+struct TurnedClouds {
+    std::vector<Eigen::Matrix3Xd> shapes;
     std::vector<Eigen::Matrix3d> rotations; // from the plain mean to each cloud
-    Eigen::Matrix3d mean_rotation = Eigen::Matrix3d::Zero();
-    Eigen::Matrix3Xd mean = Eigen::Matrix3Xd::Zero(3, count), centres(3, Eigen::Index(clouds.size()));
-    for (std::size_t k = 0; k < clouds.size(); ++k) {
-        const double share = shares[Eigen::Index(k)];
-        rotations.push_back(best_rotation(plain, clouds[k]));
-        centres.col(Eigen::Index(k)) = clouds[k].rowwise().mean();
-        mean += share * (rotations[k].transpose() * (clouds[k].colwise() - centres.col(Eigen::Index(k))));
-        mean_rotation += share * rotations[k];
+    Eigen::Matrix3Xd centres;               // 3 x clouds
+
+    TurnedClouds(const std::vector<Eigen::Matrix3Xd>& clouds, const Eigen::Matrix3Xd& plain)
+        : centres(3, Eigen::Index(clouds.size()))
+    {
+        for (std::size_t k = 0; k < clouds.size(); ++k) {
+            rotations.push_back(best_rotation(plain, clouds[k]));
+            centres.col(Eigen::Index(k)) = clouds[k].rowwise().mean();
+            shapes.push_back(rotations[k].transpose() * (clouds[k].colwise() - centres.col(Eigen::Index(k))));
+        }
     }
-    const Eigen::Vector3d pivot = pivot_point(rotations, centres, mean.colwise().norm().maxCoeff());
-    Eigen::Vector3d place = centres * shares;
-    for (std::size_t k = 0; k < clouds.size(); ++k) place += shares[Eigen::Index(k)] * (rotations[k] * pivot);
+
+    bool are_rigid_and_turn(const Eigen::Matrix3Xd& mean, double radius) const
+    {
+        double error = 0;
+        for (const Eigen::Matrix3Xd& shape : shapes) error = std::max(error, (shape - mean).colwise().norm().maxCoeff());
+        return error < rigid_share * radius && largest_rotation(rotations) > min_rotation;
+    }
+};
+
+// Sets `expected` to the weighted mean of the point clouds (3 x n each) that keeps its size where they are rotated against
+// each other: the mean of their shapes after each is rotated onto the plain mean. Rigid clouds are then rotated by the mean
+// of their rotations, so that they do not leave the plane of their motion. The pivot of the result is at the weighted mean
+// of the clouds' pivots.
+void expect_mean(const std::vector<Eigen::Matrix3Xd>& clouds, const Eigen::VectorXd& shares, bool is_rigid, PartPlaces& out)
+{
+    out.expected = Eigen::Matrix3Xd::Zero(3, clouds[0].cols());
+    for (std::size_t k = 0; k < clouds.size(); ++k) out.expected += shares[Eigen::Index(k)] * clouds[k];
+    if (clouds[0].cols() < 3) return; // too few points to define a rotation
+    const TurnedClouds turned(clouds, out.expected);
+    Eigen::Matrix3d mean_rotation = Eigen::Matrix3d::Zero();
+    Eigen::Matrix3Xd mean = Eigen::Matrix3Xd::Zero(3, clouds[0].cols());
+    for (std::size_t k = 0; k < clouds.size(); ++k) {
+        mean += shares[Eigen::Index(k)] * turned.shapes[k];
+        mean_rotation += shares[Eigen::Index(k)] * turned.rotations[k];
+    }
+    const double radius = mean.colwise().norm().maxCoeff();
+    if (is_rigid || turned.are_rigid_and_turn(mean, radius)) out.radius = radius;
+    const Eigen::Vector3d pivot = pivot_point(turned.rotations, turned.centres, radius);
+    Eigen::Vector3d place = turned.centres * shares;
+    for (std::size_t k = 0; k < clouds.size(); ++k) place += shares[Eigen::Index(k)] * (turned.rotations[k] * pivot);
     const Eigen::Matrix3d rotation = is_rigid ? nearest_rotation(mean_rotation) : Eigen::Matrix3d::Identity();
-    return (rotation * (mean.colwise() - pivot)).colwise() + place;
+    out.expected = (rotation * (mean.colwise() - pivot)).colwise() + place;
 }
 
 // The ties first ... last - 1.
 PartPlaces place_part(const TieSet& ties, std::size_t first, std::size_t last, const Eigen::VectorXd& shares, const Shape& y)
 {
     const Eigen::Index count = Eigen::Index(last - first);
-    PartPlaces out = { ties.ties[first].part, first, Eigen::Matrix3Xd(3, count), {}, Eigen::Matrix3Xd(3, count) };
+    PartPlaces out = { ties.ties[first].part, first, Eigen::Matrix3Xd(3, count), {}, 0, Eigen::Matrix3Xd(3, count) };
     std::vector<Eigen::Matrix3Xd> clouds(std::size_t(shares.size()), Eigen::Matrix3Xd(3, count));
     for (Eigen::Index i = 0; i < count; ++i) {
         const Tie& tie = ties.ties[first + std::size_t(i)];
@@ -58,7 +86,7 @@ PartPlaces place_part(const TieSet& ties, std::size_t first, std::size_t last, c
         out.actual.col(i) = point(y, tie.vertices[0]);
         out.target.col(i) = positions * shares;
     }
-    out.expected = mean_cloud(clouds, shares, joint_of(ties, first) != nullptr);
+    expect_mean(clouds, shares, joint_of(ties, first) != nullptr, out);
     return out;
 }
 
@@ -76,37 +104,37 @@ std::vector<PartPlaces> place_parts(const TieSet& ties, const Eigen::VectorXd& w
     return out;
 }
 
-TieDrift measure_drift(const TieSet& ties, const NormalizedPoses& set, const Eigen::VectorXd& weights, const Shape& y)
-{
-    TieDrift out;
-    for (const PartPlaces& places : place_parts(ties, weights, y))
-        for (std::size_t i = 0; i < std::size_t(places.actual.cols()); ++i) {
-            const double drift = places.drift(i) / set.diagonal;
-            if (!(drift <= out.largest)) out = { drift, places.part, ties.ties[places.first_tie + i].vertices[0] };
-        }
-    return out;
-}
+namespace {
 
-TieDrift measure_joint_drift(const TieSet& ties, const Eigen::VectorXd& weights, const Shape& y)
+// `unit`: of the drift of a part; 0 for parts that are left out.
+template <class Unit> TieDrift farthest(const TieSet& ties, const std::vector<PartPlaces>& parts, Unit unit)
 {
     TieDrift out;
-    for (const PartPlaces& places : place_parts(ties, weights, y)) {
-        const Joint* joint = joint_of(ties, places.first_tie);
-        if (!joint || !joint->is_used) continue;
-        const Eigen::Vector3d centre = places.expected.rowwise().mean();
-        const double radius = (places.expected.colwise() - centre).colwise().norm().maxCoeff();
-        for (std::size_t i = 0; i < std::size_t(places.actual.cols()); ++i) {
-            const double drift = places.drift(i) / radius;
+    for (const PartPlaces& places : parts) {
+        for (std::size_t i = 0; unit(places) > 0 && i < std::size_t(places.actual.cols()); ++i) {
+            const double drift = places.drift(i) / unit(places);
             if (!(drift <= out.largest)) out = { drift, places.part, ties.ties[places.first_tie + i].vertices[0] };
         }
     }
     return out;
 }
 
+} // namespace
+
+TieDrift measure_drift(const TieSet& ties, const NormalizedPoses& set, const Eigen::VectorXd& weights, const Shape& y)
+{
+    return farthest(ties, place_parts(ties, weights, y), [&](const PartPlaces&) { return set.diagonal; });
+}
+
+TieDrift measure_turn_drift(const TieSet& ties, const Eigen::VectorXd& weights, const Shape& y)
+{
+    return farthest(ties, place_parts(ties, weights, y), [](const PartPlaces& places) { return places.radius; });
+}
+
 double drift_over_limit(const TieSet& ties, const NormalizedPoses& set, const Eigen::VectorXd& weights, const Shape& y)
 {
     return std::max(measure_drift(ties, set, weights, y).largest / drift_limit,
-                    measure_joint_drift(ties, weights, y).largest / joint_drift_limit);
+                    measure_turn_drift(ties, weights, y).largest / turn_drift_limit);
 }
 
 } // namespace pliant

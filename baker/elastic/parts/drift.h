@@ -10,6 +10,7 @@ struct PartPlaces {
     std::size_t part, first_tie;
     Eigen::Matrix3Xd actual;   // their positions
     Eigen::Matrix3Xd expected; // where they should be, see place_parts
+    double radius;             // of `expected` about its centroid; 0 unless the part is rigid and turns visibly
     Eigen::Matrix3Xd target;   // where the energy of the ties pulls them: the plain mean of their places in the poses
 
     double drift(std::size_t i) const { return (actual.col(Eigen::Index(i)) - expected.col(Eigen::Index(i))).norm(); }
@@ -29,12 +30,12 @@ struct TieDrift {
 };
 TieDrift measure_drift(const TieSet& ties, const NormalizedPoses& set, const Eigen::VectorXd& weights, const Shape& y);
 
-// The same of parts with joints, such as eyes, each in units of the radius of its tied vertices about their centroid: what
-// is nothing beside the diagonal may be a visible turn of a small part.
-TieDrift measure_joint_drift(const TieSet& ties, const Eigen::VectorXd& weights, const Shape& y);
+// The same of rigid parts that turn, such as eyes and wheels, each in units of the radius of its tied vertices about their
+// centroid: what is nothing beside the diagonal may be a visible turn of a small part.
+TieDrift measure_turn_drift(const TieSet& ties, const Eigen::VectorXd& weights, const Shape& y);
 
-// The goal for every part of a character: drifts above are seen. Of a part with a joint it is a turn by a tenth of a radian.
-constexpr double drift_limit = 0.005, joint_drift_limit = 0.1;
+// The goal for every part of a character: drifts above are seen. Of a part that turns it is a turn by a tenth of a radian.
+constexpr double drift_limit = 0.005, turn_drift_limit = 0.1;
 
 // The larger of both over its limit.
 double drift_over_limit(const TieSet& ties, const NormalizedPoses& set, const Eigen::VectorXd& weights, const Shape& y);

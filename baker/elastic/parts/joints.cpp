@@ -15,10 +15,6 @@ namespace {
 // deforms by more, ties of single vertices are more accurate.
 constexpr double rigid_error = 0.001;
 
-// Below this rotation between any two poses (radians) ties suffice: the mean place of a vertex at a tenth of the diagonal
-// from the pivot is off the arc by 1 - cos(t/2) of that distance, 0.1 % of the diagonal.
-constexpr double min_rotation = 0.3;
-
 // A cloud whose extent along an axis is below this share of the largest does not define a direction along that axis.
 constexpr double min_extent = 0.1;
 
@@ -106,14 +102,6 @@ RelativeMotion motion_in_parent(const Body& part, const Body& parent)
         out.centres.col(Eigen::Index(k))
             = parent.rotations[k].transpose() * (part.centres.col(Eigen::Index(k)) - parent.centres.col(Eigen::Index(k)));
     }
-    return out;
-}
-
-double largest_rotation(const std::vector<Eigen::Matrix3d>& rotations)
-{
-    double out = 0;
-    for (const Eigen::Matrix3d& a : rotations)
-        for (const Eigen::Matrix3d& b : rotations) out = std::max(out, Eigen::AngleAxisd(a.transpose() * b).angle());
     return out;
 }
 

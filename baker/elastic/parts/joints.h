@@ -7,6 +7,10 @@
 
 namespace pliant {
 
+// Below this rotation between any two poses (radians) ties suffice: the mean place of a vertex at a tenth of the diagonal
+// from the pivot is off the arc by 1 - cos(t/2) of that distance, 0.1 % of the diagonal.
+constexpr double min_rotation = 0.3;
+
 // `first` ... `last`: all ties of one part, at least one. Returns the terms that can replace them (the pivot, then one per
 // direction of the part), or none unless the tied vertices and their anchors are each rigid and rotate far against each
 // other between two poses. Cost: constant per pose (at most 16 ties are used).

@@ -3,6 +3,7 @@
 #include "base/mesh/align.h"
 
 #include <Eigen/Dense>
+#include <algorithm>
 
 namespace pliant {
 
@@ -18,6 +19,14 @@ Eigen::Matrix3d nearest_rotation(const Eigen::Matrix3d& matrix)
     Eigen::Vector3d signs(1, 1, 1);
     if ((svd.matrixU() * svd.matrixV().transpose()).determinant() < 0) signs[2] = -1;
     return svd.matrixU() * signs.asDiagonal() * svd.matrixV().transpose();
+}
+
+double largest_rotation(const std::vector<Eigen::Matrix3d>& rotations)
+{
+    double out = 0;
+    for (const Eigen::Matrix3d& a : rotations)
+        for (const Eigen::Matrix3d& b : rotations) out = std::max(out, Eigen::AngleAxisd(a.transpose() * b).angle());
+    return out;
 }
 
 Eigen::Vector3d pivot_point(const std::vector<Eigen::Matrix3d>& rotations, const Eigen::Matrix3Xd& centres, double reach)

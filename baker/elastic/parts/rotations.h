@@ -14,6 +14,9 @@ Eigen::Matrix3d best_rotation(const Eigen::Matrix3Xd& from, const Eigen::Matrix3
 // (Hartley et al. 2013, Rotation averaging).
 Eigen::Matrix3d nearest_rotation(const Eigen::Matrix3d& matrix);
 
+// The largest angle between two of them (radians).
+double largest_rotation(const std::vector<Eigen::Matrix3d>& rotations);
+
 // The point of a body that moves least over the poses, in the body's coordinates: the point j that minimizes the variance of
 // rotations[k] j + centres.col(k), where centres (3 x m) are the positions of the body's origin. A regularisation draws j to
 // the origin; it dominates below rotations of about 10 degrees, where all points move alike and the choice matters little.

@@ -15,7 +15,7 @@ namespace {
 constexpr double far_away = 0.1;
 
 // A turn that is off by less is not seen (radians).
-constexpr double visible_turn = joint_drift_limit;
+constexpr double visible_turn = turn_drift_limit;
 
 constexpr double degrees = 57.29577951308232;
 
@@ -79,7 +79,7 @@ void add_check(const TieSet& ties, const NormalizedPoses& set, const Eigen::Vect
 {
     add(measure_drift(ties, set, weights, reference), weights, report.reference);
     add(measure_drift(ties, set, weights, blend), weights, report.blends);
-    add(measure_joint_drift(ties, weights, blend), weights, report.joints);
+    add(measure_turn_drift(ties, weights, blend), weights, report.turning);
 }
 
 void use_file_numbers(const std::vector<std::uint32_t>& numbers, TieReport& report)
@@ -87,7 +87,7 @@ void use_file_numbers(const std::vector<std::uint32_t>& numbers, TieReport& repo
     if (numbers.empty()) return;
     for (PartSummary& part : report.parts)
         part.vertex = numbers[part.vertex], part.parent_vertex = numbers[part.parent_vertex];
-    for (WorstDrift* worst : { &report.reference, &report.blends, &report.joints })
+    for (WorstDrift* worst : { &report.reference, &report.blends, &report.turning })
         worst->drift.vertex = numbers[worst->drift.vertex];
 }
 
@@ -142,8 +142,8 @@ void warn_about_distant(const std::vector<PartSummary>& parts, Progress& progres
 void warn_about_drift(const TieReport& report, const std::vector<std::string>& pose_names, Progress& progress)
 {
     const bool is_far = report.blends.drift.largest > drift_limit;
-    if (!is_far && !(report.joints.drift.largest > joint_drift_limit)) return;
-    const WorstDrift& worst = is_far ? report.blends : report.joints;
+    if (!is_far && !(report.turning.drift.largest > turn_drift_limit)) return;
+    const WorstDrift& worst = is_far ? report.blends : report.turning;
     progress.warn(
         4408,
         fmt::format("the part of vertex {} drifts by {:.2f} % of {} from its attachment, most at vertex {}, "

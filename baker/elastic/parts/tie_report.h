@@ -35,7 +35,7 @@ struct TieReport {
     std::size_t seam_count = 0, joint_count = 0;
     std::vector<PartSummary> parts; // by part number
     WorstDrift reference, blends;   // over the checks: of the unreduced averages, and of the blends
-    WorstDrift joints;              // of the blends' parts with joints, in units of each part's radius
+    WorstDrift turning;             // of the blends' rigid parts that turn, in units of each part's radius
     WorstTurn turn;
 };
 

@@ -259,7 +259,7 @@ TEST_CASE("a small part turns as far as its layers ask, although the error of th
                                       Eigen::Vector4f(0.5f, 0, 0.5f, 0), Eigen::Vector4f(0, 0.6f, 0, 0.8f) }) {
         const Shape shape = from_input_units(set, blender.positions(blender.solve({ v[0], v[1], v[2], v[3] }, false)));
         CAPTURE(weights_text(v.cast<double>()));
-        CHECK(measure_joint_drift(ties, v.cast<double>(), shape).largest < 0.1);
+        CHECK(measure_turn_drift(ties, v.cast<double>(), shape).largest < 0.1);
     }
 }
 
