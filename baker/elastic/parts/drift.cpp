@@ -131,10 +131,35 @@ TieDrift measure_turn_drift(const TieSet& ties, const Eigen::VectorXd& weights, 
     return farthest(ties, place_parts(ties, weights, y), [](const PartPlaces& places) { return places.radius; });
 }
 
-double drift_over_limit(const TieSet& ties, const NormalizedPoses& set, const Eigen::VectorXd& weights, const Shape& y)
+namespace {
+
+// A blend drifts as far as the average if it drifts by at most this much more.
+constexpr double as_far = 1.1;
+
+// Where an average drifts by this many limits, its part is adrift.
+constexpr double adrift = 5;
+
+// `radius`: of the part, or 0 if it does not turn.
+double over_limit(const PartPlaces& places, double radius, double diagonal)
 {
-    return std::max(measure_drift(ties, set, weights, y).largest / drift_limit,
-                    measure_turn_drift(ties, weights, y).largest / turn_drift_limit);
+    const double unit = radius > 0 ? std::min(turn_drift_limit * radius, drift_limit * diagonal) : drift_limit * diagonal;
+    return (places.actual - places.expected).colwise().norm().maxCoeff() / unit;
+}
+
+} // namespace
+
+double avoidable_drift(const TieSet& ties, const NormalizedPoses& set, const Eigen::VectorXd& weights, const Shape& average,
+                       const Shape& blend)
+{
+    const std::vector<PartPlaces> blended = place_parts(ties, weights, blend),
+                                  averaged = place_parts(ties, weights, average);
+    double out = 0;
+    for (std::size_t i = 0; i < blended.size(); ++i) {
+        const double drift = over_limit(blended[i], blended[i].radius, set.diagonal);
+        const double least = over_limit(averaged[i], blended[i].radius, set.diagonal);
+        if (drift > as_far * least && least < adrift) out = std::max(out, drift);
+    }
+    return out;
 }
 
 } // namespace pliant

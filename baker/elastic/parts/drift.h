@@ -37,7 +37,9 @@ TieDrift measure_turn_drift(const TieSet& ties, const Eigen::VectorXd& weights, 
 // The goal for every part of a character: drifts above are seen. Of a part that turns it is a turn by a tenth of a radian.
 constexpr double drift_limit = 0.005, turn_drift_limit = 0.1;
 
-// The larger of both over its limit.
-double drift_over_limit(const TieSet& ties, const NormalizedPoses& set, const Eigen::VectorXd& weights, const Shape& y);
+// The largest drift of a part of `blend` over its limit. Blends follow the averages: parts count as 0 where they drift about
+// as far in `average`, or so far that its place says nothing, as where turns of layers to both sides meet.
+double avoidable_drift(const TieSet& ties, const NormalizedPoses& set, const Eigen::VectorXd& weights, const Shape& average,
+                       const Shape& blend);
 
 } // namespace pliant

@@ -145,20 +145,6 @@ BlendModel loaded_model(std::shared_ptr<const SurrogateEnergy> surrogate, const 
     return model;
 }
 
-namespace {
-
-// A blend drifts as far as the average if it drifts by at most this much more.
-constexpr double as_far = 1.1;
-
-// Blends follow the averages: where those drift, blends cannot be asked to drift less.
-double avoidable_drift(const TieSet& ties, const NormalizedPoses& set, const CheckPoint& check, const Shape& blend)
-{
-    const double drift = drift_over_limit(ties, set, check.weights, blend);
-    return drift <= as_far * drift_over_limit(ties, set, check.weights, check.reference) ? 0 : drift;
-}
-
-} // namespace
-
 BlendError blend_error(const BlendModel& model, const Subspace& subspace, const NormalizedPoses& set,
                        const std::vector<CheckPoint>& checks, double outlier_share)
 {
@@ -169,10 +155,10 @@ BlendError blend_error(const BlendModel& model, const Subspace& subspace, const 
     for_each_task(checks.size(), [&](std::size_t i, std::size_t) {
         const Shape shape = subspace.shape(model.solve(checks[i].weights).q);
         errors[i] = relative_error(set, shape, checks[i].reference);
-        if (ties) drifts[i] = avoidable_drift(*ties, set, checks[i], shape);
+        if (ties) drifts[i] = avoidable_drift(*ties, set, checks[i].weights, checks[i].reference, shape);
     });
     BlendError out;
-    std::sort(drifts.begin(), drifts.end());
+    for (double drift : drifts) out.drift = std::max(out.drift, drift);
     std::sort(errors.begin(), errors.end());
     const std::size_t usual_count = errors.size() - std::size_t(outlier_share * double(errors.size()));
     for (std::size_t i = 0; i < errors.size(); ++i) {
@@ -181,7 +167,6 @@ BlendError blend_error(const BlendModel& model, const Subspace& subspace, const 
         if (i >= usual_count) continue;
         out.usual_mean += errors[i] / double(usual_count);
         out.usual_largest = errors[i];
-        out.drift = drifts[i];
     }
     return out;
 }

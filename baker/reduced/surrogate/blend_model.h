@@ -29,8 +29,7 @@ struct BlendModel {
 struct BlendError {
     double mean = 0, largest = 0;
     double usual_mean = 0, usual_largest = 0; // without outliers: what choices are made by
-    // The usual largest of tied vertices over its limit (elastic/parts/drift.h), 0 where the averages drift as far: the
-    // error of the body does not show a small part that is lost
+    // The largest avoidable_drift() of parts: the error of the body does not show a small part that is lost
     double drift = 0;
 };
 
