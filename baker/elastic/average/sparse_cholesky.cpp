@@ -12,6 +12,8 @@
 #include <fmt/core.h>
 #include <mutex>
 #include <new>
+#include <pthread.h>
+#include <shared_mutex>
 #include <sstream>
 #include <vector>
 
@@ -82,17 +84,56 @@ SolverKind default_solver() { return has_cholmod() ? SolverKind::cholmod : Solve
 #ifdef PLIANT_WITH_CHOLMOD
 namespace {
 
+// A child gets the locks of its parent as they are, those inside OpenBLAS too, but not the threads that hold them. So a fork
+// waits until no thread is in CHOLMOD or BLAS, and none enters meanwhile.
+struct ForkGate {
+    std::mutex entry;
+    std::shared_mutex is_inside;
+
+    void close()
+    {
+        entry.lock();
+        is_inside.lock();
+    }
+
+    void open()
+    {
+        is_inside.unlock();
+        entry.unlock();
+    }
+};
+
+ForkGate& fork_gate()
+{
+    static ForkGate& gate = per_process<ForkGate>(); // a child gets an open one
+    [[maybe_unused]] static const int is_set = ::pthread_atfork([] { gate.close(); }, [] { gate.open(); }, nullptr);
+    return gate;
+}
+
+class Inside {
+public:
+    Inside()
+    {
+        const std::lock_guard<std::mutex> not_while_forking(fork_gate().entry);
+        stay_ = std::shared_lock(fork_gate().is_inside);
+    }
+
+private:
+    std::shared_lock<std::shared_mutex> stay_;
+};
+
 // OpenBLAS built without threads is not safe to call from several: factors come out wrong without a word. Of another BLAS we
 // do not know. Then one factorisation is made at a time.
 class BlasLock {
 public:
     BlasLock()
     {
-        if (!openblas_get_parallel || openblas_get_parallel() == 0)
-            lock_ = std::unique_lock(per_process<std::mutex, BlasLock>());
+        static std::mutex one_at_a_time;
+        if (!openblas_get_parallel || openblas_get_parallel() == 0) lock_ = std::unique_lock(one_at_a_time);
     }
 
 private:
+    Inside inside_; // first: whoever waits for the lock is inside
     std::unique_lock<std::mutex> lock_;
 };
 
@@ -177,9 +218,11 @@ struct SparseCholesky::Backend {
     void start()
     {
         // Once, before any factorisation: it may not be called while another thread is inside.
+        static std::mutex one_at_a_time;
         static bool has_started = false;
         {
-            const std::lock_guard<std::mutex> one_at_a_time(per_process<std::mutex, SparseCholesky>());
+            const Inside inside;
+            const std::lock_guard<std::mutex> lock(one_at_a_time);
             if (!has_started) {
                 install_allocator();
                 if (openblas_set_num_threads) openblas_set_num_threads(1);
@@ -212,7 +255,8 @@ struct SparseCholesky::Backend {
     void analyze(cholmod_sparse& a)
     {
         // METIS draws from one generator of the process: two analyses at a time would order by chance.
-        const std::lock_guard<std::mutex> one_at_a_time(per_process<std::mutex, Analysis>());
+        static std::mutex one_at_a_time;
+        const std::lock_guard<std::mutex> lock(one_at_a_time);
         const Analysis analysis;
         factor = cholmod_l_analyze(&a, &common);
         if (!factor || (factor->ordering != CHOLMOD_METIS && has_metis())) throw_out_of_memory(Eigen::Index(a.ncol));

@@ -150,9 +150,8 @@ void warn_about_drift(const TieReport& report, const std::vector<std::string>& p
                     "weights {}",
                     report.parts[worst.drift.part].vertex, 100 * worst.drift.largest,
                     is_far ? "the diagonal" : "its own radius", worst.drift.vertex, blend_text(worst.weights, pose_names)),
-        is_far ? "add a pose in between, or lower --tolerance; --weld 1e-4 (or 1e-3) joins borders that compression "
-                 "has moved apart"
-               : "lower --tolerance to a tenth: a tolerance of the whole shape hardly sees a small part");
+        "add a pose in between, leave out --dim or lower --tolerance; --weld 1e-4 (or 1e-3) joins borders that compression "
+        "has moved apart");
 }
 
 void warn_about_turn(const TieReport& report, const std::vector<std::string>& pose_names, Progress& progress)
