@@ -3,7 +3,6 @@
 #include "base/common/diagnostics.h"
 #include "base/common/memory.h"
 #include "base/common/parallel.h"
-#include "base/common/per_process.h"
 
 #include <Eigen/SparseCholesky>
 #include <algorithm>
@@ -88,25 +87,12 @@ namespace {
 // waits until no thread is in CHOLMOD or BLAS, and none enters meanwhile.
 struct ForkGate {
     std::mutex entry;
-    std::shared_mutex is_inside;
-
-    void close()
-    {
-        entry.lock();
-        is_inside.lock();
-    }
-
-    void open()
-    {
-        is_inside.unlock();
-        entry.unlock();
-    }
+    std::shared_mutex threads;
 };
 
 ForkGate& fork_gate()
 {
-    static ForkGate& gate = per_process<ForkGate>(); // a child gets an open one
-    [[maybe_unused]] static const int is_set = ::pthread_atfork([] { gate.close(); }, [] { gate.open(); }, nullptr);
+    static ForkGate& gate = *new ForkGate;
     return gate;
 }
 
@@ -114,13 +100,46 @@ class Inside {
 public:
     Inside()
     {
+        [[maybe_unused]] static const int is_set = ::pthread_atfork(close_gate, open_gate, renew_gate);
+        is_here_ = true;
         const std::lock_guard<std::mutex> not_while_forking(fork_gate().entry);
-        stay_ = std::shared_lock(fork_gate().is_inside);
+        fork_gate().threads.lock_shared();
     }
 
+    ~Inside()
+    {
+        fork_gate().threads.unlock_shared();
+        is_here_ = false;
+    }
+
+    Inside(const Inside&) = delete;
+    Inside& operator=(const Inside&) = delete;
+
 private:
-    std::shared_lock<std::shared_mutex> stay_;
+    static void close_gate()
+    {
+        if (is_here_) return;
+        fork_gate().entry.lock();
+        fork_gate().threads.lock();
+    }
+
+    static void open_gate()
+    {
+        if (is_here_) return;
+        fork_gate().threads.unlock();
+        fork_gate().entry.unlock();
+    }
+
+    static void renew_gate() // only the thread that has locked it may unlock it, and a child has another
+    {
+        if (!is_here_) new (&fork_gate()) ForkGate;
+    }
+
+    // A handler of signals or allocations may fork in here: it does not wait for its own thread.
+    static thread_local bool is_here_;
 };
+
+thread_local bool Inside::is_here_ = false;
 
 // OpenBLAS built without threads is not safe to call from several: factors come out wrong without a word. Of another BLAS we
 // do not know. Then one factorisation is made at a time.
