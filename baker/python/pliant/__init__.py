@@ -11,8 +11,8 @@ unreduced elastic energy, with gradient and sparse Hessian.
 Lengths are in the units of the poses. Weights are one number >= 0 per pose; only their ratios matter. With blend="layers"
 the first pose is the rest shape, the others are layers on it, and weights add up: asset.blend({"smile": 1, "blink": 0.5}).
 
-Threads: every function may be called from any thread. Bakes and averages of one process take turns, since each uses all
-cores. Blends wait neither for them nor for each other, and release the interpreter's lock.
+Threads: every function may be called from any thread. Bakes, averages and load_poses of one process take turns, since each
+uses all cores. Blends wait neither for them nor for each other, and release the interpreter's lock.
 """
 from __future__ import annotations
 

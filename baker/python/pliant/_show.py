@@ -4,9 +4,6 @@ from __future__ import annotations
 import ctypes
 import importlib
 import os
-import pickle
-import subprocess
-import sys
 import tempfile
 from pathlib import Path
 from typing import Any
@@ -21,11 +18,6 @@ _MARGIN = 0.5
 _GAP = 0.25  # between the two shapes, over their width
 _PNG_END = b"IEND\xaeB`\x82"
 _COLOURS = {"elastic": (0.16, 0.47, 0.71), "linear": (0.80, 0.52, 0.25)}
-_DRAW = """import pickle, sys
-sys.path[:] = pickle.load(sys.stdin.buffer)
-from pliant import _show
-_show._draw(*pickle.load(sys.stdin.buffer))
-"""
 
 
 def _has_egl() -> bool:
@@ -37,15 +29,11 @@ def _has_egl() -> bool:
     return True
 
 
-def _import_polyscope() -> Any:
+def _polyscope(is_headless: bool) -> Any:
     try:
-        return importlib.import_module("polyscope")
+        polyscope: Any = importlib.import_module("polyscope")
     except ImportError:
         raise ImportError("pliant.show needs polyscope: pip install 'pliant[show]'", name="polyscope") from None
-
-
-def _start_polyscope(is_headless: bool) -> Any:
-    polyscope = _import_polyscope()
     if not polyscope.is_initialized():
         polyscope.set_program_name("pliant")
         polyscope.set_verbosity(0)
@@ -59,46 +47,19 @@ def _start_polyscope(is_headless: bool) -> Any:
         except RuntimeError as error:
             raise RuntimeError(
                 "show: polyscope has no display to draw on; a picture without one needs libEGL.so.1 (Debian: libegl1)"
-                if is_headless else "show: polyscope has no display for a window; give picture="
             ) from error
         # Without a name Dear ImGui leaves imgui.ini alone, which may be that of another program of the user.
         importlib.import_module("polyscope.imgui").GetIO().IniFilename = ""
     return polyscope
 
 
-def _set_view(polyscope: Any) -> None:
-    polyscope.set_ground_plane_mode("none")
-    polyscope.reset_camera_to_home_view()
-
-
-def _single_row(asset: Asset, weights: Weights | None) -> npt.NDArray[np.float32]:
-    start = [initial for _, _, _, initial in asset._weights()] if weights is None else weights
-    rows, is_single = asset._rows(start)
-    if not is_single:
-        raise ValueError(f"weights: expected ({asset.weight_count},), got {rows.shape}")
-    row: npt.NDArray[np.float32] = rows[0]
-    return row
-
-
-def _draw(asset: Asset, weights: Weights, linear: bool, picture: str) -> None:
-    """In a process of its own: polyscope draws without a window or in one, and stays with what it was started for."""
-    polyscope = _start_polyscope(is_headless=True)
-    Viewer(polyscope, asset, weights, linear)
-    _set_view(polyscope)
-    polyscope.screenshot(picture, transparent_bg=False)
-
-
-def _write_picture(asset: Asset, weights: Weights, linear: bool, picture: Path) -> None:
+def _write_picture(polyscope: Any, picture: Path) -> None:
     """polyscope says nothing of what it cannot write, so it writes elsewhere first."""
     if picture.suffix.lower() != ".png":
         raise ValueError(f"picture: expected a name that ends in .png, got {str(picture)!r}")
     with tempfile.TemporaryDirectory(prefix=".pliant-", dir=picture.parent) as folder:
-        made = Path(folder, "picture.png").resolve()
-        job = pickle.dumps(sys.path) + pickle.dumps((asset, weights, linear, str(made)))
-        done = subprocess.run([sys.executable, "-c", _DRAW], input=job, capture_output=True)
-        if done.returncode != 0:
-            lines = done.stderr.decode(errors="replace").splitlines() or [f"polyscope ended with {done.returncode}"]
-            raise RuntimeError(lines[-1].removeprefix("RuntimeError: "))
+        made = Path(folder, "picture.png")
+        polyscope.screenshot(str(made), transparent_bg=False)
         if not made.is_file() or not made.read_bytes().endswith(_PNG_END):
             raise OSError(f"picture: {str(picture)!r} cannot be written whole: is there space?")
         os.replace(made, picture)
@@ -109,7 +70,11 @@ class Viewer:
 
     def __init__(self, polyscope: Any, asset: Asset, weights: Weights | None, linear: bool) -> None:
         self.asset = asset
-        self.weights = _single_row(asset, weights)
+        start = [initial for _, _, _, initial in asset._weights()] if weights is None else weights
+        rows, is_single = asset._rows(start)
+        if not is_single:
+            raise ValueError(f"weights: expected ({asset.weight_count},), got {rows.shape}")
+        self.weights: npt.NDArray[np.float32] = rows[0]
         self.limits = [self._limit(*asset.ranges[name]) for name in asset.weight_names]
         self._drawn, corners = np.unique(asset.triangles, return_inverse=True)
         self._meshes: dict[str, Any] = {}
@@ -178,29 +143,32 @@ def show(
 
     weights  to start with, as for Asset.blend(); default: those of the asset, mostly equal weights or no layer
     linear   draw the linear blend, too
-    picture  write a PNG of this name (.png), whole or not at all, and open no window. A process of its own draws it, so
-             that windows can follow; without a display it needs EGL, which Mesa has
+    picture  write a PNG of this name (.png), whole or not at all, and open no window; without a display this needs EGL,
+             which Mesa has
 
     Sliders of layers go half a range beyond the measured one. polyscope has one scene for each process: its meshes of the
-    names "elastic" and "linear" are replaced by a window, which takes the place of the user callback. Neither polyscope's
+    names "elastic" and "linear" are replaced, and a window takes the place of the user callback. It has one way to draw as
+    well: a picture that comes first starts it without windows, and neither show() nor your own code can open one in this
+    process any more. A picture after a window, or after polyscope.init(), is drawn there. Neither polyscope's
     settings nor imgui.ini of the current folder are written. Raises ImportError without polyscope, RuntimeError for a window
     without a display or a picture with neither display nor EGL, ValueError and OSError for a picture that cannot be written,
     and the errors of Asset.blend(). On a display without OpenGL 3.3, as of ssh -X, polyscope ends the process when it opens
     a window.
     """
-    _import_polyscope()
-    if picture is not None:
-        row = _single_row(asset, weights)
-        asset.blend(row)  # its errors are raised here
-        _write_picture(asset, row, linear, Path(os.fspath(picture)))
-        return
-    polyscope = _start_polyscope(is_headless=False)
-    if polyscope.is_headless():
-        raise RuntimeError("show: polyscope was started without a display; give picture=")
+    polyscope = _polyscope(picture is not None)
+    if picture is None and polyscope.is_headless():
+        raise RuntimeError(
+            "show: polyscope opens no window in this process: it was started for a picture, or found no display; "
+            "open windows before pictures, or give picture="
+        )
     for name in _COLOURS:
         polyscope.remove_surface_mesh(name, error_if_absent=False)
     viewer = Viewer(polyscope, asset, weights, linear)
-    _set_view(polyscope)
+    polyscope.set_ground_plane_mode("none")
+    polyscope.reset_camera_to_home_view()
+    if picture is not None:
+        _write_picture(polyscope, Path(os.fspath(picture)))
+        return
     imgui = importlib.import_module("polyscope.imgui")
     polyscope.set_user_callback(lambda: viewer.draw_panel(imgui))
     try:
