@@ -147,13 +147,12 @@ def show(
              which Mesa has
 
     Sliders of layers go half a range beyond the measured one. polyscope has one scene for each process: its meshes of the
-    names "elastic" and "linear" are replaced, and a window takes the place of the user callback. It has one way to draw as
-    well: a picture that comes first starts it without windows, and neither show() nor your own code can open one in this
-    process any more. A picture after a window, or after polyscope.init(), is drawn there. Neither polyscope's
-    settings nor imgui.ini of the current folder are written. Raises ImportError without polyscope, RuntimeError for a window
-    without a display or a picture with neither display nor EGL, ValueError and OSError for a picture that cannot be written,
-    and the errors of Asset.blend(). On a display without OpenGL 3.3, as of ssh -X, polyscope ends the process when it opens
-    a window.
+    names "elastic" and "linear" are replaced, and a window takes the place of the user callback. A picture that comes first
+    starts polyscope without windows; neither show() nor your own code can open one in this process any more. A picture
+    after a window, or after polyscope.init(), is drawn there. Neither polyscope's settings nor imgui.ini of the current
+    folder are written. Raises ImportError without polyscope, RuntimeError where no window can be opened or for a picture
+    with neither display nor EGL, ValueError and OSError for a picture that cannot be written, and the errors of
+    Asset.blend(). On a display without OpenGL 3.3, as of ssh -X, polyscope ends the process when it opens a window.
     """
     polyscope = _polyscope(picture is not None)
     if picture is None and polyscope.is_headless():
