@@ -53,7 +53,7 @@ void test_shapes(const Character& character)
         expect(r.finite, pose.name + ": finite");
         expect(r.coincident_vertices == 0, pose.name + ": no duplicate vertices");
         expect(r.smallest_angle > (rest ? 12.0 : 4.0), pose.name + ": no slivers");
-        expect(!rest || r.edge_ratio < 6.0, pose.name + ": even triangles");
+        expect(!rest || r.edge_ratio < 8.0, pose.name + ": even triangles");
         expect(r.largest_dihedral < 2.0, pose.name + ": no folds");
         expect(r.volume > 0.0, pose.name + ": faces look outwards");
         expect(r.crossings.empty(), pose.name + ": does not cross itself");
