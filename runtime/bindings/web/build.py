@@ -22,7 +22,9 @@ ROOT = RUNTIME.parent
 FILES = ["package.json", "pliant.js", "pliant.d.ts", "three.js", "three.d.ts", "README.md"]
 STAMP = ".made_by_pliant_web"
 ZIG = "ziglang==0.17.0"
-COMPILE = ["-m", "ziglang", "cc", "-target", "wasm32-wasi", "-msimd128", "-std=c99", "-ffp-contract=off",
+# Without these two features of zig's default: Chromium 91 and node 16 lack them.
+PROCESSOR = "-mcpu=generic+simd128-reference_types-call_indirect_overlong"
+COMPILE = ["-m", "ziglang", "cc", "-target", "wasm32-wasi", PROCESSOR, "-std=c99", "-ffp-contract=off",
            "-fno-math-errno", "-fno-trapping-math", f"-I{RUNTIME}", f"-I{ROOT / 'formats'}"]
 # Not in a frame, or little of it: made small. The rest is made fast.
 SMALL = {"asset", "asset_energy", "asset_shape", "bounds", "elements_layers", "glb", "morph", "normals", "objective", "open",

@@ -92,20 +92,23 @@ def new_object(context, origin, options):
     if options.source == "FRAMES":  # they are in the shapes
         thing.modifiers.clear()
         thing.parent_type = "OBJECT" if thing.parent_type == "ARMATURE" else thing.parent_type
-    origin.select_set(False)
-    origin.hide_set(True)
     origin.hide_render = True
-    thing.select_set(True)
-    context.view_layer.objects.active = thing
+    layer = context.view_layer  # may have become another during the bake, without the origin
+    if layer.objects.get(origin.name) == origin:
+        origin.select_set(False)
+        origin.hide_set(True)
+    if layer.objects.get(thing.name) == thing:
+        thing.select_set(True)
+        layer.objects.active = thing
     return thing
 
 
 def finish(context, job):
+    asset, summary = job.asset(), job.summary()
     thing = put_result(context, job)
     data, state = thing.data, thing.data.pliant
-    state.asset = job.asset()
-    state.identity = hashlib.sha256(state.asset).hexdigest()
-    state.summary = job.summary()
+    state.asset, state.summary = asset, summary
+    state.identity = hashlib.sha256(asset).hexdigest()
     for name in job.shapes.weight_names:
         state.weights.add().name = name
     drive.add_properties(thing, job.shapes, bpy.data.objects[job.origin])

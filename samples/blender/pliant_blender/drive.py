@@ -69,6 +69,15 @@ def blend(state, weights):
     return shapes.z_up(assets[state.identity].blend(weights))
 
 
+def place(mesh, positions):
+    if mesh.library or mesh.override_library:  # there Blender ignores foreach_set
+        for vertex, position in zip(mesh.vertices, positions):
+            vertex.co = position
+    else:
+        mesh.vertices.foreach_set("co", np.ascontiguousarray(positions, np.float32).ravel())
+    mesh.update()
+
+
 def drive(thing, graph):
     mesh = thing.data
     try:
@@ -85,8 +94,7 @@ def drive(thing, graph):
     if len(positions) != len(mesh.vertices):
         messages[mesh.name_full] = f"the mesh has {len(mesh.vertices)} vertices, the asset {len(positions)}: bake it again"
         return
-    mesh.vertices.foreach_set("co", np.ascontiguousarray(positions, np.float32).ravel())
-    mesh.update()
+    place(mesh, positions)
 
 
 @persistent

@@ -275,7 +275,19 @@ def check_reload():
     thing.update_tag()
     bpy.context.view_layer.update()
     check("much" in addon("drive").messages[thing.data.name_full], "a weight that is a text is told")
-    thing[weight] = 0.3
+    check_linked(name, asset)
+
+
+def check_linked(name, asset):
+    """The object of another file, as a library override: its mesh stays that of the file."""
+    bpy.ops.wm.read_homefile(use_empty=True)
+    with bpy.data.libraries.load(str(FOLDER / "moved.blend"), link=True) as (_, wanted):
+        wanted.objects = [name]
+    thing = wanted.objects[0].override_create()
+    bpy.context.scene.collection.objects.link(thing)
+    for weights in ((0.2, 0.7, 0.4), (1, 0, 0)):
+        set_weights(thing, *weights)
+        check_shape(thing, asset, weights)
 
 
 def reopen(thing):
@@ -413,6 +425,7 @@ def window():
     yield from wait_for(lambda: stages.add(running() and running().stage) or not running(), "the end of a bake")
     check(len(stages) > 2, f"stages: {stages}")
     yield from check_undo(bpy.context.object.name)
+    yield from check_left_layer()
 
 
 def show_panel():
@@ -441,6 +454,24 @@ def check_undo(name):
         thing = bpy.data.objects[name]
         check(thing[NAMES[0]] == bend, f"{act}: the weight is {thing[NAMES[0]]}")
         check_shape(thing, asset, (bend, 0, 0))
+
+
+def check_left_layer():
+    """The origin leaves the view layer during its bake."""
+    bpy.ops.object.select_all(action="DESELECT")
+    thing = make_layers()
+    group = bpy.data.collections.new("group")
+    bpy.context.scene.collection.children.link(group)
+    for collection in thing.users_collection:
+        collection.objects.unlink(thing)
+    group.objects.link(thing)
+    yield
+    activate(thing)
+    start_bake(preview=True)
+    bpy.context.view_layer.layer_collection.children["group"].exclude = True
+    yield from wait_for(lambda: not running(), "the end of a bake")
+    made = bpy.data.objects[thing.name + " Pliant"]
+    check(made.data != thing.data and made.data.pliant.asset, "half a copy")
 
 
 def start_bake(**options):
