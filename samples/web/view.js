@@ -34,7 +34,6 @@ export class View {
   constructor(canvas) {
     this.canvas = canvas;
     this.renderer = new WebGLRenderer({ canvas, antialias: true, alpha: true });
-    this.renderer.setScissorTest(true);
     this.scene = new Scene();
     this.camera = new PerspectiveCamera(30, 1, 0.01, 100);
     const light = new DirectionalLight(0xffffff, 2.2);
@@ -52,6 +51,12 @@ export class View {
     const redraw = () => { this.needsDraw = true; };
     this.controls.addEventListener("change", redraw);
     new ResizeObserver(redraw).observe(canvas);
+    const start = () => { // a graphics context begins with the defaults, also after one was lost
+      this.renderer.setScissorTest(true);
+      redraw();
+    };
+    canvas.addEventListener("webglcontextrestored", start); // three.js has listened before this
+    start();
   }
 
   show(asset) {

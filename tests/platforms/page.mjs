@@ -98,6 +98,24 @@ async function checkIdle(tab) {
   assert.equal(await drawn(), await drawn(), "an idle page draws");
 }
 
+// As after sleep or a fault of the driver.
+async function checkLostContext(tab) {
+  await tab.evaluate(async () => {
+    const { canvas, renderer } = window.view, lost = renderer.getContext().getExtension("WEBGL_lose_context");
+    const next = (name) => new Promise((done) => { canvas.addEventListener(name, done, { once: true }); });
+    const isLost = next("webglcontextlost");
+    lost.loseContext();
+    await isLost;
+    await new Promise(requestAnimationFrame); // Chromium restores nothing in the event itself
+    const isRestored = next("webglcontextrestored");
+    lost.restoreContext();
+    await isRestored;
+    if (!window.view.needsDraw) throw new Error("the page stays empty after a lost graphics context");
+  });
+  const [left, right] = await drawnPixels(tab);
+  assert.ok(left > 0.001 && right > 0.001, `after a lost graphics context ${left} and ${right} of the halves are drawn`);
+}
+
 async function checkLayers(tab, port) {
   await open(tab, port, `#file=layers.pliant&w=${expected.layers.weights}`);
   await checkPositions(tab, "layers");
@@ -230,6 +248,7 @@ try {
   const [left, right] = await drawnPixels(tab);
   assert.ok(left > 0.01 && right > 0.01, `almost nothing is drawn: ${left}, ${right}`);
   await checkIdle(tab);
+  await checkLostContext(tab);
   if (expected.player) await checkOutline(tab, expected.player);
   await tab.click("#linear");
   await settled(tab);
