@@ -21,6 +21,9 @@ class Job:
         origin = thing.pliant.origin if self.target else thing
         if not origin:
             raise shapes.Failure(f"the object that {thing.name} was baked from is gone")
+        for each in (thing, origin):
+            if each.library or each.override_library:  # Blender would not store what a copy of it adds
+                raise shapes.Failure(f"{each.name} is linked from another file: bake it there, or append it")
         self.origin, self.options = origin.name, SimpleNamespace()
         copy_options(options, self.options)
         self.shapes = shapes.read(scene, origin, options)

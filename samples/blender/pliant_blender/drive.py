@@ -99,14 +99,16 @@ def drive(thing, graph):
 
 @persistent
 def refresh(scene, graph=None):
-    """Objects that share a mesh share its shape: the first of them in the order of names drives it."""
-    driven = {}
-    for thing in bpy.data.objects:
-        if thing.type == "MESH" and thing.data.pliant.identity and not thing.data.pliant.table and thing.mode == "OBJECT":
-            driven.setdefault(thing.data.name_full, thing)
-    if not driven or not package():
+    """Objects that share a mesh share its shape: the first of them in the order of names drives it, before those that the
+    scene lacks, as the object behind a library override."""
+    things = [thing for thing in bpy.data.objects
+              if thing.type == "MESH" and thing.data.pliant.identity and not thing.data.pliant.table and thing.mode == "OBJECT"]
+    if not things or not package():
         return
     graph = graph or bpy.context.evaluated_depsgraph_get()
+    driven = {}
+    for thing in sorted(things, key=lambda each: not each.evaluated_get(graph).is_evaluated):
+        driven.setdefault(thing.data.name_full, thing)
     for thing in driven.values():
         drive(thing, graph)
 

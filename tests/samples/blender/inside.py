@@ -137,6 +137,7 @@ def package():
     set_weights(thing, 0, 1, 0)
     check(abs(shown(thing) - tube(twist=1.5)).max() < 0.01, "a layer alone at 1 is its shape key, not mirrored")
     check_copies(thing, asset)
+    check_unseen(thing, asset)
     check_baked_again(thing)
     check_animation(thing, asset)
     check_followed_keys()
@@ -174,6 +175,15 @@ def check_copies(thing, asset):
         mesh = copy.data
         bpy.data.objects.remove(copy)
         bpy.data.meshes.remove(mesh)
+
+
+def check_unseen(thing, asset):
+    """A copy that no scene has does not drive the mesh, whatever its name."""
+    copy = thing.copy()
+    copy.name = "A"
+    set_weights(thing, 0.3, 0, 0.6)
+    check_shape(thing, asset, (0.3, 0, 0.6))
+    bpy.data.objects.remove(copy)
 
 
 def check_baked_again(thing):
@@ -288,6 +298,8 @@ def check_linked(name, asset):
     for weights in ((0.2, 0.7, 0.4), (1, 0, 0)):
         set_weights(thing, *weights)
         check_shape(thing, asset, weights)
+    activate(thing)
+    check_error("is linked from another file: bake it there")
 
 
 def reopen(thing):
