@@ -101,8 +101,8 @@ def drive(thing, graph):
 def refresh(scene, graph=None):
     """Objects that share a mesh share its shape: the first of them in the order of names drives it, before those that the
     scene lacks, as the object behind a library override."""
-    things = [thing for thing in bpy.data.objects
-              if thing.type == "MESH" and thing.data.pliant.identity and not thing.data.pliant.table and thing.mode == "OBJECT"]
+    things = [thing for thing in bpy.data.objects if thing.type == "MESH" and thing.mode == "OBJECT"
+              and thing.data.pliant.identity and not thing.data.pliant.table]
     if not things or not package():
         return
     graph = graph or bpy.context.evaluated_depsgraph_get()
