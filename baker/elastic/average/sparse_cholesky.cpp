@@ -130,7 +130,7 @@ private:
         fork_gate().entry.unlock();
     }
 
-    static void renew_gate() // only the thread that has locked it may unlock it, and a child has another
+    static void renew_gate() // a child may not unlock what a thread of its parent has locked
     {
         if (!is_here_) new (&fork_gate()) ForkGate;
     }

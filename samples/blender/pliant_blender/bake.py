@@ -97,6 +97,7 @@ def new_object(context, origin, options):
         thing.parent_type = "OBJECT" if thing.parent_type == "ARMATURE" else thing.parent_type
     origin.hide_render = True
     layer = context.view_layer  # may have become another during the bake, without the origin
+    layer.update()
     if layer.objects.get(origin.name) == origin:
         origin.select_set(False)
         origin.hide_set(True)
