@@ -1,7 +1,7 @@
 """package.py FOLDER ENVIRONMENT ASSETS MUSEUM PROGRAM: the npm package. Its blends have the bits of PROGRAM, which is
 test_bits of this machine, and those in tests/golden/blends.txt; it survives the museum; its module has at most LARGEST
-bytes, compressed. `npm pack` makes an archive that installs offline, and against which types.ts type-checks. Exit code 77,
-and the reason, without node, and for the last part without the npm registry."""
+bytes, compressed. `npm pack` makes an archive that installs offline, against which types.ts type-checks, and which bundlers
+take. Exit code 77, and the reason, without node, and for the last part without the npm registry."""
 import gzip
 import pathlib
 import re
@@ -44,6 +44,7 @@ def check_types(folder, package, modules):
     (project / "broken.ts").write_text(broken)
     failing = subprocess.run(["node", modules / "node_modules/typescript/bin/tsc", *CHECK, "broken.ts"], cwd=project)
     support.check(failing.returncode != 0, "the types refuse nothing")
+    run("node", HERE / "bundle.mjs", modules, project)
 
 
 def main():

@@ -299,14 +299,15 @@ export class PliantCharacter {
   dispose() { for (const block of Object.values(this.#blocks)) block.free(); }
 }
 
+// Bundlers for pages do not know node's modules. The name is a parameter, since they look for literals.
+const readInNode = async (url, name = "node:fs/promises") =>
+  (await import(/* webpackIgnore: true */ /* @vite-ignore */ name)).readFile(url);
+
 async function compiled(source) {
   if (source instanceof WebAssembly.Module) return source;
   if (source instanceof ArrayBuffer || ArrayBuffer.isView(source)) return WebAssembly.compile(source);
-  const url = new URL(source, import.meta.url);
-  if (url.protocol === "file:" && globalThis.process?.versions?.node) {
-    const { readFile } = await import(/* webpackIgnore: true */ /* @vite-ignore */ "node:fs/promises");
-    return WebAssembly.compile(await readFile(url));
-  }
+  const url = new URL(/* webpackIgnore: true */ source, import.meta.url);
+  if (url.protocol === "file:" && globalThis.process?.versions?.node) return WebAssembly.compile(await readInNode(url));
   const response = await fetch(url);
   if (!response.ok) throw new PliantError(`${url} cannot be fetched: ${response.status}`, undefined);
   return WebAssembly.compile(await response.arrayBuffer());

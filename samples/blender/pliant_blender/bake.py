@@ -90,6 +90,7 @@ def new_object(context, origin, options):
     thing.name = origin.name + " Pliant"
     thing.show_only_shape_key = False  # a pin would keep the sliders from moving anything
     thing.pliant.origin = origin
+    own_action(thing.animation_data)
     for collection in origin.users_collection:
         collection.objects.link(thing)
     if options.source == "FRAMES":  # they are in the shapes
@@ -107,6 +108,15 @@ def new_object(context, origin, options):
     return thing
 
 
+def own_action(animation):
+    """Keyframes of the copy are not those of the origin."""
+    if animation and animation.action:
+        slot = getattr(animation, "action_slot", None)  # since Blender 4.4
+        animation.action = animation.action.copy()
+        if slot:
+            animation.action_slot = animation.action.slots[slot.identifier]
+
+
 def finish(context, job):
     asset, summary = job.asset(), job.summary()
     thing = put_result(context, job)
@@ -118,6 +128,8 @@ def finish(context, job):
     drive.add_properties(thing, job.shapes, bpy.data.objects[job.origin])
     if job.by_keys:
         data.pliant.table = morphs.add_keys(thing, job.folder / "baked.glb")
+    else:
+        drive.add_key(thing)
     thing.update_tag()
     drive.refresh_all(context.scene)
 

@@ -1,4 +1,4 @@
-"""Drives meshes by the Python package pliant: when weights have changed, handlers blend the asset and set vertices."""
+"""Drives meshes by the Python package pliant: when weights have changed, handlers blend the asset and set a shape key."""
 import functools
 import importlib
 
@@ -10,6 +10,8 @@ from . import shapes
 
 assets = {}  # by identity
 messages = {}  # by the name of a mesh: why it stands still
+KEY = "Pliant"
+LOWEST = float(np.finfo(np.float32).min)
 
 
 @functools.cache
@@ -32,8 +34,8 @@ def add_properties(thing, shapes_read, origin):
     for name, (low, high), value in zip(shapes_read.weight_names, shapes_read.ranges, shapes_read.values):
         before = thing.get(name)
         thing[name] = float(before if isinstance(before, (int, float)) else value)
-        limits = {} if layers else {"min": 0.0}  # weights of layers may leave their range, those of averages are shares
-        thing.id_properties_ui(name).update(soft_min=low, soft_max=high, description="Weight of the elastic blend", **limits)
+        least = LOWEST if layers else 0.0  # weights of layers may leave their range, those of averages are shares
+        thing.id_properties_ui(name).update(soft_min=low, soft_max=high, min=least, description="Weight of the blend")
         thing.property_overridable_library_set(property_path(name), True)
         keys = origin.data.shape_keys
         if layers and keys and keys.animation_data and name in keys.key_blocks:
@@ -57,6 +59,13 @@ def add_variable(driver, name, owner, path, kind="OBJECT"):
     variable.targets[0].data_path = path
 
 
+def add_key(thing):
+    """The key that the handlers set. Moving vertices would move what is bound to the shape at rest: generated texture
+    coordinates, hair; and motion blur and exports look for something that deforms the mesh."""
+    thing.shape_key_add(name="Basis", from_mix=False)
+    thing.shape_key_add(name=KEY, from_mix=False).value = 1
+
+
 def weights_of(thing, graph):
     evaluated = thing.evaluated_get(graph)
     return tuple(float(evaluated.get(weight.name, 0)) for weight in thing.data.pliant.weights)
@@ -70,11 +79,12 @@ def blend(state, weights):
 
 
 def place(mesh, positions):
+    points = mesh.shape_keys.key_blocks[KEY].data
     if mesh.library or mesh.override_library:  # there Blender ignores foreach_set
-        for vertex, position in zip(mesh.vertices, positions):
-            vertex.co = position
+        for point, position in zip(points, positions):
+            point.co = position
     else:
-        mesh.vertices.foreach_set("co", np.ascontiguousarray(positions, np.float32).ravel())
+        points.foreach_set("co", np.ascontiguousarray(positions, np.float32).ravel())
     mesh.update()
 
 
@@ -93,8 +103,10 @@ def drive(thing, graph):
         return
     if len(positions) != len(mesh.vertices):
         messages[mesh.name_full] = f"the mesh has {len(mesh.vertices)} vertices, the asset {len(positions)}: bake it again"
-        return
-    place(mesh, positions)
+    elif not mesh.shape_keys or KEY not in mesh.shape_keys.key_blocks:
+        messages[mesh.name_full] = f"the shape key {KEY} is gone: bake it again"
+    else:
+        place(mesh, positions)
 
 
 @persistent

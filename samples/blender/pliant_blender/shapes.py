@@ -58,12 +58,30 @@ def z_up(positions):
 
 def read(scene, thing, options):
     layers = options.blend == "LAYERS" or options.blend == "AUTO" and options.source == "KEYS"
+    check_scale(thing)
     result = from_keys(thing, layers) if options.source == "KEYS" else from_frames(scene, thing, options.frames, layers)
     for name in result.weight_names:
         known = thing.bl_rna.properties.get(name)
         if known and known.is_runtime:  # Blender before 5.0 keeps those of add-ons among the custom properties
             raise Failure(f"shape key '{name}': an add-on has a property of this name: rename the key")
     return result
+
+
+def check_scale(thing):
+    """Lengths of the world are those of the object, up to one factor and 1 %."""
+    bpy.context.view_layer.update()
+    linear = np.array(thing.matrix_world)[:3, :3]
+    squares = linear.T @ linear
+    mean = np.trace(squares) / 3
+    if abs(squares - mean * np.eye(3)).max() > 0.02 * mean:
+        raise Failure(f"{thing.name}: its scale is uneven, or that of a parent: apply it (Object > Apply > Scale)")
+
+
+def check_mirrors(thing):
+    for modifier in thing.modifiers:
+        if modifier.type == "MIRROR" and modifier.use_mirror_merge and (modifier.show_viewport or modifier.show_render):
+            raise Failure(f"{thing.name}: the modifier {modifier.name} merges two halves, and shape keys are of one, whose "
+                          "blend would open in the middle: take Frames, or turn off Merge")
 
 
 def group_weights(thing, name):
@@ -80,6 +98,7 @@ def from_keys(thing, layers):
     keys = thing.data.shape_keys
     if not keys:
         return Shapes([make_shape(thing.name, coordinates(thing.data.vertices), thing.data)], layers, [], [])
+    check_mirrors(thing)
     if not keys.use_relative:
         raise Failure(f"{thing.name}: its shape keys are absolute: turn on Relative in the shape key settings")
     blocks = [key for key in keys.key_blocks if key == keys.reference_key or not key.mute]
@@ -119,13 +138,26 @@ def from_frames(scene, thing, text, layers):
     return Shapes(shapes, True, [(0, 1)] * len(shapes[1:]), [0] * len(shapes[1:])) if layers else average(shapes)
 
 
+def play(scene, last):
+    """Simulations that are not baked need every frame from their first one on."""
+    owners = [scene.rigidbody_world, *(modifier for thing in scene.objects for modifier in thing.modifiers)]
+    caches = [owner.point_cache for owner in owners if getattr(owner, "point_cache", None)]
+    first = min((cache.frame_start for cache in caches if not cache.is_baked), default=last + 1)
+    for frame in range(first, last + 1):
+        scene.frame_set(frame)
+
+
 def at_frames(scene, thing, frames):
     """The evaluated object at each frame; the scene then returns to the frame that it had."""
     shown = scene.frame_current
     try:
+        play(scene, max(frames, default=0))
         for frame in frames:
             scene.frame_set(frame)
-            yield frame, thing.evaluated_get(bpy.context.evaluated_depsgraph_get())
+            evaluated = thing.evaluated_get(bpy.context.evaluated_depsgraph_get())
+            if not evaluated.is_evaluated:
+                raise Failure(f"{thing.name} is disabled in viewports, or not in the view layer: enable it")
+            yield frame, evaluated
     finally:
         scene.frame_set(shown)
 

@@ -72,8 +72,7 @@ def activate(thing):
 
 def bake(**options):
     """The driven object."""
-    done = bpy.ops.pliant.bake(**{"preview": True, **options})
-    check(done == {"FINISHED"}, f"the bake: {done}")
+    check(bpy.ops.pliant.bake(**{"preview": True, **options}) == {"FINISHED"}, "the bake")
     return bpy.context.object
 
 
@@ -86,12 +85,15 @@ def set_weights(thing, *weights):
 
 # --------------------------------------------------------------------------------------------------------------- comparison
 
+def coordinates(vertices):
+    flat = np.empty(3 * len(vertices), np.float32)
+    vertices.foreach_get("co", flat)
+    return flat.reshape(-1, 3)
+
+
 def shown(thing):
     """The vertices that are drawn."""
-    evaluated = thing.evaluated_get(bpy.context.evaluated_depsgraph_get())
-    flat = np.empty(3 * len(evaluated.data.vertices), np.float32)
-    evaluated.data.vertices.foreach_get("co", flat)
-    return flat.reshape(-1, 3)
+    return coordinates(thing.evaluated_get(bpy.context.evaluated_depsgraph_get()).data.vertices)
 
 
 def blended(asset, weights):
@@ -129,11 +131,11 @@ def glb_json(path):
 def package():
     """Driven by the package: layers, averages, animation, files."""
     thing = bake_layers()
-    check(not thing.data.shape_keys, "a mesh that the package drives needs no shape keys")
     asset = write(thing)
     for weights in ((1, 0, 0), (0.5, -0.4, 0.8), (1.2, 1, 1)):
         set_weights(thing, *weights)
         check_shape(thing, asset, weights)
+    check(abs(coordinates(thing.data.vertices) - tube()).max() < 1e-6, "what is bound to the shape at rest stays there")
     set_weights(thing, 0, 1, 0)
     check(abs(shown(thing) - tube(twist=1.5)).max() < 0.01, "a layer alone at 1 is its shape key, not mirrored")
     check_copies(thing, asset)
@@ -143,6 +145,7 @@ def package():
     check_followed_keys()
     check_average()
     check_frames()
+    check_simulation()
     check_reload()
 
 
@@ -190,7 +193,7 @@ def check_baked_again(thing):
     set_weights(thing, 0.75, 0, 0)
     count = len(bpy.data.objects), len(bpy.data.meshes)
     check(bake() == thing and (len(bpy.data.objects), len(bpy.data.meshes)) == count, "baked again in place")
-    check(len(bpy.data.shape_keys) == 1, "nothing but the origin has shape keys")
+    check(len(bpy.data.shape_keys) == 2, "shape keys of the origin and of the driven mesh")
     check(thing[NAMES[0]] == 0.75, "weights survive another bake")
     check_shape(thing, write(thing), (0.75, 0, 0))
 
@@ -209,21 +212,31 @@ def check_animation(thing, asset):
 
 
 def check_rendered():
-    """Rendering evaluates the scene by itself: its frames show the animation."""
-    scene, pictures = bpy.context.scene, []
+    """Rendering evaluates the scene by itself: its frames show the animation, and between them it is blurred."""
+    scene = bpy.context.scene
     camera = bpy.data.objects.new("camera", bpy.data.cameras.new("camera"))
     camera.location, camera.rotation_euler = (0.5, -6, 1), (np.pi / 2, 0, 0)
     scene.collection.objects.link(camera)
     scene.camera, scene.render.engine, scene.cycles.samples, scene.cycles.use_denoising = camera, "CYCLES", 1, False
     scene.render.resolution_x = scene.render.resolution_y = 32
     scene.render.film_transparent, scene.render.image_settings.color_mode = True, "RGBA"
-    scene.frame_start, scene.frame_end, scene.frame_step, scene.render.filepath = 1, 11, 10, str(FOLDER / "frame_")
-    bpy.ops.render.render(animation=True)
-    for frame in (1, 11):
-        image = bpy.data.images.load(str(FOLDER / f"frame_{frame:04}.png"))
-        pictures.append(np.array(image.pixels[:]).reshape(32, 32, 4)[:, :, 3])
-    straight, bent = (np.ptp(np.nonzero(picture.max(axis=1) > 0.5)[0]) for picture in pictures)
+    straight, bent = (np.ptp(np.nonzero(rendered(frame).max(axis=1) > 0.5)[0]) for frame in (1, 11))
     check(bent < 0.8 * straight, f"rows of pixels of the straight and of the bent tube: {straight}, {bent}")
+    scene.cycles.samples, scene.render.motion_blur_shutter = 32, 2
+    soft = []
+    for scene.render.use_motion_blur in (False, True):
+        picture = rendered(6)
+        soft.append(np.count_nonzero((picture > 0.1) & (picture < 0.9)))
+    check(soft[1] > 1.2 * soft[0], f"soft pixels without and with motion blur: {soft}")
+
+
+def rendered(frame):
+    """The alpha channel of a frame that Blender renders as one of an animation."""
+    scene = bpy.context.scene
+    scene.frame_start, scene.frame_end, scene.render.filepath = frame, frame, str(FOLDER / "frame_")
+    bpy.ops.render.render(animation=True)
+    image = bpy.data.images.load(str(FOLDER / f"frame_{frame:04}.png"), check_existing=False)
+    return np.array(image.pixels[:]).reshape(32, 32, 4)[:, :, 3]
 
 
 def check_followed_keys():
@@ -263,11 +276,25 @@ def check_frames():
     thing = bake(source="FRAMES", frames="1, 10 20")
     check([weight.name for weight in thing.data.pliant.weights] == ["frame 1", "frame 10", "frame 20"], "names of frames")
     check(not thing.modifiers and bpy.context.scene.frame_current == 1, "no modifiers, and the frame of before")
+    check(thing.animation_data.action != origin.animation_data.action, "keyframes of the copy are its own")
     asset = write(thing)
     set_weights(thing, 1, 0, 1)
     check_shape(thing, asset, (1, 0, 1))
     bake(source="FRAMES", frames="1, 10 20")
     check(write(thing, "again.pliant").read_bytes() == asset.read_bytes(), "frames of a hidden origin are the same")
+
+
+def check_simulation():
+    """Frames of a cloth that nobody has played."""
+    origin = make_tube()
+    origin.vertex_groups.new(name="pin").add(list(range(SIDES)), 1, "REPLACE")
+    origin.modifiers.new("cloth", "CLOTH").settings.vertex_group_mass = "pin"
+    origin.rotation_euler.x = 1.2
+    thing = bake(source="FRAMES", frames="15, 1")  # shows its first shape
+    for frame in range(1, 16):
+        bpy.context.scene.frame_set(frame)
+    difference, moved = (abs(shown(origin) - other).max() for other in (shown(thing), tube()))
+    check(difference < 0.01 and moved > 0.3, f"off by {difference} where the cloth falls by {moved}")
 
 
 def check_reload():
@@ -281,6 +308,7 @@ def check_reload():
     set_weights(thing, 0.3, 0.6, 0.9)
     check_shape(thing, asset, (0.3, 0.6, 0.9))
     weight = thing.data.pliant.weights[0].name
+    del thing[weight]
     thing[weight] = "much"
     thing.update_tag()
     bpy.context.view_layer.update()
@@ -373,6 +401,7 @@ def errors():
     thing.data.shape_keys.use_relative = False
     check_error("tube.002: its shape keys are absolute")
     thing.data.shape_keys.use_relative = True
+    check_refused(thing)
     preferences().tool = "no-such-pliant"
     check_error("the tool 'no-such-pliant' was not found")
     preferences().tool = "/bin/true"
@@ -382,6 +411,19 @@ def errors():
     preferences().tool = TOOL
     check_export_errors()
     check_link()
+
+
+def check_refused(thing):
+    mirror = thing.modifiers.new("mirror", "MIRROR")
+    check_error("the modifier mirror merges two halves")
+    thing.modifiers.remove(mirror)
+    thing.scale.z = 3
+    check_error("its scale is uneven")
+    thing.scale.z = 1
+    bpy.context.view_layer.update()
+    thing.hide_viewport = True
+    check_error("enable it", source="FRAMES", frames="10, 20")
+    thing.hide_viewport = False
 
 
 def check_miss(thing):
