@@ -83,7 +83,8 @@ def main():
     options = parser.parse_args()
     if not is_ours(options.output):
         sys.exit(f"keep.py: {options.output} does not hold results of the study: name a new folder")
-    with tempfile.TemporaryDirectory(prefix="pliant-keep-", dir=options.output.resolve().parent) as name:
+    options.output = options.output.resolve()  # a relative name may lead through the folder that is moved
+    with tempfile.TemporaryDirectory(prefix="pliant-keep-", dir=options.output.parent) as name:
         folder, before = Path(name, "results"), Path(name, "before")
         folder.mkdir()
         log = (options.study / "log.txt").read_text().strip().splitlines()

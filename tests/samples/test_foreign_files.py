@@ -27,10 +27,10 @@ def fill(folder, names):
     return {path: path.read_bytes() for path in folder.iterdir()}
 
 
-def run(*command):
+def run(*command, cwd=None):
     """Without a network: what begins to work ends soon."""
     offline = {**os.environ, "npm_config_offline": "true", "PIP_INDEX_URL": "http://127.0.0.1:9/"}
-    return subprocess.run([str(word) for word in command], capture_output=True, text=True, env=offline, timeout=300)
+    return subprocess.run([str(word) for word in command], capture_output=True, text=True, env=offline, timeout=300, cwd=cwd)
 
 
 def check_folder(script, names, folder):
@@ -39,6 +39,17 @@ def check_folder(script, names, folder):
     done = run(sys.executable, "-B", ROOT / script, *arguments)
     assert done.returncode in (1, 2) and "name a new folder" in done.stderr, (script, done)
     assert {path: path.read_bytes() for path in folder.iterdir()} == before, f"{script} changed a folder of the user"
+
+
+def check_kept_inside(top):
+    """Results that are kept again from within their folder: their relative name leads through what is replaced."""
+    study, results = top / "study", top / "results"
+    study.mkdir()
+    (study / "log.txt").write_text("log")
+    (study / "table.md").write_text("# Table")
+    for output, place in ((results, top), ("../results", results)):
+        done = run(sys.executable, "-B", ROOT / "tests/paper/keep.py", study, "-o", output, cwd=place)
+        assert done.returncode == 0 and (results / "README.md").exists(), done
 
 
 def check_neighbours(output, names, *command):
@@ -58,6 +69,7 @@ def main(creature=None):
         for k, (script, names) in enumerate(FOLDERS.items()):
             (top / str(k)).mkdir()
             check_folder(script, names, top / str(k))
+        check_kept_inside(top)
         for k in ("zip", "ply"):
             (top / k).mkdir()
         output = top / "zip/add_on.zip"

@@ -305,7 +305,9 @@ const readInNode = async (url, name = "node:fs/promises") =>
 
 async function compiled(source) {
   if (source instanceof WebAssembly.Module) return source;
-  if (source instanceof ArrayBuffer || ArrayBuffer.isView(source)) return WebAssembly.compile(source);
+  if (source instanceof ArrayBuffer) return WebAssembly.compile(source);
+  if (ArrayBuffer.isView(source)) // engines refuse a DataView
+    return WebAssembly.compile(new Uint8Array(source.buffer, source.byteOffset, source.byteLength));
   const url = new URL(/* webpackIgnore: true */ source, import.meta.url);
   if (url.protocol === "file:" && globalThis.process?.versions?.node) return WebAssembly.compile(await readInNode(url));
   const response = await fetch(url);

@@ -110,6 +110,8 @@ def new_object(context, origin, options):
 
 def own_action(animation):
     """Keyframes of the copy are not those of the origin."""
+    if animation:
+        animation.use_tweak_mode = False  # there the action is that of a strip
     if animation and animation.action:
         slot = getattr(animation, "action_slot", None)  # since Blender 4.4
         animation.action = animation.action.copy()

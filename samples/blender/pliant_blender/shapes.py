@@ -79,9 +79,9 @@ def check_scale(thing):
 
 def check_mirrors(thing):
     for modifier in thing.modifiers:
-        if modifier.type == "MIRROR" and modifier.use_mirror_merge and (modifier.show_viewport or modifier.show_render):
-            raise Failure(f"{thing.name}: the modifier {modifier.name} merges two halves, and shape keys are of one, whose "
-                          "blend would open in the middle: take Frames, or turn off Merge")
+        if modifier.type == "MIRROR" and (modifier.show_viewport or modifier.show_render):
+            raise Failure(f"{thing.name}: shape keys below the modifier {modifier.name} are those of one half, whose blend "
+                          "may open in the middle: take Frames")
 
 
 def group_weights(thing, name):
@@ -130,6 +130,7 @@ def frame_numbers(text):
 
 def from_frames(scene, thing, text, layers):
     """What the modifiers make of the object at frames of the scene."""
+    check_caches(thing)
     shapes = []
     for frame, evaluated in at_frames(scene, thing, frame_numbers(text)):
         mesh = evaluated.to_mesh()
@@ -138,24 +139,32 @@ def from_frames(scene, thing, text, layers):
     return Shapes(shapes, True, [(0, 1)] * len(shapes[1:]), [0] * len(shapes[1:])) if layers else average(shapes)
 
 
-def play(scene, last):
-    """Simulations that are not baked need every frame from their first one on."""
-    owners = [scene.rigidbody_world, *(modifier for thing in scene.objects for modifier in thing.modifiers)]
-    caches = [owner.point_cache for owner in owners if getattr(owner, "point_cache", None)]
-    first = min((cache.frame_start for cache in caches if not cache.is_baked), default=last + 1)
-    for frame in range(first, last + 1):
-        scene.frame_set(frame)
+def modifiers_of(thing):
+    """Those of the object, and of the objects that they name: what may shape it."""
+    things = [thing]
+    for each in things:
+        for modifier in each.modifiers:
+            yield modifier
+            named = [getattr(modifier, name) for name, kind in modifier.bl_rna.properties.items() if kind.type == "POINTER"]
+            things += [other for other in named if isinstance(other, bpy.types.Object) and other not in things]
+
+
+def check_caches(thing):
+    """Without its cache, Blender computes a frame of a simulation from the one that was shown before."""
+    for modifier in modifiers_of(thing):
+        cache = getattr(modifier, "point_cache", None)
+        if cache and modifier.show_viewport and not (cache.is_baked or cache.use_external):
+            raise Failure(f"{modifier.id_data.name}: bake the cache of the modifier {modifier.name} first (Physics > Cache)")
 
 
 def at_frames(scene, thing, frames):
     """The evaluated object at each frame; the scene then returns to the frame that it had."""
     shown = scene.frame_current
     try:
-        play(scene, max(frames, default=0))
         for frame in frames:
             scene.frame_set(frame)
             evaluated = thing.evaluated_get(bpy.context.evaluated_depsgraph_get())
-            if not evaluated.is_evaluated:
+            if not evaluated.is_evaluated or bpy.context.view_layer.objects.get(thing.name) != thing:
                 raise Failure(f"{thing.name} is disabled in viewports, or not in the view layer: enable it")
             yield frame, evaluated
     finally:
