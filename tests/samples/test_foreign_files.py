@@ -46,7 +46,6 @@ def check_kept_inside(top):
     study, results = top / "study", top / "results"
     study.mkdir()
     (study / "log.txt").write_text("log")
-    (study / "table.md").write_text("# Table")
     for output, place in ((results, top), ("../results", results)):
         done = run(sys.executable, "-B", ROOT / "tests/paper/keep.py", study, "-o", output, cwd=place)
         assert done.returncode == 0 and (results / "README.md").exists(), done
