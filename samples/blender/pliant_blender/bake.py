@@ -99,10 +99,10 @@ def new_object(context, origin, options):
     origin.hide_render = True
     layer = context.view_layer  # may have become another during the bake, without the origin
     layer.update()
-    if layer.objects.get(origin.name) == origin:
+    if shapes.is_in(layer, origin):
         origin.select_set(False)
         origin.hide_set(True)
-    if layer.objects.get(thing.name) == thing:
+    if shapes.is_in(layer, thing):
         thing.select_set(True)
         layer.objects.active = thing
     return thing
@@ -113,10 +113,10 @@ def own_action(animation):
     if animation:
         animation.use_tweak_mode = False  # there the action is that of a strip
     if animation and animation.action:
-        slot = getattr(animation, "action_slot", None)  # since Blender 4.4
+        slot = getattr(animation, "action_slot", None)
         animation.action = animation.action.copy()
-        if slot:
-            animation.action_slot = animation.action.slots[slot.identifier]
+        if hasattr(animation, "action_slot"):  # since Blender 4.4
+            animation.action_slot = animation.action.slots[slot.identifier] if slot else None
 
 
 def finish(context, job):

@@ -11,7 +11,7 @@ from . import shapes
 assets = {}  # by identity
 messages = {}  # by the name of a mesh: why it stands still
 KEY = "Pliant"
-LOWEST = float(np.finfo(np.float32).min)
+LARGEST = float(np.finfo(np.float32).max)
 
 
 @functools.cache
@@ -34,8 +34,9 @@ def add_properties(thing, shapes_read, origin):
     for name, (low, high), value in zip(shapes_read.weight_names, shapes_read.ranges, shapes_read.values):
         before = thing.get(name)
         thing[name] = float(before if isinstance(before, (int, float)) else value)
-        least = LOWEST if layers else 0.0  # weights of layers may leave their range, those of averages are shares
-        thing.id_properties_ui(name).update(soft_min=low, soft_max=high, min=least, description="Weight of the blend")
+        least = -LARGEST if layers else 0.0  # weights of layers may leave their range, those of averages are shares
+        thing.id_properties_ui(name).update(min=least, max=LARGEST, soft_min=low, soft_max=high,
+                                            description="Weight of the elastic blend")
         thing.property_overridable_library_set(property_path(name), True)
         keys = origin.data.shape_keys
         if layers and keys and keys.animation_data and name in keys.key_blocks:

@@ -139,19 +139,29 @@ def from_frames(scene, thing, text, layers):
     return Shapes(shapes, True, [(0, 1)] * len(shapes[1:]), [0] * len(shapes[1:])) if layers else average(shapes)
 
 
-def modifiers_of(thing):
-    """Those of the object, and of the objects that they name: what may shape it."""
-    things = [thing]
-    for each in things:
-        for modifier in each.modifiers:
-            yield modifier
-            named = [getattr(modifier, name) for name, kind in modifier.bl_rna.properties.items() if kind.type == "POINTER"]
-            things += [other for other in named if isinstance(other, bpy.types.Object) and other not in things]
+def used_by(thing):
+    """The object and all that it uses: by modifiers, nodes, collections, constraints, parents."""
+    uses = {}
+    for used, users in bpy.data.user_map().items():
+        for user in users:
+            uses.setdefault(user, set()).add(used)
+    found, left = {thing}, {thing}
+    while left:
+        left = set().union(*(uses.get(each, ()) for each in left)) - found
+        left = {each for each in left if not isinstance(each, bpy.types.Scene)}  # it uses all there is
+        found |= left
+    return found
+
+
+def is_in(layer, thing):
+    """Not by its name, which a linked object may have, too."""
+    return thing in layer.objects.values()
 
 
 def check_caches(thing):
     """Without its cache, Blender computes a frame of a simulation from the one that was shown before."""
-    for modifier in modifiers_of(thing):
+    things = [each for each in used_by(thing) if isinstance(each, bpy.types.Object)]
+    for modifier in (modifier for each in things for modifier in each.modifiers):
         cache = getattr(modifier, "point_cache", None)
         if cache and modifier.show_viewport and not (cache.is_baked or cache.use_external):
             raise Failure(f"{modifier.id_data.name}: bake the cache of the modifier {modifier.name} first (Physics > Cache)")
@@ -164,7 +174,7 @@ def at_frames(scene, thing, frames):
         for frame in frames:
             scene.frame_set(frame)
             evaluated = thing.evaluated_get(bpy.context.evaluated_depsgraph_get())
-            if not evaluated.is_evaluated or bpy.context.view_layer.objects.get(thing.name) != thing:
+            if not evaluated.is_evaluated or not is_in(bpy.context.view_layer, thing):
                 raise Failure(f"{thing.name} is disabled in viewports, or not in the view layer: enable it")
             yield frame, evaluated
     finally:

@@ -392,6 +392,13 @@ def errors():
 
 
 def check_refused(thing):
+    cloth, group, boolean = make_tube(), bpy.data.collections.new("group"), thing.modifiers.new("boolean", "BOOLEAN")
+    cloth.modifiers.new("cloth", "CLOTH")
+    group.objects.link(cloth)
+    boolean.operand_type, boolean.collection = "COLLECTION", group
+    activate(thing)
+    check_error("bake the cache of the modifier cloth", source="FRAMES", frames="10, 20")
+    thing.modifiers.remove(boolean)
     mirror = thing.modifiers.new("mirror", "MIRROR")
     check_error("below the modifier mirror are those of one half")
     thing.modifiers.remove(mirror)
