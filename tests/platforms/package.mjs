@@ -9,6 +9,7 @@ import { pathToFileURL } from "node:url";
 const [folder, assets, golden, museum] = process.argv.slice(2);
 const { load, PliantError } = await import(pathToFileURL(join(folder, "pliant.js")));
 await load({ wasm: new DataView(new Uint8Array(readFileSync(join(folder, "pliant.wasm"))).buffer) });
+for (const wasm of [null, 5, Promise.resolve("pliant.wasm")]) await assert.rejects(load({ wasm }), TypeError);
 const pliant = await load();
 const bytesOf = (name) => readFileSync(join(assets, `${name}.pliant`));
 

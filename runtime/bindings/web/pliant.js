@@ -308,6 +308,7 @@ async function compiled(source) {
   if (source instanceof ArrayBuffer) return WebAssembly.compile(source);
   if (ArrayBuffer.isView(source)) // engines refuse a DataView
     return WebAssembly.compile(new Uint8Array(source.buffer, source.byteOffset, source.byteLength));
+  if (typeof source !== "string" && !(source instanceof URL)) throw new TypeError("wasm is no address, bytes or module");
   const url = new URL(/* webpackIgnore: true */ source, import.meta.url);
   if (url.protocol === "file:" && globalThis.process?.versions?.node) return WebAssembly.compile(await readInNode(url));
   const response = await fetch(url);
