@@ -27,8 +27,8 @@ def run(*command, **options):
     return done.stdout.strip()
 
 
-def check_types(folder, package, modules):
-    """In an outside project, from the archive."""
+def install(folder, package):
+    """An outside project with the package from its archive."""
     run("npm", "pack", "--offline", "--silent", "--pack-destination", folder, cwd=package)
     (archive,) = folder.glob("pliant-*.tgz")
     project = folder / "project"
@@ -36,6 +36,10 @@ def check_types(folder, package, modules):
     project.mkdir()
     (project / "package.json").write_text('{ "private": true, "type": "module" }')
     run("npm", "install", "--offline", "--legacy-peer-deps", "--no-audit", "--no-fund", archive, cwd=project)
+    return project
+
+
+def check_types(project, modules):
     for name in ("three", "@types"):
         (project / "node_modules" / name).symlink_to(modules / "node_modules" / name)
     shutil.copy(HERE / "types.ts", project)
@@ -44,7 +48,6 @@ def check_types(folder, package, modules):
     (project / "broken.ts").write_text(broken)
     failing = subprocess.run(["node", modules / "node_modules/typescript/bin/tsc", *CHECK, "broken.ts"], cwd=project)
     support.check(failing.returncode != 0, "the types refuse nothing")
-    run("node", HERE / "bundle.mjs", modules, project)
 
 
 def main():
@@ -64,7 +67,9 @@ def main():
     wrong = compare_bits.first_difference(here, there)
     support.check(not wrong, wrong)
     folder.mkdir(parents=True, exist_ok=True)
-    check_types(folder, package, support.node_modules(folder, HERE))
+    project, modules = install(folder, package), support.node_modules(folder, HERE)
+    check_types(project, modules)
+    run("node", HERE / "bundle.mjs", modules, project)
     return 0
 
 

@@ -62,8 +62,8 @@ private:
     Eigen::Index pose_count_, dof_count_;
     std::vector<Hinge> hinges_;
     // A face is seen along its longest edge x1 - x0 and its height x2 - x0 - s (x1 - x0). From a corner, the terms of a
-    // sliver's energy are up to (length/height)^2 times their sum: too much for the single precision of the runtime. An
-    // edge membrane sees edges, from the widest corner (s = 0).
+    // sliver's energy are of the order of (length/height)^2 times their sum: too much for the single precision of the
+    // runtime. An edge membrane sees edges, from the widest corner (s = 0).
     std::vector<Triangle> triangles_;
     Eigen::VectorXd shears_;       // per face: s
     Eigen::VectorXd centres_;      // per hinge

@@ -306,9 +306,9 @@ const readInNode = async (url, name = "node:fs/promises") =>
 async function compiled(source) {
   if (source instanceof WebAssembly.Module) return source;
   if (source instanceof ArrayBuffer) return WebAssembly.compile(source);
-  if (ArrayBuffer.isView(source)) // engines refuse a DataView
+  if (ArrayBuffer.isView(source)) // V8 refuses a DataView
     return WebAssembly.compile(new Uint8Array(source.buffer, source.byteOffset, source.byteLength));
-  if (typeof source !== "string" && !(source instanceof URL)) throw new TypeError("wasm is no address, bytes or module");
+  if (typeof source !== "string" && !(source instanceof URL)) throw new TypeError("wasm is neither an address, bytes nor a module");
   const url = new URL(/* webpackIgnore: true */ source, import.meta.url);
   if (url.protocol === "file:" && globalThis.process?.versions?.node) return WebAssembly.compile(await readInNode(url));
   const response = await fetch(url);

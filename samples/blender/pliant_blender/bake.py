@@ -110,9 +110,10 @@ def new_object(context, origin, options):
 
 def own_action(animation):
     """Keyframes of the copy are not those of the origin."""
-    if animation:
-        animation.use_tweak_mode = False  # there the action is that of a strip
-    if animation and animation.action:
+    if not animation:
+        return
+    animation.use_tweak_mode = False  # there the action is that of a strip
+    if animation.action:
         slot = getattr(animation, "action_slot", None)
         animation.action = animation.action.copy()
         if hasattr(animation, "action_slot"):  # since Blender 4.4

@@ -139,7 +139,7 @@ def from_frames(scene, thing, text, layers):
     return Shapes(shapes, True, [(0, 1)] * len(shapes[1:]), [0] * len(shapes[1:])) if layers else average(shapes)
 
 
-def used_by(thing):
+def dependencies(thing):
     """The object and all that it uses: by modifiers, nodes, collections, constraints, parents."""
     uses = {}
     for used, users in bpy.data.user_map().items():
@@ -160,7 +160,7 @@ def is_in(layer, thing):
 
 def check_caches(thing):
     """Without its cache, Blender computes a frame of a simulation from the one that was shown before."""
-    things = [each for each in used_by(thing) if isinstance(each, bpy.types.Object)]
+    things = [each for each in dependencies(thing) if isinstance(each, bpy.types.Object)]
     for modifier in (modifier for each in things for modifier in each.modifiers):
         cache = getattr(modifier, "point_cache", None)
         if cache and modifier.show_viewport and not (cache.is_baked or cache.use_external):

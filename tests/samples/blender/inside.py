@@ -242,6 +242,8 @@ def check_average():
     before = shown(thing)
     set_weights(thing, 0, 0, 0, 0)
     check((shown(thing) == before).all(), "without weights the shape stands still")
+    limits = bake(blend="LAYERS").id_properties_ui(NAMES[0]).as_dict()
+    check(limits["min"] < -1e30, f"a layer may leave its range: {limits}")
 
 
 def check_frames():
@@ -392,6 +394,7 @@ def errors():
 
 
 def check_refused(thing):
+    """Shapes that are not those of the scene."""
     cloth, group, boolean = make_tube(), bpy.data.collections.new("group"), thing.modifiers.new("boolean", "BOOLEAN")
     cloth.modifiers.new("cloth", "CLOTH")
     group.objects.link(cloth)
