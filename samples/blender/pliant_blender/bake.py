@@ -91,7 +91,9 @@ def new_object(context, origin, options):
     thing.show_only_shape_key = False  # a pin would keep the sliders from moving anything
     thing.pliant.origin = origin
     own_action(thing.animation_data)
-    for collection in origin.users_collection:
+    for collection in thing.users_collection:  # Blender puts the copy of a rigid body into its world, and nowhere else
+        collection.objects.unlink(thing)
+    for collection in collections_of(origin) or [context.scene.collection]:
         collection.objects.link(thing)
     if options.source == "FRAMES":  # they are in the shapes
         thing.modifiers.clear()
@@ -106,6 +108,13 @@ def new_object(context, origin, options):
         thing.select_set(True)
         layer.objects.active = thing
     return thing
+
+
+def collections_of(origin):
+    """Those that take another object, without the worlds of rigid bodies, where it would push the origin away."""
+    worlds = [scene.rigidbody_world for scene in bpy.data.scenes if scene.rigidbody_world]
+    taken = {each for world in worlds for each in (world.collection, world.constraints)}
+    return [each for each in origin.users_collection if each not in taken and not each.library and not each.override_library]
 
 
 def own_action(animation):

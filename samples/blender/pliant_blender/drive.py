@@ -38,18 +38,34 @@ def add_properties(thing, shapes_read, origin):
         thing.id_properties_ui(name).update(min=least, max=LARGEST, soft_min=low, soft_max=high,
                                             description="Weight of the elastic blend")
         thing.property_overridable_library_set(property_path(name), True)
-        keys = origin.data.shape_keys
-        if layers and keys and keys.animation_data and name in keys.key_blocks:
-            follow(thing, property_path(name), keys)
+        if layers and origin.data.shape_keys:
+            follow(thing, property_path(name), origin.data.shape_keys)
 
 
 def follow(thing, path, keys):
-    """Drives a property by the shape key of its name, unless it has a driver."""
-    if thing.animation_data and thing.animation_data.drivers.find(path):
-        return
-    driver = thing.driver_add(path).driver
-    add_variable(driver, "key", keys, f"key_blocks{path}.value", "KEY")
-    driver.expression = "key"
+    """Drives a property by the shape key of its name, if that one moves and the property does not by itself."""
+    source = f"key_blocks{path}.value"
+    if is_moved(keys.animation_data, source) and not is_moved(thing.animation_data, path):
+        driver = thing.driver_add(path).driver
+        add_variable(driver, "key", keys, source, "KEY")
+        driver.expression = "key"
+
+
+def is_moved(animation, path):
+    """Whether a property has a driver, or keyframes in the action or in a strip of the nonlinear animation."""
+    if not animation:
+        return False
+    users = [animation, *(strip for track in animation.nla_tracks for strip in track.strips)]
+    return bool(animation.drivers.find(path)) or any(curve.data_path == path for user in users for curve in curves(user))
+
+
+def curves(user):
+    """Of the action of animation data or of a strip."""
+    action = user.action
+    if not action or not hasattr(user, "action_slot"):  # before Blender 4.4
+        return action.fcurves if action else []
+    bags = [strip.channelbag(user.action_slot) for layer in action.layers for strip in layer.strips if user.action_slot]
+    return [curve for bag in bags if bag for curve in bag.fcurves]
 
 
 def add_variable(driver, name, owner, path, kind="OBJECT"):

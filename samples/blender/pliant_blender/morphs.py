@@ -17,7 +17,8 @@ computed = {}  # by identity: the last weights and their morph weights
 
 
 def read_glb(path):
-    """The base, [d, n, 3] targets, and the extras of a file of `pliant export`, which has one primitive of float32."""
+    """[n, 3] base, [d, n, 3] targets, [d] morph weights of the first shape, and the extras of a file of `pliant export`,
+    which has one primitive of float32."""
     blob = path.read_bytes()
     size = struct.unpack_from("<I", blob, 12)[0]
     document, start = json.loads(blob[20:20 + size]), 28 + size
@@ -29,22 +30,24 @@ def read_glb(path):
         values = np.frombuffer(blob, "<f4", view["byteLength"] // 4, start + view["byteOffset"]).reshape(-1, 3)
         return shapes.z_up(values[:count])  # without the two corners of a box
 
-    base = positions(primitive["attributes"])
-    return base, [positions(target) for target in primitive["targets"]], document["meshes"][0]["extras"]["pliant"]
+    mesh, targets = document["meshes"][0], np.array([positions(target) for target in primitive["targets"]])
+    return positions(primitive["attributes"]), targets, np.array(mesh["weights"]), mesh["extras"]["pliant"]
 
 
 def add_keys(thing, path):
-    """Adds keys and drivers; returns the table as JSON."""
-    base, targets, extras = read_glb(path)
-    thing.data.vertices.foreach_set("co", np.ascontiguousarray(base).ravel())
+    """Adds keys and drivers; returns the table as JSON. Where no driver runs, Blender sets all keys to 0: their base is the
+    first shape."""
+    base, targets, first, extras = read_glb(path)
+    base = (base + np.tensordot(first, targets, 1)).astype(np.float32)
+    thing.data.vertices.foreach_set("co", base.ravel())
     thing.shape_key_add(name="Basis", from_mix=False)
     for j, target in enumerate(targets):
         key = thing.shape_key_add(name=f"Pliant {j}", from_mix=False)
         key.slider_min, key.slider_max = -10, 10  # the table may leave 0 to 1 a little
-        key.data.foreach_set("co", np.ascontiguousarray(base + target).ravel())
+        key.data.foreach_set("co", (base + target).ravel())
         add_driver(thing, key, j)
     thing.data.update()
-    return json.dumps({"layers": extras.get("blend") == "layers", **extras["pose_table"]})
+    return json.dumps({"layers": extras.get("blend") == "layers", "first": first.tolist(), **extras["pose_table"]})
 
 
 def add_driver(thing, key, j):
@@ -53,27 +56,29 @@ def add_driver(thing, key, j):
     names = VARIABLES[:len(thing.data.pliant.weights)]
     for name, weight in zip(names, thing.data.pliant.weights):
         drive.add_variable(driver, name, thing, drive.property_path(weight.name))
-    driver.expression = f"{FUNCTION}(self, {j}, {', '.join(names)})"
+    # In tuples, since Blender without Auto Run refuses calls with more than 30 arguments.
+    groups = ", ".join(f"({','.join(names[i:i + 25])},)" for i in range(0, len(names), 25))
+    driver.expression = f"{FUNCTION}(self, {j}, {groups})"
 
 
 def morph_weights(state, weights):
-    """[d]; of averages without any weight those of equal shares."""
+    """[d], less those of the first shape; of averages without any weight those of equal shares."""
     if state.identity not in tables:
         table = json.loads(state.table)
         centres = np.reshape(table["centres"], (-1, len(weights)))
         rows = len(centres) + table["layers"] + len(weights)
-        tables[state.identity] = table["layers"], centres, np.reshape(table["coefficients"], (rows, -1))
-    layers, centres, coefficients = tables[state.identity]
+        tables[state.identity] = table["layers"], centres, np.reshape(table["coefficients"], (rows, -1)), table["first"]
+    layers, centres, coefficients, first = tables[state.identity]
     w = np.array(weights)
     if not layers:
         w = w / w.sum() if w.sum() > 0 else np.full(len(w), 1 / len(w))
     features = np.concatenate([np.linalg.norm(centres - w, axis=1) ** 3, [1] * layers, w])
-    return features @ coefficients
+    return features @ coefficients - first
 
 
-def driver_function(key, j, *weights):
+def driver_function(key, j, *groups):
     """The value of shape key j. All of a mesh are computed at once, for the first that asks."""
-    state = key.id_data.user.pliant
+    state, weights = key.id_data.user.pliant, sum(groups, ())
     if computed.get(state.identity, (None, None))[0] != weights:
         computed[state.identity] = weights, morph_weights(state, weights)
     return computed[state.identity][1][j]

@@ -3,8 +3,6 @@ import functools
 import importlib.util
 import json
 import os
-import pathlib
-import struct
 import subprocess
 import sys
 import traceback
@@ -12,87 +10,12 @@ import traceback
 import bpy
 import numpy as np
 
-sys.dont_write_bytecode = True  # beside tubes.py
+sys.dont_write_bytecode = True  # beside scene.py
 sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
+from scene import (CASE, FILES, FOLDER, NAMES, TOOL, ZIP, addon, bake, blended, check, check_error,  # noqa: E402
+                   check_shape, contents, coordinates, glb_json, last_message, make_layers, preferences, set_weights,
+                   shown, write)
 from tubes import SIDES, activate, make_tube, tube  # noqa: E402
-
-CASE, ZIP, TOOL, FOLDER = sys.argv[sys.argv.index("--") + 1:]
-FOLDER = pathlib.Path(FOLDER)
-# As of a part of a glTF file; with a slash, an equals sign, letters beyond ASCII.
-NAMES = ["x.glb#bend", "twist/turn", "\u0431\u0443\u043b\u0430=1"]
-FILES = [name.replace("/", "\u2215").replace("#", "\uff03") for name in NAMES]
-
-
-def check(condition, text):
-    if not condition:
-        raise AssertionError(text)
-
-
-# ---------------------------------------------------------------------------------------------------------------- the scene
-
-def make_layers():
-    thing = make_tube(*zip(NAMES, (tube(bend=1.8), tube(twist=1.5), tube(bulge=0.6))))
-    keys = thing.data.shape_keys.key_blocks
-    keys[NAMES[1]].slider_min, keys[NAMES[1]].value = -0.5, 0.25
-    thing.data.uv_layers.new(name="UVMap")
-    thing.vertex_groups.new(name="group").add([5], 1, "REPLACE")
-    return thing
-
-
-def bake(**options):
-    """The driven object."""
-    check(bpy.ops.pliant.bake(**{"preview": True, **options}) == {"FINISHED"}, "the bake")
-    return bpy.context.object
-
-
-def set_weights(thing, *weights):
-    for weight, value in zip(thing.data.pliant.weights, weights):
-        thing[weight.name] = float(value)
-    thing.update_tag()
-    bpy.context.view_layer.update()
-
-
-# --------------------------------------------------------------------------------------------------------------- comparison
-
-def coordinates(vertices):
-    flat = np.empty(3 * len(vertices), np.float32)
-    vertices.foreach_get("co", flat)
-    return flat.reshape(-1, 3)
-
-
-def shown(thing):
-    """The vertices that are drawn."""
-    return coordinates(thing.evaluated_get(bpy.context.evaluated_depsgraph_get()).data.vertices)
-
-
-def blended(asset, weights):
-    """What `pliant blend` says, in Blender's axes."""
-    output = FOLDER / "blend.ply"
-    subprocess.run([TOOL, "blend", asset, "--weights=" + ",".join(map(str, weights)), "-o", output], check=True,
-                   capture_output=True)
-    blob = output.read_bytes()
-    start = blob.index(b"end_header\n") + len(b"end_header\n")
-    count = int(blob[:start].split(b"element vertex ")[1].split()[0])
-    x, y, z = np.frombuffer(blob, "<f4", 3 * count, start).reshape(-1, 3).T
-    return np.stack([x, -z, y], axis=1)
-
-
-def check_shape(thing, asset, weights, limit=1e-5):
-    difference = abs(shown(thing) - blended(asset, weights)).max()
-    check(difference <= limit, f"{thing.name} at {weights} differs by {difference} from pliant blend")
-    return difference
-
-
-def write(thing, name="out.pliant", kind="ASSET"):
-    activate(thing)
-    path = FOLDER / name
-    check(bpy.ops.pliant.export(filepath=str(path), kind=kind) == {"FINISHED"} and path.stat().st_size > 1000, name)
-    return path
-
-
-def glb_json(path):
-    blob = path.read_bytes()
-    return json.loads(blob[20:20 + struct.unpack_from("<I", blob, 12)[0]])
 
 
 # -------------------------------------------------------------------------------------------------------------------- cases
@@ -113,6 +36,7 @@ def package():
     check_animation(thing, asset)
     check_followed_keys()
     check_tweaked()
+    check_rigid_body()
     check_average()
     check_frames()
     check_simulation()
@@ -167,10 +91,7 @@ def check_baked_again(thing):
 
 
 def check_animation(thing, asset):
-    path = f'["{NAMES[0]}"]'
-    for frame, value in ((1, 0), (11, 1)):
-        thing[NAMES[0]] = float(value)
-        thing.keyframe_insert(path, frame=frame)
+    animate_slider(thing, NAMES[0], (1, 0), (11, 1))
     for frame in (6, 11, 1):
         bpy.context.scene.frame_set(frame)
         value = thing.evaluated_get(bpy.context.evaluated_depsgraph_get())[NAMES[0]]
@@ -207,18 +128,50 @@ def rendered(frame):
     return np.array(image.pixels[:]).reshape(32, 32, 4)[:, :, 3]
 
 
-def check_followed_keys():
-    """Shape keys that are animated play on in the driven object."""
-    origin = make_layers()
-    key = origin.data.shape_keys.key_blocks[NAMES[2]]
-    for frame, value in ((1, 0), (21, 1)):
-        key.value = value
+def animate_slider(thing, name, *pairs):
+    for frame, value in pairs:
+        thing[name] = float(value)
+        thing.keyframe_insert(f'["{name}"]', frame=frame)
+
+
+def animate_key(key, *pairs):
+    for frame, key.value in pairs:
         key.keyframe_insert("value", frame=frame)
-    thing = bake()
+
+
+def check_followed_keys():
+    """Shape keys that are animated play on in the driven object; sliders with keyframes of their own do not follow them."""
+    for in_strip in (False, True):
+        origin = make_layers()
+        keys = origin.data.shape_keys
+        animate_key(keys.key_blocks[NAMES[2]], (1, 0), (21, 1))
+        if in_strip:
+            animation = keys.animation_data
+            animation.nla_tracks.new().strips.new("strip", 1, animation.action)
+            animation.action = None
+        thing = bake()
+        animate_slider(thing, NAMES[0], (1, 0), (21, 0.6))
+        check_frames_of(thing, ((21, (0.6, 0.25, 1)), (1, (0, 0.25, 0))))
+        animate_key(keys.key_blocks[NAMES[0]], (1, 0.3))
+        activate(thing)
+        check_frames_of(bake(), ((21, (0.6, 0.25, 1)), (1, (0, 0.25, 0))))
+        set_weights(thing, 0, 0.75, 0)
+        check_shape(thing, write(thing), (0, 0.75, 0))
+
+
+def check_frames_of(thing, frames):
     asset = write(thing)
-    for frame, value in ((21, 1), (1, 0)):
+    for frame, weights in frames:
         bpy.context.scene.frame_set(frame)
-        check_shape(thing, asset, (0, 0.25, value))
+        check_shape(thing, asset, weights)
+
+
+def check_rigid_body():
+    """In the world of rigid bodies the copy and the origin would push each other away."""
+    origin = make_layers()
+    bpy.ops.rigidbody.object_add()
+    check(len(origin.users_collection) == 2, "the origin is a rigid body")
+    check(bake().users_collection == (bpy.context.scene.collection,), "the copy is none")
 
 
 def check_tweaked():
@@ -282,7 +235,7 @@ def check_simulation():
 
 
 def check_reload():
-    """A file with a driven object, moved elsewhere: the asset is in it."""
+    """A file with a driven object, moved elsewhere and opened without Auto Run: the asset is in it."""
     thing = bake_layers()
     asset, name = write(thing), thing.name
     for kind, word in (("MORPH", "targets"), ("EMBED", "pliant"), ("MESHOPT", "EXT_meshopt_compression")):
@@ -318,7 +271,7 @@ def reopen(thing):
     path = FOLDER / "scene.blend"
     bpy.ops.wm.save_as_mainfile(filepath=str(path))
     moved = path.rename(FOLDER / "moved.blend")
-    bpy.ops.wm.open_mainfile(filepath=str(moved), use_scripts=True)
+    bpy.ops.wm.open_mainfile(filepath=str(moved), use_scripts=False)
 
 
 def keys():
@@ -330,17 +283,29 @@ def keys():
     check_stated_error(thing, asset)
     reopen(thing)
     check_stated_error(bpy.data.objects[name], asset)
+    check_without_addon(name)
     check_many_layers()
 
 
+def check_without_addon(name):
+    """Where no driver runs, the object shows its first shape."""
+    bpy.ops.preferences.addon_disable(module="pliant_blender")
+    bpy.ops.wm.open_mainfile(filepath=str(FOLDER / "moved.blend"), use_scripts=False)
+    difference = abs(shown(bpy.data.objects[name]) - tube()).max()
+    check(difference < 0.02, f"without the add-on the shape is {difference} off the first one")
+    bpy.ops.preferences.addon_enable(module="pliant_blender")
+    preferences().tool = TOOL
+
+
 def check_many_layers():
-    """64 weights, as many as there may be, are variables of one driver: the last one arrives."""
+    """64 weights, as many as there may be, are variables of one driver: the last one arrives, also without Auto Run."""
     thing = make_tube(("key", tube(twist=1)))
     state, key = thing.data.pliant, thing.data.shape_keys.key_blocks["key"]
     for i in range(64):
         state.weights.add().name = f"layer {i}"
         thing[f"layer {i}"] = i / 100
-    state.identity, state.table = "64 layers", json.dumps({"layers": True, "centres": [], "coefficients": [0] * 64 + [1]})
+    table = {"layers": True, "first": [0], "centres": [], "coefficients": [0] * 64 + [1]}
+    state.identity, state.table = "64 layers", json.dumps(table)
     addon("morphs").add_driver(thing, key, 0)
     thing.update_tag()
     bpy.context.view_layer.update()
@@ -436,17 +401,6 @@ def check_link():
     check((FOLDER / "link.pliant").is_symlink() and (FOLDER / "linked.pliant").exists(), "the link was replaced")
 
 
-def check_error(wanted, **options):
-    before = contents()
-    try:
-        bpy.ops.pliant.bake(**{"preview": True, **options})
-        raise AssertionError(f"no error, expected {wanted}")
-    except RuntimeError as error:
-        check(wanted in str(error), f"{error}, expected {wanted}")
-    check(wanted in last_message(), f"the panel says {last_message()}")
-    check(contents() == before, "the error left something")
-
-
 def window():
     """In a window: the bake runs beside Blender, Esc ends it, undo and redo move the shape. Yields to let Blender work."""
     thing = make_layers()
@@ -533,22 +487,6 @@ def wait_for(condition, what):
             return
         yield
     raise AssertionError(f"no {what} in a minute")
-
-
-def contents():
-    return [sorted(each.name for each in kind) for kind in (bpy.data.objects, bpy.data.meshes, bpy.data.shape_keys)]
-
-
-def addon(name):
-    return sys.modules[f"pliant_blender.{name}"]
-
-
-def last_message():
-    return addon("bake").PLIANT_OT_bake.message
-
-
-def preferences():
-    return bpy.context.preferences.addons["pliant_blender"].preferences
 
 
 def main():

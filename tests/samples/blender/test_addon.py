@@ -28,7 +28,7 @@ def command(case, python):
         skip("blender is not installed (group engines of samples/install_packages.sh)")
     blender = ["blender", "--factory-startup", "--python-exit-code", "9", "--python", HERE / "inside.py"]
     if case != "window":
-        return [*blender, "--background", "--enable-autoexec", "--"]
+        return [*blender, "--background", "--"]
     if not shutil.which("xvfb-run"):
         skip("xvfb-run is not installed (group player of samples/install_packages.sh)")
     return ["xvfb-run", "-a", "-s", "-screen 0 640x480x24", *blender, "--enable-event-simulate", "--"]
