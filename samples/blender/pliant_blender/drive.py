@@ -55,8 +55,15 @@ def is_moved(animation, path):
     """Whether a property has a driver, or keyframes in the action or in a strip of the nonlinear animation."""
     if not animation:
         return False
-    users = [animation, *(strip for track in animation.nla_tracks for strip in track.strips)]
+    users = [animation, *(strip for track in animation.nla_tracks for strip in strips_in(track))]
     return bool(animation.drivers.find(path)) or any(curve.data_path == path for user in users for curve in curves(user))
+
+
+def strips_in(owner):
+    """Of a track, or of a strip that groups others."""
+    for strip in owner.strips:
+        yield strip
+        yield from strips_in(strip)
 
 
 def curves(user):
