@@ -143,7 +143,7 @@ def finish(context, job):
     else:
         drive.add_key(thing)
     thing.update_tag()
-    drive.refresh_all(context.scene)
+    drive.refresh_all()
 
 
 class PLIANT_OT_bake(bpy.types.Operator, BakeOptions):

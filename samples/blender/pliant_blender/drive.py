@@ -91,7 +91,7 @@ def add_key(thing):
 
 
 def weights_of(thing, graph):
-    evaluated = thing.evaluated_get(graph)
+    evaluated = thing.evaluated_get(graph) if graph else thing
     return tuple(float(evaluated.get(weight.name, 0)) for weight in thing.data.pliant.weights)
 
 
@@ -134,29 +134,29 @@ def drive(thing, graph):
 
 
 @persistent
-def refresh(scene, graph=None):
+def refresh(_=None, graph=None):
     """Objects that share a mesh share its shape: the first of them in the order of names drives it, before those that the
-    scene lacks, as the object behind a library override."""
+    scene lacks, as the object behind a library override. Without a graph by the weights that the objects hold: to evaluate
+    them while a file is being opened would end all drivers whose functions other handlers have yet to give."""
     things = [thing for thing in bpy.data.objects if thing.type == "MESH" and thing.mode == "OBJECT"
               and thing.data.pliant.identity and not thing.data.pliant.table]
     if not things or not package():
         return
-    graph = graph or bpy.context.evaluated_depsgraph_get()
     driven = {}
-    for thing in sorted(things, key=lambda each: not each.evaluated_get(graph).is_evaluated):
+    for thing in sorted(things, key=lambda each: bool(graph) and not each.evaluated_get(graph).is_evaluated):
         driven.setdefault(thing.data.name_full, thing)
     for thing in driven.values():
         drive(thing, graph)
 
 
 @persistent
-def refresh_all(scene=None, _=None):
+def refresh_all(*_):
     """After undo, and after a file was opened: vertices may be of another time than the weights."""
     for mesh in bpy.data.meshes:
         if mesh.pliant.shown:
             mesh.pliant.shown = ""
     messages.clear()
-    refresh(scene)
+    refresh()
 
 
 HANDLERS = {"depsgraph_update_post": refresh, "frame_change_post": refresh, "undo_post": refresh_all,

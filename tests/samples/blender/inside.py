@@ -240,7 +240,11 @@ def check_reload():
     asset, name = write(thing), thing.name
     for kind, word in (("MORPH", "targets"), ("EMBED", "pliant"), ("MESHOPT", "EXT_meshopt_compression")):
         check(word in json.dumps(glb_json(write(thing, "out.glb", kind))), f"the GLB {kind}")
+    keyed = bake_layers(drive="KEYS")
+    set_weights(keyed, 0.5, 0, 0.5)
+    before, keyed = shown(keyed), keyed.name
     reopen(thing)
+    check(abs(shown(bpy.data.objects[keyed]) - before).max() < 1e-5, "an object that shape keys drive beside it")
     thing = bpy.data.objects[name]
     set_weights(thing, 0.3, 0.6, 0.9)
     check_shape(thing, asset, (0.3, 0.6, 0.9))
