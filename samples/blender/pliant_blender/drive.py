@@ -44,11 +44,21 @@ def add_properties(thing, shapes_read, origin):
 
 def follow(thing, path, keys):
     """Drives a property by the shape key of its name, if that one moves and the property does not by itself."""
+    if is_following(thing, path):  # renamed keys take their drivers along: decide anew
+        thing.driver_remove(path)
     source = f"key_blocks{path}.value"
     if is_moved(keys.animation_data, source) and not is_moved(thing.animation_data, path):
         driver = thing.driver_add(path).driver
         add_variable(driver, "key", keys, source, "KEY")
         driver.expression = "key"
+
+
+def is_following(thing, path):
+    """Whether the driver of a property is one of follow()."""
+    curve = thing.animation_data and thing.animation_data.drivers.find(path)
+    variables = curve.driver.variables if curve else []
+    return len(variables) == 1 and curve.driver.expression == variables[0].name == "key" and (
+        variables[0].targets[0].id_type == "KEY")
 
 
 def is_moved(animation, path):
@@ -99,7 +109,14 @@ def blend(state, weights):
     """(n, 3) positions in Blender's axes."""
     if state.identity not in assets:
         assets[state.identity] = package().Asset.open(state.asset)
-    return shapes.z_up(assets[state.identity].blend(weights))
+    asset = assets[state.identity]
+    return shapes.z_up(asset.blend(weights if asset.has_layers else shares(weights)))
+
+
+def shares(weights):
+    """Of an average: none is negative, and without any they are equal."""
+    positive = np.maximum(weights, 0)
+    return positive if positive.any() else np.ones(len(positive))
 
 
 def place(mesh, positions):
@@ -149,6 +166,17 @@ def refresh(_=None, graph=None):
         drive(thing, graph)
 
 
+def refresh_evaluated():
+    refresh(None, bpy.context.evaluated_depsgraph_get())
+
+
+@persistent
+def refresh_opened(*_):
+    """By the weights in the file, then, once all handlers have run, by those that its drivers and links give."""
+    refresh_all()
+    bpy.app.timers.register(refresh_evaluated)
+
+
 @persistent
 def refresh_all(*_):
     """After undo, and after a file was opened: vertices may be of another time than the weights."""
@@ -160,7 +188,7 @@ def refresh_all(*_):
 
 
 HANDLERS = {"depsgraph_update_post": refresh, "frame_change_post": refresh, "undo_post": refresh_all,
-            "redo_post": refresh_all, "load_post": refresh_all}
+            "redo_post": refresh_all, "load_post": refresh_opened}
 
 
 def register():

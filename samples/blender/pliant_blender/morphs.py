@@ -62,16 +62,14 @@ def add_driver(thing, key, j):
 
 
 def morph_weights(state, weights):
-    """[d], less those of the first shape; of averages without any weight those of equal shares."""
+    """[d], less those of the first shape."""
     if state.identity not in tables:
         table = json.loads(state.table)
         centres = np.reshape(table["centres"], (-1, len(weights)))
         rows = len(centres) + table["layers"] + len(weights)
         tables[state.identity] = table["layers"], centres, np.reshape(table["coefficients"], (rows, -1)), table["first"]
     layers, centres, coefficients, first = tables[state.identity]
-    w = np.array(weights)
-    if not layers:
-        w = w / w.sum() if w.sum() > 0 else np.full(len(w), 1 / len(w))
+    w = np.array(weights) if layers else drive.shares(weights) / drive.shares(weights).sum()
     features = np.concatenate([np.linalg.norm(centres - w, axis=1) ** 3, [1] * layers, w])
     return features @ coefficients - first
 

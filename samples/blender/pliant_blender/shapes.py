@@ -64,6 +64,8 @@ def read(scene, thing, options):
         known = thing.bl_rna.properties.get(name)
         if known and known.is_runtime:  # Blender before 5.0 keeps those of add-ons among the custom properties
             raise Failure(f"shape key '{name}': an add-on has a property of this name: rename the key")
+        if name in thing.keys():
+            raise Failure(f"{thing.name} has a custom property '{name}', the name of a slider: rename the property or the key")
     return result
 
 
