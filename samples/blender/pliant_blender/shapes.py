@@ -65,7 +65,7 @@ def read(scene, thing, options):
         if known and known.is_runtime:  # Blender before 5.0 keeps those of add-ons among the custom properties
             raise Failure(f"shape key '{name}': an add-on has a property of this name: rename the key")
         if name in thing.keys():
-            raise Failure(f"{thing.name} has a custom property '{name}', the name of a slider: rename the property or the key")
+            raise Failure(f"{thing.name} has a custom property '{name}', the name of a slider: rename one of them")
     return result
 
 
