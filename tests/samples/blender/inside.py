@@ -435,6 +435,7 @@ def window():
     check(len(stages) > 2, f"stages: {stages}")
     yield from check_undo(bpy.context.object.name)
     yield from check_left_layer()
+    yield from check_opened()
 
 
 def show_panel():
@@ -483,6 +484,25 @@ def check_left_layer():
     check(made.data != thing.data and made.data.pliant.asset, "half a copy")
 
 
+def check_opened():
+    """A linked object has the weights of its own file until the file that links it is evaluated."""
+    thing = bake_layers()
+    asset, name = write(thing), thing.name
+    animate_slider(thing, NAMES[0], (1, 0), (11, 1))
+    bpy.context.scene.frame_set(1)
+    bpy.ops.wm.save_as_mainfile(filepath=str(FOLDER / "linked.blend"))
+    bpy.ops.wm.read_homefile(use_empty=True)
+    with bpy.data.libraries.load(str(FOLDER / "linked.blend"), link=True) as (_, wanted):
+        wanted.objects = [name]
+    bpy.context.scene.collection.objects.link(wanted.objects[0])
+    bpy.context.scene.frame_set(6)
+    bpy.ops.wm.save_as_mainfile(filepath=str(FOLDER / "shot.blend"))
+    bpy.ops.wm.open_mainfile(filepath=str(FOLDER / "shot.blend"))
+    yield
+    yield
+    check_shape(bpy.data.objects[name], asset, (0.5, 0.25, 0))
+
+
 def start_bake(**options):
     area = view_3d()
     with bpy.context.temp_override(window=bpy.context.window, area=area, region=area.regions[-1]):
@@ -509,7 +529,7 @@ def main():
     bpy.ops.object.select_all(action="SELECT")
     bpy.ops.object.delete()
     if CASE == "window":
-        bpy.app.timers.register(functools.partial(step, window()))
+        bpy.app.timers.register(functools.partial(step, window()), persistent=True)
     else:
         globals()[CASE]()
         print(f"passed: {CASE}")
