@@ -114,9 +114,10 @@ def blend(state, weights):
 
 
 def shares(weights):
-    """Of an average: none is negative, and without any they are equal."""
+    """Of an average, with the sum 1: a negative weight counts as 0, and weights that are all 0 count as equal."""
     positive = np.maximum(weights, 0)
-    return positive if positive.any() else np.ones(len(positive))
+    positive = positive if positive.any() else np.ones(len(positive))
+    return positive / positive.sum()
 
 
 def place(mesh, positions):
@@ -153,8 +154,8 @@ def drive(thing, graph):
 @persistent
 def refresh(_=None, graph=None):
     """Objects that share a mesh share its shape: the first of them in the order of names drives it, before those that the
-    scene lacks, as the object behind a library override. Without a graph by the weights that the objects hold: to evaluate
-    them while a file is being opened would end all drivers whose functions other handlers have yet to give."""
+    scene lacks, as the object behind a library override. Without a graph it uses the weights that the objects hold: Blender
+    gives up every driver that it evaluates before another handler has defined its function."""
     things = [thing for thing in bpy.data.objects if thing.type == "MESH" and thing.mode == "OBJECT"
               and thing.data.pliant.identity and not thing.data.pliant.table]
     if not things or not package():
@@ -172,7 +173,7 @@ def refresh_evaluated():
 
 @persistent
 def refresh_opened(*_):
-    """By the weights in the file, then, once all handlers have run, by those that its drivers and links give."""
+    """Shows the weights that the file holds, and the evaluated ones after all handlers have run."""
     refresh_all()
     bpy.app.timers.register(refresh_evaluated)
 

@@ -69,7 +69,7 @@ def morph_weights(state, weights):
         rows = len(centres) + table["layers"] + len(weights)
         tables[state.identity] = table["layers"], centres, np.reshape(table["coefficients"], (rows, -1)), table["first"]
     layers, centres, coefficients, first = tables[state.identity]
-    w = np.array(weights) if layers else drive.shares(weights) / drive.shares(weights).sum()
+    w = np.array(weights) if layers else drive.shares(weights)
     features = np.concatenate([np.linalg.norm(centres - w, axis=1) ** 3, [1] * layers, w])
     return features @ coefficients - first
 
