@@ -217,7 +217,8 @@ class PLIANT_OT_bake(bpy.types.Operator, BakeOptions):
     def cancel(self, context):
         """Also called by Blender, when it quits or opens another file."""
         context.window_manager.event_timer_remove(self.timer)
-        context.workspace.status_text_set(None)
+        for workspace in bpy.data.workspaces:  # those that were shown during the bake
+            workspace.status_text_set(None)
         self.close()
 
     def close(self):

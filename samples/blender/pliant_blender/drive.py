@@ -31,6 +31,8 @@ def add_properties(thing, shapes_read, origin):
     """A custom property for each weight. Those that are there keep their value and their driver; if the shape keys of the
     origin are animated or driven, they are followed by drivers."""
     layers = shapes_read.layers
+    for path in followers(thing):  # of the last bake: the names of keys may be other ones now
+        thing.driver_remove(path)
     for name, (low, high), value in zip(shapes_read.weight_names, shapes_read.ranges, shapes_read.values):
         before = thing.get(name)
         thing[name] = float(before if isinstance(before, (int, float)) else value)
@@ -44,8 +46,6 @@ def add_properties(thing, shapes_read, origin):
 
 def follow(thing, path, keys):
     """Drives a property by the shape key of its name, if that one moves and the property does not by itself."""
-    if is_following(thing, path):  # renamed keys take their drivers along: decide anew
-        thing.driver_remove(path)
     source = f"key_blocks{path}.value"
     if is_moved(keys.animation_data, source) and not is_moved(thing.animation_data, path):
         driver = thing.driver_add(path).driver
@@ -53,11 +53,15 @@ def follow(thing, path, keys):
         driver.expression = "key"
 
 
-def is_following(thing, path):
-    """Whether the driver of a property is one of follow()."""
-    curve = thing.animation_data and thing.animation_data.drivers.find(path)
-    variables = curve.driver.variables if curve else []
-    return len(variables) == 1 and curve.driver.expression == variables[0].name == "key" and (
+def followers(thing):
+    """The paths of the custom properties that follow() drives."""
+    drivers = thing.animation_data.drivers if thing.animation_data else []
+    return [curve.data_path for curve in drivers if curve.data_path.startswith('["') and is_follower(curve.driver)]
+
+
+def is_follower(driver):
+    variables = list(driver.variables)
+    return driver.expression == "key" and [each.name for each in variables] == ["key"] and (
         variables[0].targets[0].id_type == "KEY")
 
 
@@ -200,5 +204,7 @@ def register():
 def unregister():
     for event, handler in HANDLERS.items():
         getattr(bpy.app.handlers, event).remove(handler)
+    if bpy.app.timers.is_registered(refresh_evaluated):
+        bpy.app.timers.unregister(refresh_evaluated)
     for each in (assets, messages):
         each.clear()

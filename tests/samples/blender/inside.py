@@ -163,6 +163,10 @@ def check_followed_keys():
         set_weights(bake(), 0, 0.5, 0)
         value = thing.evaluated_get(bpy.context.evaluated_depsgraph_get())[NAMES[2]]
         check(value == 0.5, f"the slider of a key that stands still, with the name of one that moved: {value}")
+        animate_key(keys.key_blocks[NAMES[2]], (1, 0.3))
+        activate(thing)
+        check(len(bake().animation_data.drivers) == 2, "the layers of the two keys that are animated follow them")
+        check(len(bake(blend="AVERAGE").animation_data.drivers) == 0, "sliders of an average follow nothing")
 
 
 def check_frames_of(thing, frames):
