@@ -52,6 +52,11 @@ class Job:
             words += ["--range", f"{pathlib.PurePosixPath(file).name[:-len('.ply')]}={low:.6g}:{high:.6g}"]
         return [*words, "--", *files]
 
+    def is_blocked(self):
+        """Whether an object is in a mode in which Blender does not exchange its mesh."""
+        things = [bpy.data.objects.get(name) for name in (self.origin, self.target)]
+        return any(thing and thing.mode != "OBJECT" for thing in things)
+
     def has_asset(self):
         return (self.folder / "baked.pliant").exists()
 
@@ -90,7 +95,9 @@ def new_object(context, origin, options):
     thing.name = origin.name + " Pliant"
     thing.show_only_shape_key = False  # a pin would keep the sliders from moving anything
     thing.pliant.origin = origin
-    own_action(thing.animation_data)
+    own_actions(thing.animation_data)
+    if thing.field:  # that of the origin stays
+        thing.field.type = "NONE"
     for collection in thing.users_collection:  # Blender puts the copy of a rigid body into its world, and nowhere else
         collection.objects.unlink(thing)
     for collection in collections_of(origin) or [context.scene.collection]:
@@ -98,7 +105,7 @@ def new_object(context, origin, options):
     if options.source == "FRAMES":  # they are in the shapes
         thing.modifiers.clear()
         thing.parent_type = "OBJECT" if thing.parent_type == "ARMATURE" else thing.parent_type
-    origin.hide_render = True
+    hide_origin(origin)
     layer = context.view_layer  # may have become another during the bake, without the origin
     layer.update()
     if shapes.is_in(layer, origin):
@@ -110,6 +117,15 @@ def new_object(context, origin, options):
     return thing
 
 
+def hide_origin(origin):
+    """From renders and from what collides."""
+    origin.hide_render = True
+    for curve in drive.movers(origin.animation_data, "hide_render"):
+        curve.mute = True
+    if origin.collision:
+        origin.collision.use = False
+
+
 def collections_of(origin):
     """Those that take another object, without the worlds of rigid bodies, where it would push the origin away."""
     worlds = [scene.rigidbody_world for scene in bpy.data.scenes if scene.rigidbody_world]
@@ -117,16 +133,16 @@ def collections_of(origin):
     return [each for each in origin.users_collection if each not in taken and not each.library and not each.override_library]
 
 
-def own_action(animation):
+def own_actions(animation):
     """Keyframes of the copy are not those of the origin."""
-    if not animation:
-        return
-    animation.use_tweak_mode = False  # there the action is that of a strip
-    if animation.action:
-        slot = getattr(animation, "action_slot", None)
-        animation.action = animation.action.copy()
-        if hasattr(animation, "action_slot"):  # since Blender 4.4
-            animation.action_slot = animation.action.slots[slot.identifier] if slot else None
+    if animation:
+        animation.use_tweak_mode = False  # there the action is that of a strip
+    for user in drive.users_of_actions(animation):
+        if user.action:
+            slot = getattr(user, "action_slot", None)
+            user.action = user.action.copy()
+            if hasattr(user, "action_slot"):  # since Blender 4.4
+                user.action_slot = user.action.slots[slot.identifier] if slot else None
 
 
 def finish(context, job):
@@ -199,6 +215,8 @@ class PLIANT_OT_bake(bpy.types.Operator, BakeOptions):
         if event.type != "TIMER":
             return {"PASS_THROUGH"}
         is_done = self.job.run.poll() is not None
+        if is_done and self.job.is_blocked():
+            is_done, self.job.run.stage = False, "return to Object Mode for the result"
         self.show(context)
         if not is_done:
             return {"PASS_THROUGH"}

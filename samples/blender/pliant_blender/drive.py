@@ -11,6 +11,7 @@ from . import shapes
 assets = {}  # by identity
 messages = {}  # by the name of a mesh: why it stands still
 KEY = "Pliant"
+FOLLOWED = "pliant_key"  # the variable of drivers of add_properties(), by which another bake knows them
 LARGEST = float(np.finfo(np.float32).max)
 
 
@@ -47,30 +48,27 @@ def add_properties(thing, shapes_read, origin):
 def follow(thing, path, keys):
     """Drives a property by the shape key of its name, if that one moves and the property does not by itself."""
     source = f"key_blocks{path}.value"
-    if is_moved(keys.animation_data, source) and not is_moved(thing.animation_data, path):
+    if movers(keys.animation_data, source) and not movers(thing.animation_data, path):
         driver = thing.driver_add(path).driver
-        add_variable(driver, "key", keys, source, "KEY")
-        driver.expression = "key"
+        add_variable(driver, FOLLOWED, keys, source, "KEY")
+        driver.expression = FOLLOWED
 
 
 def followers(thing):
     """The paths of the custom properties that follow() drives."""
     drivers = thing.animation_data.drivers if thing.animation_data else []
-    return [curve.data_path for curve in drivers if curve.data_path.startswith('["') and is_follower(curve.driver)]
+    return [curve.data_path for curve in drivers if curve.driver.expression == FOLLOWED]
 
 
-def is_follower(driver):
-    variables = list(driver.variables)
-    return driver.expression == "key" and [each.name for each in variables] == ["key"] and (
-        variables[0].targets[0].id_type == "KEY")
+def movers(animation, path):
+    """The curves that move a property: its driver, and its keyframes in the action and in the nonlinear animation."""
+    found = [curve for user in users_of_actions(animation) for curve in curves(user)] + [*getattr(animation, "drivers", ())]
+    return [curve for curve in found if curve.data_path == path]
 
 
-def is_moved(animation, path):
-    """Whether a property has a driver, or keyframes in the action or in a strip of the nonlinear animation."""
-    if not animation:
-        return False
-    users = [animation, *(strip for track in animation.nla_tracks for strip in strips_in(track))]
-    return bool(animation.drivers.find(path)) or any(curve.data_path == path for user in users for curve in curves(user))
+def users_of_actions(animation):
+    """Animation data and its strips; nothing of None."""
+    return [animation, *(strip for track in animation.nla_tracks for strip in strips_in(track))] if animation else []
 
 
 def strips_in(owner):

@@ -3,7 +3,6 @@ import functools
 import importlib.util
 import json
 import os
-import subprocess
 import sys
 import traceback
 
@@ -12,10 +11,11 @@ import numpy as np
 
 sys.dont_write_bytecode = True  # beside scene.py
 sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
-from scene import (CASE, FILES, FOLDER, NAMES, TOOL, ZIP, addon, bake, blended, check, check_error,  # noqa: E402
-                   check_shape, contents, coordinates, glb_json, last_message, make_layers, preferences, set_weights,
+from scene import (CASE, FOLDER, NAMES, TOOL, ZIP, addon, animate_slider, bake, bake_layers, blended, check,  # noqa: E402
+                   check_error, check_shape, coordinates, glb_json, last_message, make_layers, preferences, set_weights,
                    shown, write)
 from tubes import SIDES, activate, make_tube, tube  # noqa: E402
+from window import window  # noqa: E402
 
 
 # -------------------------------------------------------------------------------------------------------------------- cases
@@ -36,27 +36,12 @@ def package():
     check_animation(thing, asset)
     check_followed_keys()
     check_tweaked()
-    check_rigid_body()
+    check_hidden()
+    check_simulated()
     check_average()
     check_frames()
     check_simulation()
     check_reload()
-
-
-def bake_layers(**options):
-    origin = make_layers()
-    origin.show_only_shape_key = True  # pinned, as artists leave it
-    thing = bake(**options)
-    check([weight.name for weight in thing.data.pliant.weights] == NAMES, "names of layers")
-    check([round(thing[name], 6) for name in NAMES] == [0, 0.25, 0], f"values of sliders: {[thing[n] for n in NAMES]}")
-    limits = thing.id_properties_ui(NAMES[1]).as_dict()
-    check((limits["soft_min"], limits["soft_max"]) == (-0.5, 1), f"the range of the slider: {limits}")
-    check({"UVMap"} == {each.name for each in thing.data.uv_layers} and thing.data.vertices[5].groups, "layers of the mesh")
-    check(not origin.visible_get() and origin.data.shape_keys, "the origin is hidden, as it was")
-    report = json.loads(subprocess.run([TOOL, "info", "--json", write(thing)], capture_output=True, check=True).stdout)
-    found = json.dumps(report, ensure_ascii=False)
-    check(all(name in found for name in FILES), f"names in the asset: {found[:2000]}")
-    return thing
 
 
 def check_copies(thing, asset):
@@ -128,12 +113,6 @@ def rendered(frame):
     return np.array(image.pixels[:]).reshape(32, 32, 4)[:, :, 3]
 
 
-def animate_slider(thing, name, *pairs):
-    for frame, value in pairs:
-        thing[name] = float(value)
-        thing.keyframe_insert(f'["{name}"]', frame=frame)
-
-
 def animate_key(key, *pairs):
     for frame, key.value in pairs:
         key.keyframe_insert("value", frame=frame)
@@ -176,12 +155,17 @@ def check_frames_of(thing, frames):
         check_shape(thing, asset, weights)
 
 
-def check_rigid_body():
-    """In the world of rigid bodies the copy and the origin would push each other away."""
+def check_simulated():
+    """Only one of the two acts in simulations: as rigid bodies they would push each other away."""
     origin = make_layers()
     bpy.ops.rigidbody.object_add()
     check(len(origin.users_collection) == 2, "the origin is a rigid body")
-    check(bake().users_collection == (bpy.context.scene.collection,), "the copy is none")
+    bpy.ops.object.forcefield_toggle()
+    origin.modifiers.new("collision", "COLLISION")
+    thing = bake()
+    check(thing.users_collection == (bpy.context.scene.collection,), "the copy is no rigid body")
+    check((origin.field.type, thing.field.type) == ("FORCE", "NONE"), "the copy has no force field")
+    check((origin.collision.use, thing.collision.use) == (False, True), "the copy collides")
 
 
 def check_tweaked():
@@ -192,6 +176,24 @@ def check_tweaked():
     origin.animation_data.action = None
     origin.animation_data.use_tweak_mode = True
     check(bake().animation_data.nla_tracks and origin.animation_data.use_tweak_mode, "the mode is the origin's")
+
+
+def check_hidden():
+    """Keyframes and drivers of its visibility do not show the origin again: they are those of the copy now."""
+    for kind in ("action", "strip", "driver"):
+        origin = make_layers()
+        if kind == "driver":
+            origin.driver_add("hide_render").driver.expression = "frame < 5"
+        for frame in (1, 5) if kind != "driver" else ():
+            origin.hide_render = frame < 5
+            origin.keyframe_insert("hide_render", frame=frame)
+        if kind == "strip":
+            origin.animation_data.nla_tracks.new().strips.new("strip", 1, origin.animation_data.action)
+            origin.animation_data.action = None
+        thing = bake()
+        for frame in (6, 1):
+            bpy.context.scene.frame_set(frame)
+            check((origin.hide_render, thing.hide_render) == (True, frame < 5), f"hidden by {kind} in frame {frame}")
 
 
 def check_average():
@@ -416,114 +418,6 @@ def check_link():
     (FOLDER / "link.pliant").symlink_to("linked.pliant")
     write(bpy.context.object, "link.pliant")
     check((FOLDER / "link.pliant").is_symlink() and (FOLDER / "linked.pliant").exists(), "the link was replaced")
-
-
-def window():
-    """In a window: the bake runs beside Blender, Esc ends it, undo and redo move the shape. Yields to let Blender work."""
-    thing = make_layers()
-    bpy.ops.ed.undo_push(message="the scene")
-    show_panel()
-    yield
-    before = contents()
-    start_bake(preview=False, tolerance=1e-6)
-    yield from wait_for(lambda: running().percent > 0, "progress")
-    process = running().process
-    bpy.context.window.event_simulate(type="ESC", value="PRESS")
-    yield from wait_for(lambda: not addon("bake").PLIANT_OT_bake.job, "the end of a cancelled bake")
-    check(process.poll() not in (None, 0), "the tool was ended")
-    check(contents() == before and bpy.context.object == thing, "a cancelled bake leaves nothing")
-    check(last_message() == "cancelled: nothing was baked", last_message())
-    start_bake(preview=True)
-    stages = set()
-    yield from wait_for(lambda: stages.add(running() and running().stage) or not running(), "the end of a bake")
-    check(len(stages) > 2, f"stages: {stages}")
-    yield from check_undo(bpy.context.object.name)
-    yield from check_left_layer()
-    yield from check_opened()
-
-
-def show_panel():
-    """In the tab that is open, in a viewport that is quick to draw."""
-    panel = addon("panel").VIEW3D_PT_pliant
-    bpy.utils.unregister_class(panel)
-    panel.bl_category = "Item"
-    bpy.utils.register_class(panel)
-    space = view_3d().spaces.active
-    space.show_region_ui, space.shading.type, space.overlay.show_overlays = True, "WIREFRAME", False
-
-
-def view_3d():
-    return next(area for area in bpy.context.window.screen.areas if area.type == "VIEW_3D")
-
-
-def check_undo(name):
-    asset = write(bpy.data.objects[name])
-    for bend in (0.5, 1.0):
-        set_weights(bpy.data.objects[name], bend, 0, 0)
-        yield
-        bpy.ops.ed.undo_push(message=f"bend {bend}")
-    for act, bend in ((bpy.ops.ed.undo, 0.5), (bpy.ops.ed.redo, 1.0)):
-        act()
-        yield
-        thing = bpy.data.objects[name]
-        check(thing[NAMES[0]] == bend, f"{act}: the weight is {thing[NAMES[0]]}")
-        check_shape(thing, asset, (bend, 0, 0))
-
-
-def check_left_layer():
-    """The origin leaves the view layer during its bake."""
-    bpy.ops.object.select_all(action="DESELECT")
-    thing = make_layers()
-    group = bpy.data.collections.new("group")
-    bpy.context.scene.collection.children.link(group)
-    for collection in thing.users_collection:
-        collection.objects.unlink(thing)
-    group.objects.link(thing)
-    yield
-    activate(thing)
-    start_bake(preview=True)
-    bpy.context.view_layer.layer_collection.children["group"].exclude = True
-    yield from wait_for(lambda: not running(), "the end of a bake")
-    made = bpy.data.objects[thing.name + " Pliant"]
-    check(made.data != thing.data and made.data.pliant.asset, "half a copy")
-
-
-def check_opened():
-    """A linked object has the weights of its own file until the file that links it is evaluated."""
-    thing = bake_layers()
-    asset, name = write(thing), thing.name
-    animate_slider(thing, NAMES[0], (1, 0), (11, 1))
-    bpy.context.scene.frame_set(1)
-    bpy.ops.wm.save_as_mainfile(filepath=str(FOLDER / "linked.blend"))
-    bpy.ops.wm.read_homefile(use_empty=True)
-    with bpy.data.libraries.load(str(FOLDER / "linked.blend"), link=True) as (_, wanted):
-        wanted.objects = [name]
-    bpy.context.scene.collection.objects.link(wanted.objects[0])
-    bpy.context.scene.frame_set(6)
-    bpy.ops.wm.save_as_mainfile(filepath=str(FOLDER / "shot.blend"))
-    bpy.ops.wm.open_mainfile(filepath=str(FOLDER / "shot.blend"))
-    yield
-    yield
-    check_shape(bpy.data.objects[name], asset, (0.5, 0.25, 0))
-
-
-def start_bake(**options):
-    area = view_3d()
-    with bpy.context.temp_override(window=bpy.context.window, area=area, region=area.regions[-1]):
-        check(bpy.ops.pliant.bake("INVOKE_DEFAULT", **options) == {"RUNNING_MODAL"}, "the bake runs beside Blender")
-
-
-def running():
-    job = addon("bake").PLIANT_OT_bake.job
-    return job and job.run
-
-
-def wait_for(condition, what):
-    for _ in range(600):
-        if condition():
-            return
-        yield
-    raise AssertionError(f"no {what} in a minute")
 
 
 def main():

@@ -39,11 +39,33 @@ def bake(**options):
     return bpy.context.object
 
 
+def bake_layers(**options):
+    origin = make_layers()
+    origin.show_only_shape_key = True  # pinned, as artists leave it
+    thing = bake(**options)
+    check([weight.name for weight in thing.data.pliant.weights] == NAMES, "names of layers")
+    check([round(thing[name], 6) for name in NAMES] == [0, 0.25, 0], f"values of sliders: {[thing[n] for n in NAMES]}")
+    limits = thing.id_properties_ui(NAMES[1]).as_dict()
+    check((limits["soft_min"], limits["soft_max"]) == (-0.5, 1), f"the range of the slider: {limits}")
+    check({"UVMap"} == {each.name for each in thing.data.uv_layers} and thing.data.vertices[5].groups, "layers of the mesh")
+    check(not origin.visible_get() and origin.data.shape_keys, "the origin is hidden, as it was")
+    report = json.loads(subprocess.run([TOOL, "info", "--json", write(thing)], capture_output=True, check=True).stdout)
+    found = json.dumps(report, ensure_ascii=False)
+    check(all(name in found for name in FILES), f"names in the asset: {found[:2000]}")
+    return thing
+
+
 def set_weights(thing, *weights):
     for weight, value in zip(thing.data.pliant.weights, weights):
         thing[weight.name] = float(value)
     thing.update_tag()
     bpy.context.view_layer.update()
+
+
+def animate_slider(thing, name, *pairs):
+    for frame, value in pairs:
+        thing[name] = float(value)
+        thing.keyframe_insert(f'["{name}"]', frame=frame)
 
 
 # --------------------------------------------------------------------------------------------------------------- comparison
