@@ -21,6 +21,8 @@ class Job:
         origin = thing.pliant.origin if self.target else thing
         if not origin:
             raise shapes.Failure(f"the object that {thing.name} was baked from is gone")
+        if self.target and options.source != thing.pliant.source:  # one has the modifiers of its origin, the other none
+            raise shapes.Failure(f"{thing.name} keeps its kind of shapes: select {origin.name} to bake from others")
         for each in (thing, origin):
             if each.library or each.override_library:  # Blender would not store what a copy of it adds
                 raise shapes.Failure(f"{each.name} is linked from another file: bake it there, or append it")

@@ -55,7 +55,9 @@ class VIEW3D_PT_pliant(bpy.types.Panel):
     def draw_options(self, thing):
         column, state = self.layout.column(), thing.pliant
         column.use_property_split, column.use_property_decorate = True, False
-        column.prop(state, "source")
+        row = column.row()
+        row.enabled = not thing.data.pliant.identity  # a bake anew has the shapes of the first one
+        row.prop(state, "source")
         if state.source == "FRAMES":
             column.prop(state, "frames")
         column.prop(state, "blend")

@@ -227,6 +227,7 @@ def check_frames():
     check_shape(thing, asset, (1, 0, 1))
     bake(source="FRAMES", frames="1, 10 20")
     check(write(thing, "again.pliant").read_bytes() == asset.read_bytes(), "frames of a hidden origin are the same")
+    check_error(f"keeps its kind of shapes: select {origin.name}")
 
 
 def check_simulation():
