@@ -107,7 +107,8 @@ def new_object(context, origin, options):
     if options.source == "FRAMES":  # they are in the shapes
         thing.modifiers.clear()
         thing.parent_type = "OBJECT" if thing.parent_type == "ARMATURE" else thing.parent_type
-    hide_origin(origin)
+    show(thing, True)
+    show(origin, False)
     layer = context.view_layer  # may have become another during the bake, without the origin
     layer.update()
     if shapes.is_in(layer, origin):
@@ -119,13 +120,13 @@ def new_object(context, origin, options):
     return thing
 
 
-def hide_origin(origin):
-    """From renders and from what collides."""
-    origin.hide_render = True
-    for curve in drive.movers(origin.animation_data, "hide_render"):
-        curve.mute = True
-    if origin.collision:
-        origin.collision.use = False
+def show(thing, is_shown):
+    """In renders, and to what collides. An origin that is baked once more was hidden by its first bake."""
+    thing.hide_render = not is_shown
+    for curve in drive.movers(thing.animation_data, "hide_render"):
+        curve.mute = not is_shown
+    if thing.collision:
+        thing.collision.use = is_shown
 
 
 def collections_of(origin):

@@ -48,7 +48,8 @@ def add_properties(thing, shapes_read, origin):
 def follow(thing, path, keys):
     """Drives a property by the shape key of its name, if that one moves and the property does not by itself."""
     source = f"key_blocks{path}.value"
-    if movers(keys.animation_data, source) and not movers(thing.animation_data, path):
+    is_moved = any(not curve.mute for curve in movers(keys.animation_data, source))
+    if is_moved and not movers(thing.animation_data, path):
         driver = thing.driver_add(path).driver
         add_variable(driver, FOLLOWED, keys, source, "KEY")
         driver.expression = FOLLOWED

@@ -162,6 +162,8 @@ def check_simulated():
     check(len(origin.users_collection) == 2, "the origin is a rigid body")
     bpy.ops.object.forcefield_toggle()
     origin.modifiers.new("collision", "COLLISION")
+    bpy.data.objects.remove(bake())
+    activate(origin)
     thing = bake()
     check(thing.users_collection == (bpy.context.scene.collection,), "the copy is no rigid body")
     check((origin.field.type, thing.field.type) == ("FORCE", "NONE"), "the copy has no force field")
@@ -180,20 +182,23 @@ def check_tweaked():
 
 def check_hidden():
     """Keyframes and drivers of its visibility do not show the origin again: they are those of the copy now."""
-    for kind in ("action", "strip", "driver"):
+    for kind in ("nothing", "action", "strip", "driver"):
         origin = make_layers()
         if kind == "driver":
             origin.driver_add("hide_render").driver.expression = "frame < 5"
-        for frame in (1, 5) if kind != "driver" else ():
+        for frame in (1, 5) if kind in ("action", "strip") else ():
             origin.hide_render = frame < 5
             origin.keyframe_insert("hide_render", frame=frame)
         if kind == "strip":
             origin.animation_data.nla_tracks.new().strips.new("strip", 1, origin.animation_data.action)
             origin.animation_data.action = None
+        bpy.data.objects.remove(bake())  # and all once more
+        activate(origin)
         thing = bake()
         for frame in (6, 1):
             bpy.context.scene.frame_set(frame)
-            check((origin.hide_render, thing.hide_render) == (True, frame < 5), f"hidden by {kind} in frame {frame}")
+            wanted = True, kind != "nothing" and frame < 5
+            check((origin.hide_render, thing.hide_render) == wanted, f"hidden by {kind} in frame {frame}")
 
 
 def check_average():
