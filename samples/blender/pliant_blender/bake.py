@@ -13,6 +13,16 @@ from .properties import BakeOptions, copy_options
 FILE_NAMES = {ord("/"): "\u2215", ord("#"): "\uff03"}  # a '#' would ask for a part of a glTF file
 
 
+def check_origin(origin):
+    """It stays in the scene, hidden, beside the copy."""
+    if drive.is_animated(origin.animation_data, "hide_render"):
+        raise shapes.Failure(f"{origin.name}: its visibility in renders is animated, and would show it beside the copy: "
+                             "remove these keyframes or the driver, and animate the copy")
+    if any(modifier.type == "COLLISION" for modifier in origin.modifiers):
+        raise shapes.Failure(f"{origin.name} would collide beside the copy, though it is hidden: remove its Collision "
+                             "modifier, and add one to the copy")
+
+
 class Job:
     """A bake from the shapes of an object to an asset, in a temporary folder that close() removes."""
 
@@ -28,6 +38,7 @@ class Job:
                 raise shapes.Failure(f"{each.name} is linked from another file: bake it there, or append it")
         self.origin, self.options = origin.name, SimpleNamespace()
         copy_options(options, self.options)
+        check_origin(origin)
         self.shapes = shapes.read(scene, origin, options)
         self.by_keys = options.drive == "KEYS" or options.drive == "AUTO" and not drive.package()
         self.storage = tempfile.TemporaryDirectory(prefix="pliant_")
@@ -54,11 +65,6 @@ class Job:
             words += ["--range", f"{pathlib.PurePosixPath(file).name[:-len('.ply')]}={low:.6g}:{high:.6g}"]
         return [*words, "--", *files]
 
-    def is_blocked(self):
-        """Whether an object is in a mode in which Blender does not exchange its mesh."""
-        things = [bpy.data.objects.get(name) for name in (self.origin, self.target)]
-        return any(thing and thing.mode != "OBJECT" for thing in things)
-
     def has_asset(self):
         return (self.folder / "baked.pliant").exists()
 
@@ -80,7 +86,8 @@ def put_result(context, job):
     """The driven object with a new mesh: the one that was active, or beside the origin, which is hidden, a new one."""
     origin, thing = bpy.data.objects.get(job.origin), bpy.data.objects.get(job.target)
     mesh = shapes.result_mesh(context.scene, origin, job.options) if origin else None
-    if not mesh or job.target and not thing or len(mesh.vertices) != len(job.shapes.shapes[0].positions):
+    is_here = not job.target or thing and thing.mode == "OBJECT"
+    if not is_here or not mesh or len(mesh.vertices) != len(job.shapes.shapes[0].positions):
         if mesh:
             bpy.data.meshes.remove(mesh)
         raise shapes.Failure(f"{job.origin} has changed during the bake: bake it again")
@@ -107,8 +114,7 @@ def new_object(context, origin, options):
     if options.source == "FRAMES":  # they are in the shapes
         thing.modifiers.clear()
         thing.parent_type = "OBJECT" if thing.parent_type == "ARMATURE" else thing.parent_type
-    show(thing, True)
-    show(origin, False)
+    thing.hide_render, origin.hide_render = False, True  # the first bake of this origin may have hidden it
     layer = context.view_layer  # may have become another during the bake, without the origin
     layer.update()
     if shapes.is_in(layer, origin):
@@ -118,15 +124,6 @@ def new_object(context, origin, options):
         thing.select_set(True)
         layer.objects.active = thing
     return thing
-
-
-def show(thing, is_shown):
-    """In renders, and to what collides. An origin that is baked once more was hidden by its first bake."""
-    thing.hide_render = not is_shown
-    for curve in drive.movers(thing.animation_data, "hide_render"):
-        curve.mute = not is_shown
-    if thing.collision:
-        thing.collision.use = is_shown
 
 
 def collections_of(origin):
@@ -215,11 +212,9 @@ class PLIANT_OT_bake(bpy.types.Operator, BakeOptions):
             self.cancel(context)
             self.tell("INFO", "cancelled: nothing was baked")
             return {"CANCELLED"}
-        if event.type != "TIMER":
-            return {"PASS_THROUGH"}
+        if event.type != "TIMER":  # nothing is edited meanwhile: Blender crashes if a stroke runs while the result is put in
+            return {"PASS_THROUGH"} if event.type.startswith("TIMER") else {"RUNNING_MODAL"}
         is_done = self.job.run.poll() is not None
-        if is_done and self.job.is_blocked():
-            is_done, self.job.run.stage = False, "return to Object Mode for the result"
         self.show(context)
         if not is_done:
             return {"PASS_THROUGH"}
@@ -238,8 +233,7 @@ class PLIANT_OT_bake(bpy.types.Operator, BakeOptions):
     def cancel(self, context):
         """Also called by Blender, when it quits or opens another file."""
         context.window_manager.event_timer_remove(self.timer)
-        for workspace in bpy.data.workspaces:  # those that were shown during the bake
-            workspace.status_text_set(None)
+        context.workspace.status_text_set(None)
         self.close()
 
     def close(self):

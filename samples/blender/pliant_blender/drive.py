@@ -48,8 +48,7 @@ def add_properties(thing, shapes_read, origin):
 def follow(thing, path, keys):
     """Drives a property by the shape key of its name, if that one moves and the property does not by itself."""
     source = f"key_blocks{path}.value"
-    is_moved = any(not curve.mute for curve in movers(keys.animation_data, source))
-    if is_moved and not movers(thing.animation_data, path):
+    if is_animated(keys.animation_data, source) and not movers(thing.animation_data, path):
         driver = thing.driver_add(path).driver
         add_variable(driver, FOLLOWED, keys, source, "KEY")
         driver.expression = FOLLOWED
@@ -65,6 +64,10 @@ def movers(animation, path):
     """The curves that move a property: its driver, and its keyframes in the action and in the nonlinear animation."""
     found = [curve for user in users_of_actions(animation) for curve in curves(user)] + [*getattr(animation, "drivers", ())]
     return [curve for curve in found if curve.data_path == path]
+
+
+def is_animated(animation, path):
+    return any(not curve.mute for curve in movers(animation, path))
 
 
 def users_of_actions(animation):
