@@ -40,7 +40,9 @@ class Job:
         copy_options(options, self.options)
         check_origin(origin)
         self.shapes = shapes.read(scene, origin, options)
-        self.by_keys = options.drive == "KEYS" or options.drive == "AUTO" and not drive.package()
+        has_modifiers = self.target or options.source == "KEYS"  # those of frames are in the shapes
+        needs_keys = not drive.package() or has_modifiers and drive.is_simulated(thing)
+        self.by_keys = options.drive == "KEYS" or options.drive == "AUTO" and needs_keys
         self.storage = tempfile.TemporaryDirectory(prefix="pliant_")
         self.folder = pathlib.Path(self.storage.name)
         try:

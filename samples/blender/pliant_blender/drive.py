@@ -12,6 +12,7 @@ assets = {}  # by identity
 messages = {}  # by the name of a mesh: why it stands still
 KEY = "Pliant"
 FOLLOWED = "pliant_key"  # the variable of drivers of add_properties(), by which another bake knows them
+SIMULATIONS = {"CLOTH", "COLLISION", "DYNAMIC_PAINT", "FLUID", "SOFT_BODY"}  # modifiers
 LARGEST = float(np.finfo(np.float32).max)
 
 
@@ -22,6 +23,11 @@ def package():
         return importlib.import_module("pliant")
     except ImportError:
         return None
+
+
+def is_simulated(thing):
+    """Whether Blender simulates with the object, which it does before the handlers set the shape of the frame."""
+    return any(modifier.type in SIMULATIONS for modifier in thing.modifiers)
 
 
 def property_path(name):

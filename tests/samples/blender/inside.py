@@ -164,6 +164,9 @@ def check_simulated():
     thing = bake()
     check(thing.users_collection == (bpy.context.scene.collection,), "the copy is no rigid body")
     check((origin.field.type, thing.field.type) == ("FORCE", "NONE"), "the copy has no force field")
+    check(not thing.data.pliant.table, "driven by the package")
+    thing.modifiers.new("collision", "COLLISION")
+    check(bake().data.pliant.table, "driven by shape keys, which move before Blender simulates")
 
 
 def check_tweaked():
