@@ -49,7 +49,8 @@ class VIEW3D_PT_pliant(bpy.types.Panel):
             self.draw_text(context, "The Python package pliant is not installed: the shape stands still. Install it, or "
                                     "bake again, driven by shape keys.", "ERROR")
         if not state.table and drive.is_simulated(thing):
-            self.draw_text(context, "Simulations get the shape of the frame before: bake again, driven by shape keys.", "ERROR")
+            self.draw_text(context, "Simulations get the shape of the frame before. Bake again, driven by shape keys.",
+                           "ERROR")
         self.draw_text(context, drive.messages.get(thing.data.name_full, ""), "ERROR")
         self.draw_text(context, state.summary, "INFO")
         self.layout.operator("pliant.export", text="Export", icon="EXPORT")
