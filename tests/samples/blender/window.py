@@ -54,13 +54,15 @@ def check_locked():
         yield
     for is_baking in (True, False):
         if is_baking:
-            start_bake(preview=True)
+            start_bake(preview=False, tolerance=1e-6)  # takes longer than the events
         for kind, value in (("MOUSEMOVE", "NOTHING"), ("TAB", "PRESS"), ("TAB", "RELEASE")):
             bpy.context.window.event_simulate(type=kind, value=value, **place)
             yield
         check(bool(running()) == is_baking, "the bake has ended already")
         check(bpy.context.mode == ("OBJECT" if is_baking else "EDIT_MESH"), f"{bpy.context.mode}, baking: {is_baking}")
-        yield from wait_for(lambda: not running(), "the end of a bake")
+        if is_baking:
+            bpy.context.window.event_simulate(type="ESC", value="PRESS")
+        yield from wait_for(lambda: not running(), "the end of a cancelled bake")
     bpy.ops.object.mode_set(mode="OBJECT")
 
 
