@@ -1,7 +1,7 @@
 """Pliant for Blender: bakes the shape keys or frames of an object into an elastic blend, drives it live, exports it."""
 import bpy
 
-from . import bake, drive, export, morphs, panel, properties
+from . import bake, export, morphs, panel, properties
 
 bl_info = {
     "name": "Pliant",
@@ -30,13 +30,11 @@ def register():
         bpy.utils.register_class(each)
     for owner, group in GROUPS:
         setattr(getattr(bpy.types, owner), "pliant", bpy.props.PointerProperty(type=getattr(properties, group)))
-    drive.register()
     morphs.register()
 
 
 def unregister():
     morphs.unregister()
-    drive.unregister()
     for owner, _ in GROUPS:
         delattr(getattr(bpy.types, owner), "pliant")
     for each in reversed(CLASSES):

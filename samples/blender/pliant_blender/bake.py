@@ -7,20 +7,29 @@ from types import SimpleNamespace
 
 import bpy
 
-from . import drive, morphs, shapes, tool
+from . import morphs, shapes, sliders, tool
 from .properties import BakeOptions, copy_options
 
 FILE_NAMES = {ord("/"): "\u2215", ord("#"): "\uff03"}  # a '#' would ask for a part of a glTF file
 
 
-def check_origin(origin):
+def check_origin(origin, options):
     """It stays in the scene, hidden, beside the copy."""
-    if drive.is_animated(origin.animation_data, "hide_render"):
+    if sliders.is_animated(origin.animation_data, "hide_render"):
         raise shapes.Failure(f"{origin.name}: its visibility in renders is animated, and would show it beside the copy: "
                              "remove these keyframes or the driver, and animate the copy")
-    if any(modifier.type == "COLLISION" for modifier in origin.modifiers):
-        raise shapes.Failure(f"{origin.name} would collide beside the copy, though it is hidden: remove its Collision "
-                             "modifier, and add one to the copy")
+    for modifier in origin.modifiers:
+        if acts_on_others(modifier):
+            raise shapes.Failure(f"{origin.name} would act on simulations beside the copy, though it is hidden: remove its "
+                                 f"modifier {modifier.name}, and add one to the copy")
+        if modifier.type == "CLOTH" and options.source == "KEYS" and modifier.settings.rest_shape_key:
+            raise shapes.Failure(f"{origin.name}: the copy has no shape key for the cloth to rest at: clear the Rest Shape "
+                                 f"Key of the modifier {modifier.name}, or take Frames")
+
+
+def acts_on_others(modifier):
+    return (modifier.type == "COLLISION" or modifier.type == "DYNAMIC_PAINT" and modifier.brush_settings
+            or modifier.type == "FLUID" and modifier.fluid_type in {"FLOW", "EFFECTOR"})
 
 
 class Job:
@@ -38,16 +47,13 @@ class Job:
                 raise shapes.Failure(f"{each.name} is linked from another file: bake it there, or append it")
         self.origin, self.options = origin.name, SimpleNamespace()
         copy_options(options, self.options)
-        check_origin(origin)
+        check_origin(origin, options)
         self.shapes = shapes.read(scene, origin, options)
-        has_modifiers = self.target or options.source == "KEYS"  # those of frames are in the shapes
-        needs_keys = not drive.package() or has_modifiers and drive.is_simulated(thing)
-        self.by_keys = options.drive == "KEYS" or options.drive == "AUTO" and needs_keys
         self.storage = tempfile.TemporaryDirectory(prefix="pliant_")
         self.folder = pathlib.Path(self.storage.name)
         try:
-            export = [["export", "baked.pliant", "--no-normals", "-o", "baked.glb"]] * self.by_keys
-            self.run = tool.Run([self.bake_command(), *export], self.folder)
+            export = ["export", "baked.pliant", "--no-normals", "-o", "baked.glb"]
+            self.run = tool.Run([self.bake_command(), export], self.folder)
         except BaseException:
             self.storage.cleanup()
             raise
@@ -139,7 +145,7 @@ def own_actions(animation):
     """Keyframes of the copy are not those of the origin."""
     if animation:
         animation.use_tweak_mode = False  # there the action is that of a strip
-    for user in drive.users_of_actions(animation):
+    for user in sliders.users_of_actions(animation):
         if user.action:
             slot = getattr(user, "action_slot", None)
             user.action = user.action.copy()
@@ -150,18 +156,14 @@ def own_actions(animation):
 def finish(context, job):
     asset, summary = job.asset(), job.summary()
     thing = put_result(context, job)
-    data, state = thing.data, thing.data.pliant
+    state = thing.data.pliant
     state.asset, state.summary = asset, summary
     state.identity = hashlib.sha256(asset).hexdigest()
     for name in job.shapes.weight_names:
         state.weights.add().name = name
-    drive.add_properties(thing, job.shapes, bpy.data.objects[job.origin])
-    if job.by_keys:
-        data.pliant.table = morphs.add_keys(thing, job.folder / "baked.glb")
-    else:
-        drive.add_key(thing)
+    sliders.add_properties(thing, job.shapes, bpy.data.objects[job.origin])
+    state.table = morphs.add_keys(thing, job.folder / "baked.glb")
     thing.update_tag()
-    drive.refresh_all()
 
 
 class PLIANT_OT_bake(bpy.types.Operator, BakeOptions):

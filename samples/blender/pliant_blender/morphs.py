@@ -1,5 +1,8 @@
-"""Drives meshes without the package: d shape keys, which are the morph targets of `pliant export`, and the table in that
-file from pose weights to morph weights, evaluated by drivers. The mathematics are those of samples/README.md."""
+"""Drives meshes by d shape keys, which are the morph targets of `pliant export`. Drivers give them the reduced coordinates
+that the Python package pliant solves for, or, where it is not installed, those of the table in that file, whose mathematics
+are in samples/README.md."""
+import functools
+import importlib
 import json
 import string
 import struct
@@ -7,13 +10,21 @@ import struct
 import bpy
 import numpy as np
 
-from . import drive, shapes
+from . import shapes, sliders
 
 FUNCTION = "pliant_weight"
 # One driver variable for each weight. An expression has at most 256 characters, and there may be 64 weights.
 VARIABLES = [*string.ascii_letters, *(letter + "0" for letter in string.ascii_letters)]
-tables = {}  # by identity: arrays of a table
-computed = {}  # by identity: the last weights and their morph weights
+solvers = {}  # by the identity of an asset: weights to the values of its keys
+
+
+@functools.cache
+def package():
+    """The module, or None where it is not installed."""
+    try:
+        return importlib.import_module("pliant")
+    except ImportError:
+        return None
 
 
 def read_glb(path):
@@ -47,7 +58,8 @@ def add_keys(thing, path):
         key.data.foreach_set("co", (base + target).ravel())
         add_driver(thing, key, j)
     thing.data.update()
-    return json.dumps({"layers": extras.get("blend") == "layers", "first": first.tolist(), **extras["pose_table"]})
+    return json.dumps({"layers": extras.get("blend") == "layers", "first": first.tolist(), "q_min": extras["q_min"],
+                       "q_max": extras["q_max"], **extras["pose_table"]})
 
 
 def add_driver(thing, key, j):
@@ -55,31 +67,53 @@ def add_driver(thing, key, j):
     driver.type, driver.use_self = "SCRIPTED", True
     names = VARIABLES[:len(thing.data.pliant.weights)]
     for name, weight in zip(names, thing.data.pliant.weights):
-        drive.add_variable(driver, name, thing, drive.property_path(weight.name))
+        sliders.add_variable(driver, name, thing, sliders.property_path(weight.name))
     # In tuples, since Blender without Auto Run refuses calls with more than 30 arguments.
     groups = ", ".join(f"({','.join(names[i:i + 25])},)" for i in range(0, len(names), 25))
     driver.expression = f"{FUNCTION}(self, {j}, {groups})"
 
 
-def morph_weights(state, weights):
-    """[d], less those of the first shape."""
-    if state.identity not in tables:
-        table = json.loads(state.table)
-        centres = np.reshape(table["centres"], (-1, len(weights)))
-        rows = len(centres) + table["layers"] + len(weights)
-        tables[state.identity] = table["layers"], centres, np.reshape(table["coefficients"], (rows, -1)), table["first"]
-    layers, centres, coefficients, first = tables[state.identity]
-    w = np.array(weights) if layers else drive.shares(weights)
-    features = np.concatenate([np.linalg.norm(centres - w, axis=1) ** 3, [1] * layers, w])
-    return features @ coefficients - first
+def solver(state):
+    """The function from weights to the values of all shape keys: exact if the package is there."""
+    table = json.loads(state.table)
+    if package():
+        solve = of_asset(package().Asset.open(state.asset), table)
+    else:
+        solve = of_table(table, len(state.weights))
+    first = np.array(table["first"])
+    return functools.lru_cache(64)(lambda weights: solve(weights if table["layers"] else shares(weights)) - first)
+
+
+def of_asset(asset, table):
+    low, high = np.array(table["q_min"]), np.array(table["q_max"])
+    width = np.where(high > low, high - low, np.inf)  # a target that moves nothing
+    return lambda weights: (asset.coordinates(weights) - low) / width
+
+
+def of_table(table, count):
+    centres = np.reshape(table["centres"], (-1, count))
+    rows = len(centres) + table["layers"] + count
+    coefficients = np.reshape(table["coefficients"], (rows, -1))
+
+    def solve(weights):
+        distances = np.linalg.norm(centres - np.array(weights), axis=1)
+        return np.concatenate([distances ** 3, [1] * table["layers"], weights]) @ coefficients
+    return solve
+
+
+def shares(weights):
+    """Of an average, with the sum 1: a negative weight counts as 0, and weights that are all 0 count as equal."""
+    positive = np.maximum(weights, 0)
+    positive = positive if positive.any() else np.ones(len(positive))
+    return positive / positive.sum()
 
 
 def driver_function(key, j, *groups):
     """The value of shape key j. All of a mesh are computed at once, for the first that asks."""
-    state, weights = key.id_data.user.pliant, sum(groups, ())
-    if computed.get(state.identity, (None, None))[0] != weights:
-        computed[state.identity] = weights, morph_weights(state, weights)
-    return computed[state.identity][1][j]
+    state = key.id_data.user.pliant
+    if state.identity not in solvers:
+        solvers[state.identity] = solver(state)
+    return solvers[state.identity](sum(groups, ()))[j]
 
 
 @bpy.app.handlers.persistent
@@ -96,3 +130,4 @@ def register():
 def unregister():
     bpy.app.handlers.load_post.remove(add_function)
     bpy.app.driver_namespace.pop(FUNCTION, None)
+    solvers.clear()

@@ -3,7 +3,7 @@ import textwrap
 
 import bpy
 
-from . import drive, shapes, tool
+from . import morphs, shapes, sliders, tool
 from .bake import PLIANT_OT_bake
 from .properties import copy_options
 
@@ -19,7 +19,7 @@ class PliantPreferences(bpy.types.AddonPreferences):
             self.layout.label(text=f"Found: {tool.find()}", icon="CHECKMARK")
         except shapes.Failure as failure:
             self.layout.label(text=str(failure), icon="ERROR")
-        module = drive.package()
+        module = morphs.package()
         self.layout.label(text=f"Python package pliant: {module.__version__ if module else 'not installed, see README.md'}")
 
 
@@ -44,15 +44,10 @@ class VIEW3D_PT_pliant(bpy.types.Panel):
         state, column = thing.data.pliant, self.layout.column(align=True)
         for weight in state.weights:
             if weight.name in thing:
-                column.prop(thing, drive.property_path(weight.name), text=weight.name, slider=True)
-        if not state.table and not drive.package():
-            self.draw_text(context, "The Python package pliant is not installed: the shape stands still. Install it, or "
-                                    "bake again, driven by shape keys.", "ERROR")
-        if not state.table and drive.is_simulated(thing):
-            self.draw_text(context, "Simulations get the shape of the frame before. Bake again, driven by shape keys.",
-                           "ERROR")
-        self.draw_text(context, drive.messages.get(thing.data.name_full, ""), "ERROR")
+                column.prop(thing, sliders.property_path(weight.name), text=weight.name, slider=True)
         self.draw_text(context, state.summary, "INFO")
+        if not morphs.package():
+            self.draw_text(context, "Approximate: the Python package pliant is not installed", "INFO")
         self.layout.operator("pliant.export", text="Export", icon="EXPORT")
 
     def draw_options(self, thing):
@@ -68,7 +63,6 @@ class VIEW3D_PT_pliant(bpy.types.Panel):
         row.active = not state.preview
         row.prop(state, "tolerance")
         column.prop(state, "preview")
-        column.prop(state, "drive")
 
     def draw_bake(self, context, thing):
         job = PLIANT_OT_bake.job

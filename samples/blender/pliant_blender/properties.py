@@ -16,10 +16,6 @@ class BakeOptions:
     tolerance: FloatProperty(name="Tolerance", default=0.001, min=1e-8, max=1, precision=5, step=0.01,
                              description="Mean error that is allowed, relative to the size of the shape")
     preview: BoolProperty(name="Preview", description="A rough blend in a fraction of the time; the tolerance is not used")
-    drive: EnumProperty(name="Drive by", items=[
-        ("AUTO", "Automatic", "The Python package pliant if it is installed, otherwise shape keys"),
-        ("PACKAGE", "Package pliant", "Exact. Every Blender that shows the object needs the package"),
-        ("KEYS", "Shape keys", "Shape keys with drivers: approximate, no package is needed")])
 
 
 def copy_options(origin, destination):
@@ -36,10 +32,9 @@ class PliantMesh(bpy.types.PropertyGroup):
     render farm or undone past a bake, and the bytes are about as large as the shape keys that they replace."""
     asset: StringProperty(subtype="BYTE_STRING")
     identity: StringProperty(description="SHA-256 of the asset; empty in meshes that are not driven")
-    table: StringProperty(description="JSON of pliant export that maps weights to shape keys; empty if the package drives")
+    table: StringProperty(description="JSON of pliant export that maps weights to shape keys")
     weights: CollectionProperty(type=PliantWeight)
     summary: StringProperty()
-    shown: StringProperty(description="Identity and weights that the vertices show; copies take it along with the vertices")
 
 
 class PliantObject(bpy.types.PropertyGroup, BakeOptions):
