@@ -73,8 +73,8 @@ class Job:
             words += ["--range", f"{pathlib.PurePosixPath(file).name[:-len('.ply')]}={low:.6g}:{high:.6g}"]
         return [*words, "--", *files]
 
-    def has_asset(self):
-        return (self.folder / "baked.pliant").exists()
+    def has_result(self):
+        return (self.folder / "baked.glb").exists()
 
     def asset(self):
         return (self.folder / "baked.pliant").read_bytes()
@@ -247,7 +247,7 @@ class PLIANT_OT_bake(bpy.types.Operator, BakeOptions):
     def end(self, context):
         run, text = self.job.run, "\n".join(self.job.run.messages)
         try:
-            if run.code not in (0, 4) or not self.job.has_asset():
+            if run.code not in (0, 4) or not self.job.has_result():
                 raise shapes.Failure(text or f"the tool ended with exit code {run.code} and wrote no asset")
             finish(context, self.job)
         except shapes.Failure as failure:

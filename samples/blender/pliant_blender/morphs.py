@@ -13,9 +13,11 @@ import numpy as np
 from . import shapes, sliders
 
 FUNCTION = "pliant_weight"
+SCALE = 100  # of keys: Blender holds their values within -10 and 10, which those of targets leave beyond the sliders' ranges
 # One driver variable for each weight. An expression has at most 256 characters, and there may be 64 weights.
 VARIABLES = [*string.ascii_letters, *(letter + "0" for letter in string.ascii_letters)]
 solvers = {}  # by the identity of an asset: weights to the values of its keys
+refusals = {}  # by the identity of an asset: why the package does not open it
 
 
 @functools.cache
@@ -54,8 +56,8 @@ def add_keys(thing, path):
     thing.shape_key_add(name="Basis", from_mix=False)
     for j, target in enumerate(targets):
         key = thing.shape_key_add(name=f"Pliant {j}", from_mix=False)
-        key.slider_min, key.slider_max = -10, 10  # the table may leave 0 to 1 a little
-        key.data.foreach_set("co", (base + target).ravel())
+        key.slider_min, key.slider_max = -10, 10
+        key.data.foreach_set("co", (base + SCALE * target).ravel())
         add_driver(thing, key, j)
     thing.data.update()
     return json.dumps({"layers": extras.get("blend") == "layers", "first": first.tolist(), "q_min": extras["q_min"],
@@ -63,7 +65,7 @@ def add_keys(thing, path):
 
 
 def add_driver(thing, key, j):
-    driver = key.driver_add("value").driver
+    driver = sliders.add_driver(key, "value")
     driver.type, driver.use_self = "SCRIPTED", True
     names = VARIABLES[:len(thing.data.pliant.weights)]
     for name, weight in zip(names, thing.data.pliant.weights):
@@ -73,15 +75,25 @@ def add_driver(thing, key, j):
     driver.expression = f"{FUNCTION}(self, {j}, {groups})"
 
 
+def why_approximate(state):
+    """A text for people; empty if the package solves."""
+    return refusals.get(state.identity, "") if package() else "the Python package pliant is not installed"
+
+
 def solver(state):
-    """The function from weights to the values of all shape keys: exact if the package is there."""
+    """The function from weights to the values of all shape keys: exact if the package opens the asset."""
     table = json.loads(state.table)
-    if package():
-        solve = of_asset(package().Asset.open(state.asset), table)
-    else:
-        solve = of_table(table, len(state.weights))
+    asset = open_asset(state) if package() else None
+    solve = of_asset(asset, table) if asset else of_table(table, len(state.weights))
     first = np.array(table["first"])
-    return functools.lru_cache(64)(lambda weights: solve(weights if table["layers"] else shares(weights)) - first)
+    return functools.lru_cache(64)(lambda weights: (solve(weights if table["layers"] else shares(weights)) - first) / SCALE)
+
+
+def open_asset(state):
+    try:
+        return package().Asset.open(state.asset)
+    except package().Error as error:  # a package that is older than the tool
+        refusals[state.identity] = str(error)
 
 
 def of_asset(asset, table):
@@ -130,4 +142,5 @@ def register():
 def unregister():
     bpy.app.handlers.load_post.remove(add_function)
     bpy.app.driver_namespace.pop(FUNCTION, None)
-    solvers.clear()
+    for each in (solvers, refusals):
+        each.clear()

@@ -46,8 +46,8 @@ class VIEW3D_PT_pliant(bpy.types.Panel):
             if weight.name in thing:
                 column.prop(thing, sliders.property_path(weight.name), text=weight.name, slider=True)
         self.draw_text(context, state.summary, "INFO")
-        if not morphs.package():
-            self.draw_text(context, "Approximate: the Python package pliant is not installed", "INFO")
+        reason = morphs.why_approximate(state)
+        self.draw_text(context, f"Approximate: {reason}" if reason else "", "INFO")
         self.layout.operator("pliant.export", text="Export", icon="EXPORT")
 
     def draw_options(self, thing):

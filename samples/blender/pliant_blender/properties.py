@@ -29,7 +29,7 @@ class PliantWeight(bpy.types.PropertyGroup):
 
 class PliantMesh(bpy.types.PropertyGroup):
     """The asset of a driven mesh. Its bytes are packed into the .blend: a path would break when the file is moved, sent to a
-    render farm or undone past a bake, and the bytes are about as large as the shape keys that they replace."""
+    render farm or undone past a bake."""
     asset: StringProperty(subtype="BYTE_STRING")
     identity: StringProperty(description="SHA-256 of the asset; empty in meshes that are not driven")
     table: StringProperty(description="JSON of pliant export that maps weights to shape keys")

@@ -31,7 +31,7 @@ def follow(thing, path, keys):
     """Drives a property by the shape key of its name, if that one moves and the property does not by itself."""
     source = f"key_blocks{path}.value"
     if is_animated(keys.animation_data, source) and not movers(thing.animation_data, path):
-        driver = thing.driver_add(path).driver
+        driver = add_driver(thing, path)
         add_variable(driver, FOLLOWED, keys, source, "KEY")
         driver.expression = FOLLOWED
 
@@ -71,6 +71,14 @@ def curves(user):
         return action.fcurves if action else []
     bags = [strip.channelbag(user.action_slot) for layer in action.layers for strip in layer.strips if user.action_slot]
     return [curve for bag in bags if bag for curve in bag.fcurves]
+
+
+def add_driver(owner, path):
+    """Without keyframes of its curve, whose values Blender since 5.0 takes for all values that are within 1e-4 of them."""
+    curve = owner.driver_add(path)
+    while curve.keyframe_points:
+        curve.keyframe_points.remove(curve.keyframe_points[0])
+    return curve.driver
 
 
 def add_variable(driver, name, owner, path, kind="OBJECT"):

@@ -35,9 +35,11 @@ class Run:
         self.rest = b""
         self.terminal, other_end = os.openpty()
         os.set_blocking(self.terminal, False)
-        self.process = subprocess.Popen([self.program, *self.commands.pop(0)], cwd=self.folder, stdin=subprocess.DEVNULL,
-                                        stdout=subprocess.DEVNULL, stderr=other_end)
-        os.close(other_end)
+        try:
+            self.process = subprocess.Popen([self.program, *self.commands.pop(0)], cwd=self.folder, stdin=subprocess.DEVNULL,
+                                            stdout=subprocess.DEVNULL, stderr=other_end)
+        finally:
+            os.close(other_end)
 
     def poll(self):
         """Takes what the tool has said. The exit code after the last command, or after one that wrote nothing; else None."""
@@ -46,11 +48,18 @@ class Run:
         if code is None or self.code is not None:
             return self.code
         if self.commands and code in (0, 4):  # 4: the asset is there, and misses the tolerance
-            os.close(self.terminal)
-            self.start()
+            self.start_next()
         else:
             self.code = code
         return self.code
+
+    def start_next(self):
+        os.close(self.terminal)
+        try:
+            self.start()
+        except OSError as error:  # the program has gone since the last command
+            self.messages.append(str(error))
+            self.code = 1
 
     def wait(self):
         while self.poll() is None:
@@ -72,7 +81,8 @@ class Run:
     def take_progress(self, line):
         found = PROGRESS.fullmatch(line)
         if found:
-            self.stage, self.percent = found["stage"] + (found["left"] or ""), int(found["percent"])
+            self.stage = found["stage"] + (found["left"] or "")
+            self.percent = max(self.percent, int(found["percent"]))  # a second command starts at 0
 
     def take_message(self, line):
         found = MESSAGE.fullmatch(line)

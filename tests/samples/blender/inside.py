@@ -24,13 +24,14 @@ def package():
     """Driven by the package: layers, averages, animation, files."""
     thing = bake_layers()
     asset = write(thing)
-    for weights in ((1, 0, 0), (0.5, -0.4, 0.8), (1.2, 1, 1)):
+    for weights in ((1, 0, 0), (0.5, -0.4, 0.8), (5, 4, 5), (0.0005, 0, 0)):
         set_weights(thing, *weights)
         check_shape(thing, asset, weights)
     check(abs(coordinates(thing.data.vertices) - tube()).max() < 1e-3, "what is bound to the shape at rest stays there")
     set_weights(thing, 0, 1, 0)
     check(abs(shown(thing) - tube(twist=1.5)).max() < 0.01, "a layer alone at 1 is its shape key, not mirrored")
     check_duplicate(thing, asset)
+    check_refused_asset(thing, asset)
     check_baked_again(thing)
     check_animation(thing, asset)
     check_followed_keys()
@@ -54,6 +55,14 @@ def check_duplicate(thing, asset):
     check_shape(thing, asset, (0.3, 0, 0.6))
     bpy.data.meshes.remove(copy.data)  # and the object
     activate(thing)
+
+
+def check_refused_asset(thing, asset):
+    """Where the package does not open the asset, as one that is older than the tool, the table drives."""
+    thing.data.pliant.identity, thing.data.pliant.asset = "newer", b"of a later version"
+    set_weights(thing, 0.7, 0, 0.3)
+    check("error P" in addon("morphs").why_approximate(thing.data.pliant), "the panel says why")
+    check(1e-5 < check_shape(thing, asset, (0.7, 0, 0.3), 0.1), "the shape is that of the table")
 
 
 def check_baked_again(thing):
@@ -146,7 +155,7 @@ def check_frames_of(thing, frames):
 
 
 def check_simulated():
-    """Only one of the two acts in simulations: as rigid bodies they would push each other away. They get the shape in time."""
+    """Only one of the two acts as a rigid body or a force: they would push each other away. Cloth gets the shape in time."""
     origin = make_layers()
     bpy.ops.rigidbody.object_add()
     check(len(origin.users_collection) == 2, "the origin is a rigid body")
@@ -310,7 +319,8 @@ def check_many_layers():
     addon("morphs").add_driver(thing, key, 0)
     thing.update_tag()
     bpy.context.view_layer.update()
-    check(abs(key.value - 0.63) < 1e-6, f"the 64th weight is {key.value}")
+    value = key.value * addon("morphs").SCALE
+    check(abs(value - 0.63) < 1e-6, f"the 64th weight is {value}")
 
 
 def check_stated_error(thing, asset):
@@ -352,6 +362,11 @@ def errors():
     check_error("the tool 'no-such-pliant' was not found")
     preferences().tool = "/bin/true"
     check_error("the tool ended with exit code 0 and wrote no asset")
+    vanishing = FOLDER / "vanishing"
+    vanishing.write_text(f'#!/bin/sh\nrm "$0"\nexec "{TOOL}" "$@"\n')
+    vanishing.chmod(0o755)
+    preferences().tool = str(vanishing)
+    check_error("No such file or directory")
     preferences().tool = os.path.relpath(TOOL)
     check_miss(bake(preview=False, tolerance=1e-8))
     preferences().tool = TOOL
