@@ -99,12 +99,20 @@ def put_result(context, job):
         if mesh:
             bpy.data.meshes.remove(mesh)
         raise shapes.Failure(f"{job.origin} has changed during the bake: bake it again")
-    thing = thing or new_object(context, origin, job.options)
-    previous, thing.data = thing.data, mesh
-    if not previous.users:
-        bpy.data.meshes.remove(previous)
+    if thing:
+        replace_mesh(thing.data, mesh)
+    else:
+        thing = new_object(context, origin, job.options)
+        thing.data = mesh
     copy_options(job.options, thing.pliant)
     return thing
+
+
+def replace_mesh(previous, mesh):
+    """In all objects that share it."""
+    previous.user_remap(mesh)
+    if not previous.users:
+        bpy.data.meshes.remove(previous)
 
 
 def new_object(context, origin, options):

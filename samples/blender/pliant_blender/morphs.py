@@ -59,6 +59,7 @@ def add_keys(thing, path):
         key.slider_min, key.slider_max = -10, 10
         key.data.foreach_set("co", (base + SCALE * target).ravel())
         add_driver(thing, key, j)
+    thing.active_shape_key_index = 0  # edit mode shows this one
     thing.data.update()
     return json.dumps({"layers": extras.get("blend") == "layers", "first": first.tolist(), "q_min": extras["q_min"],
                        "q_max": extras["q_max"], **extras["pose_table"]})
@@ -73,6 +74,18 @@ def add_driver(thing, key, j):
     # In tuples, since Blender without Auto Run refuses calls with more than 30 arguments.
     groups = ", ".join(f"({','.join(names[i:i + 25])},)" for i in range(0, len(names), 25))
     driver.expression = f"{FUNCTION}(self, {j}, {groups})"
+
+
+def drivers(mesh):
+    """Of its shape keys; people may have removed some."""
+    animation = mesh.shape_keys and mesh.shape_keys.animation_data
+    return [curve.driver for curve in animation.drivers] if animation else []
+
+
+def driving_object(mesh):
+    """The one whose sliders move the keys of the mesh, which other objects may share."""
+    variables = [variable for driver in drivers(mesh) for variable in driver.variables]
+    return variables[0].targets[0].id if variables else None
 
 
 def why_approximate(state):
@@ -134,12 +147,21 @@ def add_function(*_):
     bpy.app.driver_namespace[FUNCTION] = driver_function
 
 
+def revive_drivers():
+    """Of a file that was open before the add-on was turned on: Blender gives up a driver whose function is not there."""
+    for driver in (driver for mesh in bpy.data.meshes if mesh.pliant.table for driver in drivers(mesh)):
+        driver.expression = driver.expression
+
+
 def register():
     add_function()
     bpy.app.handlers.load_post.append(add_function)
+    bpy.app.timers.register(revive_drivers)  # while add-ons are registered, there is no access to the file
 
 
 def unregister():
+    if bpy.app.timers.is_registered(revive_drivers):
+        bpy.app.timers.unregister(revive_drivers)
     bpy.app.handlers.load_post.remove(add_function)
     bpy.app.driver_namespace.pop(FUNCTION, None)
     for each in (solvers, refusals):

@@ -45,6 +45,10 @@ class VIEW3D_PT_pliant(bpy.types.Panel):
         for weight in state.weights:
             if weight.name in thing:
                 column.prop(thing, sliders.property_path(weight.name), text=weight.name, slider=True)
+        driving = morphs.driving_object(thing.data)
+        if driving and driving != thing:
+            self.draw_text(context, f"The sliders of {driving.name} move this shape. To move it by its own, make the mesh a "
+                                    "single user and bake again.", "ERROR")
         self.draw_text(context, state.summary, "INFO")
         reason = morphs.why_approximate(state)
         self.draw_text(context, f"Approximate: {reason}" if reason else "", "INFO")

@@ -31,6 +31,7 @@ def package():
     set_weights(thing, 0, 1, 0)
     check(abs(shown(thing) - tube(twist=1.5)).max() < 0.01, "a layer alone at 1 is its shape key, not mirrored")
     check_duplicate(thing, asset)
+    check_shared(thing)
     check_refused_asset(thing, asset)
     check_baked_again(thing)
     check_animation(thing, asset)
@@ -54,6 +55,24 @@ def check_duplicate(thing, asset):
     check_shape(copy, asset, (1, 0, 0))
     check_shape(thing, asset, (0.3, 0, 0.6))
     bpy.data.meshes.remove(copy.data)  # and the object
+    activate(thing)
+
+
+def check_shared(thing):
+    """Alt+D: both objects have the shape of the one that was baked, also when it is baked again."""
+    activate(thing)
+    bpy.ops.object.duplicate(linked=True)
+    copy = bpy.context.object
+    check(addon("morphs").driving_object(copy.data) == thing, "the panel says whose sliders move the copy")
+    activate(thing)
+    bake()
+    check(copy.data == thing.data and thing.active_shape_key_index == 0, "one mesh, which edit mode shows at rest")
+    activate(copy)
+    bpy.ops.object.make_single_user(object=True, obdata=True)
+    activate(copy)
+    bake()
+    check([addon("morphs").driving_object(each.data) for each in (thing, copy)] == [thing, copy], "each moves its own")
+    bpy.data.meshes.remove(copy.data)
     activate(thing)
 
 

@@ -1,8 +1,8 @@
 """The case of inside.py in a window."""
 import bpy
 
-from scene import (FOLDER, NAMES, addon, animate_slider, bake_layers, check, check_shape, contents, last_message,
-                   make_layers, set_weights, write)
+from scene import (FOLDER, NAMES, TOOL, addon, animate_slider, bake_layers, check, check_shape, contents, last_message,
+                   make_layers, preferences, set_weights, write)
 from tubes import activate
 
 
@@ -27,6 +27,7 @@ def window():
     check(len(stages) > 2, f"stages: {stages}")
     yield from check_locked()
     yield from check_undo(bpy.context.object.name)
+    yield from check_turned_on(bpy.context.object.name)
     yield from check_left_layer()
     yield from check_opened()
 
@@ -78,6 +79,21 @@ def check_undo(name):
         thing = bpy.data.objects[name]
         check(thing[NAMES[0]] == bend, f"{act}: the weight is {thing[NAMES[0]]}")
         check_shape(thing, asset, (bend, 0, 0))
+
+
+def check_turned_on(name):
+    """The add-on is turned off and on while the file is open."""
+    asset = write(bpy.data.objects[name])
+    set_weights(bpy.data.objects[name], 0.25, 0, 0)
+    bpy.ops.preferences.addon_disable(module="pliant_blender")
+    bpy.data.objects[name][NAMES[0]] = 0.5
+    bpy.data.objects[name].update_tag()
+    yield
+    bpy.ops.preferences.addon_enable(module="pliant_blender")
+    preferences().tool = TOOL
+    yield  # the timer of the add-on
+    yield
+    check_shape(bpy.data.objects[name], asset, (0.5, 0, 0))
 
 
 def check_left_layer():
