@@ -45,6 +45,8 @@ class Job:
         for each in (thing, origin):
             if each.library or each.override_library:  # Blender would not store what a copy of it adds
                 raise shapes.Failure(f"{each.name} is linked from another file: bake it there, or append it")
+            if each.data.is_editmode:  # by another object, too
+                raise shapes.Failure(f"the mesh of {each.name} is in edit mode: leave it")
         self.origin, self.options = origin.name, SimpleNamespace()
         copy_options(options, self.options)
         check_origin(origin, options)
@@ -94,7 +96,7 @@ def put_result(context, job):
     """The driven object with a new mesh: the one that was active, or beside the origin, which is hidden, a new one."""
     origin, thing = bpy.data.objects.get(job.origin), bpy.data.objects.get(job.target)
     mesh = shapes.result_mesh(context.scene, origin, job.options) if origin else None
-    is_here = not job.target or thing and thing.mode == "OBJECT"
+    is_here = not job.target or thing and not thing.data.is_editmode
     if not is_here or not mesh or len(mesh.vertices) != len(job.shapes.shapes[0].positions):
         if mesh:
             bpy.data.meshes.remove(mesh)

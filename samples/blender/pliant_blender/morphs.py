@@ -22,11 +22,12 @@ refusals = {}  # by the identity of an asset: why the package does not open it
 
 @functools.cache
 def package():
-    """The module, or None where it is not installed."""
+    """The module, or None where it is not installed, or not for this Python."""
     try:
-        return importlib.import_module("pliant")
-    except ImportError:
+        module = importlib.import_module("pliant")
+    except Exception:
         return None
+    return module if hasattr(module, "Asset") else None  # a folder of this name
 
 
 def read_glb(path):
@@ -83,14 +84,14 @@ def drivers(mesh):
 
 
 def driving_object(mesh):
-    """The one whose sliders move the keys of the mesh, which other objects may share."""
+    """The one whose sliders move the keys of the mesh, which other objects may share; None if it is gone."""
     variables = [variable for driver in drivers(mesh) for variable in driver.variables]
     return variables[0].targets[0].id if variables else None
 
 
 def why_approximate(state):
     """A text for people; empty if the package solves."""
-    return refusals.get(state.identity, "") if package() else "the Python package pliant is not installed"
+    return refusals.get(state.identity, "") if package() else "the Python package pliant is not installed for this Python"
 
 
 def solver(state):

@@ -46,9 +46,10 @@ class VIEW3D_PT_pliant(bpy.types.Panel):
             if weight.name in thing:
                 column.prop(thing, sliders.property_path(weight.name), text=weight.name, slider=True)
         driving = morphs.driving_object(thing.data)
-        if driving and driving != thing:
-            self.draw_text(context, f"The sliders of {driving.name} move this shape. To move it by its own, make the mesh a "
-                                    "single user and bake again.", "ERROR")
+        if driving != thing:
+            leader = f"the sliders of {driving.name}" if driving else "an object that is gone"
+            self.draw_text(context, f"The shape follows {leader}. To move it by these sliders, make the mesh a single user "
+                                    "and bake again.", "ERROR")
         self.draw_text(context, state.summary, "INFO")
         reason = morphs.why_approximate(state)
         self.draw_text(context, f"Approximate: {reason}" if reason else "", "INFO")

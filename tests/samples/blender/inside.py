@@ -67,6 +67,7 @@ def check_shared(thing):
     activate(thing)
     bake()
     check(copy.data == thing.data and thing.active_shape_key_index == 0, "one mesh, which edit mode shows at rest")
+    check_edited(thing, copy)
     activate(copy)
     bpy.ops.object.make_single_user(object=True, obdata=True)
     activate(copy)
@@ -74,6 +75,16 @@ def check_shared(thing):
     check([addon("morphs").driving_object(each.data) for each in (thing, copy)] == [thing, copy], "each moves its own")
     bpy.data.meshes.remove(copy.data)
     activate(thing)
+
+
+def check_edited(thing, other):
+    """A mesh that another object edits, which Blender does not replace."""
+    activate(other)
+    bpy.ops.object.mode_set(mode="EDIT")
+    bpy.context.view_layer.objects.active = thing
+    check_error(f"the mesh of {thing.name} is in edit mode")
+    bpy.context.view_layer.objects.active = other
+    bpy.ops.object.mode_set(mode="OBJECT")
 
 
 def check_refused_asset(thing, asset):
