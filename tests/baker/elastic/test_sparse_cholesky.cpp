@@ -73,7 +73,7 @@ void watch()
 {
     if (!watched) return;
     const double start = watched->seconds();
-    std::this_thread::sleep_for(50ms);
+    std::this_thread::sleep_for(100ms);
     seconds_while_forking = watched->seconds() - start;
 }
 
@@ -99,7 +99,7 @@ TEST_CASE("while a process forks no thread is in CHOLMOD, whose locks a child wo
         REQUIRE(::waitpid(child, &status, 0) == child);
         CHECK(status == 0);
         CHECK(seconds_while_forking >= 0);
-        CHECK(seconds_while_forking < 0.005);
+        CHECK(seconds_while_forking < 0.02); // its way to the lock, also on a machine with other work
     }
     watched = nullptr;
     CHECK(thread.end());
