@@ -89,7 +89,7 @@ def check_mirrors(thing):
 def group_weights(thing, name):
     """(n, 1): how much of a shape key each vertex takes."""
     group = thing.vertex_groups.get(name)
-    if not group:
+    if not group or not any(vertex.groups for vertex in thing.data.vertices):  # there Blender takes all of the key, too
         return 1
     rows = [[g.weight for g in vertex.groups if g.group == group.index] for vertex in thing.data.vertices]
     return np.array([row[0] if row else 0 for row in rows], np.float32)[:, None]

@@ -36,6 +36,7 @@ def package():
     check_baked_again(thing)
     check_animation(thing, asset)
     check_followed_keys()
+    check_empty_group()
     check_tweaked()
     check_baked_twice()
     check_simulated()
@@ -198,6 +199,16 @@ def check_simulated():
     cloth.settings.vertex_group_mass = "pin"
     animate_slider(thing, NAMES[0], (1, 0), (3, 1))
     check_frames_of(thing, ((1, (0, 0.25, 0)), (2, (0.5, 0.25, 0)), (3, (1, 0.25, 0)), (1, (0, 0.25, 0))))
+
+
+def check_empty_group():
+    """Of a mesh without any weights, where Blender takes all of the key."""
+    origin = make_tube(("twist", tube(twist=1)))
+    origin.vertex_groups.new(name="group")
+    origin.data.shape_keys.key_blocks["twist"].vertex_group = "group"
+    thing = bake()
+    set_weights(thing, 1)
+    check(abs(shown(thing) - tube(twist=1)).max() < 0.01, "the whole key")
 
 
 def check_tweaked():
