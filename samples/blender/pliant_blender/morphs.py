@@ -85,8 +85,8 @@ def drivers(mesh):
 
 def driving_object(mesh):
     """The one whose sliders move the keys of the mesh, which other objects may share; None if it is gone."""
-    variables = [variable for driver in drivers(mesh) for variable in driver.variables]
-    return variables[0].targets[0].id if variables else None
+    variable = next((each for driver in drivers(mesh) for each in driver.variables), None)
+    return variable.targets[0].id if variable else None
 
 
 def why_approximate(state):
